@@ -1,0 +1,95 @@
+#include "cli/common.h"
+
+#include "base/error.h"
+#include "base/units.h"
+#include "report/table.h"
+
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+
+namespace explore::cli {
+
+using report::figure;
+
+void add_common(CLI::App &app, CommonOptions &options) {
+    app.add_option("STUDY", options.study, "study file (TOML)")->required();
+    app.add_option("--out", options.out, "folder for the results (default: output/<study name>)");
+    app.add_option("--threads", options.threads, "number of threads (default: one a core)")->check(CLI::Range(1, 4096));
+    app.add_option("--seed", options.seed, "fixes what is random")->capture_default_str();
+    app.add_flag("--json", options.json, "print one JSON object and nothing else");
+}
+
+run::RunHeader run_header(const study::Study &study, std::string command, std::string settings) {
+    run::RunHeader header;
+    header.key = {std::move(command), study.hash, std::move(settings)};
+    header.version = PAVESCAPE_VERSION;
+    for (const auto &axis : study.space.axes) {
+        header.parameters.push_back(axis.name);
+    }
+    for (std::size_t i = 0; i < study.responses(); ++i) {
+        const auto &s = study.model.sensors[i];
+        const std::string unit(study.response_unit(i));
+        header.responses.push_back(
+            i < study.measurements.size()
+                ? fmt::format("{}.{}@{:g},{:g},{:g} [{}]", study.model.loads[s.load].name, info(s.quantity).name,
+                              s.x / pave::unit::mm, s.y / pave::unit::mm, s.depth / pave::unit::mm, unit)
+                : fmt::format("{} [{}]", study.outputs[i - study.measurements.size()].name, unit));
+        header.response_to_si.push_back(study.response_to_si(i));
+    }
+    return header;
+}
+
+void write_file(const std::string &folder, const std::string &name, const std::string &text) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    const auto path = std::filesystem::path(folder) / name;
+    const auto part = std::filesystem::path(folder) / (name + ".part");
+    {
+        std::ofstream stream(part, std::ios::binary);
+        stream << text;
+        stream.close();
+        if (!stream) {
+            throw pave::Error({.file = path.string()}, "cannot be written", {},
+                              "a folder that can be written (--out), on a disk with room");
+        }
+    }
+    std::filesystem::rename(part, path, error);
+    if (error) {
+        throw pave::Error({.file = path.string()}, "cannot be written", error.message(), "another folder (--out)");
+    }
+}
+
+std::string study_summary(const study::Study &study) {
+    std::string text = study.title + "\n  ";
+    for (const auto &layer : study.model.layers) {
+        text += fmt::format("{} {:g} mm ({}) / ", layer.name, layer.thickness / pave::unit::mm, layer.law->name());
+    }
+    text += "rigid floor\n";
+    return text;
+}
+
+std::string response_table(const study::Study &study, const std::vector<double> &responses) {
+    report::Table table(
+        {"load", "quantity", "x mm", "y mm", "depth mm", "gauge mm", "measured", "model", "unit", "difference"});
+    for (std::size_t i = 0; i < responses.size(); ++i) {
+        const auto &s = study.model.sensors[i];
+        const bool measured = i < study.measurements.size();
+        const double model = responses[i] / study.response_to_si(i);
+        const double data = measured ? study.measurements[i].value : 0.0;
+        const auto mm = [](double metres) { return fmt::format("{:g}", metres / pave::unit::mm); };
+        table.add({study.model.loads[s.load].name,
+                   measured ? std::string(info(s.quantity).name) : study.outputs[i - study.measurements.size()].name,
+                   mm(s.x), mm(s.y), mm(s.depth), mm(s.gauge), measured ? fmt::format("{}", data) : "", figure(model),
+                   std::string(study.response_unit(i)),
+                   measured && data != 0.0 ? fmt::format("{:+.1f} %", 100.0 * (model / data - 1.0)) : ""});
+    }
+    return "  deflection: positive down; strain and load-induced stress: positive in compression\n" + table.text();
+}
+
+int report_interrupt(const std::string &folder) {
+    fmt::print(stderr, "interrupted: what was computed is kept in {}; the same command continues\n", folder);
+    return was_interrupted;
+}
+
+} // namespace explore::cli

@@ -1,0 +1,281 @@
+// pavescape fit: explore, then refine the best starts.
+#include "cli/common.h"
+#include "landscape/multistart.h"
+#include "report/table.h"
+#include "run/progress.h"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace explore::cli {
+namespace {
+
+using landscape::Minimum;
+using report::counted;
+using report::figure;
+
+struct FitOptions {
+    CommonOptions common;
+    std::string scheme = "multistart";
+    int explore = 256;
+    landscape::MultistartSettings multistart;
+};
+
+// multistart: a Sobol sample and several starts; paper: a coarse full grid, and one search from its smallest misfit.
+search::Design make_design(FitOptions &options, const study::Study &study) {
+    if (options.scheme == "multistart") {
+        return search::sobol(study.space, options.explore, options.common.seed);
+    }
+    options.multistart.starts = 1;
+    constexpr int coarse = 4;
+    if (search::full_grid_size(study.space, coarse) > 100'000) {
+        throw pave::Error({.file = study.file, .key = "parameters"}, "too many parameters for the paper's full grid",
+                          counted(study.space.axes.size(), "parameter", "parameters"), "--scheme multistart");
+    }
+    problem::ParameterSpace space = study.space;
+    for (auto &axis : space.axes) {
+        axis.points = coarse; // an axis held in `map` is free here
+    }
+    return search::full_grid(space);
+}
+
+// Minima whose misfit the noise cannot tell from the best one: within one noise level, or 5 % without degrees of
+// freedom.
+std::vector<const Minimum *> rivals(const std::vector<Minimum> &minima, const landscape::LocalAnalysis &best) {
+    const double f0 = minima[0].evaluation.misfit;
+    const double margin = best.noise > 0.0 ? std::sqrt(f0 * f0 + best.noise * best.noise) : 1.05 * f0;
+    std::vector<const Minimum *> list;
+    for (const Minimum &m : minima) {
+        if (m.evaluation.misfit <= margin) {
+            list.push_back(&m);
+        }
+    }
+    return list;
+}
+
+std::string direction_words(const problem::ParameterSpace &space, const std::vector<double> &unit,
+                            const std::vector<double> &direction) {
+    std::string text;
+    for (std::size_t k = 0; k < direction.size(); ++k) {
+        if (std::abs(direction[k]) < 0.1) {
+            continue;
+        }
+        const problem::Axis &axis = space.axes[k];
+        const double moved = 0.1 * direction[k];
+        text += text.empty() ? "" : " with ";
+        text += axis.scale == problem::Scale::log
+                    ? fmt::format("{} x {:.2f}", axis.name, std::pow(axis.high / axis.low, moved))
+                    : fmt::format("{} {:+.2g}", axis.name, moved * axis.d_physical(unit[k]));
+    }
+    return text;
+}
+
+// What the ends of the searches mean, in plain words.
+std::vector<std::string> findings(const study::Study &study, const problem::Problem &problem,
+                                  const landscape::MultistartResult &result, const landscape::LocalAnalysis &local) {
+    std::vector<std::string> text;
+    const Minimum &best = result.minima[0];
+    const std::size_t starts = result.ends.size();
+    const auto close = rivals(result.minima, local);
+    text.push_back(fmt::format("{} of {} starts ended in the best minimum{}.", best.members.size(), starts,
+                               best.converged ? "" : ", whose search had not converged when it was ended"));
+    if (close.size() > 1) {
+        text.push_back(fmt::format("{} minima fit these data equally well within their noise: the data do not single "
+                                   "out one of them.",
+                                   close.size()));
+    } else if (result.minima.size() > 1) {
+        text.push_back(fmt::format("The next minimum has a misfit {:.2g} times as large: a search from a single start "
+                                   "could have ended there.",
+                                   result.minima[1].evaluation.misfit / best.evaluation.misfit));
+    } else {
+        text.push_back("No start ended anywhere else. That does not prove that there is no other minimum.");
+    }
+    // How far each parameter reaches over everything that fits as well.
+    std::vector<std::string> loose;
+    for (std::size_t k = 0; k < problem.space.axes.size(); ++k) {
+        const problem::Axis &axis = problem.space.axes[k];
+        double low = best.lowest[k];
+        double high = best.highest[k];
+        for (const Minimum *m : close) {
+            low = std::min(low, m->lowest[k]);
+            high = std::max(high, m->highest[k]);
+        }
+        if (axis.unit(high) - axis.unit(low) > 0.05) {
+            loose.push_back(fmt::format("{} from {} to {}", axis.name, figure(low), figure(high)));
+        }
+    }
+    if (!loose.empty()) {
+        text.push_back("Searches that fit equally well ended with " + pave::join(loose) + ".");
+    }
+    if (!best.on_bound.empty()) {
+        text.push_back(pave::join(best.on_bound) +
+                       ": the data ask for more than the study allows there, or do not see it.");
+    }
+    if (local.noise > 0.0 && local.weakest_growth < 3.0 * local.noise) {
+        text.push_back(fmt::format("Least determined: moving {} changes the misfit by less than {} (noise about {}).",
+                                   direction_words(problem.space, best.unit, local.weakest),
+                                   figure(std::max(local.weakest_growth, 1e-6)), figure(local.noise)));
+    }
+    if (local.degrees_of_freedom <= 0) {
+        text.push_back(fmt::format("{} for {} free: the data cannot tell noise from a wrong model, and no error of the "
+                                   "parameters can be given.",
+                                   counted(problem.misfit.size(), "reading", "readings"),
+                                   counted(problem.space.axes.size(), "parameter", "parameters")));
+    } else if (study.noise == study::NoiseSource::estimated) {
+        text.push_back(fmt::format(
+            "The data state no noise. Taken from what the fit leaves over, with only {}, one "
+            "residual has a standard deviation of {}.",
+            counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom"),
+            figure(local.noise)));
+    }
+    return text;
+}
+
+int fit(FitOptions options) {
+    const study::Study study = study::load_study(options.common.study);
+    const problem::Problem problem = study::make_problem(study);
+    const search::Design design = make_design(options, study);
+    const auto &search_settings = options.multistart.search;
+    const std::string settings =
+        fmt::format("{}; {} starts, distance {}; {}, {} evaluations, tolerances {} {}", design.name,
+                    options.multistart.starts, options.multistart.start_distance, options.multistart.method,
+                    search_settings.max_evaluations, search_settings.step_tolerance, search_settings.misfit_tolerance);
+    const std::string folder = options.common.folder(study);
+    run::Store store(folder, true);
+    const int id = store.begin(run_header(study, "fit", settings));
+    run::Engine engine(problem, &store, id, {.threads = options.common.threads, .show_progress = true});
+    const auto result = landscape::multistart(engine, problem, design, options.multistart);
+    if (!result) {
+        return report_interrupt(folder);
+    }
+    const run::Tally &tally = engine.tally();
+    const report::Json statuses = report::status_counts(result->explored);
+    if (result->minima.empty()) {
+        const std::string reason =
+            "not one explored point has an answer; the first says: " + result->explored.front().reason;
+        if (options.common.json) {
+            fmt::print("{}\n", report::Json{{"status", "failed"}, {"reason", reason}, {"statuses", statuses}}.dump(2));
+        }
+        fmt::print(stderr, "pavescape: {}\n", reason);
+        return computation_failed;
+    }
+    const Minimum &best = result->minima[0];
+    const auto local = landscape::analyse(best, problem);
+    const auto words = findings(study, problem, *result, local);
+
+    int evaluations = 0;
+    for (const auto &end : result->ends) {
+        evaluations += end.search.evaluations;
+    }
+    report::Json json = {{"best", report::minimum_json(problem, best)},
+                         {"minima", report::Json::array()},
+                         {"evaluations", static_cast<std::int64_t>(design.points.size()) + evaluations},
+                         {"search_evaluations", evaluations},
+                         {"starts", result->ends.size()},
+                         {"explored", design.name},
+                         {"statuses", statuses},
+                         {"misfit_kind", std::string(to_string(study.data.misfit))},
+                         {"noise",
+                          {{"source", study.noise == study::NoiseSource::stated ? "stated" : "estimated"},
+                           {"residual_standard_deviation", local.noise},
+                           {"degrees_of_freedom", local.degrees_of_freedom}}},
+                         {"findings", words},
+                         {"responses", report::responses_json(study, best.evaluation.responses)},
+                         {"warnings", best.evaluation.warnings},
+                         {"run", folder}};
+    json["best"]["status"] = std::string(to_string(best.evaluation.status));
+    for (const Minimum &m : result->minima) {
+        json["minima"].push_back(report::minimum_json(problem, m));
+    }
+    store.put_result(id, json.dump());
+    write_file(folder, "fit.json", json.dump(2) + "\n");
+    if (options.common.json) {
+        fmt::print("{}\n", json.dump(2));
+        return done;
+    }
+
+    fmt::print("{}\n  explored {}, then {} searches by {} ({} evaluations, {:.0f} a search)\n", study_summary(study),
+               design.name, result->ends.size(), options.multistart.method, evaluations,
+               static_cast<double>(evaluations) / static_cast<double>(result->ends.size()));
+    fmt::print("  {} computed in {} ({:.1f} runs/s), {} kept from before\n",
+               counted(static_cast<std::size_t>(tally.computed), "run", "runs"), run::duration_words(tally.seconds),
+               tally.seconds > 0.0 ? static_cast<double>(tally.computed) / tally.seconds : 0.0, tally.kept);
+    for (const auto &[status, count] : statuses.items()) {
+        if (status != "converged" && count.get<std::int64_t>() > 0) {
+            fmt::print("    {} of the explored points: {}\n", count.get<std::int64_t>(), status);
+        }
+    }
+
+    fmt::print("\nBest fit: misfit f = {} ({} residuals, root mean square {})\n", figure(best.evaluation.misfit),
+               to_string(study.data.misfit),
+               figure(best.evaluation.misfit / std::sqrt(static_cast<double>(problem.misfit.size()))));
+    report::Table parameters({"parameter", "value", "std. error", "min", "max"});
+    for (std::size_t k = 0; k < best.unit.size(); ++k) {
+        const problem::Axis &axis = problem.space.axes[k];
+        const double error = local.standard_error[k] * axis.d_physical(best.unit[k]);
+        parameters.add({axis.name, figure(best.evaluation.parameters[k]), std::isfinite(error) ? figure(error) : "none",
+                        figure(axis.low), figure(axis.high)});
+    }
+    fmt::print("{}\n{}", parameters.text(), response_table(study, best.evaluation.responses));
+    for (const std::string &warning : best.evaluation.warnings) {
+        fmt::print("  warning: {}\n", warning);
+    }
+
+    fmt::print("\n{} found\n", counted(result->minima.size(), "distinct minimum", "distinct minima"));
+    std::vector<std::string> header{"misfit", "starts"};
+    for (const auto &axis : problem.space.axes) {
+        header.push_back(axis.name);
+    }
+    header.emplace_back("remark");
+    report::Table minima(header);
+    for (const Minimum &m : result->minima) {
+        std::vector<std::string> row{figure(m.evaluation.misfit),
+                                     fmt::format("{} of {}", m.members.size(), result->ends.size())};
+        for (const double value : m.evaluation.parameters) {
+            row.push_back(figure(value));
+        }
+        std::string remark = pave::join(m.on_bound);
+        if (!m.converged) {
+            remark += (remark.empty() ? "" : "; ") + std::string("not converged: ") +
+                      result->ends[static_cast<std::size_t>(m.members[0])].search.ended;
+        }
+        row.push_back(remark);
+        minima.add(std::move(row));
+    }
+    fmt::print("{}\nWhat this means\n", minima.text());
+    for (const std::string &sentence : words) {
+        fmt::print("  {}\n", sentence);
+    }
+    fmt::print("\n  results: {}/fit.json; every evaluation: pavescape export {}\n", folder, folder);
+    return done;
+}
+
+} // namespace
+
+void add_fit(CLI::App &app, Action &action) {
+    auto *command = app.add_subcommand("fit", "explore, then refine the best starts: the main job");
+    auto options = std::make_shared<FitOptions>();
+    add_common(*command, options->common);
+    std::vector<std::string> names;
+    for (const auto &method : optimise::methods()) {
+        names.emplace_back(method.name);
+    }
+    command
+        ->add_option("--scheme", options->scheme,
+                     "multistart, or paper: a coarse full grid and one search from its smallest misfit")
+        ->check(CLI::IsMember({"multistart", "paper"}))
+        ->capture_default_str();
+    command->add_option("--explore", options->explore, "points of the Sobol sample")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    command->add_option("--starts", options->multistart.starts, "local searches")
+        ->check(CLI::Range(1, 10'000))
+        ->capture_default_str();
+    command->add_option("--method", options->multistart.method, "local search by NLopt: " + pave::join(names))
+        ->check(CLI::IsMember(names))
+        ->capture_default_str();
+    command->footer("Example: pavescape fit grids/captif-p1-fwd.toml --starts 16");
+    command->callback([=, &action] { action = [=] { return fit(*options); }; });
+}
+
+} // namespace explore::cli

@@ -1,0 +1,101 @@
+// pavescape forward: responses at the study's own parameter values.
+#include "base/units.h"
+#include "cli/common.h"
+#include "report/table.h"
+
+#include <fmt/format.h>
+
+namespace explore::cli {
+namespace {
+
+int forward(const CommonOptions &options, bool with_jacobian) {
+    const study::Study study = study::load_study(options.study);
+    const pave::pavement::ForwardModel model(study.model);
+    const auto workspace = model.make_workspace();
+    if (with_jacobian && study.parameters.empty()) {
+        throw pave::Error({.file = study.file, .key = "parameters"}, "--jacobian needs parameters to differentiate by",
+                          {}, "at least one [[parameters]]");
+    }
+    const auto outcome =
+        model.run(study.model, with_jacobian ? study.parameters : std::vector<pave::pavement::Parameter>{}, *workspace);
+
+    report::Json json = {{"status", std::string(to_string(outcome.status()))}};
+    if (!outcome) {
+        json["reason"] = outcome.failure().reason;
+        if (options.json) {
+            fmt::print("{}\n", json.dump(2));
+        }
+        fmt::print(stderr, "pavescape: {}: {}\n", to_string(outcome.status()), outcome.failure().reason);
+        return computation_failed;
+    }
+    const auto &s = outcome->statistics;
+    if (options.json) {
+        json["responses"] = report::responses_json(study, outcome->values);
+        json["newton_steps"] = s.newton_steps;
+        json["load_steps"] = s.load_steps;
+        json["factorizations"] = s.factorizations;
+        json["unknowns"] = model.unknowns();
+        json["residual_relative"] = s.residual_relative;
+        json["warnings"] = outcome->warnings;
+        if (with_jacobian) {
+            report::Json names = report::Json::array();
+            report::Json rows = report::Json::array();
+            for (const auto &axis : study.space.axes) {
+                names.push_back(axis.name);
+            }
+            for (std::size_t i = 0; i < outcome->values.size(); ++i) {
+                report::Json row = report::Json::array();
+                for (Eigen::Index k = 0; k < outcome->jacobian.cols(); ++k) {
+                    row.push_back(outcome->jacobian(static_cast<Eigen::Index>(i), k) / study.response_to_si(i));
+                }
+                rows.push_back(std::move(row));
+            }
+            json["jacobian"] = {{"parameters", std::move(names)}, {"rows", std::move(rows)}};
+        }
+        fmt::print("{}\n", json.dump(2));
+        return done;
+    }
+    fmt::print("{}", study_summary(study));
+    fmt::print("  converged: {}, {}, unbalanced force {:.0e} of the load\n\n",
+               study.model.settings.integration == pave::pavement::Integration::secant
+                   ? report::counted(static_cast<std::size_t>(s.newton_steps), "Newton step", "Newton steps")
+                   : report::counted(static_cast<std::size_t>(s.load_steps), "load step", "load steps"),
+               report::counted(static_cast<std::size_t>(s.factorizations), "factorisation", "factorisations"),
+               s.residual_relative);
+    fmt::print("{}", response_table(study, outcome->values));
+    for (const std::string &warning : outcome->warnings) {
+        fmt::print("  warning: {}\n", warning);
+    }
+    if (with_jacobian) {
+        std::vector<std::string> header{"d(response)/d(parameter)"};
+        for (const auto &axis : study.space.axes) {
+            header.push_back(axis.name);
+        }
+        report::Table table(header);
+        const auto names = run_header(study, "", "").responses;
+        for (std::size_t i = 0; i < outcome->values.size(); ++i) {
+            std::vector<std::string> row{names[i]};
+            for (Eigen::Index k = 0; k < outcome->jacobian.cols(); ++k) {
+                row.push_back(fmt::format("{:.5g}", outcome->jacobian(static_cast<Eigen::Index>(i), k) /
+                                                        study.response_to_si(i)));
+            }
+            table.add(std::move(row));
+        }
+        fmt::print("\n{}", table.text());
+    }
+    return done;
+}
+
+} // namespace
+
+void add_forward(CLI::App &app, Action &action) {
+    auto *command = app.add_subcommand("forward", "responses at the study's own parameter values");
+    auto options = std::make_shared<CommonOptions>();
+    auto jacobian = std::make_shared<bool>(false);
+    add_common(*command, *options);
+    command->add_flag("--jacobian", *jacobian, "also the derivative of every response by every parameter");
+    command->footer("Example: pavescape forward grids/captif-p1-fwd.toml --jacobian");
+    command->callback([=, &action] { action = [=] { return forward(*options, *jacobian); }; });
+}
+
+} // namespace explore::cli

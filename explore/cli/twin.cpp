@@ -1,0 +1,67 @@
+// pavescape twin: synthetic data from the study, in the layout of its own measurements.
+#include "base/random.h"
+#include "cli/common.h"
+#include "data/csv.h"
+
+#include <fmt/format.h>
+
+namespace explore::cli {
+namespace {
+
+int twin(const CommonOptions &options, double noise) {
+    const study::Study study = study::load_study(options.study);
+    if (study.measurements.empty()) {
+        throw pave::Error({.file = study.file, .key = "data"}, "a twin needs a layout of sensors", {},
+                          "[data] files = [...]: their values are replaced, their places kept");
+    }
+    const pave::pavement::ForwardModel model(study.model);
+    const auto outcome = model.run(study.model, {}, *model.make_workspace());
+    if (!outcome) {
+        fmt::print(stderr, "pavescape: {}: {}\n", to_string(outcome.status()), outcome.failure().reason);
+        return computation_failed;
+    }
+    const pave::RandomStream random(options.seed, 1);
+    std::string text = fmt::format("# Synthetic: {}, noise {:g} of each value, seed {}\n{}\n", study.title, noise,
+                                   options.seed, data::measurement_header());
+    report::Json rows = report::Json::array();
+    for (std::size_t i = 0; i < study.measurements.size(); ++i) {
+        const auto &m = study.measurements[i];
+        const double exact = outcome->values[i] / m.unit.to_si;
+        const double value = exact * (1.0 + noise * random.normal(i));
+        const double sigma = noise * std::abs(exact);
+        text += fmt::format("{},{},{},{},{},{},{},{},{}\n", data::csv_cell(m.load), m.quantity, m.x_mm, m.y_mm,
+                            m.depth_mm, m.gauge_mm, value, m.unit.name, noise > 0.0 ? fmt::format("{}", sigma) : "");
+        rows.push_back({{"load", m.load},
+                        {"quantity", m.quantity},
+                        {"x_mm", m.x_mm},
+                        {"y_mm", m.y_mm},
+                        {"depth_mm", m.depth_mm},
+                        {"gauge_mm", m.gauge_mm},
+                        {"value", value},
+                        {"exact", exact},
+                        {"unit", std::string(m.unit.name)}});
+    }
+    const std::string folder = options.folder(study);
+    write_file(folder, "twin.csv", text);
+    if (options.json) {
+        fmt::print("{}\n", report::Json{{"file", folder + "/twin.csv"}, {"measurements", rows}}.dump(2));
+    } else {
+        fmt::print("{}", text);
+        fmt::print(stderr, "written to {}/twin.csv\n", folder);
+    }
+    return done;
+}
+
+} // namespace
+
+void add_twin(CLI::App &app, Action &action) {
+    auto *command = app.add_subcommand("twin", "synthetic data from the study, in the layout of its measurements");
+    auto options = std::make_shared<CommonOptions>();
+    auto noise = std::make_shared<double>(0.0);
+    add_common(*command, *options);
+    command->add_option("--noise", *noise, "standard deviation as a share of each value")->check(CLI::Range(0.0, 10.0));
+    command->footer("Example: pavescape twin grids/captif-p1-fwd.toml --noise 0.02 --seed 7");
+    command->callback([=, &action] { action = [=] { return twin(*options, *noise); }; });
+}
+
+} // namespace explore::cli

@@ -1,0 +1,101 @@
+#include "data/csv.h"
+
+#include "base/error.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace explore::data {
+
+std::vector<CsvRow> parse_csv(std::string_view text, const std::string &file) {
+    if (text.starts_with("\xef\xbb\xbf")) {
+        text.remove_prefix(3);
+    }
+    std::vector<CsvRow> rows;
+    int line = 1;
+    std::size_t i = 0;
+    while (i < text.size()) {
+        if (text[i] == '#') {
+            i = std::min(text.find('\n', i), text.size() - 1) + 1;
+            ++line;
+            continue;
+        }
+        CsvRow row{line, {""}};
+        bool row_is_blank = true;
+        for (bool in_row = true; in_row;) {
+            if (i >= text.size()) {
+                break;
+            }
+            const char c = text[i];
+            if (c == '"' && row.cells.back().empty()) {
+                const int opened = line;
+                ++i;
+                for (;; ++i) {
+                    if (i >= text.size()) {
+                        throw pave::Error({.file = file, .line = opened}, "a quoted cell is never closed", {},
+                                          "a closing \" before the end of the file");
+                    }
+                    if (text[i] == '"') {
+                        if (i + 1 < text.size() && text[i + 1] == '"') {
+                            ++i;
+                        } else {
+                            break;
+                        }
+                    }
+                    line += text[i] == '\n' ? 1 : 0;
+                    row.cells.back() += text[i];
+                }
+                ++i;
+                row_is_blank = false;
+            } else if (c == ',') {
+                row.cells.emplace_back();
+                row_is_blank = false;
+                ++i;
+            } else if (c == '\n') {
+                in_row = false;
+                ++line;
+                ++i;
+            } else {
+                if (c != '\r') {
+                    row.cells.back() += c;
+                    row_is_blank = row_is_blank && (c == ' ' || c == '\t');
+                }
+                ++i;
+            }
+        }
+        if (!row_is_blank) {
+            rows.push_back(std::move(row));
+        }
+    }
+    return rows;
+}
+
+std::string csv_cell(std::string_view text) {
+    if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
+        return std::string(text);
+    }
+    std::string cell = "\"";
+    for (const char c : text) {
+        cell += c;
+        if (c == '"') {
+            cell += c;
+        }
+    }
+    return cell + "\"";
+}
+
+std::string read_file(const std::string &file, std::string_view what) {
+    std::ifstream stream(file, std::ios::binary);
+    if (std::filesystem::is_directory(file) || !stream) {
+        throw pave::Error({.file = file}, "cannot read this " + std::string(what),
+                          std::filesystem::is_directory(file) ? "a folder" : std::strerror(errno));
+    }
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+}
+
+} // namespace explore::data

@@ -1,0 +1,123 @@
+#include "data/measurement.h"
+
+#include "base/error.h"
+#include "data/csv.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace explore::data {
+namespace {
+
+enum Column : std::size_t { load, quantity, x_mm, y_mm, depth_mm, gauge_mm, value, unit, sigma, columns };
+constexpr std::array<std::string_view, columns> names = {"load",     "quantity", "x_mm", "y_mm", "depth_mm",
+                                                         "gauge_mm", "value",    "unit", "sigma"};
+
+std::string_view trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t");
+    const auto last = text.find_last_not_of(" \t");
+    return first == std::string_view::npos ? std::string_view{} : text.substr(first, last - first + 1);
+}
+
+double number(std::string_view text, const pave::Place &place) {
+    double result = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), result);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(result)) {
+        throw pave::Error(place, "not a number", "\"" + std::string(text) + "\"", "a finite decimal number");
+    }
+    return result;
+}
+
+} // namespace
+
+std::span<const Unit> units() {
+    static constexpr Unit all[] = {
+        {"mm", Dimension::length, 1e-3},    {"um", Dimension::length, 1e-6},   {"microstrain", Dimension::strain, 1e-6},
+        {"strain", Dimension::strain, 1.0}, {"kPa", Dimension::pressure, 1e3}, {"MPa", Dimension::pressure, 1e6},
+    };
+    return all;
+}
+
+std::string_view measurement_header() {
+    return "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma";
+}
+
+std::vector<Measurement> read_measurements(const std::string &file) {
+    const auto rows = parse_csv(read_file(file, "measurement file"), file);
+    const std::string header_words = "the header " + std::string(measurement_header());
+    if (rows.empty()) {
+        throw pave::Error({.file = file}, "the file holds no measurements", "nothing but comments or blank lines",
+                          header_words + " and at least one row");
+    }
+    std::array<std::size_t, columns> place_of;
+    place_of.fill(rows[0].cells.size());
+    for (std::size_t i = 0; i < rows[0].cells.size(); ++i) {
+        const auto cell = trimmed(rows[0].cells[i]);
+        const auto known = std::find(names.begin(), names.end(), cell);
+        if (known == names.end()) {
+            throw pave::Error({.file = file, .line = rows[0].line}, "unknown column", "\"" + std::string(cell) + "\"",
+                              header_words);
+        }
+        place_of[known - names.begin()] = i;
+    }
+    for (std::size_t c = 0; c < columns; ++c) {
+        if (place_of[c] == rows[0].cells.size()) {
+            throw pave::Error({.file = file, .line = rows[0].line, .key = std::string(names[c])}, "column missing", {},
+                              header_words);
+        }
+    }
+    std::vector<Measurement> measurements;
+    for (std::size_t r = 1; r < rows.size(); ++r) {
+        const CsvRow &row = rows[r];
+        if (row.cells.size() != rows[0].cells.size()) {
+            throw pave::Error({.file = file, .line = row.line}, "wrong number of cells",
+                              std::to_string(row.cells.size()), std::to_string(rows[0].cells.size()));
+        }
+        const auto cell = [&](Column c) { return trimmed(row.cells[place_of[c]]); };
+        const auto place = [&](Column c) {
+            return pave::Place{.file = file, .line = row.line, .key = std::string(names[c])};
+        };
+        const auto cell_number = [&](Column c) { return number(cell(c), place(c)); };
+        Measurement m;
+        m.file = file;
+        m.line = row.line;
+        m.load = cell(load);
+        m.quantity = cell(quantity);
+        m.x_mm = cell_number(x_mm);
+        m.y_mm = cell_number(y_mm);
+        m.depth_mm = cell_number(depth_mm);
+        m.gauge_mm = cell_number(gauge_mm);
+        if (m.gauge_mm < 0.0) {
+            throw pave::Error(place(gauge_mm), "a gauge length cannot be negative", std::string(cell(gauge_mm)),
+                              "0 or more");
+        }
+        m.value = cell_number(value);
+        std::vector<std::string> unit_names;
+        const Unit *found = nullptr;
+        for (const Unit &u : units()) {
+            unit_names.emplace_back(u.name);
+            found = u.name == cell(unit) ? &u : found;
+        }
+        if (found == nullptr) {
+            throw pave::Error(place(unit), "unknown unit", "\"" + std::string(cell(unit)) + "\"",
+                              pave::join(unit_names));
+        }
+        m.unit = *found;
+        if (!cell(sigma).empty()) {
+            m.sigma = cell_number(sigma);
+            if (!(*m.sigma > 0.0)) {
+                throw pave::Error(place(sigma), "a standard deviation must be positive", std::string(cell(sigma)),
+                                  "more than 0, or empty");
+            }
+        }
+        measurements.push_back(std::move(m));
+    }
+    if (measurements.empty()) {
+        throw pave::Error({.file = file}, "the file holds no measurements", "a header and no rows", "at least one row");
+    }
+    return measurements;
+}
+
+} // namespace explore::data

@@ -1,0 +1,112 @@
+#include "landscape/minima.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace explore::landscape {
+namespace {
+
+constexpr double at_bound = 1e-6; // of the unit cube
+
+Eigen::VectorXd difference(const std::vector<double> &a, const std::vector<double> &b) {
+    Eigen::VectorXd d(static_cast<Eigen::Index>(a.size()));
+    for (std::size_t k = 0; k < a.size(); ++k) {
+        d[static_cast<Eigen::Index>(k)] = a[k] - b[k];
+    }
+    return d;
+}
+
+bool same_minimum(const Minimum &minimum, const run::Endpoint &end, const problem::Problem &problem) {
+    const Eigen::VectorXd d = difference(end.search.unit, minimum.unit);
+    if (d.lpNorm<Eigen::Infinity>() < 0.01) {
+        return true;
+    }
+    const auto data = static_cast<double>(problem.misfit.size());
+    const double free = std::max(1.0, data - static_cast<double>(problem.space.dimension()));
+    const double noise = minimum.evaluation.misfit / std::sqrt(free);
+    const Eigen::VectorXd r =
+        problem.misfit.residuals(end.evaluation.responses) - problem.misfit.residuals(minimum.evaluation.responses);
+    return end.search.misfit - minimum.evaluation.misfit < 0.1 * noise && r.norm() < noise &&
+           (problem.residual_jacobian(minimum.evaluation) * d).norm() < noise;
+}
+
+} // namespace
+
+std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint> &ends, const problem::Problem &problem) {
+    std::vector<const run::Endpoint *> order;
+    for (const auto &end : ends) {
+        if (!end.search.unit.empty()) {
+            order.push_back(&end);
+        }
+    }
+    std::stable_sort(order.begin(), order.end(),
+                     [](const auto *a, const auto *b) { return a->search.misfit < b->search.misfit; });
+    std::vector<Minimum> minima;
+    for (const run::Endpoint *end : order) {
+        auto home = std::find_if(minima.begin(), minima.end(),
+                                 [&](const Minimum &m) { return same_minimum(m, *end, problem); });
+        const auto &parameters = end->evaluation.parameters;
+        if (home == minima.end()) {
+            Minimum m;
+            m.evaluation = end->evaluation;
+            m.unit = end->search.unit;
+            m.lowest = m.highest = parameters;
+            m.converged = end->search.converged;
+            for (std::size_t k = 0; k < m.unit.size(); ++k) {
+                if (m.unit[k] < at_bound || m.unit[k] > 1.0 - at_bound) {
+                    m.on_bound.push_back(problem.space.axes[k].name +
+                                         (m.unit[k] < 0.5 ? " at its lower bound" : " at its upper bound"));
+                }
+            }
+            minima.push_back(std::move(m));
+            home = minima.end() - 1;
+        }
+        home->members.push_back(end->start);
+        for (std::size_t k = 0; k < parameters.size(); ++k) {
+            home->lowest[k] = std::min(home->lowest[k], parameters[k]);
+            home->highest[k] = std::max(home->highest[k], parameters[k]);
+        }
+    }
+    return minima;
+}
+
+LocalAnalysis analyse(const Minimum &minimum, const problem::Problem &problem) {
+    LocalAnalysis a;
+    const Eigen::MatrixXd j = problem.residual_jacobian(minimum.evaluation);
+    std::vector<Eigen::Index> free;
+    for (std::size_t k = 0; k < minimum.unit.size(); ++k) {
+        if (minimum.unit[k] >= at_bound && minimum.unit[k] <= 1.0 - at_bound) {
+            free.push_back(static_cast<Eigen::Index>(k));
+        }
+    }
+    const double infinity = std::numeric_limits<double>::infinity();
+    a.standard_error.assign(minimum.unit.size(), infinity);
+    a.weakest.assign(minimum.unit.size(), 0.0);
+    a.degrees_of_freedom = static_cast<int>(j.rows()) - static_cast<int>(free.size());
+    if (a.degrees_of_freedom > 0) {
+        a.noise = minimum.evaluation.misfit / std::sqrt(static_cast<double>(a.degrees_of_freedom));
+    }
+    if (free.empty()) {
+        return a;
+    }
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j(Eigen::all, free), Eigen::ComputeThinU | Eigen::ComputeFullV);
+    const auto n = static_cast<Eigen::Index>(free.size());
+    Eigen::VectorXd s = Eigen::VectorXd::Zero(n);
+    s.head(svd.singularValues().size()) = svd.singularValues();
+    for (Eigen::Index i = 0; i < n; ++i) {
+        double variance = 0.0;
+        for (Eigen::Index k = 0; k < n; ++k) {
+            const double v = svd.matrixV()(i, k);
+            // Below this a direction is not seen at all (sensors of the derivative's own accuracy).
+            variance += s[k] > 1e-8 * s[0] ? v * v / (s[k] * s[k]) : (std::abs(v) > 1e-6 ? infinity : 0.0);
+        }
+        a.standard_error[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])] =
+            a.degrees_of_freedom > 0 ? a.noise * std::sqrt(variance) : infinity;
+        a.weakest[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])] = svd.matrixV()(i, n - 1);
+    }
+    a.weakest_growth = 0.1 * s[n - 1];
+    a.strongest_growth = 0.1 * s[0];
+    return a;
+}
+
+} // namespace explore::landscape

@@ -1,0 +1,36 @@
+// Where local searches ended, grouped into distinct minima.
+#pragma once
+
+#include "run/engine.h"
+
+namespace explore::landscape {
+
+struct Minimum {
+    problem::Evaluation evaluation;      // of the best member, with jacobian
+    std::vector<double> unit;            // its unit coordinates
+    std::vector<int> members;            // numbers of the starts that ended here, best first
+    std::vector<std::string> on_bound;   // parameters that lie on a bound: "base.n at its upper bound"
+    std::vector<double> lowest, highest; // of each parameter over the members, physical
+    bool converged = false;              // the search of the best member met a tolerance
+};
+
+// Two ends are one minimum when they lie within 1 % of the box of each other, or when the misfit tells them apart by
+// less than its own noise: the misfit differs by less than a tenth of one noise level and the linearised residuals
+// between them by less than one (s2 = f^2 / (data - parameters) of the best end is the noise variance). A flat valley
+// is then one minimum whose members spread. Sorted by misfit.
+std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint> &ends, const problem::Problem &problem);
+
+// What the residuals say around a minimum, to first order.
+struct LocalAnalysis {
+    int degrees_of_freedom = 0;         // data - parameters that are off their bounds
+    double noise = 0.0;                 // estimated standard deviation of a residual; 0 without degrees of freedom
+    std::vector<double> standard_error; // of each parameter in unit coordinates; infinity: not determined
+    // Direction of the unit cube in which the misfit grows least, and how much the residual norm grows when moving
+    // by a tenth of the box along it.
+    std::vector<double> weakest;
+    double weakest_growth = 0.0;
+    double strongest_growth = 0.0;
+};
+LocalAnalysis analyse(const Minimum &minimum, const problem::Problem &problem);
+
+} // namespace explore::landscape

@@ -1,0 +1,25 @@
+// The main job: explore, refine the best distinct starts, group the ends into minima.
+#pragma once
+
+#include "landscape/minima.h"
+
+namespace explore::landscape {
+
+struct MultistartSettings {
+    int starts = 12;
+    double start_distance = 0.25; // between starts, Euclid in the unit cube
+    std::string method = "slsqp";
+    optimise::SearchSettings search;
+};
+
+struct MultistartResult {
+    std::vector<problem::Evaluation> explored;
+    std::vector<run::Endpoint> ends;
+    std::vector<Minimum> minima; // best first; empty: not one point has an answer
+};
+
+// Nothing: interrupted.
+std::optional<MultistartResult> multistart(run::Engine &engine, const problem::Problem &problem,
+                                           const search::Design &design, const MultistartSettings &settings);
+
+} // namespace explore::landscape

@@ -1,0 +1,144 @@
+#include "optimise/local_search.h"
+
+#include <cmath>
+#include <limits>
+#include <nlopt.hpp>
+
+namespace explore::optimise {
+namespace {
+
+struct Known {
+    Method method;
+    nlopt::algorithm algorithm;
+};
+constexpr Known known[] = {
+    {{"slsqp", true, "sequential quadratic programming (Kraft)"}, nlopt::LD_SLSQP},
+    {{"lbfgs", true, "limited-memory BFGS (Luksan)"}, nlopt::LD_LBFGS},
+    {{"mma", true, "method of moving asymptotes (Svanberg)"}, nlopt::LD_MMA},
+    {{"tnewton", true, "preconditioned truncated Newton (Dembo, Steihaug)"}, nlopt::LD_TNEWTON_PRECOND_RESTART},
+    {{"bobyqa", false, "quadratic models without derivatives (Powell)"}, nlopt::LN_BOBYQA},
+    {{"sbplx", false, "subspace simplex without derivatives (Rowan)"}, nlopt::LN_SBPLX},
+};
+
+// The state of one search as the callback sees it.
+struct Search {
+    const Objective &objective;
+    nlopt::opt &optimiser;
+    SearchResult result;
+    double best = std::numeric_limits<double>::infinity(); // half sum of squares
+    double highest = 0.0;                                  // of the computed ones
+    Sample sample;
+
+    double value(const std::vector<double> &x, std::vector<double> &gradient) {
+        ++result.evaluations;
+        const Answer answer = objective(x, sample);
+        if (answer == Answer::computed) {
+            const double half = 0.5 * sample.residuals.squaredNorm();
+            if (std::isfinite(half)) {
+                if (half < best) {
+                    best = half;
+                    result.unit = x;
+                }
+                highest = std::max(highest, half);
+                if (!gradient.empty()) {
+                    const Eigen::VectorXd g = sample.jacobian.transpose() * sample.residuals;
+                    std::copy(g.begin(), g.end(), gradient.begin());
+                }
+                return half;
+            }
+        }
+        if (answer == Answer::stop) {
+            result.stopped = true;
+            optimiser.force_stop();
+        }
+        // A bounded barrier: higher than anything computed, sloping up away from the best point.
+        const double base = 2.0 * highest + 1e-6;
+        double distance2 = 0.0;
+        for (std::size_t k = 0; k < x.size(); ++k) {
+            const double d = result.unit.empty() ? 0.0 : x[k] - result.unit[k];
+            distance2 += d * d;
+            if (!gradient.empty()) {
+                gradient[k] = 2.0 * base * d;
+            }
+        }
+        return base * (1.0 + distance2);
+    }
+
+    static double callback(const std::vector<double> &x, std::vector<double> &gradient, void *self) {
+        return static_cast<Search *>(self)->value(x, gradient);
+    }
+};
+
+std::string in_words(nlopt::result code) {
+    switch (code) {
+    case nlopt::SUCCESS: return "converged";
+    case nlopt::STOPVAL_REACHED: return "an exact fit";
+    case nlopt::FTOL_REACHED: return "the misfit no longer changes";
+    case nlopt::XTOL_REACHED: return "the parameters no longer change";
+    case nlopt::MAXEVAL_REACHED: return "the limit of evaluations";
+    case nlopt::ROUNDOFF_LIMITED: return "rounding limits further progress";
+    case nlopt::FORCED_STOP: return "stopped";
+    default: return "the method gave up";
+    }
+}
+
+} // namespace
+
+std::span<const Method> methods() {
+    static const std::vector<Method> all = [] {
+        std::vector<Method> list;
+        for (const Known &k : known) {
+            list.push_back(k.method);
+        }
+        return list;
+    }();
+    return all;
+}
+
+const Method *find_method(std::string_view name) {
+    for (const Method &method : methods()) {
+        if (method.name == name) {
+            return &method;
+        }
+    }
+    return nullptr;
+}
+
+SearchResult local_search(const Method &method, const std::vector<double> &start, const Objective &objective,
+                          const SearchSettings &settings) {
+    nlopt::algorithm algorithm = nlopt::LD_SLSQP;
+    for (const Known &k : known) {
+        algorithm = k.method.name == method.name ? k.algorithm : algorithm;
+    }
+    nlopt::opt optimiser(algorithm, static_cast<unsigned>(start.size()));
+    Search search{objective, optimiser, {}, std::numeric_limits<double>::infinity(), 0.0, {}};
+    optimiser.set_lower_bounds(0.0);
+    optimiser.set_upper_bounds(1.0);
+    optimiser.set_min_objective(&Search::callback, &search);
+    optimiser.set_maxeval(settings.max_evaluations);
+    optimiser.set_xtol_abs(settings.step_tolerance);
+    optimiser.set_ftol_rel(settings.misfit_tolerance);
+    optimiser.set_stopval(1e-24);
+    if (!method.uses_gradient) {
+        optimiser.set_initial_step(0.1);
+    }
+    std::vector<double> x = start;
+    double value = 0.0;
+    nlopt::result code = nlopt::FAILURE;
+    try {
+        code = optimiser.optimize(x, value);
+    } catch (const nlopt::roundoff_limited &) {
+        code = nlopt::ROUNDOFF_LIMITED;
+    } catch (const nlopt::forced_stop &) {
+        code = nlopt::FORCED_STOP;
+    } catch (const std::runtime_error &) {
+        code = nlopt::FAILURE;
+    }
+    search.result.misfit = std::sqrt(2.0 * search.best);
+    search.result.converged = code == nlopt::SUCCESS || code == nlopt::FTOL_REACHED || code == nlopt::XTOL_REACHED ||
+                              code == nlopt::STOPVAL_REACHED || code == nlopt::ROUNDOFF_LIMITED;
+    search.result.ended = in_words(code);
+    return search.result;
+}
+
+} // namespace explore::optimise

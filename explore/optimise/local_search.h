@@ -1,0 +1,53 @@
+// Local searches in the unit cube, by NLopt, behind one interface.
+#pragma once
+
+#include <Eigen/Dense>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace explore::optimise {
+
+// A method that a user may name.
+struct Method {
+    std::string_view name;
+    bool uses_gradient;
+    std::string_view summary;
+};
+std::span<const Method> methods();
+const Method *find_method(std::string_view name);
+
+// What the search asks for at a point: the residuals (the search minimises half the sum of their squares) and, for a
+// method with gradients, their derivatives by the unit coordinates.
+struct Sample {
+    Eigen::VectorXd residuals;
+    Eigen::MatrixXd jacobian;
+};
+enum class Answer { computed, no_answer, stop };
+// Fills the sample. no_answer: the point cannot be computed; the search is led away from it and never sees NaN.
+// stop: end the search now. Must not throw.
+using Objective = std::function<Answer(std::span<const double> unit, Sample &sample)>;
+
+struct SearchSettings {
+    int max_evaluations = 80;
+    double step_tolerance = 1e-5;   // of every unit coordinate
+    double misfit_tolerance = 1e-7; // relative change of the sum of squares
+};
+
+struct SearchResult {
+    std::vector<double> unit; // the best point computed
+    double misfit = 0.0;      // its root of the sum of squares
+    int evaluations = 0;
+    bool converged = false; // by one of the tolerances
+    bool stopped = false;   // by the objective
+    std::string ended;      // in words
+};
+
+// start must be a point with an answer, else the result has an empty point.
+SearchResult local_search(const Method &method, const std::vector<double> &start, const Objective &objective,
+                          const SearchSettings &settings);
+
+} // namespace explore::optimise

@@ -1,0 +1,38 @@
+// What the explorer sees of a model: a function from a vector of parameters to a vector of responses, with its
+// derivatives and its status. It does not know that finite elements exist.
+#pragma once
+
+#include "base/outcome.h"
+
+#include <Eigen/Dense>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace explore::problem {
+
+struct Prediction {
+    std::vector<double> responses;
+    Eigen::MatrixXd jacobian; // responses x parameters, empty unless asked for
+    std::vector<std::string> warnings;
+};
+
+// Must be pure: the same parameters give the same bits on any thread, whatever was computed before.
+class ForwardFunction {
+public:
+    virtual ~ForwardFunction() = default;
+
+    // What a thread keeps between calls.
+    class Workspace {
+    public:
+        virtual ~Workspace() = default;
+    };
+    virtual std::unique_ptr<Workspace> make_workspace() const = 0;
+
+    // parameters: physical values in the order of the parameter space. Throws nothing but std::bad_alloc.
+    virtual pave::Outcome<Prediction> evaluate(std::span<const double> parameters, bool with_jacobian,
+                                               Workspace &workspace) const = 0;
+};
+
+} // namespace explore::problem

@@ -1,0 +1,33 @@
+// The box that is explored: named axes with bounds and a scale, and the map between it and the unit cube.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace explore::problem {
+
+enum class Scale { linear, log };
+
+struct Axis {
+    std::string name; // with its unit, as in the study
+    double low = 0.0;
+    double high = 1.0;
+    Scale scale = Scale::linear;
+    int points = 0;     // of a full grid; 0 = not stated, 1 = held at `start`
+    double start = 0.0; // the study's own value
+
+    double physical(double unit) const; // unit in [0, 1]; the ends are exact
+    double unit(double physical) const;
+    double d_physical(double unit) const; // d(physical)/d(unit)
+};
+
+struct ParameterSpace {
+    std::vector<Axis> axes;
+
+    int dimension() const { return static_cast<int>(axes.size()); }
+    std::vector<double> physical(std::span<const double> unit) const;
+    std::vector<double> unit(std::span<const double> physical) const;
+};
+
+} // namespace explore::problem

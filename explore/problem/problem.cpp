@@ -1,0 +1,33 @@
+#include "problem/problem.h"
+
+namespace explore::problem {
+
+Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
+                             ForwardFunction::Workspace &workspace) const {
+    Evaluation e;
+    e.parameters = space.physical(unit);
+    auto outcome = function->evaluate(e.parameters, with_jacobian, workspace);
+    e.status = outcome.status();
+    if (!outcome) {
+        e.reason = outcome.failure().reason;
+        return e;
+    }
+    Prediction prediction = std::move(outcome).value();
+    e.responses = std::move(prediction.responses);
+    e.jacobian = std::move(prediction.jacobian);
+    e.warnings = std::move(prediction.warnings);
+    e.misfit = misfit.residuals(e.responses).norm();
+    return e;
+}
+
+Eigen::MatrixXd Problem::residual_jacobian(const Evaluation &evaluation) const {
+    const auto m = static_cast<Eigen::Index>(misfit.size());
+    Eigen::MatrixXd j = misfit.slopes(evaluation.responses).asDiagonal() * evaluation.jacobian.topRows(m);
+    for (Eigen::Index k = 0; k < j.cols(); ++k) {
+        const Axis &axis = space.axes[static_cast<std::size_t>(k)];
+        j.col(k) *= axis.d_physical(axis.unit(evaluation.parameters[static_cast<std::size_t>(k)]));
+    }
+    return j;
+}
+
+} // namespace explore::problem

@@ -1,0 +1,72 @@
+#include "report/json.h"
+
+#include "base/units.h"
+
+#include <cmath>
+
+namespace explore::report {
+
+Json parameters_json(const problem::ParameterSpace &space, const std::vector<double> &values) {
+    Json json = Json::object();
+    for (std::size_t k = 0; k < values.size(); ++k) {
+        json[space.axes[k].name] = values[k];
+    }
+    return json;
+}
+
+Json responses_json(const study::Study &study, const std::vector<double> &responses) {
+    Json json = Json::array();
+    for (std::size_t i = 0; i < responses.size(); ++i) {
+        const auto &s = study.model.sensors[i];
+        Json row = {{"load", study.model.loads[s.load].name},
+                    {"quantity", std::string(info(s.quantity).name)},
+                    {"x_mm", s.x / pave::unit::mm},
+                    {"y_mm", s.y / pave::unit::mm},
+                    {"depth_mm", s.depth / pave::unit::mm},
+                    {"gauge_mm", s.gauge / pave::unit::mm},
+                    {"value", responses[i] / study.response_to_si(i)},
+                    {"unit", std::string(study.response_unit(i))}};
+        if (i < study.measurements.size()) {
+            const auto &m = study.measurements[i];
+            // As the file states them, not as metres turned back.
+            row["x_mm"] = m.x_mm;
+            row["y_mm"] = m.y_mm;
+            row["depth_mm"] = m.depth_mm;
+            row["gauge_mm"] = m.gauge_mm;
+            row["measured"] = m.value;
+        } else {
+            row["name"] = study.outputs[i - study.measurements.size()].name;
+        }
+        json.push_back(std::move(row));
+    }
+    return json;
+}
+
+Json status_counts(const std::vector<problem::Evaluation> &evaluations) {
+    Json json = Json::object();
+    for (const pave::Status status : pave::all_statuses) {
+        json[std::string(to_string(status))] = std::count_if(
+            evaluations.begin(), evaluations.end(), [&](const problem::Evaluation &e) { return e.status == status; });
+    }
+    return json;
+}
+
+Json minimum_json(const problem::Problem &problem, const landscape::Minimum &minimum) {
+    const landscape::LocalAnalysis analysis = landscape::analyse(minimum, problem);
+    Json errors = Json::object();
+    for (std::size_t k = 0; k < minimum.unit.size(); ++k) {
+        const problem::Axis &axis = problem.space.axes[k];
+        const double error = analysis.standard_error[k] * axis.d_physical(minimum.unit[k]);
+        errors[axis.name] = std::isfinite(error) ? Json(error) : Json(nullptr);
+    }
+    return {{"misfit", minimum.evaluation.misfit},
+            {"parameters", parameters_json(problem.space, minimum.evaluation.parameters)},
+            {"standard_errors", std::move(errors)},
+            {"starts", minimum.members},
+            {"converged", minimum.converged},
+            {"on_bound", minimum.on_bound},
+            {"lowest", parameters_json(problem.space, minimum.lowest)},
+            {"highest", parameters_json(problem.space, minimum.highest)}};
+}
+
+} // namespace explore::report

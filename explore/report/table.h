@@ -1,0 +1,29 @@
+// Text tables for people.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace explore::report {
+
+// Columns are as wide as their widest cell (counted in code points); numbers right, words left.
+class Table {
+public:
+    explicit Table(std::vector<std::string> header) : rows_{std::move(header)} {}
+    void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+    std::string text(int indent = 2) const;
+
+private:
+    std::vector<std::vector<std::string>> rows_;
+};
+
+// Four significant digits, no exponent for the magnitudes of pavements: "5500", "0.7000", "-0.006628".
+std::string figure(double value);
+
+// "3 of 12 starts", "1 minimum", "2 minima"
+std::string counted(std::size_t count, const std::string &one, const std::string &many);
+
+// A row of blocks, lowest value lowest; not-a-number is a space.
+std::string sparkline(const std::vector<double> &values);
+
+} // namespace explore::report

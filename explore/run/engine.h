@@ -1,0 +1,63 @@
+// Evaluations in parallel by run number, each kept as it comes; local searches in parallel by start.
+//
+// What is computed depends on the run alone, never on the number of threads or on what was there before: a run that is
+// cut off and continued ends with the same bits.
+#pragma once
+
+#include "optimise/local_search.h"
+#include "run/store.h"
+#include "search/design.h"
+
+namespace explore::run {
+
+struct EngineSettings {
+    int threads = 0;           // 0: as many as the machine has
+    bool show_progress = true; // on a terminal
+};
+
+// A finished local search.
+struct Endpoint {
+    int start = 0;            // its number
+    std::vector<double> from; // unit coordinates
+    optimise::SearchResult search;
+    problem::Evaluation evaluation; // of search.unit, with jacobian
+};
+
+struct Tally {
+    std::int64_t computed = 0; // by this process
+    std::int64_t kept = 0;     // were in the store
+    double seconds = 0.0;
+};
+
+class Engine {
+public:
+    // store may be nullptr: nothing is kept. Both must outlive the engine.
+    Engine(const problem::Problem &problem, Store *store, int run, EngineSettings settings);
+    ~Engine();
+
+    // Evaluations of the design's points, in run order. Nothing: interrupted (what was finished is in the store).
+    std::optional<std::vector<problem::Evaluation>> evaluate(const search::Design &design);
+
+    // Local searches from these points of the unit cube. Nothing: interrupted.
+    std::optional<std::vector<Endpoint>> search(const std::vector<std::vector<double>> &starts,
+                                                const optimise::Method &method,
+                                                const optimise::SearchSettings &settings);
+
+    // One evaluation with derivatives, not kept.
+    problem::Evaluation evaluate_one(std::span<const double> unit);
+
+    const Tally &tally() const { return tally_; }
+
+private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+    Tally tally_;
+};
+
+// The lowest points of a design that are not near each other: by increasing misfit, each at least `distance` from those
+// taken before (Euclid, unit cube), at most `count`. Returns indices.
+std::vector<std::size_t> distinct_starts(const search::Design &design,
+                                         const std::vector<problem::Evaluation> &evaluations, int count,
+                                         double distance);
+
+} // namespace explore::run

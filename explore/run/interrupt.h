@@ -1,0 +1,10 @@
+// Ctrl-C and SIGTERM: finish what is being computed, keep it, and leave.
+#pragma once
+
+namespace explore::run {
+
+// From now on SIGINT and SIGTERM set a flag. A second one ends the program at once.
+void catch_interrupts();
+bool interrupted();
+
+} // namespace explore::run

@@ -1,0 +1,40 @@
+// A line on the terminal while long work goes on: done, rate, time left. Silent when standard error is not a terminal.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+namespace explore::run {
+
+class Progress {
+public:
+    // total = 0: unknown, no bar and no time left; negative: show nothing.
+    Progress(std::string what, std::int64_t total);
+    ~Progress();
+    Progress(const Progress &) = delete;
+    Progress &operator=(const Progress &) = delete;
+
+    // n more are done; computed: by this process just now (they make the rate), else they were known already.
+    void add(std::int64_t n, bool computed);
+    void note(std::string note); // shown behind the figures
+
+private:
+    void draw(bool last);
+
+    std::mutex mutex_;
+    std::string what_;
+    std::string note_;
+    std::int64_t total_;
+    std::int64_t done_ = 0;
+    std::int64_t computed_ = 0;
+    bool visible_;
+    std::chrono::steady_clock::time_point start_;
+    std::chrono::steady_clock::time_point drawn_;
+};
+
+// "2 min 05 s"
+std::string duration_words(double seconds);
+
+} // namespace explore::run

@@ -1,0 +1,274 @@
+#include "run/store.h"
+
+#include "base/error.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <cstring>
+#include <filesystem>
+#include <fmt/format.h>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sqlite3.h>
+
+namespace explore::run {
+namespace {
+
+constexpr int application_id = 0x50617665; // "Pave"
+
+constexpr const char *schema = R"(
+CREATE TABLE run (
+    id INTEGER PRIMARY KEY,
+    command TEXT NOT NULL,
+    study_hash TEXT NOT NULL,
+    settings TEXT NOT NULL,
+    version TEXT NOT NULL,
+    header TEXT NOT NULL,
+    used INTEGER NOT NULL,
+    result TEXT,
+    UNIQUE (command, study_hash, settings)
+);
+CREATE TABLE evaluation (
+    run INTEGER NOT NULL REFERENCES run (id),
+    start INTEGER NOT NULL,
+    number INTEGER NOT NULL,
+    status INTEGER NOT NULL,
+    reason TEXT NOT NULL,
+    parameters BLOB NOT NULL,
+    responses BLOB NOT NULL,
+    jacobian BLOB NOT NULL,
+    warnings TEXT NOT NULL,
+    misfit REAL,
+    PRIMARY KEY (run, start, number)
+) WITHOUT ROWID;
+)";
+
+void bind_doubles(SQLite::Statement &statement, int index, const double *data, std::size_t count) {
+    // An empty blob, not NULL, where there is nothing.
+    statement.bind(index, count > 0 ? static_cast<const void *>(data) : "", static_cast<int>(count * sizeof(double)));
+}
+
+std::vector<double> doubles(const SQLite::Column &column) {
+    std::vector<double> values(static_cast<std::size_t>(column.getBytes()) / sizeof(double));
+    if (!values.empty()) {
+        std::memcpy(values.data(), column.getBlob(), values.size() * sizeof(double));
+    }
+    return values;
+}
+
+problem::Evaluation evaluation_of(SQLite::Statement &row, int first) {
+    problem::Evaluation e;
+    e.status = static_cast<pave::Status>(row.getColumn(first).getInt());
+    e.reason = row.getColumn(first + 1).getString();
+    e.parameters = doubles(row.getColumn(first + 2));
+    e.responses = doubles(row.getColumn(first + 3));
+    const auto jacobian = doubles(row.getColumn(first + 4));
+    if (!jacobian.empty()) {
+        const auto columns = static_cast<Eigen::Index>(e.parameters.size());
+        e.jacobian = Eigen::Map<const Eigen::MatrixXd>(jacobian.data(),
+                                                       static_cast<Eigen::Index>(jacobian.size()) / columns, columns);
+    }
+    const std::string warnings = row.getColumn(first + 5).getString();
+    for (std::size_t at = 0; at < warnings.size();) {
+        const std::size_t end = std::min(warnings.find('\n', at), warnings.size());
+        e.warnings.push_back(warnings.substr(at, end - at));
+        at = end + 1;
+    }
+    if (!row.getColumn(first + 6).isNull()) {
+        e.misfit = row.getColumn(first + 6).getDouble();
+    }
+    return e;
+}
+
+constexpr const char *select_columns =
+    "SELECT start, number, status, reason, parameters, responses, jacobian, warnings, misfit FROM evaluation WHERE ";
+
+} // namespace
+
+struct Store::Implementation {
+    std::string file;
+    SQLite::Database database;
+    std::unique_ptr<SQLite::Statement> insert;
+
+    // SQLite's own words, as a complaint about the file.
+    template <class F>
+    auto guarded(F f) const {
+        try {
+            return f();
+        } catch (const SQLite::Exception &error) {
+            const bool no_store = error.getErrorCode() == SQLITE_NOTADB || error.getErrorCode() == SQLITE_CORRUPT;
+            throw pave::Error(
+                {.file = file}, no_store ? "this is not a run store" : "the run store cannot be used", error.what(),
+                no_store ? "another folder (--out)" : "a folder that can be written, on a disk with room");
+        }
+    }
+};
+
+Store::Store(const std::string &folder, bool create) {
+    const std::string file = (std::filesystem::path(folder) / "run.sqlite").string();
+    if (create) {
+        std::error_code error;
+        std::filesystem::create_directories(folder, error);
+        if (error) {
+            throw pave::Error({.file = folder}, "the folder for results cannot be made", error.message(),
+                              "a folder that can be written (--out)");
+        }
+    } else if (!std::filesystem::exists(file)) {
+        throw pave::Error({.file = folder}, "there is no run here", "no file run.sqlite",
+                          "the folder of a run, for example output/NAME");
+    }
+    try {
+        implementation_ = std::unique_ptr<Implementation>(new Implementation{
+            file, SQLite::Database(file, SQLite::OPEN_READWRITE | (create ? SQLite::OPEN_CREATE : 0), 10000), nullptr});
+    } catch (const SQLite::Exception &error) {
+        throw pave::Error({.file = file}, "the run store cannot be opened", error.what(),
+                          "a folder that can be written (--out)");
+    }
+    auto &m = *implementation_;
+    m.guarded([&] {
+        const int id = m.database.execAndGet("PRAGMA application_id").getInt();
+        const int version = m.database.execAndGet("PRAGMA user_version").getInt();
+        const bool is_new = m.database.execAndGet("SELECT count(*) FROM sqlite_master").getInt() == 0;
+        if (!is_new && (id != application_id || version != format_version)) {
+            throw pave::Error({.file = file}, "this store is not of this program's format",
+                              fmt::format("application {:#x}, version {}", id, version),
+                              fmt::format("version {}; use another folder (--out)", format_version));
+        }
+        // Each evaluation is a transaction of its own in the write-ahead log: ending the process loses none, and a
+        // power cut loses at most the last ones.
+        m.database.exec("PRAGMA journal_mode = WAL");
+        m.database.exec("PRAGMA synchronous = NORMAL");
+        if (is_new) {
+            SQLite::Transaction transaction(m.database);
+            m.database.exec(schema);
+            m.database.exec(fmt::format("PRAGMA application_id = {}", application_id));
+            m.database.exec(fmt::format("PRAGMA user_version = {}", format_version));
+            transaction.commit();
+        }
+        m.insert = std::make_unique<SQLite::Statement>(
+            m.database, "INSERT OR IGNORE INTO evaluation (run, start, number, status, reason, parameters, responses, "
+                        "jacobian, warnings, misfit) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    });
+}
+
+Store::~Store() = default;
+
+int Store::begin(const RunHeader &header) {
+    const std::scoped_lock lock(mutex_);
+    auto &m = *implementation_;
+    return m.guarded([&] {
+        SQLite::Transaction transaction(m.database);
+        const nlohmann::json columns = {{"parameters", header.parameters},
+                                        {"responses", header.responses},
+                                        {"response_to_si", header.response_to_si}};
+        SQLite::Statement add(m.database, "INSERT OR IGNORE INTO run (command, study_hash, settings, version, header, "
+                                          "used) VALUES (?, ?, ?, ?, ?, 0)");
+        add.bind(1, header.key.command);
+        add.bind(2, header.key.study_hash);
+        add.bind(3, header.key.settings);
+        add.bind(4, header.version);
+        add.bind(5, columns.dump());
+        add.exec();
+        SQLite::Statement find(m.database, "SELECT id FROM run WHERE command = ? AND study_hash = ? AND settings = ?");
+        find.bind(1, header.key.command);
+        find.bind(2, header.key.study_hash);
+        find.bind(3, header.key.settings);
+        find.executeStep();
+        const int id = find.getColumn(0).getInt();
+        m.database.exec(fmt::format("UPDATE run SET used = (SELECT max(used) + 1 FROM run) WHERE id = {}", id));
+        transaction.commit();
+        return id;
+    });
+}
+
+RunHeader Store::newest() const {
+    const std::scoped_lock lock(mutex_);
+    const auto &m = *implementation_;
+    return m.guarded([&] {
+        SQLite::Statement row(m.database, "SELECT id, command, study_hash, settings, version, header FROM run "
+                                          "ORDER BY used DESC LIMIT 1");
+        if (!row.executeStep()) {
+            throw pave::Error({.file = m.file}, "the store holds no run", {}, "the folder of a run");
+        }
+        RunHeader header;
+        header.id = row.getColumn(0).getInt();
+        header.key = {row.getColumn(1).getString(), row.getColumn(2).getString(), row.getColumn(3).getString()};
+        header.version = row.getColumn(4).getString();
+        const auto columns = nlohmann::json::parse(row.getColumn(5).getString());
+        header.parameters = columns["parameters"].get<std::vector<std::string>>();
+        header.responses = columns["responses"].get<std::vector<std::string>>();
+        header.response_to_si = columns["response_to_si"].get<std::vector<double>>();
+        return header;
+    });
+}
+
+void Store::put(int run, RunNumber number, const problem::Evaluation &e) {
+    std::string warnings;
+    for (const std::string &warning : e.warnings) {
+        warnings += (warnings.empty() ? "" : "\n") + warning;
+    }
+    const std::scoped_lock lock(mutex_);
+    auto &m = *implementation_;
+    m.guarded([&] {
+        SQLite::Statement &s = *m.insert;
+        s.reset();
+        s.bind(1, run);
+        s.bind(2, number.start);
+        s.bind(3, number.number);
+        s.bind(4, static_cast<int>(e.status));
+        s.bind(5, e.reason);
+        bind_doubles(s, 6, e.parameters.data(), e.parameters.size());
+        bind_doubles(s, 7, e.responses.data(), e.responses.size());
+        bind_doubles(s, 8, e.jacobian.data(), static_cast<std::size_t>(e.jacobian.size()));
+        s.bind(9, warnings);
+        if (e.converged()) {
+            s.bind(10, e.misfit);
+        } else {
+            s.bind(10);
+        }
+        s.exec();
+    });
+}
+
+std::map<RunNumber, problem::Evaluation> Store::get(int run, RunNumber first, RunNumber last) const {
+    const std::scoped_lock lock(mutex_);
+    const auto &m = *implementation_;
+    return m.guarded([&] {
+        std::map<RunNumber, problem::Evaluation> found;
+        SQLite::Statement row(m.database, std::string(select_columns) +
+                                              "run = ? AND (start, number) >= (?, ?) AND (start, number) <= (?, ?)");
+        row.bind(1, run);
+        row.bind(2, first.start);
+        row.bind(3, first.number);
+        row.bind(4, last.start);
+        row.bind(5, last.number);
+        while (row.executeStep()) {
+            found.emplace(RunNumber{row.getColumn(0).getInt(), row.getColumn(1).getInt()}, evaluation_of(row, 2));
+        }
+        return found;
+    });
+}
+
+void Store::each(int run, const std::function<void(RunNumber, const problem::Evaluation &)> &visit) const {
+    const std::scoped_lock lock(mutex_);
+    const auto &m = *implementation_;
+    m.guarded([&] {
+        SQLite::Statement row(m.database, std::string(select_columns) + "run = ? ORDER BY start, number");
+        row.bind(1, run);
+        while (row.executeStep()) {
+            visit({row.getColumn(0).getInt(), row.getColumn(1).getInt()}, evaluation_of(row, 2));
+        }
+    });
+}
+
+void Store::put_result(int run, const std::string &json) {
+    const std::scoped_lock lock(mutex_);
+    auto &m = *implementation_;
+    m.guarded([&] {
+        SQLite::Statement s(m.database, "UPDATE run SET result = ? WHERE id = ?");
+        s.bind(1, json);
+        s.bind(2, run);
+        s.exec();
+    });
+}
+
+} // namespace explore::run

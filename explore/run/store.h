@@ -1,0 +1,68 @@
+// The run store: every finished evaluation in an SQLite file, as it comes.
+#pragma once
+
+#include "problem/problem.h"
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+namespace explore::run {
+
+// Which evaluation of a run: number `number` of the design, or of the local search from start `start`.
+struct RunNumber {
+    int start = -1; // -1: the design
+    int number = 0;
+    auto operator<=>(const RunNumber &) const = default;
+};
+
+// What one command was asked to do. Equal keys: the same run, continued.
+struct RunKey {
+    std::string command;
+    std::string study_hash;
+    std::string settings; // everything else that fixes the evaluations
+};
+
+// What a run holds about itself.
+struct RunHeader {
+    int id = 0;
+    RunKey key;
+    std::string version;                 // of the program that began it
+    std::vector<std::string> parameters; // names
+    std::vector<std::string> responses;  // names with units
+    std::vector<double> response_to_si;
+};
+
+// One file. All functions may be called from any thread. Throws pave::Error for a file that is not a store, is of
+// another version, or cannot be written.
+class Store {
+public:
+    static constexpr int format_version = 1;
+
+    // Opens DIR/run.sqlite; with create, makes folder and file when they are not there.
+    Store(const std::string &folder, bool create);
+    ~Store();
+
+    // The run with this key: the one begun before, or a new one. It becomes the newest of the store.
+    int begin(const RunHeader &header);
+    RunHeader newest() const;
+
+    // Keeps an evaluation for good: when this returns, ending the process loses nothing of it.
+    void put(int run, RunNumber number, const problem::Evaluation &evaluation);
+    // What the run has in [first, last], in run order.
+    std::map<RunNumber, problem::Evaluation> get(int run, RunNumber first, RunNumber last) const;
+    void each(int run, const std::function<void(RunNumber, const problem::Evaluation &)> &visit) const;
+
+    // Whole results, by name ("result" holds the JSON a command printed).
+    void put_result(int run, const std::string &json);
+
+private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+    mutable std::mutex mutex_;
+};
+
+} // namespace explore::run

@@ -1,0 +1,62 @@
+#include "search/design.h"
+
+#include "base/random.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <gsl/gsl_qrng.h>
+#include <memory>
+
+namespace explore::search {
+
+std::int64_t full_grid_size(const problem::ParameterSpace &space, int points_per_axis) {
+    std::int64_t size = 1;
+    for (const auto &axis : space.axes) {
+        size *= points_per_axis > 0 && axis.points != 1 ? points_per_axis : axis.points;
+    }
+    return size;
+}
+
+Design full_grid(const problem::ParameterSpace &space, int points_per_axis) {
+    Design design;
+    design.name = "grid";
+    std::vector<int> count;
+    for (const auto &axis : space.axes) {
+        count.push_back(points_per_axis > 0 && axis.points != 1 ? points_per_axis : axis.points);
+        design.name += fmt::format("{}{}", count.size() == 1 ? " " : " x ", count.back());
+    }
+    const std::int64_t size = full_grid_size(space, points_per_axis);
+    for (std::int64_t k = 0; k < size; ++k) {
+        std::vector<double> point(count.size());
+        std::int64_t rest = k;
+        for (std::size_t a = count.size(); a-- > 0;) {
+            const auto i = static_cast<int>(rest % count[a]);
+            rest /= count[a];
+            point[a] = count[a] == 1 ? space.axes[a].unit(space.axes[a].start)
+                                     : static_cast<double>(i) / static_cast<double>(count[a] - 1);
+        }
+        design.points.push_back(std::move(point));
+    }
+    return design;
+}
+
+Design sobol(const problem::ParameterSpace &space, int count, std::uint64_t seed) {
+    Design design;
+    design.name = fmt::format("sobol {} (seed {})", count, seed);
+    const auto dimension = static_cast<unsigned>(space.dimension());
+    const std::unique_ptr<gsl_qrng, decltype(&gsl_qrng_free)> generator(gsl_qrng_alloc(gsl_qrng_sobol, dimension),
+                                                                        &gsl_qrng_free);
+    const pave::RandomStream shift(seed, 0);
+    for (int k = 0; k < count; ++k) {
+        std::vector<double> point(dimension);
+        gsl_qrng_get(generator.get(), point.data());
+        for (unsigned a = 0; a < dimension; ++a) {
+            point[a] += shift.uniform(a);
+            point[a] -= std::floor(point[a]);
+        }
+        design.points.push_back(std::move(point));
+    }
+    return design;
+}
+
+} // namespace explore::search

@@ -1,0 +1,28 @@
+// Sets of points of the unit cube, by run number.
+#pragma once
+
+#include "problem/parameter_space.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace explore::search {
+
+// Points of the unit cube; point k is fixed by the design alone, so any thread may compute any of them.
+struct Design {
+    std::string name; // "grid 9 x 9 x 9 x 9", "sobol 256 (seed 1)"
+    std::vector<std::vector<double>> points;
+};
+
+// Every combination of axis.points (or `points_per_axis` when positive) equally spaced values of each axis, the last
+// axis fastest. An axis with one point is held at its start value.
+Design full_grid(const problem::ParameterSpace &space, int points_per_axis = 0);
+
+// Number of points full_grid would have; 0 when an axis does not state its points.
+std::int64_t full_grid_size(const problem::ParameterSpace &space, int points_per_axis = 0);
+
+// Sobol's sequence (Bratley and Fox, by GSL; at most 40 dimensions) shifted as a whole by an amount drawn from the
+// seed (Cranley and Patterson).
+Design sobol(const problem::ParameterSpace &space, int count, std::uint64_t seed);
+
+} // namespace explore::search

@@ -1,0 +1,423 @@
+#include "study/study.h"
+
+#include "base/units.h"
+#include "data/csv.h"
+#include "material/catalog.h"
+#include "study/table_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <xxhash.h>
+
+namespace explore::study {
+namespace {
+
+using namespace pave::pavement;
+namespace unit = pave::unit;
+
+std::vector<std::string> load_type_words() {
+    return {"plate", "wheel", "dual-wheel"};
+}
+std::vector<std::string> patch_words() {
+    return {"circle", "rectangle"};
+}
+
+Layer read_layer(const toml::table &table, const std::string &file) {
+    TableReader reader(table, file, "[[layers]]");
+    Layer layer;
+    layer.name = reader.text("name");
+    reader.rename("layer \"" + layer.name + "\"");
+    for (const KeyInfo &key : layer_keys()) {
+        key.of(layer) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, key.default_value);
+    }
+    std::vector<std::string> law_names;
+    for (const auto *law : pave::material::laws()) {
+        law_names.emplace_back(law->name());
+    }
+    layer.law = pave::material::laws()[reader.choice("law", law_names)];
+    for (const auto &info : layer.law->parameters()) {
+        if (!info.choices.empty()) {
+            const std::vector<std::string> words(info.choices.begin(), info.choices.end());
+            const auto fallback = info.default_value ? std::optional<std::size_t>(*info.default_value) : std::nullopt;
+            layer.parameters.push_back(static_cast<double>(reader.choice(info.key, words, fallback)));
+        } else {
+            layer.parameters.push_back(
+                info.to_si * reader.number(info.key, info.low, info.high, info.low_is_open, info.default_value));
+        }
+    }
+    reader.done();
+    if (const std::string why = layer.law->impossible(layer.parameters); !why.empty()) {
+        throw pave::Error(reader.place(""), "these parameters cannot be a material", {}, why);
+    }
+    return layer;
+}
+
+Load read_load(const toml::table &table, const std::string &file) {
+    TableReader reader(table, file, "[[loads]]");
+    Load load;
+    load.name = reader.text("name");
+    reader.rename("load \"" + load.name + "\"");
+    load.type = static_cast<LoadType>(reader.choice("type", load_type_words()));
+    if (load.type == LoadType::plate) {
+        load.patch = Patch::circle;
+    } else {
+        load.patch =
+            static_cast<Patch>(reader.choice("patch", patch_words(), static_cast<std::size_t>(Patch::rectangle)));
+    }
+    for (const KeyInfo &key : load_keys(load.type, load.patch)) {
+        key.of_load(load) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, key.default_value);
+    }
+    reader.done();
+    return load;
+}
+
+template <class T>
+std::vector<std::string> names_of(const std::vector<T> &items) {
+    std::vector<std::string> names;
+    for (const T &item : items) {
+        names.push_back(item.name);
+    }
+    return names;
+}
+
+int find_load(const Case &model, const std::string &name, const pave::Place &place) {
+    for (std::size_t l = 0; l < model.loads.size(); ++l) {
+        if (model.loads[l].name == name) {
+            return static_cast<int>(l);
+        }
+    }
+    throw pave::Error(place, "this load is not in the study", "\"" + name + "\"", pave::join(names_of(model.loads)));
+}
+
+Quantity find_quantity(const std::string &name, const pave::Place &place) {
+    std::vector<std::string> names;
+    for (const QuantityInfo &q : quantities) {
+        if (q.name == name) {
+            return q.quantity;
+        }
+        names.emplace_back(q.name);
+    }
+    throw pave::Error(place, "unknown quantity", "\"" + name + "\"", pave::join(names));
+}
+
+data::Dimension dimension_of(Quantity quantity) {
+    return quantity == Quantity::deflection  ? data::Dimension::length
+           : quantity <= Quantity::strain_yy ? data::Dimension::strain
+                                             : data::Dimension::pressure;
+}
+
+Sensor sensor_of(const data::Measurement &m, const Case &model) {
+    const auto place = [&](const char *key) { return pave::Place{.file = m.file, .line = m.line, .key = key}; };
+    Sensor s;
+    s.load = find_load(model, m.load, place("load"));
+    s.quantity = find_quantity(m.quantity, place("quantity"));
+    if (m.unit.dimension != dimension_of(s.quantity)) {
+        std::vector<std::string> fitting;
+        for (const auto &u : data::units()) {
+            if (u.dimension == dimension_of(s.quantity)) {
+                fitting.emplace_back(u.name);
+            }
+        }
+        throw pave::Error(place("unit"), "this unit does not fit the quantity " + m.quantity,
+                          "\"" + std::string(m.unit.name) + "\"", pave::join(fitting));
+    }
+    s.x = m.x_mm * unit::mm;
+    s.y = m.y_mm * unit::mm;
+    s.depth = m.depth_mm * unit::mm;
+    s.gauge = m.gauge_mm * unit::mm;
+    check_sensor(model, s, place(m.quantity.c_str()));
+    return s;
+}
+
+Output read_output(const toml::table &table, const std::string &file, const Case &model) {
+    TableReader reader(table, file, "[[outputs]]");
+    Output output;
+    output.name = reader.text("name");
+    reader.rename("output \"" + output.name + "\"");
+    output.sensor.load = find_load(model, reader.text("load"), reader.place("load"));
+    output.sensor.quantity = find_quantity(reader.text("quantity"), reader.place("quantity"));
+    output.sensor.x = unit::mm * reader.number("x_mm", -1e5, 1e5, false, 0.0);
+    output.sensor.y = unit::mm * reader.number("y_mm", -1e5, 1e5, false, 0.0);
+    output.sensor.depth = unit::mm * reader.number("depth_mm", 0.0, 1e5, false, 0.0);
+    output.sensor.gauge = unit::mm * reader.number("gauge_mm", 0.0, 1e4, false, 0.0);
+    reader.done();
+    check_sensor(model, output.sensor, reader.place(""));
+    return output;
+}
+
+void read_parameter(const toml::table &table, Study &study) {
+    TableReader reader(table, study.file, "[[parameters]]");
+    problem::Axis axis;
+    axis.name = reader.text("name");
+    const Parameter parameter = find_parameter(study.model, axis.name, reader.place("name"));
+    reader.rename("parameter \"" + axis.name + "\"");
+    axis.scale = static_cast<problem::Scale>(reader.choice("scale", {"linear", "log"}, 0));
+    const bool is_log = axis.scale == problem::Scale::log;
+    const double low = is_log ? std::max(parameter.low, 0.0) : parameter.low;
+    axis.low = reader.number("min", low, parameter.high, parameter.low_is_open || is_log);
+    axis.high = reader.number("max", low, parameter.high, parameter.low_is_open || is_log);
+    axis.points = reader.integer("points", 1, 100000, 0);
+    if (!(axis.low < axis.high)) {
+        throw pave::Error(reader.place("min"), "the bounds are swapped or equal",
+                          fmt::format("min = {}, max = {}", axis.low, axis.high), "min < max");
+    }
+    axis.start = parameter.get(study.model);
+    if (!std::isfinite(axis.start)) {
+        throw pave::Error(reader.place("name"), "the layer does not state this key, so it cannot be varied",
+                          "\"" + axis.name + "\"", "a value for it in the layer");
+    }
+    if (axis.points == 1 && !(axis.start >= axis.low && axis.start <= axis.high)) {
+        throw pave::Error(reader.place("points"),
+                          "one point means held at the study's own value, which is out of bounds",
+                          fmt::format("{}", axis.start), fmt::format("{} to {}", axis.low, axis.high));
+    }
+    for (const auto &other : study.space.axes) {
+        if (other.name == axis.name) {
+            throw pave::Error(reader.place("name"), "this parameter stands twice", "\"" + axis.name + "\"",
+                              "each once");
+        }
+    }
+    reader.done();
+    study.parameters.push_back(parameter);
+    study.space.axes.push_back(std::move(axis));
+}
+
+void read_data(const toml::table &table, Study &study) {
+    TableReader reader(table, study.file, "[data]");
+    std::vector<std::string> misfits(std::begin(problem::misfit_names), std::end(problem::misfit_names));
+    study.data.files = reader.texts("files");
+    study.data.misfit = static_cast<problem::MisfitKind>(reader.choice("misfit", misfits, 0));
+    study.data.log_floor = reader.number("log_floor", 0.0, 1.0, true, 0.01);
+    if (reader.has("noise_relative")) {
+        study.data.noise_relative = reader.number("noise_relative", 0.0, 10.0, true);
+    }
+    if (reader.has("noise_floor")) {
+        study.data.noise_floor = reader.number("noise_floor", 0.0, 10.0, true);
+    }
+    if (study.data.files.empty()) {
+        throw pave::Error(reader.place("files"), "the list of measurement files is empty", "[]", "at least one file");
+    }
+    reader.done();
+    const auto folder = std::filesystem::path(study.file).parent_path();
+    for (const std::string &file : study.data.files) {
+        const std::string path = (folder / file).string();
+        if (!std::filesystem::exists(path)) {
+            throw pave::Error(reader.place("files"), "this measurement file does not exist", "\"" + path + "\"",
+                              "a path relative to the study's own folder");
+        }
+        for (auto &m : data::read_measurements(path)) {
+            study.model.sensors.push_back(sensor_of(m, study.model));
+            study.measurements.push_back(std::move(m));
+        }
+    }
+}
+
+// The largest |measured| [SI] of the load and quantity of each measurement.
+std::vector<double> largest_of_group(const Study &study) {
+    std::map<std::pair<std::string, std::string>, double> largest;
+    for (const auto &m : study.measurements) {
+        double &value = largest[{m.load, m.quantity}];
+        value = std::max(value, std::abs(m.value * m.unit.to_si));
+    }
+    std::vector<double> result;
+    for (const auto &m : study.measurements) {
+        result.push_back(largest[{m.load, m.quantity}]);
+    }
+    return result;
+}
+
+void set_noise(Study &study) {
+    const auto largest = largest_of_group(study);
+    const bool has_model = study.data.noise_relative || study.data.noise_floor;
+    for (std::size_t i = 0; i < study.measurements.size(); ++i) {
+        const auto &m = study.measurements[i];
+        double sigma = 0.0;
+        if (m.sigma) {
+            sigma = *m.sigma * m.unit.to_si;
+        } else if (has_model) {
+            sigma = std::hypot(study.data.noise_relative.value_or(0.0) * m.value * m.unit.to_si,
+                               study.data.noise_floor.value_or(0.0) * largest[i]);
+        }
+        if (!(sigma > 0.0)) {
+            study.sigma.clear();
+            study.noise = NoiseSource::estimated;
+            return;
+        }
+        study.sigma.push_back(sigma);
+    }
+    study.noise = NoiseSource::stated;
+}
+
+std::string hash_of(toml::table table, const Study &study) {
+    table.erase("title");
+    std::ostringstream text;
+    text << toml::default_formatter(table);
+    for (const auto &m : study.measurements) {
+        text << fmt::format("\n{},{},{},{},{},{},{},{},{}", m.load, m.quantity, m.x_mm, m.y_mm, m.depth_mm, m.gauge_mm,
+                            m.value, m.unit.name, m.sigma.value_or(0.0));
+    }
+    const std::string all = text.str();
+    const XXH128_hash_t hash = XXH3_128bits(all.data(), all.size());
+    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+class PavementFunction final : public problem::ForwardFunction {
+public:
+    PavementFunction(const Study &study) : model_(study.model), parameters_(study.parameters) {}
+
+    std::unique_ptr<Workspace> make_workspace() const override {
+        auto workspace = std::make_unique<Own>();
+        workspace->own = model_.make_workspace();
+        return workspace;
+    }
+
+    pave::Outcome<problem::Prediction> evaluate(std::span<const double> values, bool with_jacobian,
+                                                Workspace &workspace) const override {
+        Case c = model_.nominal();
+        for (std::size_t k = 0; k < parameters_.size(); ++k) {
+            parameters_[k].in(c) = values[k] * parameters_[k].to_si;
+        }
+        static const std::vector<Parameter> none;
+        auto outcome = model_.run(c, with_jacobian ? parameters_ : none, *static_cast<Own &>(workspace).own);
+        if (!outcome) {
+            return outcome.failure();
+        }
+        Response response = std::move(outcome).value();
+        return problem::Prediction{std::move(response.values),
+                                   with_jacobian ? std::move(response.jacobian) : Eigen::MatrixXd(),
+                                   std::move(response.warnings)};
+    }
+
+private:
+    struct Own : Workspace {
+        ForwardModel::WorkspacePointer own;
+    };
+    ForwardModel model_;
+    std::vector<Parameter> parameters_;
+};
+
+} // namespace
+
+std::string Study::stem() const {
+    return std::filesystem::path(file).stem().string();
+}
+
+std::string_view Study::response_unit(std::size_t i) const {
+    return i < measurements.size() ? measurements[i].unit.name : info(model.sensors[i].quantity).unit;
+}
+
+double Study::response_to_si(std::size_t i) const {
+    return i < measurements.size() ? measurements[i].unit.to_si : info(model.sensors[i].quantity).to_si;
+}
+
+Study load_study(const std::string &file) {
+    Study study;
+    study.file = file;
+    const std::string text = data::read_file(file, "study");
+    toml::table table;
+    try {
+        table = toml::parse(text, file);
+    } catch (const toml::parse_error &error) {
+        throw pave::Error({.file = file, .line = static_cast<int>(error.source().begin.line)}, "this is not valid TOML",
+                          std::string(error.description()), "see toml.io for the format");
+    }
+    TableReader reader(table, file, "");
+    reader.integer("schema", 1, 1);
+    study.title = reader.text("title", study.stem());
+
+    for (const auto *layer : reader.tables("layers")) {
+        study.model.layers.push_back(read_layer(*layer, file));
+    }
+    for (const auto *load : reader.tables("loads")) {
+        study.model.loads.push_back(read_load(*load, file));
+    }
+    if (study.model.layers.empty()) {
+        throw pave::Error({.file = file, .key = "layers"}, "the section has no layers", {}, "at least one [[layers]]");
+    }
+    if (study.model.loads.empty()) {
+        throw pave::Error({.file = file, .key = "loads"}, "the study has no loads", {}, "at least one [[loads]]");
+    }
+    std::set<std::string> seen;
+    for (const auto &names : {names_of(study.model.layers), names_of(study.model.loads)}) {
+        for (const std::string &name : names) {
+            if (name.empty() || name.find('.') != std::string::npos || !seen.insert(name).second) {
+                throw pave::Error({.file = file, .key = "name"}, "layers and loads are told apart by name",
+                                  "\"" + name + "\"", "each name once, not empty, without a full stop");
+            }
+        }
+    }
+    if (const auto *solver = reader.table("solver")) {
+        TableReader r(*solver, file, "[solver]");
+        auto &settings = study.model.settings;
+        settings.integration = static_cast<Integration>(r.choice("integration", {"incremental", "secant"}, 0));
+        settings.solver.path_tolerance = r.number("path_tolerance", 1e-7, 0.1, false, settings.solver.path_tolerance);
+        settings.solver.equilibrium_tolerance =
+            r.number("equilibrium_tolerance", 1e-12, 1e-4, false, settings.solver.equilibrium_tolerance);
+        r.done();
+    }
+    if (const auto *mesh = reader.table("mesh")) {
+        TableReader r(*mesh, file, "[mesh]");
+        study.model.settings.extent = r.number("extent_m", 0.1, 1000.0, false, 4.0);
+        study.model.settings.refine = r.number("refine", 0.25, 16.0, false, 1.0);
+        r.done();
+    }
+    if (const auto *data = reader.table("data")) {
+        read_data(*data, study);
+    }
+    set_noise(study);
+    for (const auto *output : reader.tables("outputs")) {
+        study.outputs.push_back(read_output(*output, file, study.model));
+        study.model.sensors.push_back(study.outputs.back().sensor);
+    }
+    for (const auto *parameter : reader.tables("parameters")) {
+        read_parameter(*parameter, study);
+    }
+    reader.done();
+    if (study.model.sensors.empty()) {
+        throw pave::Error({.file = file}, "the study asks for nothing", "neither measurements nor outputs",
+                          "[data] files, or [[outputs]]");
+    }
+    study.hash = hash_of(table, study);
+    return study;
+}
+
+problem::Problem make_problem(const Study &study) {
+    if (study.measurements.empty()) {
+        throw pave::Error({.file = study.file, .key = "data"}, "this command needs measurements", {},
+                          "[data] files = [...]");
+    }
+    if (study.parameters.empty()) {
+        throw pave::Error({.file = study.file, .key = "parameters"}, "this command needs parameters to change", {},
+                          "at least one [[parameters]]");
+    }
+    if (study.space.dimension() > 40) {
+        throw pave::Error({.file = study.file, .key = "parameters"}, "too many parameters",
+                          fmt::format("{}", study.space.dimension()), "at most 40");
+    }
+    std::vector<double> measured;
+    std::vector<double> scale;
+    const auto largest = largest_of_group(study);
+    for (std::size_t i = 0; i < study.measurements.size(); ++i) {
+        const auto &m = study.measurements[i];
+        measured.push_back(m.value * m.unit.to_si);
+        switch (study.data.misfit) {
+        case problem::MisfitKind::log: scale.push_back(study.data.log_floor * largest[i]); break;
+        case problem::MisfitKind::relative: scale.push_back(std::abs(measured.back())); break;
+        case problem::MisfitKind::weighted:
+            scale.push_back(study.noise == NoiseSource::stated ? study.sigma[i] : std::abs(measured.back()));
+            break;
+        }
+        if (!(scale.back() > 0.0)) {
+            throw pave::Error(
+                {.file = m.file, .line = m.line, .key = "value"}, "a reading of zero has no place in this misfit",
+                fmt::format("{}", m.value),
+                "another value, a sigma with misfit = \"weighted\", or a group with some reading that is not zero");
+        }
+    }
+    return {study.space, std::make_shared<PavementFunction>(study),
+            problem::Misfit(study.data.misfit, std::move(measured), std::move(scale))};
+}
+
+} // namespace explore::study

@@ -1,0 +1,59 @@
+// A study: the one file a user writes. Reads it, checks every key, and makes the calibration problem of it. The only
+// part of the explorer that knows pavements.
+#pragma once
+
+#include "data/measurement.h"
+#include "pavement/forward.h"
+#include "problem/problem.h"
+
+#include <cstdint>
+
+namespace explore::study {
+
+// An engineering response predicted from every acceptable parameter set.
+struct Output {
+    std::string name;
+    pave::pavement::Sensor sensor;
+};
+
+// Where the noise of a measurement was taken from.
+enum class NoiseSource { stated, estimated };
+
+struct DataSettings {
+    std::vector<std::string> files; // as written in the study
+    problem::MisfitKind misfit = problem::MisfitKind::log;
+    double log_floor = 0.01; // s of the log misfit as a share of the largest |measured| of that load and quantity
+    // Standard deviation of a reading without its own sigma:
+    // sqrt((noise_relative |value|)^2 + (noise_floor largest |value| of that load and quantity)^2)
+    std::optional<double> noise_relative;
+    std::optional<double> noise_floor;
+};
+
+struct Study {
+    std::string file; // as given by the user
+    std::string title;
+    pave::pavement::Case model; // its sensors: the measurements, then the outputs
+    std::vector<pave::pavement::Parameter> parameters;
+    problem::ParameterSpace space;
+    DataSettings data;
+    std::vector<data::Measurement> measurements;
+    std::vector<Output> outputs;
+    NoiseSource noise = NoiseSource::estimated;
+    std::vector<double> sigma; // SI, one a measurement; empty when the noise is to be estimated
+    std::string hash;          // of everything that changes a result: model, parameters, data
+
+    // Name without folder and ending: the default folder of its results.
+    std::string stem() const;
+    // The reporting unit of response i (measurements first, then outputs), and what takes SI there.
+    std::string_view response_unit(std::size_t i) const;
+    double response_to_si(std::size_t i) const;
+    std::size_t responses() const { return measurements.size() + outputs.size(); }
+};
+
+// Throws pave::Error for anything wrong in the study or its data: file, line, key, found, allowed.
+Study load_study(const std::string &file);
+
+// The problem the explorer works on. Throws pave::Error when the study has no parameters or no measurements.
+problem::Problem make_problem(const Study &study);
+
+} // namespace explore::study

@@ -1,0 +1,65 @@
+#include "base/error.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace pave {
+
+Error::Error(const Place &place, std::string_view problem, std::string_view found, std::string_view allowed)
+    : std::runtime_error(message(place, problem, found, allowed)) {}
+
+std::string Error::message(const Place &place, std::string_view problem, std::string_view found,
+                           std::string_view allowed) {
+    std::string text;
+    if (!place.file.empty()) {
+        text += place.file;
+        if (place.line > 0) {
+            text.append(":").append(std::to_string(place.line));
+        }
+        text += ": ";
+    }
+    if (!place.key.empty()) {
+        text += place.key + ": ";
+    }
+    text += problem;
+    if (!found.empty()) {
+        text += "; found " + std::string(found);
+    }
+    if (!allowed.empty()) {
+        text += "; allowed: " + std::string(allowed);
+    }
+    return text;
+}
+
+std::string nearest_name(std::string_view word, const std::vector<std::string> &names) {
+    std::string best;
+    std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+    for (const std::string &name : names) {
+        std::vector<std::size_t> row(name.size() + 1);
+        std::iota(row.begin(), row.end(), std::size_t{0});
+        for (std::size_t i = 1; i <= word.size(); ++i) {
+            std::size_t diagonal = row[0];
+            row[0] = i;
+            for (std::size_t j = 1; j <= name.size(); ++j) {
+                const std::size_t above = row[j];
+                row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (word[i - 1] == name[j - 1] ? 0U : 1U)});
+                diagonal = above;
+            }
+        }
+        if (row.back() < best_distance) {
+            best_distance = row.back();
+            best = name;
+        }
+    }
+    return best;
+}
+
+std::string join(const std::vector<std::string> &names, std::string_view separator) {
+    std::string text;
+    for (const std::string &name : names) {
+        text += (text.empty() ? "" : std::string(separator)) + name;
+    }
+    return text;
+}
+
+} // namespace pave

@@ -1,0 +1,120 @@
+// The eight-node axisymmetric quadrilateral with 2 x 2 Gauss points.
+#pragma once
+
+#include "mechanics/voigt.h"
+
+#include <array>
+#include <numbers>
+
+namespace pave::fe {
+
+// Unknowns of a node: u_r, u_z (z down). Voigt components: rr, tt, zz, rz.
+struct AxisymmetricQ8 {
+    static constexpr int dim = 2;
+    static constexpr int nodes = 8;
+    static constexpr int dofs = dim * nodes;
+    static constexpr int gauss = 4;
+    static constexpr int voigt = 4;
+
+    using Coordinates = Eigen::Matrix<double, 2, 8>; // rows r, z
+    using Vector = Eigen::Matrix<double, dofs, 1>;   // r and z of node 0, of node 1, ...
+    using Stress = mechanics::Voigt<voigt>;
+    using Operator = Eigen::Matrix<double, voigt, dofs>;
+
+    // Shape functions at (xi, eta) in [-1, 1]^2.
+    static Eigen::Matrix<double, 8, 1> shape(double xi, double eta) {
+        static constexpr double cx[] = {-1, 1, 1, -1};
+        static constexpr double cy[] = {-1, -1, 1, 1};
+        Eigen::Matrix<double, 8, 1> n;
+        for (int i = 0; i < 4; ++i) {
+            n[i] = (1 + cx[i] * xi) * (1 + cy[i] * eta) * (cx[i] * xi + cy[i] * eta - 1) / 4;
+        }
+        n[4] = (1 - xi * xi) * (1 - eta) / 2;
+        n[5] = (1 + xi) * (1 - eta * eta) / 2;
+        n[6] = (1 - xi * xi) * (1 + eta) / 2;
+        n[7] = (1 - xi) * (1 - eta * eta) / 2;
+        return n;
+    }
+
+    // Rows: d/dxi, d/deta.
+    static Eigen::Matrix<double, 2, 8> shape_gradient(double xi, double eta) {
+        static constexpr double cx[] = {-1, 1, 1, -1};
+        static constexpr double cy[] = {-1, -1, 1, 1};
+        Eigen::Matrix<double, 2, 8> g;
+        for (int i = 0; i < 4; ++i) {
+            g(0, i) = cx[i] * (1 + cy[i] * eta) * (2 * cx[i] * xi + cy[i] * eta) / 4;
+            g(1, i) = cy[i] * (1 + cx[i] * xi) * (cx[i] * xi + 2 * cy[i] * eta) / 4;
+        }
+        g.col(4) << -xi * (1 - eta), -(1 - xi * xi) / 2;
+        g.col(5) << (1 - eta * eta) / 2, -(1 + xi) * eta;
+        g.col(6) << -xi * (1 + eta), (1 - xi * xi) / 2;
+        g.col(7) << -(1 - eta * eta) / 2, -(1 - xi) * eta;
+        return g;
+    }
+
+    // A Gauss point: its weight (volume per radian times 2 pi) and the rows dN/dr, dN/dz, N/r.
+    struct Point {
+        double weight = 0.0;
+        Eigen::Matrix<double, 3, 8> rows;
+    };
+
+    static std::array<Eigen::Vector2d, gauss> gauss_positions() {
+        constexpr double g = std::numbers::inv_sqrt3;
+        return {Eigen::Vector2d{-g, -g}, {g, -g}, {g, g}, {-g, g}};
+    }
+
+    static Point point(const Coordinates &x, const Eigen::Vector2d &position) {
+        const auto n = shape(position[0], position[1]);
+        const auto g = shape_gradient(position[0], position[1]);
+        const Eigen::Matrix2d jacobian = g * x.transpose(); // rows: derivative by xi, by eta
+        const double r = x.row(0).dot(n);
+        Point p;
+        p.weight = jacobian.determinant() * 2.0 * std::numbers::pi * r;
+        p.rows.topRows<2>() = jacobian.inverse() * g;
+        p.rows.row(2) = n.transpose() / r;
+        return p;
+    }
+
+    // Position of every Gauss point's depth, from the coordinates.
+    static double depth(const Coordinates &x, const Eigen::Vector2d &position) {
+        return x.row(1).dot(shape(position[0], position[1]));
+    }
+
+    static Stress strain(const Point &p, const Vector &u) {
+        const auto ur = Eigen::Map<const Eigen::Matrix<double, 8, 1>, 0, Eigen::InnerStride<2>>(u.data());
+        const auto uz = Eigen::Map<const Eigen::Matrix<double, 8, 1>, 0, Eigen::InnerStride<2>>(u.data() + 1);
+        const Eigen::Vector3d a = p.rows * ur;
+        return {a[0], a[2], p.rows.row(1).dot(uz), a[1] + p.rows.row(0).dot(uz)};
+    }
+
+    static Operator strain_operator(const Point &p) {
+        Operator b = Operator::Zero();
+        for (int i = 0; i < nodes; ++i) {
+            b(0, 2 * i) = p.rows(0, i);
+            b(1, 2 * i) = p.rows(2, i);
+            b(2, 2 * i + 1) = p.rows(1, i);
+            b(3, 2 * i) = p.rows(1, i);
+            b(3, 2 * i + 1) = p.rows(0, i);
+        }
+        return b;
+    }
+
+    // force += scale * B^T stress
+    static void add_force(const Point &p, const Stress &stress, double scale, Vector &force) {
+        const Stress s = scale * stress;
+        for (int i = 0; i < nodes; ++i) {
+            force[2 * i] += p.rows(0, i) * s[0] + p.rows(2, i) * s[1] + p.rows(1, i) * s[3];
+            force[2 * i + 1] += p.rows(1, i) * s[2] + p.rows(0, i) * s[3];
+        }
+    }
+
+    // Weights that take Gauss point values to (xi, eta): the bilinear function through the four points.
+    static Eigen::Matrix<double, gauss, 1> extrapolation(const Eigen::Vector2d &position) {
+        const double s = std::numbers::sqrt3;
+        const double x = position[0] * s;
+        const double y = position[1] * s;
+        return Eigen::Vector4d{(1 - x) * (1 - y), (1 + x) * (1 - y), (1 + x) * (1 + y), (1 - x) * (1 + y)} / 4.0;
+    }
+};
+
+} // namespace pave::fe

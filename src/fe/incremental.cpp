@@ -1,0 +1,228 @@
+#include "fe/solver_work.h"
+
+#include <cmath>
+
+namespace pave::fe {
+namespace {
+
+// The embedded pair of Bogacki and Shampine (1989), order 3(2): three solves a step, the last stage of a step is the
+// first of the next.
+struct Pair {
+    static constexpr int stages = 4;
+    static constexpr double a[stages][stages] = {{}, {1.0 / 2.0}, {0.0, 3.0 / 4.0}, {2.0 / 9.0, 1.0 / 3.0, 4.0 / 9.0}};
+    // Difference of the two solutions.
+    static constexpr double error[stages] = {2.0 / 9.0 - 7.0 / 24.0, 1.0 / 3.0 - 1.0 / 4.0, 4.0 / 9.0 - 1.0 / 3.0,
+                                             -1.0 / 8.0};
+    static constexpr double order = 3.0;
+};
+
+// The load factor as a function of the path coordinate s in [0, 1]. The soil is nearly unstressed at the start and its
+// modulus changes with the logarithm of the load: equal steps in s are small steps in load there.
+constexpr double path_growth = 5.0;
+double load_factor(double s) {
+    return std::expm1(path_growth * s) / std::expm1(path_growth);
+}
+
+constexpr int coarsest_level = 2; // steps of 1/4
+constexpr int first_level = 3;    // the first step tried is 1/8
+constexpr int finest_level = 14;
+
+} // namespace
+
+template <class Element>
+Outcome<Solution<Element>>
+Solver<Element>::incremental(const std::vector<LayerMaterial> &layers, const Eigen::VectorXd &load,
+                             const std::vector<Variation> &variations, const SolverSettings &settings) {
+    using Stress = typename Element::Stress;
+    using Vector = typename Element::Vector;
+    using Field = Eigen::Matrix<double, Element::voigt, Eigen::Dynamic>; // a column a point (times variations)
+    Work &w = *work_;
+    w.prepare(layers, variations);
+    const int points = w.points();
+    const int count = w.count();
+    Solution<Element> solution = w.empty_solution();
+    Statistics &statistics = solution.statistics;
+
+    // The state and its derivatives: displacement, load stress of the active points.
+    struct State {
+        Eigen::VectorXd u;
+        Field stress;
+        Eigen::MatrixXd du;
+        Field d_stress;
+    };
+    const auto zero_state = [&] {
+        return State{Eigen::VectorXd::Zero(w.model.free_unknowns), Field::Zero(Element::voigt, points),
+                     Eigen::MatrixXd::Zero(w.model.free_unknowns, count),
+                     Field::Zero(Element::voigt, static_cast<Eigen::Index>(points) * count)};
+    };
+    Eigen::VectorXd modulus(points);
+    Eigen::VectorXd modulus_rate(static_cast<Eigen::Index>(points) * count);
+
+    // d(state)/d(load factor) at a state: one factorisation, 1 + count right-hand sides. False: not definite.
+    const auto rate = [&](const State &x, State &out) {
+        for (int q = 0; q < points; ++q) {
+            const int e = w.active[q / Element::gauss];
+            const LayerMaterial &layer = w.layer_of(e);
+            const Stress total = w.initial[q] + x.stress.col(q);
+            const auto at = mechanics::invariants<Element::voigt>(total);
+            const auto m = layer.law->modulus(layer.parameters, at);
+            modulus[q] = m.value;
+            if (count > 0) {
+                const Stress gradient = modulus_gradient<Element::voigt>(m, at, total);
+                for (int k = 0; k < count; ++k) {
+                    const Eigen::Index qk = static_cast<Eigen::Index>(q) * count + k;
+                    modulus_rate[qk] = gradient.dot(w.initial_rate[qk] + x.d_stress.col(qk)) +
+                                       w.explicit_modulus_rate(layer, w.model.layer[e], at, k);
+                }
+            }
+        }
+        w.assemble(modulus);
+        ++statistics.factorizations;
+        if (!w.cholesky.factorize(w.values)) {
+            return false;
+        }
+        out.u = load;
+        w.cholesky.solve(out.u.data(), 1);
+        if (count > 0) {
+            out.du = w.load_rates(load, 1.0);
+            w.subtract_linear_rates(out.u.data(), out.du);
+        }
+        for (std::size_t a = 0; a < w.active.size(); ++a) {
+            const int e = w.active[a];
+            const auto &p = w.prepared_of(e);
+            const Vector ue = w.model.gather(e, out.u.data());
+            std::array<Stress, Element::gauss> strain;
+            for (int g = 0; g < Element::gauss; ++g) {
+                const int q = static_cast<int>(a) * Element::gauss + g;
+                strain[g] = Element::strain(w.point(e, g), ue);
+                out.stress.col(q) = modulus[q] * (p.unit * strain[g]);
+            }
+            for (int k = 0; k < count; ++k) {
+                Vector force = Vector::Zero();
+                for (int g = 0; g < Element::gauss; ++g) {
+                    const int q = static_cast<int>(a) * Element::gauss + g;
+                    const Eigen::Index qk = static_cast<Eigen::Index>(q) * count + k;
+                    Stress d = (modulus_rate[qk] / modulus[q]) * out.stress.col(q);
+                    if (p.turns[k]) {
+                        d += modulus[q] * (p.unit_rate[k] * strain[g]);
+                    }
+                    out.d_stress.col(qk) = d;
+                    Element::add_force(w.point(e, g), d, -w.point(e, g).weight, force);
+                }
+                w.model.scatter_add(e, force, out.du.col(k).data());
+            }
+        }
+        if (count > 0) {
+            w.cholesky.solve(out.du.data(), count);
+            for (std::size_t a = 0; a < w.active.size(); ++a) {
+                const int e = w.active[a];
+                for (int k = 0; k < count; ++k) {
+                    const Vector de = w.model.gather(e, out.du.col(k).data());
+                    for (int g = 0; g < Element::gauss; ++g) {
+                        const int q = static_cast<int>(a) * Element::gauss + g;
+                        out.d_stress.col(static_cast<Eigen::Index>(q) * count + k) +=
+                            modulus[q] * (w.prepared_of(e).unit * Element::strain(w.point(e, g), de));
+                    }
+                }
+            }
+        }
+        return true;
+    };
+
+    State now = zero_state();
+    std::array<State, Pair::stages> slope;
+    slope.fill(zero_state());
+    State trial = zero_state();
+    const Failure not_definite{Status::failed, "the stiffness matrix of the section is not positive definite: a layer "
+                                               "has lost its stiffness along the load path"};
+    if (!rate(now, slope[0])) {
+        return not_definite;
+    }
+    if (points == 0) { // linear: the rate is the same all along
+        now.u = slope[0].u;
+        now.du = slope[0].du;
+        statistics.load_steps = 1;
+    }
+
+    // Steps are 2^-level, and start at multiples of themselves: the path changes only when a step is accepted or not.
+    constexpr long whole = 1L << finest_level;
+    long position = points == 0 ? whole : 0;
+    int level = first_level;
+    while (position < whole) {
+        const long step = whole >> level;
+        const double h = load_factor(static_cast<double>(position + step) / whole) -
+                         load_factor(static_cast<double>(position) / whole);
+        for (int i = 1; i < Pair::stages; ++i) {
+            trial = now;
+            for (int j = 0; j < i; ++j) {
+                if (const double f = h * Pair::a[i][j]; f != 0.0) {
+                    trial.u += f * slope[j].u;
+                    trial.stress += f * slope[j].stress;
+                    trial.du += f * slope[j].du;
+                    trial.d_stress += f * slope[j].d_stress;
+                }
+            }
+            if (!rate(trial, slope[i])) {
+                return not_definite;
+            }
+        }
+        // Energy of the error of the stress against the energy of the stress (complementary energy, current modulus).
+        double error = 0.0;
+        double energy = 0.0;
+        for (int q = 0; q < points; ++q) {
+            const int e = w.active[q / Element::gauss];
+            const auto &compliance = w.prepared_of(e).compliance;
+            const double factor = w.point(e, q % Element::gauss).weight / modulus[q];
+            Stress difference = Stress::Zero();
+            for (int i = 0; i < Pair::stages; ++i) {
+                difference += (h * Pair::error[i]) * slope[i].stress.col(q);
+            }
+            error += factor * difference.dot(compliance * difference);
+            energy += factor * trial.stress.col(q).dot(compliance * trial.stress.col(q));
+        }
+        const double relative = std::sqrt(error / energy);
+        if (!(relative <= settings.path_tolerance)) {
+            ++statistics.rejected_steps;
+            if (++level > finest_level) {
+                return Failure{Status::failed,
+                               "the load path cannot be followed to the tolerance: the modulus changes too abruptly "
+                               "with stress for these parameters"};
+            }
+            continue;
+        }
+        ++statistics.load_steps;
+        position += step;
+        std::swap(now, trial);
+        std::swap(slope[0], slope[Pair::stages - 1]);
+        const bool easy = relative < settings.path_tolerance * std::pow(0.5, Pair::order + 1.0);
+        if (easy && level > coarsest_level && position % (2 * step) == 0) {
+            --level;
+        }
+    }
+
+    solution.displacement = now.u;
+    solution.d_displacement = now.du;
+    for (std::size_t a = 0; a < w.active.size(); ++a) {
+        for (int g = 0; g < Element::gauss; ++g) {
+            const int from = static_cast<int>(a) * Element::gauss + g;
+            const int to = w.active[a] * Element::gauss + g;
+            solution.stress.col(to) = now.stress.col(from);
+            solution.modulus[to] = modulus[from];
+            for (int k = 0; k < count; ++k) {
+                solution.d_stress.col(static_cast<Eigen::Index>(to) * count + k) =
+                    now.d_stress.col(static_cast<Eigen::Index>(from) * count + k);
+            }
+        }
+    }
+    w.finish(load, solution);
+    return solution;
+}
+
+template <class Element>
+Solver<Element>::Solver(const Model<Element> &model) : work_(std::make_unique<Work>(model)) {}
+template <class Element>
+Solver<Element>::~Solver() = default;
+
+template class Solver<AxisymmetricQ8>;
+
+} // namespace pave::fe

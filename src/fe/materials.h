@@ -1,0 +1,73 @@
+// The materials of the layers of a model as the solvers see them: law, parameters, initial stress.
+#pragma once
+
+#include "material/law.h"
+
+#include <vector>
+
+namespace pave::fe {
+
+// One layer. Initial stress at depth z: vertical sv = top_stress + unit_weight (z - top), horizontal k0 sv + residual,
+// all compression positive [Pa].
+struct LayerMaterial {
+    const material::Law *law = nullptr;
+    std::vector<double> parameters; // SI, in the order of law->parameters()
+    double top = 0.0;               // m
+    double thickness = 0.0;         // m
+    double top_stress = 0.0;        // Pa, weight of what lies above
+    double unit_weight = 0.0;       // N/m3
+    double k0 = 0.0;
+    double residual_stress = 0.0; // Pa
+
+    double vertical_stress(double z) const { return top_stress + unit_weight * (z - top); }
+    double horizontal_stress(double z) const { return k0 * vertical_stress(z) + residual_stress; }
+
+    template <int N>
+    mechanics::Voigt<N> initial_stress(double z) const { // tension positive
+        mechanics::Voigt<N> s = mechanics::Voigt<N>::Zero();
+        s[0] = s[1] = -horizontal_stress(z);
+        s[2] = -vertical_stress(z);
+        return s;
+    }
+};
+
+// A quantity the response is differentiated by.
+struct Variation {
+    enum class Kind {
+        law_parameter,   // parameters[index] of the layer
+        unit_weight,     // of the layer
+        k0,              // of the layer
+        residual_stress, // of the layer
+        load_factor      // a factor on the whole load
+    };
+    Kind kind = Kind::law_parameter;
+    int layer = 0;
+    std::size_t index = 0;
+};
+
+// Derivative of the initial stress in layer `at` at depth z.
+template <int N>
+mechanics::Voigt<N> initial_stress_rate(const std::vector<LayerMaterial> &layers, int at, double z,
+                                        const Variation &variation) {
+    double vertical = 0.0;
+    double horizontal = 0.0;
+    const LayerMaterial &layer = layers[at];
+    switch (variation.kind) {
+    case Variation::Kind::unit_weight:
+        vertical = variation.layer == at  ? z - layer.top
+                   : variation.layer < at ? layers[variation.layer].thickness
+                                          : 0.0;
+        horizontal = layer.k0 * vertical;
+        break;
+    case Variation::Kind::k0: horizontal = variation.layer == at ? layer.vertical_stress(z) : 0.0; break;
+    case Variation::Kind::residual_stress: horizontal = variation.layer == at ? 1.0 : 0.0; break;
+    case Variation::Kind::law_parameter:
+    case Variation::Kind::load_factor: break;
+    }
+    mechanics::Voigt<N> s = mechanics::Voigt<N>::Zero();
+    s[0] = s[1] = -horizontal;
+    s[2] = -vertical;
+    return s;
+}
+
+} // namespace pave::fe

@@ -1,0 +1,343 @@
+#include "fe/solver_work.h"
+
+#include <cmath>
+
+namespace pave::fe {
+namespace {
+
+// The law at a point under the secant definition: E = Ehat(sigma0 + E s), s = C strain, solved for ln E by Newton.
+// gain = 1 - (dEhat/dsigma) . s is what makes the point stable; it reaches zero at a fold.
+template <int N>
+struct SecantPoint {
+    double modulus = 0.0;
+    mechanics::Voigt<N> gradient; // dEhat/dsigma
+    double gain = 0.0;
+    mechanics::Invariants at;
+};
+
+template <int N>
+bool solve_point(const LayerMaterial &layer, const mechanics::Voigt<N> &initial, const mechanics::Voigt<N> &s,
+                 double guess, SecantPoint<N> &point) {
+    double log_e = std::log(guess);
+    for (int iteration = 0; iteration < 60; ++iteration) {
+        const double e = std::exp(log_e);
+        const mechanics::Voigt<N> total = initial + e * s;
+        point.at = mechanics::invariants<N>(total);
+        const auto m = layer.law->modulus(layer.parameters, point.at);
+        point.gradient = modulus_gradient<N>(m, point.at, total);
+        point.modulus = m.value;
+        point.gain = 1.0 - point.gradient.dot(s);
+        const double mismatch = log_e - std::log(m.value);
+        const double slope = 1.0 - e * point.gradient.dot(s) / m.value;
+        if (!std::isfinite(mismatch)) {
+            return false;
+        }
+        if (std::abs(mismatch) < 1e-13) {
+            return point.gain > 0.0;
+        }
+        // Where the slope is not positive the stable answer lies the other way: creep instead.
+        log_e -= slope > 0.1 ? std::clamp(mismatch / slope, -1.0, 1.0) : std::clamp(mismatch, -0.5, 0.5);
+    }
+    return std::abs(log_e - std::log(point.modulus)) < 1e-11 && point.gain > 0.0;
+}
+
+} // namespace
+
+template <class Element>
+Outcome<Solution<Element>>
+Solver<Element>::secant(const std::vector<LayerMaterial> &layers, const Eigen::VectorXd &load,
+                        const std::vector<Variation> &variations, const SolverSettings &settings) {
+    using Stress = typename Element::Stress;
+    using Vector = typename Element::Vector;
+    constexpr int dofs = Element::dofs;
+    Work &w = *work_;
+    w.prepare(layers, variations);
+    const int points = w.points();
+    const int count = w.count();
+    Solution<Element> solution = w.empty_solution();
+    Statistics &statistics = solution.statistics;
+    const double load_norm = load.norm();
+
+    const auto solve_elastic = [&](const Eigen::VectorXd &modulus, Eigen::VectorXd &u) {
+        w.assemble(modulus);
+        ++statistics.factorizations;
+        if (!w.cholesky.factorize(w.values)) {
+            return false;
+        }
+        w.cholesky.solve(u.data(), 1);
+        return true;
+    };
+    const Failure not_definite{Status::failed, "the stiffness matrix of the section is not positive definite"};
+
+    Eigen::VectorXd modulus(points);
+    Eigen::VectorXd u = load;
+    if (points == 0) {
+        if (!solve_elastic(modulus, u)) {
+            return not_definite;
+        }
+    }
+    w.prepare_full();
+
+    // A run of the continuation: which load, which smoothing of tension (factor on the laws' own is applied by caller).
+    std::vector<LayerMaterial> eased = layers;
+    const std::vector<LayerMaterial> *law_layers = &layers;
+    std::vector<SecantPoint<Element::voigt>> state(points);
+
+    // Stress state for displacement x: false when a point has no stable answer. unbalanced := factor load - internal.
+    const auto balance = [&](const Eigen::VectorXd &x, double factor, const Eigen::VectorXd &guess,
+                             Eigen::VectorXd &unbalanced) {
+        unbalanced = factor * load;
+        for (std::size_t a = 0; a < w.active.size(); ++a) {
+            const int e = w.active[a];
+            const auto &p = w.prepared_of(e);
+            const Vector xe = w.model.gather(e, x.data());
+            Vector force = Vector::Zero();
+            for (int g = 0; g < Element::gauss; ++g) {
+                const int q = static_cast<int>(a) * Element::gauss + g;
+                const Stress s = p.unit * Element::strain(w.point(e, g), xe);
+                if (!solve_point<Element::voigt>((*law_layers)[w.model.layer[e]], w.initial[q], s, guess[q],
+                                                 state[q])) {
+                    return false;
+                }
+                Element::add_force(w.point(e, g), state[q].modulus * s, -w.point(e, g).weight, force);
+            }
+            w.model.scatter_add(e, force, unbalanced.data());
+        }
+        w.subtract_linear_force(x, unbalanced);
+        return true;
+    };
+
+    // Factorises the consistent tangent at `state` for displacement x:
+    // E C + E s (gradient^T C) / gain at every active point.
+    const auto factorize_tangent = [&](const Eigen::VectorXd &x) {
+        w.start_full();
+        for (std::size_t a = 0; a < w.active.size(); ++a) {
+            const int e = w.active[a];
+            const auto &p = w.prepared_of(e);
+            const Vector xe = w.model.gather(e, x.data());
+            Eigen::Matrix<double, dofs, dofs> k = Eigen::Matrix<double, dofs, dofs>::Zero();
+            for (int g = 0; g < Element::gauss; ++g) {
+                const auto &point = state[static_cast<std::size_t>(a) * Element::gauss + g];
+                const auto b = Element::strain_operator(w.point(e, g));
+                const Stress s = p.unit * (b * xe);
+                const mechanics::Stiffness<Element::voigt> d =
+                    point.modulus * (p.unit + s * (point.gradient.transpose() * p.unit) / point.gain);
+                const typename Element::Operator db = w.point(e, g).weight * (d * b);
+                k.noalias() += b.transpose() * db;
+            }
+            w.add_full(e, k);
+        }
+        ++statistics.factorizations;
+        return w.lu->factorize(w.full_values);
+    };
+
+    // Newton at one load. Keeps x and modulus of the last balanced state; false when it gets stuck.
+    const auto newton = [&](double factor, Eigen::VectorXd &x, Eigen::VectorXd &e_guess) {
+        Eigen::VectorXd unbalanced;
+        if (!balance(x, factor, e_guess, unbalanced)) {
+            return false;
+        }
+        double norm = unbalanced.norm();
+        for (int step = 0; step < 25; ++step) {
+            for (int q = 0; q < points; ++q) {
+                e_guess[q] = state[q].modulus;
+            }
+            if (norm <= settings.equilibrium_tolerance * factor * load_norm) {
+                return true;
+            }
+            if (!factorize_tangent(x)) {
+                return false;
+            }
+            ++statistics.newton_steps;
+            Eigen::VectorXd direction = unbalanced;
+            w.lu->solve(direction.data(), 1);
+            double length = 1.0;
+            Eigen::VectorXd trial;
+            for (;; length *= 0.5) {
+                if (length < 1.0 / 64.0) {
+                    return false;
+                }
+                trial = x + length * direction;
+                if (balance(trial, factor, e_guess, unbalanced) && unbalanced.norm() < (1.0 - 0.1 * length) * norm) {
+                    break;
+                }
+            }
+            x = trial;
+            norm = unbalanced.norm();
+        }
+        return false;
+    };
+
+    // Starting state at one load: a few damped elastic solutions with moduli from the stress before.
+    const auto start = [&](double factor, Eigen::VectorXd &x, Eigen::VectorXd &e_guess) {
+        for (int q = 0; q < points; ++q) {
+            const LayerMaterial &layer = (*law_layers)[w.model.layer[w.active[q / Element::gauss]]];
+            e_guess[q] =
+                layer.law->modulus(layer.parameters, mechanics::invariants<Element::voigt>(w.initial[q])).value;
+        }
+        for (int pass = 0; pass < 4; ++pass) {
+            x = factor * load;
+            if (!solve_elastic(e_guess, x)) {
+                return false;
+            }
+            for (int q = 0; q < points; ++q) {
+                const int e = w.active[q / Element::gauss];
+                const LayerMaterial &layer = (*law_layers)[w.model.layer[e]];
+                const Stress strain = Element::strain(w.point(e, q % Element::gauss), w.model.gather(e, x.data()));
+                const Stress total = w.initial[q] + e_guess[q] * (w.prepared_of(e).unit * strain);
+                const auto m = layer.law->modulus(layer.parameters, mechanics::invariants<Element::voigt>(total));
+                e_guess[q] = std::sqrt(e_guess[q] * m.value);
+            }
+        }
+        return true;
+    };
+
+    // Load continuation: the full load at once, else in steps halved on failure, from a small load that balances.
+    double reached = 0.0;
+    const auto follow_load = [&](Eigen::VectorXd &x, Eigen::VectorXd &e_guess) {
+        reached = 0.0;
+        if (start(1.0, x, e_guess) && newton(1.0, x, e_guess)) {
+            reached = 1.0;
+            return true;
+        }
+        constexpr double smallest = 1.0 / 256.0;
+        Eigen::VectorXd good_x = Eigen::VectorXd::Zero(x.size());
+        Eigen::VectorXd good_e(points);
+        double step = 0.25;
+        while (reached < 1.0 && step >= smallest) {
+            const double next = std::min(1.0, reached + step);
+            bool ok = false;
+            if (reached == 0.0) {
+                ok = start(next, x, e_guess) && newton(next, x, e_guess);
+            } else {
+                x = good_x * (next / reached);
+                e_guess = good_e;
+                ok = newton(next, x, e_guess);
+            }
+            if (ok) {
+                reached = next;
+                good_x = x;
+                good_e = e_guess;
+                step *= 1.5;
+            } else {
+                step *= 0.5;
+            }
+        }
+        return reached >= 1.0;
+    };
+
+    bool found = points == 0 || follow_load(u, modulus);
+    const double reached_by_load = reached;
+    double reached_by_smoothing = 0.0;
+    if (!found) {
+        // Delta continuation: a softer floor of theta has an answer more often; lower it to the study's own.
+        const auto ease = [&](double factor) {
+            for (std::size_t l = 0; l < layers.size(); ++l) {
+                if (const auto delta = layers[l].law->index_of("tension_smoothing_kPa")) {
+                    eased[l].parameters[*delta] = layers[l].parameters[*delta] * factor;
+                }
+            }
+            law_layers = &eased;
+        };
+        for (double factor = 4.0; factor <= 64.0 && reached_by_smoothing == 0.0; factor *= 4.0) {
+            ease(factor);
+            if (follow_load(u, modulus)) {
+                reached_by_smoothing = factor;
+            }
+        }
+        double ratio = 0.5;
+        Eigen::VectorXd good_u = u;
+        Eigen::VectorXd good_e = modulus;
+        while (reached_by_smoothing > 1.0 && ratio < 0.98) {
+            const double next = std::max(1.0, reached_by_smoothing * ratio);
+            ease(next);
+            if (newton(1.0, u, modulus)) {
+                reached_by_smoothing = next;
+                good_u = u;
+                good_e = modulus;
+            } else {
+                u = good_u;
+                modulus = good_e;
+                ratio = std::sqrt(ratio);
+            }
+        }
+        found = reached_by_smoothing == 1.0;
+        law_layers = &layers;
+    }
+    if (!found) {
+        return Failure{Status::no_equilibrium, w.describe_fold(reached_by_load, reached_by_smoothing)};
+    }
+
+    Eigen::VectorXd unbalanced;
+    if (points > 0) {
+        balance(u, 1.0, modulus, unbalanced);
+    }
+    solution.displacement = u;
+    if (count > 0) {
+        solution.d_displacement = w.load_rates(load, 1.0);
+        w.subtract_linear_rates(u.data(), solution.d_displacement);
+    }
+    // First the stress rates at held displacement, then what the displacement rates add.
+    for (std::size_t a = 0; a < w.active.size(); ++a) {
+        const int e = w.active[a];
+        const auto &p = w.prepared_of(e);
+        const LayerMaterial &layer = w.layer_of(e);
+        const Vector ue = w.model.gather(e, u.data());
+        for (int g = 0; g < Element::gauss; ++g) {
+            const int q = static_cast<int>(a) * Element::gauss + g;
+            const int to = e * Element::gauss + g;
+            const auto &point = state[q];
+            const Stress strain = Element::strain(w.point(e, g), ue);
+            const Stress s = p.unit * strain;
+            solution.stress.col(to) = point.modulus * s;
+            solution.modulus[to] = point.modulus;
+            for (int k = 0; k < count; ++k) {
+                const Stress turned = point.modulus * (p.unit_rate[k] * strain);
+                const double explicit_rate = w.explicit_modulus_rate(layer, w.model.layer[e], point.at, k);
+                const double e_rate =
+                    (explicit_rate +
+                     point.gradient.dot(w.initial_rate[static_cast<std::size_t>(q) * count + k] + turned)) /
+                    point.gain;
+                const Stress d = turned + e_rate * s;
+                solution.d_stress.col(static_cast<Eigen::Index>(to) * count + k) = d;
+                Vector force = Vector::Zero();
+                Element::add_force(w.point(e, g), d, -w.point(e, g).weight, force);
+                w.model.scatter_add(e, force, solution.d_displacement.col(k).data());
+            }
+        }
+    }
+    if (count > 0) {
+        if (points == 0) {
+            w.cholesky.solve(solution.d_displacement.data(), count);
+        } else if (factorize_tangent(u)) {
+            w.lu->solve(solution.d_displacement.data(), count);
+        } else {
+            return Failure{Status::no_equilibrium, "the equilibrium found is a fold: its tangent is singular"};
+        }
+        for (std::size_t a = 0; a < w.active.size(); ++a) {
+            const int e = w.active[a];
+            const auto &p = w.prepared_of(e);
+            const Vector ue = w.model.gather(e, u.data());
+            for (int k = 0; k < count; ++k) {
+                const Vector de = w.model.gather(e, solution.d_displacement.col(k).data());
+                for (int g = 0; g < Element::gauss; ++g) {
+                    const auto &point = state[static_cast<std::size_t>(a) * Element::gauss + g];
+                    const Stress s = p.unit * Element::strain(w.point(e, g), ue);
+                    const Stress ds = point.modulus * (p.unit * Element::strain(w.point(e, g), de));
+                    solution.d_stress.col(static_cast<Eigen::Index>(e * Element::gauss + g) * count + k) +=
+                        ds + s * (point.gradient.dot(ds) / point.gain);
+                }
+            }
+        }
+    }
+    statistics.load_steps = 1;
+    w.finish(load, solution);
+    return solution;
+}
+
+template Outcome<Solution<AxisymmetricQ8>> Solver<AxisymmetricQ8>::secant(const std::vector<LayerMaterial> &,
+                                                                          const Eigen::VectorXd &,
+                                                                          const std::vector<Variation> &,
+                                                                          const SolverSettings &);
+
+} // namespace pave::fe

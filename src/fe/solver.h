@@ -1,0 +1,69 @@
+// The two ways of integrating a stress-dependent law over the application of a load, with derivatives.
+//
+//   incremental   d(sigma) = D(E(sigma)) d(strain), an ordinary differential equation in the load factor, solved to a
+//                 tolerance by an embedded Runge-Kutta pair; every stage is one symmetric positive definite solve.
+//   secant        sigma - sigma0 = D(E(sigma)) strain at the full load, solved by Newton with the consistent tangent.
+//
+// Derivatives are those of the discrete algorithm: the tangent linear of the load path with its steps held, and the
+// implicit function theorem at the secant equilibrium.
+#pragma once
+
+#include "base/outcome.h"
+#include "fe/materials.h"
+#include "fe/model.h"
+#include "fe/sparse_solver.h"
+
+#include <memory>
+
+namespace pave::fe {
+
+struct SolverSettings {
+    // incremental: error of the stress increment in one step, in energy, relative to the stress reached.
+    double path_tolerance = 1e-3;
+    // secant: unbalanced force relative to the load.
+    double equilibrium_tolerance = 1e-9;
+};
+
+struct Statistics {
+    int load_steps = 0; // accepted steps of the load path
+    int rejected_steps = 0;
+    int newton_steps = 0; // secant only
+    int factorizations = 0;
+    double residual_relative = 0.0; // |unbalanced force| / |load| at the end
+    // Shares of the volume of the stress-dependent layers, weighted by the energy of the load stress.
+    double tension_share = 0.0;  // theta < 0
+    double unstable_share = 0.0; // d ln E / d ln stress >= 1 along proportional loading
+    double limited_share = 0.0;  // modulus limit met
+};
+
+template <class Element>
+struct Solution {
+    Eigen::VectorXd displacement;                                 // free unknowns [m]
+    Eigen::Matrix<double, Element::voigt, Eigen::Dynamic> stress; // load-induced, every Gauss point [Pa]
+    Eigen::VectorXd modulus;                                      // every Gauss point [Pa]
+    // With variations: column k of d_displacement; column point * variations + k of d_stress.
+    Eigen::MatrixXd d_displacement;
+    Eigen::Matrix<double, Element::voigt, Eigen::Dynamic> d_stress;
+    Statistics statistics;
+};
+
+// Solves on one model; keeps its factors and buffers between calls (same input, same bits, whatever came before).
+// One object a thread. The model must outlive it.
+template <class Element>
+class Solver {
+public:
+    explicit Solver(const Model<Element> &model);
+    ~Solver();
+
+    // load: force on every free unknown [N] at load factor 1. d(load)/d(load_factor) = load.
+    Outcome<Solution<Element>> incremental(const std::vector<LayerMaterial> &layers, const Eigen::VectorXd &load,
+                                           const std::vector<Variation> &variations, const SolverSettings &settings);
+    Outcome<Solution<Element>> secant(const std::vector<LayerMaterial> &layers, const Eigen::VectorXd &load,
+                                      const std::vector<Variation> &variations, const SolverSettings &settings);
+
+private:
+    struct Work;
+    std::unique_ptr<Work> work_;
+};
+
+} // namespace pave::fe

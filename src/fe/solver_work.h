@@ -1,0 +1,350 @@
+// What both integrations share: the layers prepared for one run, assembly, and the closing figures. Private to fe/.
+#pragma once
+
+#include "fe/solver.h"
+
+#include <algorithm>
+
+namespace pave::fe {
+
+// A layer prepared for one run.
+template <int N>
+struct PreparedLayer {
+    bool stress_dependent = false;
+    double modulus = 0.0;               // of a linear layer [Pa]
+    mechanics::Stiffness<N> unit;       // C
+    mechanics::Stiffness<N> compliance; // C^-1
+    // For every variation: dE/dp of a linear layer, and dC/dp (zero when `turns` is false).
+    std::vector<double> modulus_rate;
+    std::vector<mechanics::Stiffness<N>> unit_rate;
+    std::vector<bool> turns;
+};
+
+template <class Element>
+struct Solver<Element>::Work {
+    static constexpr int N = Element::voigt;
+    using Stress = typename Element::Stress;
+    using Vector = typename Element::Vector;
+
+    explicit Work(const Model<Element> &m) : model(m), cholesky(m.lower), values(m.lower.row.size()), linear(values) {}
+
+    const Model<Element> &model;
+    SparseCholesky cholesky;
+    std::vector<double> values; // the matrix of the moment
+    std::vector<double> linear; // its part from linear layers
+
+    // Unsymmetric matrix of the secant tangent, made when first needed.
+    Pattern full;
+    std::vector<std::array<int, Element::dofs * Element::dofs>> full_scatter; // local (i, j) column by column
+    std::unique_ptr<SparseLu> lu;
+    std::vector<double> full_values;
+
+    // One run.
+    const std::vector<LayerMaterial> *layers = nullptr;
+    const std::vector<Variation> *variations = nullptr;
+    std::vector<PreparedLayer<N>> prepared;
+    std::vector<int> active;          // stress-dependent elements
+    std::vector<Stress> initial;      // initial stress at the points of the active elements, tension positive
+    std::vector<Stress> initial_rate; // the same by variation: [point * variations + k]
+    // B^T C B times the weight, lower triangle row by row, one column a point of an active element.
+    Eigen::Matrix<double, Model<Element>::lower_entries, Eigen::Dynamic> unit_stiffness;
+
+    int points() const { return static_cast<int>(active.size()) * Element::gauss; }
+    int count() const { return static_cast<int>(variations->size()); }
+    const LayerMaterial &layer_of(int element) const { return (*layers)[model.layer[element]]; }
+    const PreparedLayer<N> &prepared_of(int element) const { return prepared[model.layer[element]]; }
+
+    static mechanics::Stiffness<N> cut(const mechanics::Stiffness<6> &c) { return c.template topLeftCorner<N, N>(); }
+
+    void prepare(const std::vector<LayerMaterial> &run_layers, const std::vector<Variation> &run_variations) {
+        layers = &run_layers;
+        variations = &run_variations;
+        prepared.assign(run_layers.size(), {});
+        for (std::size_t l = 0; l < run_layers.size(); ++l) {
+            const LayerMaterial &layer = run_layers[l];
+            PreparedLayer<N> &p = prepared[l];
+            p.stress_dependent = layer.law->stress_dependent();
+            p.modulus = p.stress_dependent ? 0.0 : layer.law->modulus(layer.parameters, {}).value;
+            p.unit = cut(layer.law->unit_stiffness(layer.parameters));
+            p.compliance = p.unit.inverse();
+            for (const Variation &v : run_variations) {
+                const bool own = v.kind == Variation::Kind::law_parameter && v.layer == static_cast<int>(l);
+                p.modulus_rate.push_back(
+                    own && !p.stress_dependent ? layer.law->modulus_derivative(layer.parameters, {}, v.index) : 0.0);
+                p.unit_rate.push_back(own ? cut(layer.law->unit_stiffness_derivative(layer.parameters, v.index))
+                                          : mechanics::Stiffness<N>::Zero());
+                p.turns.push_back(!p.unit_rate.back().isZero(0.0));
+            }
+        }
+        active.clear();
+        std::fill(linear.begin(), linear.end(), 0.0);
+        for (int e = 0; e < model.elements(); ++e) {
+            if (prepared_of(e).stress_dependent) {
+                active.push_back(e);
+                continue;
+            }
+            for (int g = 0; g < Element::gauss; ++g) {
+                add_unit_stiffness(e, g, prepared_of(e).modulus, nullptr);
+            }
+        }
+        unit_stiffness.resize(Eigen::NoChange, points());
+        initial.resize(points());
+        initial_rate.resize(static_cast<std::size_t>(points()) * count());
+        for (int a = 0; a < static_cast<int>(active.size()); ++a) {
+            const int e = active[a];
+            for (int g = 0; g < Element::gauss; ++g) {
+                const int q = a * Element::gauss + g;
+                const double z = model.depth[e * Element::gauss + g];
+                add_unit_stiffness(e, g, 1.0, unit_stiffness.col(q).data());
+                initial[q] = layer_of(e).template initial_stress<N>(z);
+                for (int k = 0; k < count(); ++k) {
+                    initial_rate[static_cast<std::size_t>(q) * count() + k] =
+                        initial_stress_rate<N>(*layers, model.layer[e], z, (*variations)[k]);
+                }
+            }
+        }
+    }
+
+    const typename Element::Point &point(int element, int g) const {
+        return model.points[element * Element::gauss + g];
+    }
+
+    // B^T (factor C) B weight: into `column` when given, else added to `linear`.
+    void add_unit_stiffness(int e, int g, double factor, double *column) {
+        const auto &p = point(e, g);
+        const auto b = Element::strain_operator(p);
+        const typename Element::Operator cb = (p.weight * factor) * (prepared_of(e).unit * b);
+        const Eigen::Matrix<double, Element::dofs, Element::dofs> k = b.transpose() * cb;
+        int entry = 0;
+        for (int i = 0; i < Element::dofs; ++i) {
+            for (int j = 0; j <= i; ++j, ++entry) {
+                if (column != nullptr) {
+                    column[entry] = k(i, j);
+                } else if (const int place = model.scatter[e][entry]; place >= 0) {
+                    linear[place] += k(i, j);
+                }
+            }
+        }
+    }
+
+    // values := stiffness with these moduli at the points of the active elements.
+    void assemble(const Eigen::VectorXd &modulus) {
+        values = linear;
+        Eigen::Matrix<double, Model<Element>::lower_entries, 1> k;
+        for (int a = 0; a < static_cast<int>(active.size()); ++a) {
+            k.noalias() = unit_stiffness.template middleCols<Element::gauss>(a * Element::gauss) *
+                          modulus.template segment<Element::gauss>(a * Element::gauss);
+            const auto &scatter = model.scatter[active[a]];
+            for (int entry = 0; entry < Model<Element>::lower_entries; ++entry) {
+                if (scatter[entry] >= 0) {
+                    values[scatter[entry]] += k[entry];
+                }
+            }
+        }
+    }
+
+    // right(:, k) -= (dK/dp_k) u over the linear layers.
+    void subtract_linear_rates(const double *u, Eigen::MatrixXd &right) const {
+        for (int k = 0; k < count(); ++k) {
+            const Variation &v = (*variations)[k];
+            if (v.kind != Variation::Kind::law_parameter || prepared[v.layer].stress_dependent) {
+                continue;
+            }
+            const PreparedLayer<N> &p = prepared[v.layer];
+            const mechanics::Stiffness<N> d = p.modulus_rate[k] * p.unit + p.modulus * p.unit_rate[k];
+            for (int e = 0; e < model.elements(); ++e) {
+                if (model.layer[e] != v.layer) {
+                    continue;
+                }
+                const Vector ue = model.gather(e, u);
+                Vector force = Vector::Zero();
+                for (int g = 0; g < Element::gauss; ++g) {
+                    Element::add_force(point(e, g), d * Element::strain(point(e, g), ue), -point(e, g).weight, force);
+                }
+                model.scatter_add(e, force, right.col(k).data());
+            }
+        }
+    }
+
+    // Pattern and scatter of the full, unsymmetric matrix.
+    void prepare_full() {
+        if (lu != nullptr) {
+            return;
+        }
+        const Pattern &lower = model.lower;
+        std::vector<std::vector<int>> columns(lower.size);
+        for (int j = 0; j < lower.size; ++j) {
+            for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
+                columns[j].push_back(lower.row[k]);
+                if (lower.row[k] != j) {
+                    columns[lower.row[k]].push_back(j);
+                }
+            }
+        }
+        full.size = lower.size;
+        full.column_start.assign(1, 0);
+        for (auto &rows : columns) {
+            std::sort(rows.begin(), rows.end());
+            full.row.insert(full.row.end(), rows.begin(), rows.end());
+            full.column_start.push_back(static_cast<int>(full.row.size()));
+        }
+        full_scatter.resize(model.elements());
+        for (int e = 0; e < model.elements(); ++e) {
+            for (int b = 0; b < Element::dofs; ++b) {
+                for (int a = 0; a < Element::dofs; ++a) {
+                    const int i = model.unknowns[e][a];
+                    const int j = model.unknowns[e][b];
+                    int &place = full_scatter[e][b * Element::dofs + a];
+                    place = -1;
+                    if (i >= 0 && j >= 0) {
+                        const auto first = full.row.begin() + full.column_start[j];
+                        const auto last = full.row.begin() + full.column_start[j + 1];
+                        place = static_cast<int>(std::lower_bound(first, last, i) - full.row.begin());
+                    }
+                }
+            }
+        }
+        full_values.resize(full.row.size());
+        lu = std::make_unique<SparseLu>(full);
+    }
+
+    // full_values := the linear layers.
+    void start_full() {
+        const Pattern &lower = model.lower;
+        std::vector<int> next(full.column_start.begin(), full.column_start.end() - 1);
+        // Rows of a column of the full matrix: first those above the diagonal, in the order in which the columns of
+        // the lower triangle that hold them are met, then the column of the lower triangle itself.
+        for (int j = 0; j < lower.size; ++j) {
+            for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
+                full_values[next[j]++] = linear[k];
+                if (lower.row[k] != j) {
+                    full_values[next[lower.row[k]]++] = linear[k];
+                }
+            }
+        }
+    }
+
+    void add_full(int e, const Eigen::Matrix<double, Element::dofs, Element::dofs> &k) {
+        for (int entry = 0; entry < Element::dofs * Element::dofs; ++entry) {
+            if (const int place = full_scatter[e][entry]; place >= 0) {
+                full_values[place] += k.data()[entry];
+            }
+        }
+    }
+
+    // force -= internal force of the linear layers at displacement x.
+    void subtract_linear_force(const Eigen::VectorXd &x, Eigen::VectorXd &force) const {
+        const Pattern &lower = model.lower;
+        for (int j = 0; j < lower.size; ++j) {
+            for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
+                const int i = lower.row[k];
+                force[i] -= linear[k] * x[j];
+                if (i != j) {
+                    force[j] -= linear[k] * x[i];
+                }
+            }
+        }
+    }
+
+    static std::string describe_fold(double reached_by_load, double reached_by_smoothing) {
+        std::string text = "the secant law has no equilibrium: raising the load ended in a fold at " +
+                           std::to_string(static_cast<int>(100.0 * reached_by_load)) + " % of it; ";
+        if (reached_by_smoothing > 1.0) {
+            text += "lowering the tension smoothing ended in a fold at " +
+                    std::to_string(reached_by_smoothing).substr(0, 4) + " times the study's value";
+        } else {
+            text += "no larger tension smoothing (up to 64 times) has one either";
+        }
+        return text + ". Where base stiffness grows as fast as stress, strain cannot balance the load";
+    }
+
+    // Stresses of the linear layers, residual, shares. `stress` of active elements is there already.
+    void finish(const Eigen::VectorXd &load, Solution<Element> &solution) const {
+        const int n = count();
+        Statistics &s = solution.statistics;
+        Eigen::VectorXd unbalanced = load;
+        double energy = 0.0;
+        for (int e = 0; e < model.elements(); ++e) {
+            const PreparedLayer<N> &p = prepared_of(e);
+            const LayerMaterial &layer = layer_of(e);
+            const Vector ue = model.gather(e, solution.displacement.data());
+            Vector force = Vector::Zero();
+            for (int g = 0; g < Element::gauss; ++g) {
+                const int q = e * Element::gauss + g;
+                if (!p.stress_dependent) {
+                    const Stress strain = Element::strain(point(e, g), ue);
+                    solution.modulus[q] = p.modulus;
+                    solution.stress.col(q) = p.modulus * (p.unit * strain);
+                    for (int k = 0; k < n; ++k) {
+                        const Vector de = model.gather(e, solution.d_displacement.col(k).data());
+                        solution.d_stress.col(static_cast<Eigen::Index>(q) * n + k) =
+                            p.modulus * (p.unit * Element::strain(point(e, g), de)) +
+                            (p.modulus_rate[k] * p.unit + p.modulus * p.unit_rate[k]) * strain;
+                    }
+                } else {
+                    const Stress load_stress = solution.stress.col(q);
+                    const Stress total = layer.template initial_stress<N>(model.depth[q]) + load_stress;
+                    const auto at = mechanics::invariants<N>(total);
+                    const auto m = layer.law->modulus(layer.parameters, at);
+                    const double w = point(e, g).weight * load_stress.dot(p.compliance * load_stress) / m.value;
+                    energy += w;
+                    s.tension_share += at.theta < 0.0 ? w : 0.0;
+                    s.unstable_share += at.theta * m.d_theta + at.tau * m.d_tau >= m.value ? w : 0.0;
+                    s.limited_share += m.limited ? w : 0.0;
+                }
+                Element::add_force(point(e, g), solution.stress.col(q), -point(e, g).weight, force);
+            }
+            model.scatter_add(e, force, unbalanced.data());
+        }
+        if (energy > 0.0) {
+            s.tension_share /= energy;
+            s.unstable_share /= energy;
+            s.limited_share /= energy;
+        }
+        s.residual_relative = unbalanced.norm() / load.norm();
+    }
+
+    Solution<Element> empty_solution() const {
+        Solution<Element> s;
+        const int total = model.elements() * Element::gauss;
+        s.displacement = Eigen::VectorXd::Zero(model.free_unknowns);
+        s.stress.resize(Eigen::NoChange, total);
+        s.modulus.resize(total);
+        s.d_displacement = Eigen::MatrixXd::Zero(model.free_unknowns, count());
+        s.d_stress.resize(Eigen::NoChange, static_cast<Eigen::Index>(total) * count());
+        return s;
+    }
+
+    // right(:, k) = d(load)/dp_k times scale.
+    Eigen::MatrixXd load_rates(const Eigen::VectorXd &load, double scale) const {
+        Eigen::MatrixXd right = Eigen::MatrixXd::Zero(load.size(), count());
+        for (int k = 0; k < count(); ++k) {
+            if ((*variations)[k].kind == Variation::Kind::load_factor) {
+                right.col(k) = scale * load;
+            }
+        }
+        return right;
+    }
+
+    // dE/dp_k explicitly (parameters of the law) at a point of an active element.
+    double explicit_modulus_rate(const LayerMaterial &layer, int layer_index, mechanics::Invariants at, int k) const {
+        const Variation &v = (*variations)[k];
+        return v.kind == Variation::Kind::law_parameter && v.layer == layer_index
+                   ? layer.law->modulus_derivative(layer.parameters, at, v.index)
+                   : 0.0;
+    }
+};
+
+// dE/dsigma, a vector in the Voigt order (tension positive stress).
+template <int N>
+mechanics::Voigt<N> modulus_gradient(const material::Modulus &m, mechanics::Invariants at,
+                                     const mechanics::Voigt<N> &stress) {
+    mechanics::Voigt<N> q = mechanics::Voigt<N>::Zero();
+    q[0] = q[1] = q[2] = -m.d_theta;
+    if (at.tau > 0.0) {
+        q += (m.d_tau / at.tau) * mechanics::tau_times_gradient<N>(stress);
+    }
+    return q;
+}
+
+} // namespace pave::fe

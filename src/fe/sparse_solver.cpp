@@ -1,0 +1,136 @@
+#include "fe/sparse_solver.h"
+
+#include <cholmod.h>
+#include <cstring>
+#include <new>
+#include <umfpack.h>
+
+namespace pave::fe {
+
+struct SparseCholesky::Implementation {
+    cholmod_common common{};
+    cholmod_sparse matrix{};
+    cholmod_factor *factor = nullptr;
+    cholmod_dense *solution = nullptr;
+    cholmod_dense *work_y = nullptr;
+    cholmod_dense *work_e = nullptr;
+};
+
+SparseCholesky::SparseCholesky(const Pattern &lower) : implementation_(std::make_unique<Implementation>()) {
+    auto &m = *implementation_;
+    cholmod_start(&m.common);
+    m.common.print = 0;
+    m.common.error_handler = nullptr;
+    m.common.supernodal = CHOLMOD_SUPERNODAL;
+    m.common.quick_return_if_not_posdef = 1;
+    auto *starts = const_cast<int *>(lower.column_start.data()); // CHOLMOD reads them only
+    auto *rows = const_cast<int *>(lower.row.data());
+    m.matrix.nrow = m.matrix.ncol = static_cast<std::size_t>(lower.size);
+    m.matrix.nzmax = lower.row.size();
+    m.matrix.p = starts;
+    m.matrix.i = rows;
+    m.matrix.stype = -1;
+    m.matrix.itype = CHOLMOD_INT;
+    m.matrix.xtype = CHOLMOD_PATTERN;
+    m.matrix.dtype = CHOLMOD_DOUBLE;
+    m.matrix.sorted = 1;
+    m.matrix.packed = 1;
+    m.factor = cholmod_analyze(&m.matrix, &m.common);
+    if (m.factor == nullptr) {
+        throw std::bad_alloc();
+    }
+    m.matrix.xtype = CHOLMOD_REAL;
+}
+
+SparseCholesky::~SparseCholesky() {
+    auto &m = *implementation_;
+    cholmod_free_dense(&m.solution, &m.common);
+    cholmod_free_dense(&m.work_y, &m.common);
+    cholmod_free_dense(&m.work_e, &m.common);
+    cholmod_free_factor(&m.factor, &m.common);
+    cholmod_finish(&m.common);
+}
+
+bool SparseCholesky::factorize(std::span<const double> values) {
+    auto &m = *implementation_;
+    m.matrix.x = const_cast<double *>(values.data());
+    cholmod_factorize(&m.matrix, m.factor, &m.common);
+    if (m.common.status == CHOLMOD_OUT_OF_MEMORY) {
+        throw std::bad_alloc();
+    }
+    return m.common.status == CHOLMOD_OK && m.factor->minor == m.factor->n;
+}
+
+void SparseCholesky::solve(double *x, int columns) {
+    auto &m = *implementation_;
+    cholmod_dense right{};
+    right.nrow = right.d = m.factor->n;
+    right.ncol = static_cast<std::size_t>(columns);
+    right.nzmax = right.nrow * right.ncol;
+    right.x = x;
+    right.xtype = CHOLMOD_REAL;
+    right.dtype = CHOLMOD_DOUBLE;
+    if (cholmod_solve2(CHOLMOD_A, m.factor, &right, nullptr, &m.solution, nullptr, &m.work_y, &m.work_e, &m.common) ==
+        0) {
+        throw std::bad_alloc();
+    }
+    std::memcpy(x, m.solution->x, right.nzmax * sizeof(double));
+}
+
+struct SparseLu::Implementation {
+    const Pattern *pattern = nullptr;
+    std::span<const double> values;
+    double control[UMFPACK_CONTROL] = {};
+    double info[UMFPACK_INFO] = {};
+    void *symbolic = nullptr;
+    void *numeric = nullptr;
+    std::vector<int> work_int;
+    std::vector<double> work;
+    std::vector<double> right;
+};
+
+SparseLu::SparseLu(const Pattern &full) : implementation_(std::make_unique<Implementation>()) {
+    auto &m = *implementation_;
+    m.pattern = &full;
+    umfpack_di_defaults(m.control);
+    m.control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
+    m.control[UMFPACK_IRSTEP] = 1;
+    const auto n = static_cast<std::size_t>(full.size);
+    m.work_int.resize(n);
+    m.work.resize(5 * n);
+    m.right.resize(n);
+}
+
+SparseLu::~SparseLu() {
+    umfpack_di_free_numeric(&implementation_->numeric);
+    umfpack_di_free_symbolic(&implementation_->symbolic);
+}
+
+bool SparseLu::factorize(std::span<const double> values) {
+    auto &m = *implementation_;
+    m.values = values;
+    const int *starts = m.pattern->column_start.data();
+    const int *rows = m.pattern->row.data();
+    if (m.symbolic == nullptr && umfpack_di_symbolic(m.pattern->size, m.pattern->size, starts, rows, nullptr,
+                                                     &m.symbolic, m.control, m.info) != UMFPACK_OK) {
+        throw std::bad_alloc();
+    }
+    umfpack_di_free_numeric(&m.numeric);
+    const int status = umfpack_di_numeric(starts, rows, values.data(), m.symbolic, &m.numeric, m.control, m.info);
+    if (status == UMFPACK_ERROR_out_of_memory) {
+        throw std::bad_alloc();
+    }
+    return status == UMFPACK_OK;
+}
+
+void SparseLu::solve(double *x, int columns) {
+    auto &m = *implementation_;
+    for (int k = 0; k < columns; ++k) {
+        double *column = x + static_cast<std::ptrdiff_t>(k) * m.pattern->size;
+        std::memcpy(m.right.data(), column, m.right.size() * sizeof(double));
+        umfpack_di_wsolve(UMFPACK_A, m.pattern->column_start.data(), m.pattern->row.data(), m.values.data(), column,
+                          m.right.data(), m.numeric, m.control, m.info, m.work_int.data(), m.work.data());
+    }
+}
+
+} // namespace pave::fe

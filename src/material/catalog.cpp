@@ -1,0 +1,35 @@
+#include "material/catalog.h"
+
+#include "material/linear.h"
+#include "material/uzan.h"
+
+namespace pave::material {
+
+std::span<const Law *const> laws() {
+    static const Law *const all[] = {
+        &linear(),
+        &uzan(),
+    };
+    return all;
+}
+
+const Law *find_law(std::string_view name) {
+    for (const Law *law : laws()) {
+        if (law->name() == name) {
+            return law;
+        }
+    }
+    return nullptr;
+}
+
+std::optional<std::size_t> Law::index_of(std::string_view key) const {
+    const auto infos = parameters();
+    for (std::size_t i = 0; i < infos.size(); ++i) {
+        if (infos[i].key == key) {
+            return i;
+        }
+    }
+    return std::nullopt;
+}
+
+} // namespace pave::material

@@ -1,0 +1,70 @@
+// What a material law is: a stateless description of its parameters and of the modulus as a function of stress.
+//
+// The stiffness of a layer is D = E(theta, tau) C, with C the dimensionless cross-anisotropic stiffness. A law is one
+// file with one object, named in one line of catalog.cpp; every law is tested from there.
+#pragma once
+
+#include "mechanics/voigt.h"
+
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pave::material {
+
+// One number (or choice) of a law as it stands in a study file.
+struct ParameterInfo {
+    std::string_view key; // with its unit: "modulus_MPa"
+    double to_si = 1.0;   // SI value = to_si * file value
+    double low = 0.0;     // in file units; outside [low, high] is refused
+    double high = 0.0;
+    bool low_is_open = false;            // low itself is refused too
+    std::optional<double> default_value; // in file units; NaN = "derived from the others"; none = must be given
+    std::string_view meaning;
+    std::vector<std::string_view> choices; // words instead of a number: the value is the index of the word
+};
+
+// Value of an optional parameter that is not given.
+inline constexpr double not_given = std::numeric_limits<double>::quiet_NaN();
+
+// The modulus never exceeds this (100,000 MPa).
+inline constexpr double modulus_limit = 1e11; // Pa
+
+struct Modulus {
+    double value = 0.0;   // Pa
+    double d_theta = 0.0; // dE/dtheta [-]
+    double d_tau = 0.0;   // dE/dtau [-]
+    bool limited = false; // the limit was met; derivatives are zero there
+};
+
+class Law {
+public:
+    virtual ~Law() = default;
+
+    virtual std::string_view name() const = 0;
+    virtual std::string_view summary() const = 0;
+    virtual std::span<const ParameterInfo> parameters() const = 0;
+
+    // False: E depends on the parameters only, and the layer is linear elastic.
+    virtual bool stress_dependent() const = 0;
+
+    // E at a stress state. p: SI values in the order of parameters().
+    virtual Modulus modulus(std::span<const double> p, mechanics::Invariants at) const = 0;
+    // dE/dp[i] [SI] at the same state, i an index into parameters(); 0 where E does not depend on it.
+    virtual double modulus_derivative(std::span<const double> p, mechanics::Invariants at, std::size_t i) const = 0;
+
+    // C and dC/dp[i].
+    virtual mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const = 0;
+    virtual mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, std::size_t i) const = 0;
+
+    // Why these parameters cannot be a material (thermodynamic bounds), or "".
+    virtual std::string impossible(std::span<const double> p) const = 0;
+
+    // Index of a key in parameters().
+    std::optional<std::size_t> index_of(std::string_view key) const;
+};
+
+} // namespace pave::material

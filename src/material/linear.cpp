@@ -1,0 +1,58 @@
+#include "material/linear.h"
+
+#include "base/units.h"
+#include "mechanics/cross_anisotropic.h"
+
+namespace pave::material {
+namespace {
+
+enum : std::size_t { modulus_MPa, poisson };
+
+class Linear final : public Law {
+public:
+    std::string_view name() const override { return "linear"; }
+    std::string_view summary() const override { return "isotropic linear elasticity"; }
+    std::span<const ParameterInfo> parameters() const override {
+        static const ParameterInfo infos[] = {
+            {"modulus_MPa", unit::MPa, 0.0, 1e6, true, {}, "Young's modulus", {}},
+            {"poisson", 1.0, -0.99, 0.4999, false, {}, "Poisson's ratio", {}},
+        };
+        return infos;
+    }
+    bool stress_dependent() const override { return false; }
+
+    Modulus modulus(std::span<const double> p, mechanics::Invariants) const override {
+        return {.value = p[modulus_MPa]};
+    }
+    double modulus_derivative(std::span<const double>, mechanics::Invariants, std::size_t i) const override {
+        return i == modulus_MPa ? 1.0 : 0.0;
+    }
+
+    mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const override {
+        return directions(p).unit_stiffness();
+    }
+    mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, std::size_t i) const override {
+        using Variable = mechanics::CrossAnisotropy::Variable;
+        if (i != poisson) {
+            return mechanics::Stiffness<6>::Zero();
+        }
+        return directions(p).unit_stiffness_derivative(Variable::nu12) +
+               directions(p).unit_stiffness_derivative(Variable::nu31);
+    }
+
+    std::string impossible(std::span<const double> p) const override { return directions(p).impossible(); }
+
+private:
+    static mechanics::CrossAnisotropy directions(std::span<const double> p) {
+        return {.n = 1.0, .nu12 = p[poisson], .nu31 = p[poisson], .shear_ratio = {}, .modulus_is_vertical = false};
+    }
+};
+
+} // namespace
+
+const Law &linear() {
+    static const Linear law;
+    return law;
+}
+
+} // namespace pave::material

@@ -1,0 +1,25 @@
+// One-dimensional graded subdivisions: the lines of a structured mesh.
+#pragma once
+
+#include <vector>
+
+namespace pave::mesh {
+
+// Near `at` cells shall not be larger than `size` [m].
+struct Feature {
+    double at;
+    double size;
+};
+
+// How cells grow away from features: size = feature size + growth * distance, at most max_size [m].
+struct Grading {
+    double growth = 0.3;
+    double max_size = 1.0;
+};
+
+// Lines from breaks.front() to breaks.back(): every break is a line, and between breaks the cells follow the wanted
+// size (the number of cells is the integral of 1/size, rounded up). breaks: increasing, at least two.
+std::vector<double> graded_lines(const std::vector<double> &breaks, const std::vector<Feature> &features,
+                                 const Grading &grading);
+
+} // namespace pave::mesh

@@ -1,0 +1,66 @@
+// The forward run: a section under its loads, read by its sensors.
+#pragma once
+
+#include "base/outcome.h"
+#include "pavement/parameter.h"
+#include "pavement/section.h"
+
+#include <memory>
+
+namespace pave::pavement {
+
+struct Response {
+    std::vector<double> values; // one a sensor, SI, signs of Quantity
+    Eigen::MatrixXd jacobian;   // sensors x parameters, SI per file unit of the parameter
+    fe::Statistics statistics;  // sums over the loads; residual: the largest
+    std::vector<std::string> warnings;
+};
+
+// Throws Error at `place` when no parameter value can make the sensor of the case readable: outside the mesh, a load
+// without a model, a gauge length where there is none.
+void check_sensor(const Case &c, const Sensor &sensor, const Place &place);
+
+// Construction throws Error for what no parameter value can mend.
+class ForwardModel {
+public:
+    // nominal: its geometry fixes the mesh; other thicknesses and radii move the lines of that mesh.
+    explicit ForwardModel(Case nominal);
+
+    // Meshes and factors of one thread. A workspace makes a run faster, never different.
+    class Workspace;
+    struct WorkspaceDeleter {
+        void operator()(Workspace *workspace) const;
+    };
+    using WorkspacePointer = std::unique_ptr<Workspace, WorkspaceDeleter>;
+    WorkspacePointer make_workspace() const;
+
+    // The response at `values`, a case that differs from the nominal one in numbers only; with its derivatives by
+    // `parameters` (exact but for geometry, which is by central differences). Pure: same input, same bits.
+    Outcome<Response> run(const Case &values, const std::vector<Parameter> &parameters, Workspace &workspace) const;
+
+    const Case &nominal() const { return nominal_; }
+    // Unknowns of the finite element model of each load.
+    std::vector<int> unknowns() const;
+
+private:
+    Outcome<Response> run_exact(const Case &values, const std::vector<Parameter> &parameters,
+                                Workspace &workspace) const;
+
+    Case nominal_;
+    struct Lines {
+        std::vector<double> r, z;
+    };
+    std::vector<Lines> lines_; // of the nominal mesh of each load
+};
+
+// The finite element model of one circular load on a case, with its load vector at the load's own pressure: what the
+// forward run solves, for tests and benchmarks that look inside.
+struct AxisymmetricCase {
+    mesh::AxisymmetricMesh mesh;
+    fe::Model<fe::AxisymmetricQ8> model;
+    Eigen::VectorXd load; // N
+    std::vector<fe::LayerMaterial> layers;
+};
+AxisymmetricCase axisymmetric_case(const Case &values, int load);
+
+} // namespace pave::pavement

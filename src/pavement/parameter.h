@@ -1,0 +1,63 @@
+// The numbers of a case by name: "base.k1", "subgrade.modulus_MPa", "fwd.pressure_kPa".
+#pragma once
+
+#include "base/error.h"
+#include "fe/materials.h"
+#include "pavement/section.h"
+
+#include <optional>
+
+namespace pave::pavement {
+
+// One number of a layer or a load as it stands in a study file. Keys of a law come from the law itself.
+struct KeyInfo {
+    std::string_view key;
+    double to_si = 1.0;
+    double low = 0.0; // file units, inclusive unless low_is_open
+    double high = 0.0;
+    bool low_is_open = false;
+    std::optional<double> default_value; // file units; none = must be given
+    std::string_view meaning;
+    double &(*of)(Layer &) = nullptr; // exactly one of the two
+    double &(*of_load)(Load &) = nullptr;
+    bool changes_geometry = false;
+};
+std::span<const KeyInfo> layer_keys();
+std::span<const KeyInfo> load_keys(LoadType type, Patch patch);
+
+// A number of a case that may be varied.
+struct Parameter {
+    std::string path;
+    bool in_load = false;
+    int owner = 0;                        // index of the layer or load
+    const KeyInfo *key = nullptr;         // of the layer or load itself, or
+    std::optional<std::size_t> law_index; // of the layer's law
+    double to_si = 1.0;
+    double low = 0.0, high = 0.0; // allowed, file units
+    bool low_is_open = false;
+
+    double &in(Case &c) const;       // SI
+    double get(const Case &c) const; // file units
+    bool changes_geometry() const { return key != nullptr && key->changes_geometry; }
+};
+
+// "allowed" words for a range: "0 < value <= 12".
+std::string range_words(double low, double high, bool low_is_open);
+constexpr bool in_range(double value, double low, double high, bool low_is_open) {
+    return (low_is_open ? value > low : value >= low) && value <= high;
+}
+
+// Every path of the case that names a number.
+std::vector<std::string> parameter_paths(const Case &c);
+
+// Throws Error (place filled by the caller) when the path names nothing; suggests the nearest name.
+Parameter find_parameter(const Case &c, std::string_view path, const Place &place);
+
+// The quantity the solver differentiates by, with factor d(quantity)/d(file value). Nothing for geometry.
+struct Derivative {
+    fe::Variation variation;
+    double factor = 1.0;
+};
+std::optional<Derivative> exact_derivative(const Case &c, const Parameter &parameter);
+
+} // namespace pave::pavement

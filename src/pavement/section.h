@@ -1,0 +1,91 @@
+// Plain values of pavement engineering: layers, loads, sensors, settings. SI units.
+#pragma once
+
+#include "fe/solver.h"
+#include "material/law.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pave::pavement {
+
+struct Layer {
+    std::string name;
+    double thickness = 0.0;       // m
+    double density = 0.0;         // kg/m3
+    double k0 = 0.0;              // horizontal over vertical initial stress
+    double residual_stress = 0.0; // Pa, horizontal compression locked in
+    const material::Law *law = nullptr;
+    std::vector<double> parameters; // SI, in the order of law->parameters()
+};
+
+enum class LoadType { plate, wheel, dual_wheel };
+enum class Patch { circle, rectangle };
+
+struct Load {
+    std::string name;
+    LoadType type = LoadType::plate;
+    double pressure = 0.0; // Pa
+    double radius = 0.0;   // m, plate
+    double force = 0.0;    // N, wheel and dual wheel: of the whole assembly
+    double spacing = 0.0;  // m, dual wheel: between patch centres
+    Patch patch = Patch::rectangle;
+    double patch_width = 0.16; // m, rectangle
+
+    // One circle on the axis: the axisymmetric model serves it.
+    bool is_axisymmetric() const {
+        return type == LoadType::plate || (type == LoadType::wheel && patch == Patch::circle);
+    }
+    // Radius of that circle: the plate's own, or the one that carries the force at the pressure.
+    double circle_radius() const;
+};
+
+// deflection: positive down [m]; strains [-] and load-induced stresses [Pa]: positive in compression.
+enum class Quantity { deflection, strain_zz, strain_xx, strain_yy, stress_zz, stress_xx, stress_yy };
+
+struct QuantityInfo {
+    Quantity quantity;
+    std::string_view name;
+    std::string_view unit; // of reports
+    double to_si;          // SI = to_si * report value
+};
+inline constexpr QuantityInfo quantities[] = {
+    {Quantity::deflection, "deflection", "mm", 1e-3},        {Quantity::strain_zz, "strain_zz", "microstrain", 1e-6},
+    {Quantity::strain_xx, "strain_xx", "microstrain", 1e-6}, {Quantity::strain_yy, "strain_yy", "microstrain", 1e-6},
+    {Quantity::stress_zz, "stress_zz", "kPa", 1e3},          {Quantity::stress_xx, "stress_xx", "kPa", 1e3},
+    {Quantity::stress_yy, "stress_yy", "kPa", 1e3},
+};
+constexpr const QuantityInfo &info(Quantity quantity) {
+    return quantities[static_cast<int>(quantity)];
+}
+
+// Where something is read. x transverse, y along the traffic, depth down. gauge: length over which strain_zz is
+// averaged, centred on depth; 0 = at the point. At an interface the layer below is read.
+struct Sensor {
+    int load = 0; // index
+    Quantity quantity = Quantity::deflection;
+    double x = 0.0, y = 0.0, depth = 0.0; // m
+    double gauge = 0.0;                   // m
+};
+
+enum class Integration { incremental, secant };
+
+struct Settings {
+    Integration integration = Integration::incremental;
+    double extent = 4.0; // m: the smooth wall
+    double refine = 1.0;
+    fe::SolverSettings solver;
+};
+
+// Everything a forward run is a function of.
+struct Case {
+    std::vector<Layer> layers; // top to bottom, on a rigid rough floor
+    std::vector<Load> loads;
+    std::vector<Sensor> sensors;
+    Settings settings;
+
+    double depth() const;
+};
+
+} // namespace pave::pavement
