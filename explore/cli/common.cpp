@@ -12,7 +12,7 @@ namespace explore::cli {
 
 using report::figure;
 
-void add_common(CLI::App &app, CommonOptions &options) {
+void add_common(CLI::App& app, CommonOptions& options) {
     app.add_option("STUDY", options.study, "study file (TOML)")->required();
     app.add_option("--out", options.out, "folder for the results (default: output/<study name>)");
     app.add_option("--threads", options.threads, "number of threads (default: one a core)")->check(CLI::Range(1, 4096));
@@ -20,15 +20,15 @@ void add_common(CLI::App &app, CommonOptions &options) {
     app.add_flag("--json", options.json, "print one JSON object and nothing else");
 }
 
-run::RunHeader run_header(const study::Study &study, std::string command, std::string settings) {
+run::RunHeader run_header(const study::Study& study, std::string command, std::string settings) {
     run::RunHeader header;
     header.key = {std::move(command), study.hash, std::move(settings)};
     header.version = PAVESCAPE_VERSION;
-    for (const auto &axis : study.space.axes) {
+    for (const auto& axis : study.space.axes) {
         header.parameters.push_back(axis.name);
     }
     for (std::size_t i = 0; i < study.responses(); ++i) {
-        const auto &s = study.model.sensors[i];
+        const auto& s = study.model.sensors[i];
         const std::string unit(study.response_unit(i));
         header.responses.push_back(
             i < study.measurements.size()
@@ -40,7 +40,7 @@ run::RunHeader run_header(const study::Study &study, std::string command, std::s
     return header;
 }
 
-void write_file(const std::string &folder, const std::string &name, const std::string &text) {
+void write_file(const std::string& folder, const std::string& name, const std::string& text) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     const auto path = std::filesystem::path(folder) / name;
@@ -60,20 +60,20 @@ void write_file(const std::string &folder, const std::string &name, const std::s
     }
 }
 
-std::string study_summary(const study::Study &study) {
+std::string study_summary(const study::Study& study) {
     std::string text = study.title + "\n  ";
-    for (const auto &layer : study.model.layers) {
+    for (const auto& layer : study.model.layers) {
         text += fmt::format("{} {:g} mm ({}) / ", layer.name, layer.thickness / pave::unit::mm, layer.law->name());
     }
     text += "rigid floor\n";
     return text;
 }
 
-std::string response_table(const study::Study &study, const std::vector<double> &responses) {
+std::string response_table(const study::Study& study, const std::vector<double>& responses) {
     report::Table table(
         {"load", "quantity", "x mm", "y mm", "depth mm", "gauge mm", "measured", "model", "unit", "difference"});
     for (std::size_t i = 0; i < responses.size(); ++i) {
-        const auto &s = study.model.sensors[i];
+        const auto& s = study.model.sensors[i];
         const bool measured = i < study.measurements.size();
         const double model = responses[i] / study.response_to_si(i);
         const double data = measured ? study.measurements[i].value : 0.0;
@@ -87,7 +87,7 @@ std::string response_table(const study::Study &study, const std::vector<double> 
     return "  deflection: positive down; strain and load-induced stress: positive in compression\n" + table.text();
 }
 
-int report_interrupt(const std::string &folder) {
+int report_interrupt(const std::string& folder) {
     fmt::print(stderr, "interrupted: what was computed is kept in {}; the same command continues\n", folder);
     return was_interrupted;
 }

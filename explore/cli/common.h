@@ -18,33 +18,33 @@ struct CommonOptions {
     std::uint64_t seed = 1;
     bool json = false;
 
-    std::string folder(const study::Study &s) const { return out.empty() ? "output/" + s.stem() : out; }
+    std::string folder(const study::Study& s) const { return out.empty() ? "output/" + s.stem() : out; }
 };
 
 // Adds STUDY, --out, --threads, --seed, --json.
-void add_common(CLI::App &app, CommonOptions &options);
+void add_common(CLI::App& app, CommonOptions& options);
 
 // A command registers itself and sets `action`, which is called after parsing and returns the exit status.
 using Action = std::function<int()>;
-void add_forward(CLI::App &app, Action &action);
-void add_map(CLI::App &app, Action &action);
-void add_fit(CLI::App &app, Action &action);
-void add_twin(CLI::App &app, Action &action);
-void add_export(CLI::App &app, Action &action);
+void add_forward(CLI::App& app, Action& action);
+void add_map(CLI::App& app, Action& action);
+void add_fit(CLI::App& app, Action& action);
+void add_twin(CLI::App& app, Action& action);
+void add_export(CLI::App& app, Action& action);
 
 // Header of a run of this study for the store.
-run::RunHeader run_header(const study::Study &study, std::string command, std::string settings);
+run::RunHeader run_header(const study::Study& study, std::string command, std::string settings);
 
 // Writes a file of a run's folder (created when missing) at once. Throws pave::Error.
-void write_file(const std::string &folder, const std::string &name, const std::string &text);
+void write_file(const std::string& folder, const std::string& name, const std::string& text);
 
 // "asphalt 30 mm linear | base 277 mm uzan | ..." and what is varied.
-std::string study_summary(const study::Study &study);
+std::string study_summary(const study::Study& study);
 
 // Measured against modelled, one row a response, with the line that states the signs.
-std::string response_table(const study::Study &study, const std::vector<double> &responses);
+std::string response_table(const study::Study& study, const std::vector<double>& responses);
 
 // Message on standard error for a run that was cut off.
-int report_interrupt(const std::string &folder);
+int report_interrupt(const std::string& folder);
 
 } // namespace explore::cli

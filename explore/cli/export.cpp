@@ -7,7 +7,7 @@
 namespace explore::cli {
 namespace {
 
-int export_run(const std::string &folder, const std::string &format) {
+int export_run(const std::string& folder, const std::string& format) {
     const run::Store store(folder, false);
     const run::RunHeader header = store.newest();
     const auto phase = [](run::RunNumber n) { return n.start < 0 ? "design" : "search"; };
@@ -16,7 +16,7 @@ int export_run(const std::string &folder, const std::string &format) {
                              {"study_hash", header.key.study_hash}, {"version", header.version},
                              {"parameters", header.parameters},     {"responses", header.responses},
                              {"evaluations", report::Json::array()}};
-        store.each(header.id, [&](run::RunNumber n, const problem::Evaluation &e) {
+        store.each(header.id, [&](run::RunNumber n, const problem::Evaluation& e) {
             report::Json row = {{"phase", phase(n)},
                                 {"start", n.start},
                                 {"number", n.number},
@@ -38,15 +38,15 @@ int export_run(const std::string &folder, const std::string &format) {
         return done;
     }
     std::string line = "phase,start,number,status";
-    for (const auto &name : header.parameters) {
+    for (const auto& name : header.parameters) {
         line += "," + data::csv_cell(name);
     }
     line += ",misfit";
-    for (const auto &name : header.responses) {
+    for (const auto& name : header.responses) {
         line += "," + data::csv_cell(name);
     }
     fmt::print("{},reason\n", line);
-    store.each(header.id, [&](run::RunNumber n, const problem::Evaluation &e) {
+    store.each(header.id, [&](run::RunNumber n, const problem::Evaluation& e) {
         std::string row = fmt::format("{},{},{},{}", phase(n), n.start, n.number, to_string(e.status));
         for (const double value : e.parameters) {
             row += fmt::format(",{}", value);
@@ -62,8 +62,8 @@ int export_run(const std::string &folder, const std::string &format) {
 
 } // namespace
 
-void add_export(CLI::App &app, Action &action) {
-    auto *command = app.add_subcommand("export", "the evaluations of a run, one line each in run order");
+void add_export(CLI::App& app, Action& action) {
+    auto* command = app.add_subcommand("export", "the evaluations of a run, one line each in run order");
     auto folder = std::make_shared<std::string>();
     auto format = std::make_shared<std::string>("csv");
     command->add_option("RUN", *folder, "folder of the run")->required();

@@ -22,7 +22,7 @@ struct FitOptions {
 };
 
 // multistart: a Sobol sample and several starts; paper: a coarse full grid, and one search from its smallest misfit.
-search::Design make_design(FitOptions &options, const study::Study &study) {
+search::Design make_design(FitOptions& options, const study::Study& study) {
     if (options.scheme == "multistart") {
         return search::sobol(study.space, options.explore, options.common.seed);
     }
@@ -33,7 +33,7 @@ search::Design make_design(FitOptions &options, const study::Study &study) {
                           counted(study.space.axes.size(), "parameter", "parameters"), "--scheme multistart");
     }
     problem::ParameterSpace space = study.space;
-    for (auto &axis : space.axes) {
+    for (auto& axis : space.axes) {
         axis.points = coarse; // an axis held in `map` is free here
     }
     return search::full_grid(space);
@@ -41,11 +41,11 @@ search::Design make_design(FitOptions &options, const study::Study &study) {
 
 // Minima whose misfit the noise cannot tell from the best one: within one noise level, or 5 % without degrees of
 // freedom.
-std::vector<const Minimum *> rivals(const std::vector<Minimum> &minima, const landscape::LocalAnalysis &best) {
+std::vector<const Minimum*> rivals(const std::vector<Minimum>& minima, const landscape::LocalAnalysis& best) {
     const double f0 = minima[0].evaluation.misfit;
     const double margin = best.noise > 0.0 ? std::sqrt(f0 * f0 + best.noise * best.noise) : 1.05 * f0;
-    std::vector<const Minimum *> list;
-    for (const Minimum &m : minima) {
+    std::vector<const Minimum*> list;
+    for (const Minimum& m : minima) {
         if (m.evaluation.misfit <= margin) {
             list.push_back(&m);
         }
@@ -53,14 +53,14 @@ std::vector<const Minimum *> rivals(const std::vector<Minimum> &minima, const la
     return list;
 }
 
-std::string direction_words(const problem::ParameterSpace &space, const std::vector<double> &unit,
-                            const std::vector<double> &direction) {
+std::string direction_words(const problem::ParameterSpace& space, const std::vector<double>& unit,
+                            const std::vector<double>& direction) {
     std::string text;
     for (std::size_t k = 0; k < direction.size(); ++k) {
         if (std::abs(direction[k]) < 0.1) {
             continue;
         }
-        const problem::Axis &axis = space.axes[k];
+        const problem::Axis& axis = space.axes[k];
         const double moved = 0.1 * direction[k];
         text += text.empty() ? "" : " with ";
         text += axis.scale == problem::Scale::log
@@ -71,10 +71,10 @@ std::string direction_words(const problem::ParameterSpace &space, const std::vec
 }
 
 // What the ends of the searches mean, in plain words.
-std::vector<std::string> findings(const study::Study &study, const problem::Problem &problem,
-                                  const landscape::MultistartResult &result, const landscape::LocalAnalysis &local) {
+std::vector<std::string> findings(const study::Study& study, const problem::Problem& problem,
+                                  const landscape::MultistartResult& result, const landscape::LocalAnalysis& local) {
     std::vector<std::string> text;
-    const Minimum &best = result.minima[0];
+    const Minimum& best = result.minima[0];
     const std::size_t starts = result.ends.size();
     const auto close = rivals(result.minima, local);
     text.push_back(fmt::format("{} of {} starts ended in the best minimum{}.", best.members.size(), starts,
@@ -93,10 +93,10 @@ std::vector<std::string> findings(const study::Study &study, const problem::Prob
     // How far each parameter reaches over everything that fits as well.
     std::vector<std::string> loose;
     for (std::size_t k = 0; k < problem.space.axes.size(); ++k) {
-        const problem::Axis &axis = problem.space.axes[k];
+        const problem::Axis& axis = problem.space.axes[k];
         double low = best.lowest[k];
         double high = best.highest[k];
-        for (const Minimum *m : close) {
+        for (const Minimum* m : close) {
             low = std::min(low, m->lowest[k]);
             high = std::max(high, m->highest[k]);
         }
@@ -135,7 +135,7 @@ int fit(FitOptions options) {
     const study::Study study = study::load_study(options.common.study);
     const problem::Problem problem = study::make_problem(study);
     const search::Design design = make_design(options, study);
-    const auto &search_settings = options.multistart.search;
+    const auto& search_settings = options.multistart.search;
     const std::string settings =
         fmt::format("{}; {} starts, distance {}; {}, {} evaluations, tolerances {} {}", design.name,
                     options.multistart.starts, options.multistart.start_distance, options.multistart.method,
@@ -148,7 +148,7 @@ int fit(FitOptions options) {
     if (!result) {
         return report_interrupt(folder);
     }
-    const run::Tally &tally = engine.tally();
+    const run::Tally& tally = engine.tally();
     const report::Json statuses = report::status_counts(result->explored);
     if (result->minima.empty()) {
         const std::string reason =
@@ -159,12 +159,12 @@ int fit(FitOptions options) {
         fmt::print(stderr, "pavescape: {}\n", reason);
         return computation_failed;
     }
-    const Minimum &best = result->minima[0];
+    const Minimum& best = result->minima[0];
     const auto local = landscape::analyse(best, problem);
     const auto words = findings(study, problem, *result, local);
 
     int evaluations = 0;
-    for (const auto &end : result->ends) {
+    for (const auto& end : result->ends) {
         evaluations += end.search.evaluations;
     }
     report::Json json = {{"best", report::minimum_json(problem, best)},
@@ -184,7 +184,7 @@ int fit(FitOptions options) {
                          {"warnings", best.evaluation.warnings},
                          {"run", folder}};
     json["best"]["status"] = std::string(to_string(best.evaluation.status));
-    for (const Minimum &m : result->minima) {
+    for (const Minimum& m : result->minima) {
         json["minima"].push_back(report::minimum_json(problem, m));
     }
     store.put_result(id, json.dump());
@@ -200,7 +200,7 @@ int fit(FitOptions options) {
     fmt::print("  {} computed in {} ({:.1f} runs/s), {} kept from before\n",
                counted(static_cast<std::size_t>(tally.computed), "run", "runs"), run::duration_words(tally.seconds),
                tally.seconds > 0.0 ? static_cast<double>(tally.computed) / tally.seconds : 0.0, tally.kept);
-    for (const auto &[status, count] : statuses.items()) {
+    for (const auto& [status, count] : statuses.items()) {
         if (status != "converged" && count.get<std::int64_t>() > 0) {
             fmt::print("    {} of the explored points: {}\n", count.get<std::int64_t>(), status);
         }
@@ -211,24 +211,24 @@ int fit(FitOptions options) {
                figure(best.evaluation.misfit / std::sqrt(static_cast<double>(problem.misfit.size()))));
     report::Table parameters({"parameter", "value", "std. error", "min", "max"});
     for (std::size_t k = 0; k < best.unit.size(); ++k) {
-        const problem::Axis &axis = problem.space.axes[k];
+        const problem::Axis& axis = problem.space.axes[k];
         const double error = local.standard_error[k] * axis.d_physical(best.unit[k]);
         parameters.add({axis.name, figure(best.evaluation.parameters[k]), std::isfinite(error) ? figure(error) : "none",
                         figure(axis.low), figure(axis.high)});
     }
     fmt::print("{}\n{}", parameters.text(), response_table(study, best.evaluation.responses));
-    for (const std::string &warning : best.evaluation.warnings) {
+    for (const std::string& warning : best.evaluation.warnings) {
         fmt::print("  warning: {}\n", warning);
     }
 
     fmt::print("\n{} found\n", counted(result->minima.size(), "distinct minimum", "distinct minima"));
     std::vector<std::string> header{"misfit", "starts"};
-    for (const auto &axis : problem.space.axes) {
+    for (const auto& axis : problem.space.axes) {
         header.push_back(axis.name);
     }
     header.emplace_back("remark");
     report::Table minima(header);
-    for (const Minimum &m : result->minima) {
+    for (const Minimum& m : result->minima) {
         std::vector<std::string> row{figure(m.evaluation.misfit),
                                      fmt::format("{} of {}", m.members.size(), result->ends.size())};
         for (const double value : m.evaluation.parameters) {
@@ -243,7 +243,7 @@ int fit(FitOptions options) {
         minima.add(std::move(row));
     }
     fmt::print("{}\nWhat this means\n", minima.text());
-    for (const std::string &sentence : words) {
+    for (const std::string& sentence : words) {
         fmt::print("  {}\n", sentence);
     }
     fmt::print("\n  results: {}/fit.json; every evaluation: pavescape export {}\n", folder, folder);
@@ -252,12 +252,12 @@ int fit(FitOptions options) {
 
 } // namespace
 
-void add_fit(CLI::App &app, Action &action) {
-    auto *command = app.add_subcommand("fit", "explore, then refine the best starts: the main job");
+void add_fit(CLI::App& app, Action& action) {
+    auto* command = app.add_subcommand("fit", "explore, then refine the best starts: the main job");
     auto options = std::make_shared<FitOptions>();
     add_common(*command, options->common);
     std::vector<std::string> names;
-    for (const auto &method : optimise::methods()) {
+    for (const auto& method : optimise::methods()) {
         names.emplace_back(method.name);
     }
     command

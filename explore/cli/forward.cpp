@@ -8,7 +8,7 @@
 namespace explore::cli {
 namespace {
 
-int forward(const CommonOptions &options, bool with_jacobian) {
+int forward(const CommonOptions& options, bool with_jacobian) {
     const study::Study study = study::load_study(options.study);
     const pave::pavement::ForwardModel model(study.model);
     const auto workspace = model.make_workspace();
@@ -28,7 +28,7 @@ int forward(const CommonOptions &options, bool with_jacobian) {
         fmt::print(stderr, "pavescape: {}: {}\n", to_string(outcome.status()), outcome.failure().reason);
         return computation_failed;
     }
-    const auto &s = outcome->statistics;
+    const auto& s = outcome->statistics;
     if (options.json) {
         json["responses"] = report::responses_json(study, outcome->values);
         json["newton_steps"] = s.newton_steps;
@@ -40,7 +40,7 @@ int forward(const CommonOptions &options, bool with_jacobian) {
         if (with_jacobian) {
             report::Json names = report::Json::array();
             report::Json rows = report::Json::array();
-            for (const auto &axis : study.space.axes) {
+            for (const auto& axis : study.space.axes) {
                 names.push_back(axis.name);
             }
             for (std::size_t i = 0; i < outcome->values.size(); ++i) {
@@ -63,12 +63,12 @@ int forward(const CommonOptions &options, bool with_jacobian) {
                report::counted(static_cast<std::size_t>(s.factorizations), "factorisation", "factorisations"),
                s.residual_relative);
     fmt::print("{}", response_table(study, outcome->values));
-    for (const std::string &warning : outcome->warnings) {
+    for (const std::string& warning : outcome->warnings) {
         fmt::print("  warning: {}\n", warning);
     }
     if (with_jacobian) {
         std::vector<std::string> header{"d(response)/d(parameter)"};
-        for (const auto &axis : study.space.axes) {
+        for (const auto& axis : study.space.axes) {
             header.push_back(axis.name);
         }
         report::Table table(header);
@@ -88,8 +88,8 @@ int forward(const CommonOptions &options, bool with_jacobian) {
 
 } // namespace
 
-void add_forward(CLI::App &app, Action &action) {
-    auto *command = app.add_subcommand("forward", "responses at the study's own parameter values");
+void add_forward(CLI::App& app, Action& action) {
+    auto* command = app.add_subcommand("forward", "responses at the study's own parameter values");
     auto options = std::make_shared<CommonOptions>();
     auto jacobian = std::make_shared<bool>(false);
     add_common(*command, *options);

@@ -2,23 +2,10 @@
 #include "cli/common.h"
 #include "run/interrupt.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
-namespace {
-
-// OpenBLAS, where it is the machine's BLAS, would start threads of its own inside every task.
-void keep_blas_single_threaded() {
-    if (auto *set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) {
-        set(1);
-    }
-}
-
-} // namespace
-
-int main(int argc, char **argv) {
+int main(int argc, char** argv) {
     namespace cli = explore::cli;
-    keep_blas_single_threaded();
     CLI::App app{"Pavescape calibrates stress-dependent pavement models and says whether the answer can be trusted."};
     app.name("pavescape");
     app.set_version_flag("--version", PAVESCAPE_VERSION);
@@ -31,17 +18,17 @@ int main(int argc, char **argv) {
     cli::add_export(app, action);
     try {
         app.parse(argc, argv);
-    } catch (const CLI::ParseError &error) {
+    } catch (const CLI::ParseError& error) {
         const int status = app.exit(error);
         return status == 0 ? cli::done : cli::wrong_input;
     }
     explore::run::catch_interrupts();
     try {
         return action();
-    } catch (const pave::Error &error) {
+    } catch (const pave::Error& error) {
         fmt::print(stderr, "pavescape: {}\n", error.what());
         return cli::wrong_input;
-    } catch (const std::exception &error) {
+    } catch (const std::exception& error) {
         fmt::print(stderr, "pavescape: the computation failed: {}\n", error.what());
         return cli::computation_failed;
     }

@@ -20,7 +20,7 @@ struct MapOptions {
 
 constexpr std::int64_t most_points = 10'000'000;
 
-search::Design make_design(const MapOptions &options, const study::Study &study) {
+search::Design make_design(const MapOptions& options, const study::Study& study) {
     const auto grid_size = search::full_grid_size(study.space, options.points);
     const bool grid = options.design.empty() ? search::full_grid_size(study.space) > 0 : options.design == "grid";
     if (!grid) {
@@ -36,12 +36,12 @@ search::Design make_design(const MapOptions &options, const study::Study &study)
 }
 
 // The lowest misfit for every value of every axis of a grid.
-std::string axis_profiles(const study::Study &study, const std::vector<problem::Evaluation> &evaluations) {
+std::string axis_profiles(const study::Study& study, const std::vector<problem::Evaluation>& evaluations) {
     report::Table table({"parameter", "from", "to", "lowest misfit at each value", "best at"});
     for (std::size_t k = 0; k < study.space.axes.size(); ++k) {
         std::map<double, double> lowest;
-        for (const auto &e : evaluations) {
-            double &value = lowest.try_emplace(e.parameters[k], std::numeric_limits<double>::quiet_NaN()).first->second;
+        for (const auto& e : evaluations) {
+            double& value = lowest.try_emplace(e.parameters[k], std::numeric_limits<double>::quiet_NaN()).first->second;
             if (e.converged() && !(value <= e.misfit)) {
                 value = e.misfit;
             }
@@ -49,7 +49,7 @@ std::string axis_profiles(const study::Study &study, const std::vector<problem::
         std::vector<double> values;
         double best_at = 0.0;
         double best = std::numeric_limits<double>::infinity();
-        for (const auto &[at, misfit] : lowest) {
+        for (const auto& [at, misfit] : lowest) {
             values.push_back(misfit);
             if (misfit < best) {
                 best = misfit;
@@ -62,7 +62,7 @@ std::string axis_profiles(const study::Study &study, const std::vector<problem::
     return table.text();
 }
 
-int map(const MapOptions &options) {
+int map(const MapOptions& options) {
     const study::Study study = study::load_study(options.common.study);
     const problem::Problem problem = study::make_problem(study);
     const search::Design design = make_design(options, study);
@@ -74,7 +74,7 @@ int map(const MapOptions &options) {
     if (!evaluations) {
         return report_interrupt(folder);
     }
-    const run::Tally &tally = engine.tally();
+    const run::Tally& tally = engine.tally();
     const double rate = tally.seconds > 0.0 ? static_cast<double>(tally.computed) / tally.seconds : 0.0;
     const auto lowest = run::distinct_starts(design, *evaluations, 10, 0.0);
 
@@ -84,7 +84,7 @@ int map(const MapOptions &options) {
         {"run", folder}};
     json["lowest"] = report::Json::array();
     for (const std::size_t i : lowest) {
-        const auto &e = (*evaluations)[i];
+        const auto& e = (*evaluations)[i];
         json["lowest"].push_back(
             {{"number", i}, {"misfit", e.misfit}, {"parameters", report::parameters_json(study.space, e.parameters)}});
     }
@@ -97,7 +97,7 @@ int map(const MapOptions &options) {
     fmt::print("{}\n  {}: {} computed in {} ({:.1f} runs/s), {} kept from before\n", study_summary(study), design.name,
                report::counted(static_cast<std::size_t>(tally.computed), "point", "points"),
                run::duration_words(tally.seconds), rate, tally.kept);
-    for (const auto &[status, count] : json["statuses"].items()) {
+    for (const auto& [status, count] : json["statuses"].items()) {
         fmt::print("    {:<19} {}\n", status, count.get<std::int64_t>());
     }
     if (lowest.empty()) {
@@ -109,7 +109,7 @@ int map(const MapOptions &options) {
         fmt::print("\n{}", axis_profiles(study, *evaluations));
     }
     std::vector<std::string> header{"lowest", "misfit"};
-    for (const auto &axis : study.space.axes) {
+    for (const auto& axis : study.space.axes) {
         header.push_back(axis.name);
     }
     report::Table table(header);
@@ -126,8 +126,8 @@ int map(const MapOptions &options) {
 
 } // namespace
 
-void add_map(CLI::App &app, Action &action) {
-    auto *command = app.add_subcommand("map", "the misfit landscape over a grid or a space-filling design");
+void add_map(CLI::App& app, Action& action) {
+    auto* command = app.add_subcommand("map", "the misfit landscape over a grid or a space-filling design");
     auto options = std::make_shared<MapOptions>();
     add_common(*command, options->common);
     command->add_option("--design", options->design, "grid or sobol (default: grid when the study states the points)")

@@ -8,7 +8,7 @@
 namespace explore::cli {
 namespace {
 
-int twin(const CommonOptions &options, double noise) {
+int twin(const CommonOptions& options, double noise) {
     const study::Study study = study::load_study(options.study);
     if (study.measurements.empty()) {
         throw pave::Error({.file = study.file, .key = "data"}, "a twin needs a layout of sensors", {},
@@ -25,7 +25,7 @@ int twin(const CommonOptions &options, double noise) {
                                    options.seed, data::measurement_header());
     report::Json rows = report::Json::array();
     for (std::size_t i = 0; i < study.measurements.size(); ++i) {
-        const auto &m = study.measurements[i];
+        const auto& m = study.measurements[i];
         const double exact = outcome->values[i] / m.unit.to_si;
         const double value = exact * (1.0 + noise * random.normal(i));
         const double sigma = noise * std::abs(exact);
@@ -54,8 +54,8 @@ int twin(const CommonOptions &options, double noise) {
 
 } // namespace
 
-void add_twin(CLI::App &app, Action &action) {
-    auto *command = app.add_subcommand("twin", "synthetic data from the study, in the layout of its measurements");
+void add_twin(CLI::App& app, Action& action) {
+    auto* command = app.add_subcommand("twin", "synthetic data from the study, in the layout of its measurements");
     auto options = std::make_shared<CommonOptions>();
     auto noise = std::make_shared<double>(0.0);
     add_common(*command, *options);

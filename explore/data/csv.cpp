@@ -10,7 +10,7 @@
 
 namespace explore::data {
 
-std::vector<CsvRow> parse_csv(std::string_view text, const std::string &file) {
+std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file) {
     if (text.starts_with("\xef\xbb\xbf")) {
         text.remove_prefix(3);
     }
@@ -87,7 +87,7 @@ std::string csv_cell(std::string_view text) {
     return cell + "\"";
 }
 
-std::string read_file(const std::string &file, std::string_view what) {
+std::string read_file(const std::string& file, std::string_view what) {
     std::ifstream stream(file, std::ios::binary);
     if (std::filesystem::is_directory(file) || !stream) {
         throw pave::Error({.file = file}, "cannot read this " + std::string(what),

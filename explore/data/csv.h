@@ -14,12 +14,12 @@ struct CsvRow {
 
 // Splits text into rows; quoted cells may hold separators, doubled quotes and line breaks. Blank lines and lines that
 // start with # are left out; a UTF-8 byte order mark is skipped. Throws pave::Error for a quote that never closes.
-std::vector<CsvRow> parse_csv(std::string_view text, const std::string &file);
+std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file);
 
 // A cell as RFC 4180 wants it: quoted when it holds a separator, a quote or a line break.
 std::string csv_cell(std::string_view text);
 
 // The whole of a file. Throws pave::Error when it cannot be read. what: "measurement file".
-std::string read_file(const std::string &file, std::string_view what);
+std::string read_file(const std::string& file, std::string_view what);
 
 } // namespace explore::data

@@ -21,7 +21,7 @@ std::string_view trimmed(std::string_view text) {
     return first == std::string_view::npos ? std::string_view{} : text.substr(first, last - first + 1);
 }
 
-double number(std::string_view text, const pave::Place &place) {
+double number(std::string_view text, const pave::Place& place) {
     double result = 0.0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), result);
     if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(result)) {
@@ -44,7 +44,7 @@ std::string_view measurement_header() {
     return "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma";
 }
 
-std::vector<Measurement> read_measurements(const std::string &file) {
+std::vector<Measurement> read_measurements(const std::string& file) {
     const auto rows = parse_csv(read_file(file, "measurement file"), file);
     const std::string header_words = "the header " + std::string(measurement_header());
     if (rows.empty()) {
@@ -70,7 +70,7 @@ std::vector<Measurement> read_measurements(const std::string &file) {
     }
     std::vector<Measurement> measurements;
     for (std::size_t r = 1; r < rows.size(); ++r) {
-        const CsvRow &row = rows[r];
+        const CsvRow& row = rows[r];
         if (row.cells.size() != rows[0].cells.size()) {
             throw pave::Error({.file = file, .line = row.line}, "wrong number of cells",
                               std::to_string(row.cells.size()), std::to_string(rows[0].cells.size()));
@@ -95,8 +95,8 @@ std::vector<Measurement> read_measurements(const std::string &file) {
         }
         m.value = cell_number(value);
         std::vector<std::string> unit_names;
-        const Unit *found = nullptr;
-        for (const Unit &u : units()) {
+        const Unit* found = nullptr;
+        for (const Unit& u : units()) {
             unit_names.emplace_back(u.name);
             found = u.name == cell(unit) ? &u : found;
         }

@@ -32,7 +32,7 @@ struct Measurement {
 // Reads the measurement format of this project: RFC 4180 with a header
 // load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma; lines that start with # are comments; sigma may be
 // empty. Columns may come in any order; the ones named must all be there and no others. Throws pave::Error.
-std::vector<Measurement> read_measurements(const std::string &file);
+std::vector<Measurement> read_measurements(const std::string& file);
 
 // The header line of that format.
 std::string_view measurement_header();

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double at_bound = 1e-6; // of the unit cube
 
-Eigen::VectorXd difference(const std::vector<double> &a, const std::vector<double> &b) {
+Eigen::VectorXd difference(const std::vector<double>& a, const std::vector<double>& b) {
     Eigen::VectorXd d(static_cast<Eigen::Index>(a.size()));
     for (std::size_t k = 0; k < a.size(); ++k) {
         d[static_cast<Eigen::Index>(k)] = a[k] - b[k];
@@ -16,7 +16,7 @@ Eigen::VectorXd difference(const std::vector<double> &a, const std::vector<doubl
     return d;
 }
 
-bool same_minimum(const Minimum &minimum, const run::Endpoint &end, const problem::Problem &problem) {
+bool same_minimum(const Minimum& minimum, const run::Endpoint& end, const problem::Problem& problem) {
     const Eigen::VectorXd d = difference(end.search.unit, minimum.unit);
     if (d.lpNorm<Eigen::Infinity>() < 0.01) {
         return true;
@@ -32,20 +32,20 @@ bool same_minimum(const Minimum &minimum, const run::Endpoint &end, const proble
 
 } // namespace
 
-std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint> &ends, const problem::Problem &problem) {
-    std::vector<const run::Endpoint *> order;
-    for (const auto &end : ends) {
+std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem) {
+    std::vector<const run::Endpoint*> order;
+    for (const auto& end : ends) {
         if (!end.search.unit.empty()) {
             order.push_back(&end);
         }
     }
     std::stable_sort(order.begin(), order.end(),
-                     [](const auto *a, const auto *b) { return a->search.misfit < b->search.misfit; });
+                     [](const auto* a, const auto* b) { return a->search.misfit < b->search.misfit; });
     std::vector<Minimum> minima;
-    for (const run::Endpoint *end : order) {
+    for (const run::Endpoint* end : order) {
         auto home = std::find_if(minima.begin(), minima.end(),
-                                 [&](const Minimum &m) { return same_minimum(m, *end, problem); });
-        const auto &parameters = end->evaluation.parameters;
+                                 [&](const Minimum& m) { return same_minimum(m, *end, problem); });
+        const auto& parameters = end->evaluation.parameters;
         if (home == minima.end()) {
             Minimum m;
             m.evaluation = end->evaluation;
@@ -70,7 +70,7 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint> &ends, con
     return minima;
 }
 
-LocalAnalysis analyse(const Minimum &minimum, const problem::Problem &problem) {
+LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     LocalAnalysis a;
     const Eigen::MatrixXd j = problem.residual_jacobian(minimum.evaluation);
     std::vector<Eigen::Index> free;

@@ -18,7 +18,7 @@ struct Minimum {
 // less than its own noise: the misfit differs by less than a tenth of one noise level and the linearised residuals
 // between them by less than one (s2 = f^2 / (data - parameters) of the best end is the noise variance). A flat valley
 // is then one minimum whose members spread. Sorted by misfit.
-std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint> &ends, const problem::Problem &problem);
+std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem);
 
 // What the residuals say around a minimum, to first order.
 struct LocalAnalysis {
@@ -31,6 +31,6 @@ struct LocalAnalysis {
     double weakest_growth = 0.0;
     double strongest_growth = 0.0;
 };
-LocalAnalysis analyse(const Minimum &minimum, const problem::Problem &problem);
+LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem);
 
 } // namespace explore::landscape

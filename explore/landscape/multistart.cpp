@@ -2,8 +2,8 @@
 
 namespace explore::landscape {
 
-std::optional<MultistartResult> multistart(run::Engine &engine, const problem::Problem &problem,
-                                           const search::Design &design, const MultistartSettings &settings) {
+std::optional<MultistartResult> multistart(run::Engine& engine, const problem::Problem& problem,
+                                           const search::Design& design, const MultistartSettings& settings) {
     auto explored = engine.evaluate(design);
     if (!explored) {
         return std::nullopt;

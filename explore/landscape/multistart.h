@@ -19,7 +19,7 @@ struct MultistartResult {
 };
 
 // Nothing: interrupted.
-std::optional<MultistartResult> multistart(run::Engine &engine, const problem::Problem &problem,
-                                           const search::Design &design, const MultistartSettings &settings);
+std::optional<MultistartResult> multistart(run::Engine& engine, const problem::Problem& problem,
+                                           const search::Design& design, const MultistartSettings& settings);
 
 } // namespace explore::landscape

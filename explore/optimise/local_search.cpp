@@ -22,14 +22,14 @@ constexpr Known known[] = {
 
 // The state of one search as the callback sees it.
 struct Search {
-    const Objective &objective;
-    nlopt::opt &optimiser;
+    const Objective& objective;
+    nlopt::opt& optimiser;
     SearchResult result;
     double best = std::numeric_limits<double>::infinity(); // half sum of squares
     double highest = 0.0;                                  // of the computed ones
     Sample sample;
 
-    double value(const std::vector<double> &x, std::vector<double> &gradient) {
+    double value(const std::vector<double>& x, std::vector<double>& gradient) {
         ++result.evaluations;
         const Answer answer = objective(x, sample);
         if (answer == Answer::computed) {
@@ -64,8 +64,8 @@ struct Search {
         return base * (1.0 + distance2);
     }
 
-    static double callback(const std::vector<double> &x, std::vector<double> &gradient, void *self) {
-        return static_cast<Search *>(self)->value(x, gradient);
+    static double callback(const std::vector<double>& x, std::vector<double>& gradient, void* self) {
+        return static_cast<Search*>(self)->value(x, gradient);
     }
 };
 
@@ -87,7 +87,7 @@ std::string in_words(nlopt::result code) {
 std::span<const Method> methods() {
     static const std::vector<Method> all = [] {
         std::vector<Method> list;
-        for (const Known &k : known) {
+        for (const Known& k : known) {
             list.push_back(k.method);
         }
         return list;
@@ -95,8 +95,8 @@ std::span<const Method> methods() {
     return all;
 }
 
-const Method *find_method(std::string_view name) {
-    for (const Method &method : methods()) {
+const Method* find_method(std::string_view name) {
+    for (const Method& method : methods()) {
         if (method.name == name) {
             return &method;
         }
@@ -104,10 +104,10 @@ const Method *find_method(std::string_view name) {
     return nullptr;
 }
 
-SearchResult local_search(const Method &method, const std::vector<double> &start, const Objective &objective,
-                          const SearchSettings &settings) {
+SearchResult local_search(const Method& method, const std::vector<double>& start, const Objective& objective,
+                          const SearchSettings& settings) {
     nlopt::algorithm algorithm = nlopt::LD_SLSQP;
-    for (const Known &k : known) {
+    for (const Known& k : known) {
         algorithm = k.method.name == method.name ? k.algorithm : algorithm;
     }
     nlopt::opt optimiser(algorithm, static_cast<unsigned>(start.size()));
@@ -127,11 +127,11 @@ SearchResult local_search(const Method &method, const std::vector<double> &start
     nlopt::result code = nlopt::FAILURE;
     try {
         code = optimiser.optimize(x, value);
-    } catch (const nlopt::roundoff_limited &) {
+    } catch (const nlopt::roundoff_limited&) {
         code = nlopt::ROUNDOFF_LIMITED;
-    } catch (const nlopt::forced_stop &) {
+    } catch (const nlopt::forced_stop&) {
         code = nlopt::FORCED_STOP;
-    } catch (const std::runtime_error &) {
+    } catch (const std::runtime_error&) {
         code = nlopt::FAILURE;
     }
     search.result.misfit = std::sqrt(2.0 * search.best);

@@ -18,7 +18,7 @@ struct Method {
     std::string_view summary;
 };
 std::span<const Method> methods();
-const Method *find_method(std::string_view name);
+const Method* find_method(std::string_view name);
 
 // What the search asks for at a point: the residuals (the search minimises half the sum of their squares) and, for a
 // method with gradients, their derivatives by the unit coordinates.
@@ -29,7 +29,7 @@ struct Sample {
 enum class Answer { computed, no_answer, stop };
 // Fills the sample. no_answer: the point cannot be computed; the search is led away from it and never sees NaN.
 // stop: end the search now. Must not throw.
-using Objective = std::function<Answer(std::span<const double> unit, Sample &sample)>;
+using Objective = std::function<Answer(std::span<const double> unit, Sample& sample)>;
 
 struct SearchSettings {
     int max_evaluations = 80;
@@ -47,7 +47,7 @@ struct SearchResult {
 };
 
 // start must be a point with an answer, else the result has an empty point.
-SearchResult local_search(const Method &method, const std::vector<double> &start, const Objective &objective,
-                          const SearchSettings &settings);
+SearchResult local_search(const Method& method, const std::vector<double>& start, const Objective& objective,
+                          const SearchSettings& settings);
 
 } // namespace explore::optimise

@@ -32,7 +32,7 @@ public:
 
     // parameters: physical values in the order of the parameter space. Throws nothing but std::bad_alloc.
     virtual pave::Outcome<Prediction> evaluate(std::span<const double> parameters, bool with_jacobian,
-                                               Workspace &workspace) const = 0;
+                                               Workspace& workspace) const = 0;
 };
 
 } // namespace explore::problem

@@ -3,7 +3,7 @@
 namespace explore::problem {
 
 Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
-                             ForwardFunction::Workspace &workspace) const {
+                             ForwardFunction::Workspace& workspace) const {
     Evaluation e;
     e.parameters = space.physical(unit);
     auto outcome = function->evaluate(e.parameters, with_jacobian, workspace);
@@ -20,11 +20,11 @@ Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
     return e;
 }
 
-Eigen::MatrixXd Problem::residual_jacobian(const Evaluation &evaluation) const {
+Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {
     const auto m = static_cast<Eigen::Index>(misfit.size());
     Eigen::MatrixXd j = misfit.slopes(evaluation.responses).asDiagonal() * evaluation.jacobian.topRows(m);
     for (Eigen::Index k = 0; k < j.cols(); ++k) {
-        const Axis &axis = space.axes[static_cast<std::size_t>(k)];
+        const Axis& axis = space.axes[static_cast<std::size_t>(k)];
         j.col(k) *= axis.d_physical(axis.unit(evaluation.parameters[static_cast<std::size_t>(k)]));
     }
     return j;

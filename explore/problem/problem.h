@@ -28,10 +28,10 @@ struct Problem {
     Misfit misfit;
 
     // unit: a point of the unit cube.
-    Evaluation evaluate(std::span<const double> unit, bool with_jacobian, ForwardFunction::Workspace &workspace) const;
+    Evaluation evaluate(std::span<const double> unit, bool with_jacobian, ForwardFunction::Workspace& workspace) const;
 
     // d(residuals)/d(unit coordinates) of an evaluation with a jacobian.
-    Eigen::MatrixXd residual_jacobian(const Evaluation &evaluation) const;
+    Eigen::MatrixXd residual_jacobian(const Evaluation& evaluation) const;
 };
 
 } // namespace explore::problem

@@ -6,7 +6,7 @@
 
 namespace explore::report {
 
-Json parameters_json(const problem::ParameterSpace &space, const std::vector<double> &values) {
+Json parameters_json(const problem::ParameterSpace& space, const std::vector<double>& values) {
     Json json = Json::object();
     for (std::size_t k = 0; k < values.size(); ++k) {
         json[space.axes[k].name] = values[k];
@@ -14,10 +14,10 @@ Json parameters_json(const problem::ParameterSpace &space, const std::vector<dou
     return json;
 }
 
-Json responses_json(const study::Study &study, const std::vector<double> &responses) {
+Json responses_json(const study::Study& study, const std::vector<double>& responses) {
     Json json = Json::array();
     for (std::size_t i = 0; i < responses.size(); ++i) {
-        const auto &s = study.model.sensors[i];
+        const auto& s = study.model.sensors[i];
         Json row = {{"load", study.model.loads[s.load].name},
                     {"quantity", std::string(info(s.quantity).name)},
                     {"x_mm", s.x / pave::unit::mm},
@@ -27,7 +27,7 @@ Json responses_json(const study::Study &study, const std::vector<double> &respon
                     {"value", responses[i] / study.response_to_si(i)},
                     {"unit", std::string(study.response_unit(i))}};
         if (i < study.measurements.size()) {
-            const auto &m = study.measurements[i];
+            const auto& m = study.measurements[i];
             // As the file states them, not as metres turned back.
             row["x_mm"] = m.x_mm;
             row["y_mm"] = m.y_mm;
@@ -42,20 +42,20 @@ Json responses_json(const study::Study &study, const std::vector<double> &respon
     return json;
 }
 
-Json status_counts(const std::vector<problem::Evaluation> &evaluations) {
+Json status_counts(const std::vector<problem::Evaluation>& evaluations) {
     Json json = Json::object();
     for (const pave::Status status : pave::all_statuses) {
         json[std::string(to_string(status))] = std::count_if(
-            evaluations.begin(), evaluations.end(), [&](const problem::Evaluation &e) { return e.status == status; });
+            evaluations.begin(), evaluations.end(), [&](const problem::Evaluation& e) { return e.status == status; });
     }
     return json;
 }
 
-Json minimum_json(const problem::Problem &problem, const landscape::Minimum &minimum) {
+Json minimum_json(const problem::Problem& problem, const landscape::Minimum& minimum) {
     const landscape::LocalAnalysis analysis = landscape::analyse(minimum, problem);
     Json errors = Json::object();
     for (std::size_t k = 0; k < minimum.unit.size(); ++k) {
-        const problem::Axis &axis = problem.space.axes[k];
+        const problem::Axis& axis = problem.space.axes[k];
         const double error = analysis.standard_error[k] * axis.d_physical(minimum.unit[k]);
         errors[axis.name] = std::isfinite(error) ? Json(error) : Json(nullptr);
     }

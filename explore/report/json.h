@@ -11,16 +11,16 @@ namespace explore::report {
 using Json = nlohmann::ordered_json;
 
 // {name: value}
-Json parameters_json(const problem::ParameterSpace &space, const std::vector<double> &values);
+Json parameters_json(const problem::ParameterSpace& space, const std::vector<double>& values);
 
 // [{"load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm", "value", "unit", ("measured"), ("name")}], value in
 // unit.
-Json responses_json(const study::Study &study, const std::vector<double> &responses);
+Json responses_json(const study::Study& study, const std::vector<double>& responses);
 
 // {"converged": 240, "invalid-parameters": 16, ...}, every status named.
-Json status_counts(const std::vector<problem::Evaluation> &evaluations);
+Json status_counts(const std::vector<problem::Evaluation>& evaluations);
 
 // One minimum with its starts, spread and local analysis.
-Json minimum_json(const problem::Problem &problem, const landscape::Minimum &minimum);
+Json minimum_json(const problem::Problem& problem, const landscape::Minimum& minimum);
 
 } // namespace explore::report

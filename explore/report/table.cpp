@@ -7,12 +7,12 @@
 namespace explore::report {
 namespace {
 
-std::size_t width(const std::string &text) {
+std::size_t width(const std::string& text) {
     return static_cast<std::size_t>(std::count_if(
         text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U; }));
 }
 
-bool is_numeric(const std::string &text) {
+bool is_numeric(const std::string& text) {
     return !text.empty() && text.find_first_not_of("+-.0123456789e%<>~ inf") == std::string::npos;
 }
 
@@ -30,7 +30,7 @@ std::string Table::text(int indent) const {
         }
     }
     std::string all;
-    for (const auto &row : rows_) {
+    for (const auto& row : rows_) {
         std::string line(static_cast<std::size_t>(indent), ' ');
         for (std::size_t c = 0; c < row.size(); ++c) {
             const std::string pad(widths[c] - width(row[c]), ' ');
@@ -52,12 +52,12 @@ std::string figure(double value) {
                         : fmt::format("{:.{}f}", value, digits);
 }
 
-std::string counted(std::size_t count, const std::string &one, const std::string &many) {
+std::string counted(std::size_t count, const std::string& one, const std::string& many) {
     return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-std::string sparkline(const std::vector<double> &values) {
-    static const char *const blocks[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+std::string sparkline(const std::vector<double>& values) {
+    static const char* const blocks[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
     double low = INFINITY;
     double high = -INFINITY;
     for (const double v : values) {

@@ -21,9 +21,9 @@ private:
 std::string figure(double value);
 
 // "3 of 12 starts", "1 minimum", "2 minima"
-std::string counted(std::size_t count, const std::string &one, const std::string &many);
+std::string counted(std::size_t count, const std::string& one, const std::string& many);
 
 // A row of blocks, lowest value lowest; not-a-number is a space.
-std::string sparkline(const std::vector<double> &values);
+std::string sparkline(const std::vector<double>& values);
 
 } // namespace explore::report

@@ -1,11 +1,13 @@
 #include "run/engine.h"
 
+#include "run/blas.h"
 #include "run/interrupt.h"
 #include "run/progress.h"
 
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <fmt/format.h>
 #include <limits>
 #include <new>
 #include <oneapi/tbb.h>
@@ -23,8 +25,8 @@ double seconds_since(Clock::time_point start) {
 } // namespace
 
 struct Engine::Implementation {
-    const problem::Problem &problem;
-    Store *store;
+    const problem::Problem& problem;
+    Store* store;
     int run;
     EngineSettings settings;
     tbb::global_control limit;
@@ -34,13 +36,13 @@ struct Engine::Implementation {
 
     // One evaluation on the workspace of this thread. Running out of memory is an answer for this point, not the end.
     Evaluation evaluate(std::span<const double> unit, bool with_jacobian) {
-        auto &workspace = workspaces.local();
+        auto& workspace = workspaces.local();
         try {
             if (workspace == nullptr) {
                 workspace = problem.function->make_workspace();
             }
             return problem.evaluate(unit, with_jacobian, *workspace);
-        } catch (const std::bad_alloc &) {
+        } catch (const std::bad_alloc&) {
             workspace.reset();
             Evaluation e;
             e.parameters = problem.space.physical(unit);
@@ -49,7 +51,7 @@ struct Engine::Implementation {
         }
     }
 
-    void keep(RunNumber number, const Evaluation &e) {
+    void keep(RunNumber number, const Evaluation& e) {
         if (store != nullptr) {
             store->put(run, number, e);
         }
@@ -63,14 +65,14 @@ struct Engine::Implementation {
     // Calls body(i) for i in [0, n) in parallel; the first exception of a body (the store failed) comes out here, after
     // all tasks have ended.
     template <class Body>
-    void parallel(std::size_t n, const Body &body) {
+    void parallel(std::size_t n, const Body& body) {
         std::exception_ptr failure;
         std::mutex mutex;
         std::atomic<bool> failed{false};
         arena.execute([&] {
             tbb::parallel_for(
                 tbb::blocked_range<std::size_t>(0, n, 1),
-                [&](const tbb::blocked_range<std::size_t> &range) {
+                [&](const tbb::blocked_range<std::size_t>& range) {
                     for (std::size_t i = range.begin(); i < range.end() && !failed && !interrupted(); ++i) {
                         try {
                             body(i);
@@ -89,8 +91,14 @@ struct Engine::Implementation {
     }
 };
 
-Engine::Engine(const problem::Problem &problem, Store *store, int run, EngineSettings settings) {
-    const int threads = settings.threads > 0 ? settings.threads : tbb::this_task_arena::max_concurrency();
+Engine::Engine(const problem::Problem& problem, Store* store, int run, EngineSettings settings) {
+    int threads = settings.threads > 0 ? settings.threads : tbb::this_task_arena::max_concurrency();
+    if (!prepare_blas() && threads > 1) {
+        fmt::print(stderr, "warning: the BLAS of this machine is a build of OpenBLAS without threads, which cannot be "
+                           "used by two tasks at once; going on with one thread (package libopenblas0-pthread mends "
+                           "this)\n");
+        threads = 1;
+    }
     implementation_ = std::unique_ptr<Implementation>(
         new Implementation{problem,
                            store,
@@ -104,13 +112,13 @@ Engine::Engine(const problem::Problem &problem, Store *store, int run, EngineSet
 
 Engine::~Engine() = default;
 
-std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design &design) {
-    Implementation &m = *implementation_;
+std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& design) {
+    Implementation& m = *implementation_;
     const auto begin = Clock::now();
     const std::size_t n = design.points.size();
     std::vector<Evaluation> evaluations(n);
     std::vector<char> done(n, 0);
-    for (auto &[number, e] : m.known({-1, 0}, {-1, std::numeric_limits<int>::max()})) {
+    for (auto& [number, e] : m.known({-1, 0}, {-1, std::numeric_limits<int>::max()})) {
         const auto i = static_cast<std::size_t>(number.number);
         if (i < n && e.parameters == m.problem.space.physical(design.points[i])) {
             evaluations[i] = std::move(e);
@@ -142,10 +150,10 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design &de
     return evaluations;
 }
 
-std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vector<double>> &starts,
-                                                    const optimise::Method &method,
-                                                    const optimise::SearchSettings &settings) {
-    Implementation &m = *implementation_;
+std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vector<double>>& starts,
+                                                    const optimise::Method& method,
+                                                    const optimise::SearchSettings& settings) {
+    Implementation& m = *implementation_;
     const auto begin = Clock::now();
     std::vector<Endpoint> ends(starts.size());
     std::atomic<int> finished{0};
@@ -158,12 +166,12 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
             const int start = static_cast<int>(s);
             auto known = m.known({start, 0}, {start, std::numeric_limits<int>::max()});
             int number = 0;
-            Endpoint &end = ends[s];
+            Endpoint& end = ends[s];
             end.start = start;
             end.from = starts[s];
             double best = std::numeric_limits<double>::infinity();
             std::exception_ptr failure;
-            const optimise::Objective objective = [&](std::span<const double> unit, optimise::Sample &sample) {
+            const optimise::Objective objective = [&](std::span<const double> unit, optimise::Sample& sample) {
                 if (interrupted() || failure) {
                     return optimise::Answer::stop;
                 }
@@ -218,7 +226,7 @@ Evaluation Engine::evaluate_one(std::span<const double> unit) {
     return implementation_->evaluate(unit, true);
 }
 
-std::vector<std::size_t> distinct_starts(const search::Design &design, const std::vector<Evaluation> &evaluations,
+std::vector<std::size_t> distinct_starts(const search::Design& design, const std::vector<Evaluation>& evaluations,
                                          int count, double distance) {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < evaluations.size(); ++i) {

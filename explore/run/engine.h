@@ -32,21 +32,21 @@ struct Tally {
 class Engine {
 public:
     // store may be nullptr: nothing is kept. Both must outlive the engine.
-    Engine(const problem::Problem &problem, Store *store, int run, EngineSettings settings);
+    Engine(const problem::Problem& problem, Store* store, int run, EngineSettings settings);
     ~Engine();
 
     // Evaluations of the design's points, in run order. Nothing: interrupted (what was finished is in the store).
-    std::optional<std::vector<problem::Evaluation>> evaluate(const search::Design &design);
+    std::optional<std::vector<problem::Evaluation>> evaluate(const search::Design& design);
 
     // Local searches from these points of the unit cube. Nothing: interrupted.
-    std::optional<std::vector<Endpoint>> search(const std::vector<std::vector<double>> &starts,
-                                                const optimise::Method &method,
-                                                const optimise::SearchSettings &settings);
+    std::optional<std::vector<Endpoint>> search(const std::vector<std::vector<double>>& starts,
+                                                const optimise::Method& method,
+                                                const optimise::SearchSettings& settings);
 
     // One evaluation with derivatives, not kept.
     problem::Evaluation evaluate_one(std::span<const double> unit);
 
-    const Tally &tally() const { return tally_; }
+    const Tally& tally() const { return tally_; }
 
 private:
     struct Implementation;
@@ -56,8 +56,8 @@ private:
 
 // The lowest points of a design that are not near each other: by increasing misfit, each at least `distance` from those
 // taken before (Euclid, unit cube), at most `count`. Returns indices.
-std::vector<std::size_t> distinct_starts(const search::Design &design,
-                                         const std::vector<problem::Evaluation> &evaluations, int count,
+std::vector<std::size_t> distinct_starts(const search::Design& design,
+                                         const std::vector<problem::Evaluation>& evaluations, int count,
                                          double distance);
 
 } // namespace explore::run

@@ -13,8 +13,8 @@ public:
     // total = 0: unknown, no bar and no time left; negative: show nothing.
     Progress(std::string what, std::int64_t total);
     ~Progress();
-    Progress(const Progress &) = delete;
-    Progress &operator=(const Progress &) = delete;
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
 
     // n more are done; computed: by this process just now (they make the rate), else they were known already.
     void add(std::int64_t n, bool computed);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int application_id = 0x50617665; // "Pave"
 
-constexpr const char *schema = R"(
+constexpr const char* schema = R"(
 CREATE TABLE run (
     id INTEGER PRIMARY KEY,
     command TEXT NOT NULL,
@@ -42,12 +42,12 @@ CREATE TABLE evaluation (
 ) WITHOUT ROWID;
 )";
 
-void bind_doubles(SQLite::Statement &statement, int index, const double *data, std::size_t count) {
+void bind_doubles(SQLite::Statement& statement, int index, const double* data, std::size_t count) {
     // An empty blob, not NULL, where there is nothing.
-    statement.bind(index, count > 0 ? static_cast<const void *>(data) : "", static_cast<int>(count * sizeof(double)));
+    statement.bind(index, count > 0 ? static_cast<const void*>(data) : "", static_cast<int>(count * sizeof(double)));
 }
 
-std::vector<double> doubles(const SQLite::Column &column) {
+std::vector<double> doubles(const SQLite::Column& column) {
     std::vector<double> values(static_cast<std::size_t>(column.getBytes()) / sizeof(double));
     if (!values.empty()) {
         std::memcpy(values.data(), column.getBlob(), values.size() * sizeof(double));
@@ -55,7 +55,7 @@ std::vector<double> doubles(const SQLite::Column &column) {
     return values;
 }
 
-problem::Evaluation evaluation_of(SQLite::Statement &row, int first) {
+problem::Evaluation evaluation_of(SQLite::Statement& row, int first) {
     problem::Evaluation e;
     e.status = static_cast<pave::Status>(row.getColumn(first).getInt());
     e.reason = row.getColumn(first + 1).getString();
@@ -79,7 +79,7 @@ problem::Evaluation evaluation_of(SQLite::Statement &row, int first) {
     return e;
 }
 
-constexpr const char *select_columns =
+constexpr const char* select_columns =
     "SELECT start, number, status, reason, parameters, responses, jacobian, warnings, misfit FROM evaluation WHERE ";
 
 } // namespace
@@ -94,7 +94,7 @@ struct Store::Implementation {
     auto guarded(F f) const {
         try {
             return f();
-        } catch (const SQLite::Exception &error) {
+        } catch (const SQLite::Exception& error) {
             const bool no_store = error.getErrorCode() == SQLITE_NOTADB || error.getErrorCode() == SQLITE_CORRUPT;
             throw pave::Error(
                 {.file = file}, no_store ? "this is not a run store" : "the run store cannot be used", error.what(),
@@ -103,7 +103,7 @@ struct Store::Implementation {
     }
 };
 
-Store::Store(const std::string &folder, bool create) {
+Store::Store(const std::string& folder, bool create) {
     const std::string file = (std::filesystem::path(folder) / "run.sqlite").string();
     if (create) {
         std::error_code error;
@@ -119,11 +119,11 @@ Store::Store(const std::string &folder, bool create) {
     try {
         implementation_ = std::unique_ptr<Implementation>(new Implementation{
             file, SQLite::Database(file, SQLite::OPEN_READWRITE | (create ? SQLite::OPEN_CREATE : 0), 10000), nullptr});
-    } catch (const SQLite::Exception &error) {
+    } catch (const SQLite::Exception& error) {
         throw pave::Error({.file = file}, "the run store cannot be opened", error.what(),
                           "a folder that can be written (--out)");
     }
-    auto &m = *implementation_;
+    auto& m = *implementation_;
     m.guarded([&] {
         const int id = m.database.execAndGet("PRAGMA application_id").getInt();
         const int version = m.database.execAndGet("PRAGMA user_version").getInt();
@@ -152,9 +152,9 @@ Store::Store(const std::string &folder, bool create) {
 
 Store::~Store() = default;
 
-int Store::begin(const RunHeader &header) {
+int Store::begin(const RunHeader& header) {
     const std::scoped_lock lock(mutex_);
-    auto &m = *implementation_;
+    auto& m = *implementation_;
     return m.guarded([&] {
         SQLite::Transaction transaction(m.database);
         const nlohmann::json columns = {{"parameters", header.parameters},
@@ -182,7 +182,7 @@ int Store::begin(const RunHeader &header) {
 
 RunHeader Store::newest() const {
     const std::scoped_lock lock(mutex_);
-    const auto &m = *implementation_;
+    const auto& m = *implementation_;
     return m.guarded([&] {
         SQLite::Statement row(m.database, "SELECT id, command, study_hash, settings, version, header FROM run "
                                           "ORDER BY used DESC LIMIT 1");
@@ -201,15 +201,15 @@ RunHeader Store::newest() const {
     });
 }
 
-void Store::put(int run, RunNumber number, const problem::Evaluation &e) {
+void Store::put(int run, RunNumber number, const problem::Evaluation& e) {
     std::string warnings;
-    for (const std::string &warning : e.warnings) {
+    for (const std::string& warning : e.warnings) {
         warnings += (warnings.empty() ? "" : "\n") + warning;
     }
     const std::scoped_lock lock(mutex_);
-    auto &m = *implementation_;
+    auto& m = *implementation_;
     m.guarded([&] {
-        SQLite::Statement &s = *m.insert;
+        SQLite::Statement& s = *m.insert;
         s.reset();
         s.bind(1, run);
         s.bind(2, number.start);
@@ -231,7 +231,7 @@ void Store::put(int run, RunNumber number, const problem::Evaluation &e) {
 
 std::map<RunNumber, problem::Evaluation> Store::get(int run, RunNumber first, RunNumber last) const {
     const std::scoped_lock lock(mutex_);
-    const auto &m = *implementation_;
+    const auto& m = *implementation_;
     return m.guarded([&] {
         std::map<RunNumber, problem::Evaluation> found;
         SQLite::Statement row(m.database, std::string(select_columns) +
@@ -248,9 +248,9 @@ std::map<RunNumber, problem::Evaluation> Store::get(int run, RunNumber first, Ru
     });
 }
 
-void Store::each(int run, const std::function<void(RunNumber, const problem::Evaluation &)> &visit) const {
+void Store::each(int run, const std::function<void(RunNumber, const problem::Evaluation&)>& visit) const {
     const std::scoped_lock lock(mutex_);
-    const auto &m = *implementation_;
+    const auto& m = *implementation_;
     m.guarded([&] {
         SQLite::Statement row(m.database, std::string(select_columns) + "run = ? ORDER BY start, number");
         row.bind(1, run);
@@ -260,9 +260,9 @@ void Store::each(int run, const std::function<void(RunNumber, const problem::Eva
     });
 }
 
-void Store::put_result(int run, const std::string &json) {
+void Store::put_result(int run, const std::string& json) {
     const std::scoped_lock lock(mutex_);
-    auto &m = *implementation_;
+    auto& m = *implementation_;
     m.guarded([&] {
         SQLite::Statement s(m.database, "UPDATE run SET result = ? WHERE id = ?");
         s.bind(1, json);

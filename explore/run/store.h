@@ -16,7 +16,7 @@ namespace explore::run {
 struct RunNumber {
     int start = -1; // -1: the design
     int number = 0;
-    auto operator<=>(const RunNumber &) const = default;
+    auto operator<=>(const RunNumber&) const = default;
 };
 
 // What one command was asked to do. Equal keys: the same run, continued.
@@ -43,21 +43,21 @@ public:
     static constexpr int format_version = 1;
 
     // Opens DIR/run.sqlite; with create, makes folder and file when they are not there.
-    Store(const std::string &folder, bool create);
+    Store(const std::string& folder, bool create);
     ~Store();
 
     // The run with this key: the one begun before, or a new one. It becomes the newest of the store.
-    int begin(const RunHeader &header);
+    int begin(const RunHeader& header);
     RunHeader newest() const;
 
     // Keeps an evaluation for good: when this returns, ending the process loses nothing of it.
-    void put(int run, RunNumber number, const problem::Evaluation &evaluation);
+    void put(int run, RunNumber number, const problem::Evaluation& evaluation);
     // What the run has in [first, last], in run order.
     std::map<RunNumber, problem::Evaluation> get(int run, RunNumber first, RunNumber last) const;
-    void each(int run, const std::function<void(RunNumber, const problem::Evaluation &)> &visit) const;
+    void each(int run, const std::function<void(RunNumber, const problem::Evaluation&)>& visit) const;
 
     // Whole results, by name ("result" holds the JSON a command printed).
-    void put_result(int run, const std::string &json);
+    void put_result(int run, const std::string& json);
 
 private:
     struct Implementation;

@@ -9,19 +9,19 @@
 
 namespace explore::search {
 
-std::int64_t full_grid_size(const problem::ParameterSpace &space, int points_per_axis) {
+std::int64_t full_grid_size(const problem::ParameterSpace& space, int points_per_axis) {
     std::int64_t size = 1;
-    for (const auto &axis : space.axes) {
+    for (const auto& axis : space.axes) {
         size *= points_per_axis > 0 && axis.points != 1 ? points_per_axis : axis.points;
     }
     return size;
 }
 
-Design full_grid(const problem::ParameterSpace &space, int points_per_axis) {
+Design full_grid(const problem::ParameterSpace& space, int points_per_axis) {
     Design design;
     design.name = "grid";
     std::vector<int> count;
-    for (const auto &axis : space.axes) {
+    for (const auto& axis : space.axes) {
         count.push_back(points_per_axis > 0 && axis.points != 1 ? points_per_axis : axis.points);
         design.name += fmt::format("{}{}", count.size() == 1 ? " " : " x ", count.back());
     }
@@ -40,7 +40,7 @@ Design full_grid(const problem::ParameterSpace &space, int points_per_axis) {
     return design;
 }
 
-Design sobol(const problem::ParameterSpace &space, int count, std::uint64_t seed) {
+Design sobol(const problem::ParameterSpace& space, int count, std::uint64_t seed) {
     Design design;
     design.name = fmt::format("sobol {} (seed {})", count, seed);
     const auto dimension = static_cast<unsigned>(space.dimension());

@@ -16,13 +16,13 @@ struct Design {
 
 // Every combination of axis.points (or `points_per_axis` when positive) equally spaced values of each axis, the last
 // axis fastest. An axis with one point is held at its start value.
-Design full_grid(const problem::ParameterSpace &space, int points_per_axis = 0);
+Design full_grid(const problem::ParameterSpace& space, int points_per_axis = 0);
 
 // Number of points full_grid would have; 0 when an axis does not state its points.
-std::int64_t full_grid_size(const problem::ParameterSpace &space, int points_per_axis = 0);
+std::int64_t full_grid_size(const problem::ParameterSpace& space, int points_per_axis = 0);
 
 // Sobol's sequence (Bratley and Fox, by GSL; at most 40 dimensions) shifted as a whole by an amount drawn from the
 // seed (Cranley and Patterson).
-Design sobol(const problem::ParameterSpace &space, int count, std::uint64_t seed);
+Design sobol(const problem::ParameterSpace& space, int count, std::uint64_t seed);
 
 } // namespace explore::search

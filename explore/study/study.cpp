@@ -24,23 +24,26 @@ std::vector<std::string> patch_words() {
     return {"circle", "rectangle"};
 }
 
-Layer read_layer(const toml::table &table, const std::string &file) {
+Layer read_layer(const toml::table& table, const std::string& file) {
     TableReader reader(table, file, "[[layers]]");
     Layer layer;
     layer.name = reader.text("name");
     reader.rename("layer \"" + layer.name + "\"");
-    for (const KeyInfo &key : layer_keys()) {
+    for (const KeyInfo& key : layer_keys()) {
         key.of(layer) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, key.default_value);
     }
     std::vector<std::string> law_names;
-    for (const auto *law : pave::material::laws()) {
+    for (const auto* law : pave::material::laws()) {
         law_names.emplace_back(law->name());
     }
     layer.law = pave::material::laws()[reader.choice("law", law_names)];
-    for (const auto &info : layer.law->parameters()) {
+    for (const auto& info : layer.law->parameters()) {
         if (!info.choices.empty()) {
             const std::vector<std::string> words(info.choices.begin(), info.choices.end());
-            const auto fallback = info.default_value ? std::optional<std::size_t>(*info.default_value) : std::nullopt;
+            std::optional<std::size_t> fallback;
+            if (info.default_value) {
+                fallback = static_cast<std::size_t>(*info.default_value);
+            }
             layer.parameters.push_back(static_cast<double>(reader.choice(info.key, words, fallback)));
         } else {
             layer.parameters.push_back(
@@ -54,7 +57,7 @@ Layer read_layer(const toml::table &table, const std::string &file) {
     return layer;
 }
 
-Load read_load(const toml::table &table, const std::string &file) {
+Load read_load(const toml::table& table, const std::string& file) {
     TableReader reader(table, file, "[[loads]]");
     Load load;
     load.name = reader.text("name");
@@ -66,7 +69,7 @@ Load read_load(const toml::table &table, const std::string &file) {
         load.patch =
             static_cast<Patch>(reader.choice("patch", patch_words(), static_cast<std::size_t>(Patch::rectangle)));
     }
-    for (const KeyInfo &key : load_keys(load.type, load.patch)) {
+    for (const KeyInfo& key : load_keys(load.type, load.patch)) {
         key.of_load(load) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, key.default_value);
     }
     reader.done();
@@ -74,15 +77,15 @@ Load read_load(const toml::table &table, const std::string &file) {
 }
 
 template <class T>
-std::vector<std::string> names_of(const std::vector<T> &items) {
+std::vector<std::string> names_of(const std::vector<T>& items) {
     std::vector<std::string> names;
-    for (const T &item : items) {
+    for (const T& item : items) {
         names.push_back(item.name);
     }
     return names;
 }
 
-int find_load(const Case &model, const std::string &name, const pave::Place &place) {
+int find_load(const Case& model, const std::string& name, const pave::Place& place) {
     for (std::size_t l = 0; l < model.loads.size(); ++l) {
         if (model.loads[l].name == name) {
             return static_cast<int>(l);
@@ -91,9 +94,9 @@ int find_load(const Case &model, const std::string &name, const pave::Place &pla
     throw pave::Error(place, "this load is not in the study", "\"" + name + "\"", pave::join(names_of(model.loads)));
 }
 
-Quantity find_quantity(const std::string &name, const pave::Place &place) {
+Quantity find_quantity(const std::string& name, const pave::Place& place) {
     std::vector<std::string> names;
-    for (const QuantityInfo &q : quantities) {
+    for (const QuantityInfo& q : quantities) {
         if (q.name == name) {
             return q.quantity;
         }
@@ -108,14 +111,14 @@ data::Dimension dimension_of(Quantity quantity) {
                                              : data::Dimension::pressure;
 }
 
-Sensor sensor_of(const data::Measurement &m, const Case &model) {
-    const auto place = [&](const char *key) { return pave::Place{.file = m.file, .line = m.line, .key = key}; };
+Sensor sensor_of(const data::Measurement& m, const Case& model) {
+    const auto place = [&](const char* key) { return pave::Place{.file = m.file, .line = m.line, .key = key}; };
     Sensor s;
     s.load = find_load(model, m.load, place("load"));
     s.quantity = find_quantity(m.quantity, place("quantity"));
     if (m.unit.dimension != dimension_of(s.quantity)) {
         std::vector<std::string> fitting;
-        for (const auto &u : data::units()) {
+        for (const auto& u : data::units()) {
             if (u.dimension == dimension_of(s.quantity)) {
                 fitting.emplace_back(u.name);
             }
@@ -131,7 +134,7 @@ Sensor sensor_of(const data::Measurement &m, const Case &model) {
     return s;
 }
 
-Output read_output(const toml::table &table, const std::string &file, const Case &model) {
+Output read_output(const toml::table& table, const std::string& file, const Case& model) {
     TableReader reader(table, file, "[[outputs]]");
     Output output;
     output.name = reader.text("name");
@@ -147,7 +150,7 @@ Output read_output(const toml::table &table, const std::string &file, const Case
     return output;
 }
 
-void read_parameter(const toml::table &table, Study &study) {
+void read_parameter(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[[parameters]]");
     problem::Axis axis;
     axis.name = reader.text("name");
@@ -173,7 +176,7 @@ void read_parameter(const toml::table &table, Study &study) {
                           "one point means held at the study's own value, which is out of bounds",
                           fmt::format("{}", axis.start), fmt::format("{} to {}", axis.low, axis.high));
     }
-    for (const auto &other : study.space.axes) {
+    for (const auto& other : study.space.axes) {
         if (other.name == axis.name) {
             throw pave::Error(reader.place("name"), "this parameter stands twice", "\"" + axis.name + "\"",
                               "each once");
@@ -184,7 +187,7 @@ void read_parameter(const toml::table &table, Study &study) {
     study.space.axes.push_back(std::move(axis));
 }
 
-void read_data(const toml::table &table, Study &study) {
+void read_data(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[data]");
     std::vector<std::string> misfits(std::begin(problem::misfit_names), std::end(problem::misfit_names));
     study.data.files = reader.texts("files");
@@ -201,13 +204,13 @@ void read_data(const toml::table &table, Study &study) {
     }
     reader.done();
     const auto folder = std::filesystem::path(study.file).parent_path();
-    for (const std::string &file : study.data.files) {
+    for (const std::string& file : study.data.files) {
         const std::string path = (folder / file).string();
         if (!std::filesystem::exists(path)) {
             throw pave::Error(reader.place("files"), "this measurement file does not exist", "\"" + path + "\"",
                               "a path relative to the study's own folder");
         }
-        for (auto &m : data::read_measurements(path)) {
+        for (auto& m : data::read_measurements(path)) {
             study.model.sensors.push_back(sensor_of(m, study.model));
             study.measurements.push_back(std::move(m));
         }
@@ -215,24 +218,24 @@ void read_data(const toml::table &table, Study &study) {
 }
 
 // The largest |measured| [SI] of the load and quantity of each measurement.
-std::vector<double> largest_of_group(const Study &study) {
+std::vector<double> largest_of_group(const Study& study) {
     std::map<std::pair<std::string, std::string>, double> largest;
-    for (const auto &m : study.measurements) {
-        double &value = largest[{m.load, m.quantity}];
+    for (const auto& m : study.measurements) {
+        double& value = largest[{m.load, m.quantity}];
         value = std::max(value, std::abs(m.value * m.unit.to_si));
     }
     std::vector<double> result;
-    for (const auto &m : study.measurements) {
+    for (const auto& m : study.measurements) {
         result.push_back(largest[{m.load, m.quantity}]);
     }
     return result;
 }
 
-void set_noise(Study &study) {
+void set_noise(Study& study) {
     const auto largest = largest_of_group(study);
     const bool has_model = study.data.noise_relative || study.data.noise_floor;
     for (std::size_t i = 0; i < study.measurements.size(); ++i) {
-        const auto &m = study.measurements[i];
+        const auto& m = study.measurements[i];
         double sigma = 0.0;
         if (m.sigma) {
             sigma = *m.sigma * m.unit.to_si;
@@ -250,11 +253,11 @@ void set_noise(Study &study) {
     study.noise = NoiseSource::stated;
 }
 
-std::string hash_of(toml::table table, const Study &study) {
+std::string hash_of(toml::table table, const Study& study) {
     table.erase("title");
     std::ostringstream text;
     text << toml::default_formatter(table);
-    for (const auto &m : study.measurements) {
+    for (const auto& m : study.measurements) {
         text << fmt::format("\n{},{},{},{},{},{},{},{},{}", m.load, m.quantity, m.x_mm, m.y_mm, m.depth_mm, m.gauge_mm,
                             m.value, m.unit.name, m.sigma.value_or(0.0));
     }
@@ -265,7 +268,7 @@ std::string hash_of(toml::table table, const Study &study) {
 
 class PavementFunction final : public problem::ForwardFunction {
 public:
-    PavementFunction(const Study &study) : model_(study.model), parameters_(study.parameters) {}
+    PavementFunction(const Study& study) : model_(study.model), parameters_(study.parameters) {}
 
     std::unique_ptr<Workspace> make_workspace() const override {
         auto workspace = std::make_unique<Own>();
@@ -274,13 +277,13 @@ public:
     }
 
     pave::Outcome<problem::Prediction> evaluate(std::span<const double> values, bool with_jacobian,
-                                                Workspace &workspace) const override {
+                                                Workspace& workspace) const override {
         Case c = model_.nominal();
         for (std::size_t k = 0; k < parameters_.size(); ++k) {
             parameters_[k].in(c) = values[k] * parameters_[k].to_si;
         }
         static const std::vector<Parameter> none;
-        auto outcome = model_.run(c, with_jacobian ? parameters_ : none, *static_cast<Own &>(workspace).own);
+        auto outcome = model_.run(c, with_jacobian ? parameters_ : none, *static_cast<Own&>(workspace).own);
         if (!outcome) {
             return outcome.failure();
         }
@@ -312,14 +315,14 @@ double Study::response_to_si(std::size_t i) const {
     return i < measurements.size() ? measurements[i].unit.to_si : info(model.sensors[i].quantity).to_si;
 }
 
-Study load_study(const std::string &file) {
+Study load_study(const std::string& file) {
     Study study;
     study.file = file;
     const std::string text = data::read_file(file, "study");
     toml::table table;
     try {
         table = toml::parse(text, file);
-    } catch (const toml::parse_error &error) {
+    } catch (const toml::parse_error& error) {
         throw pave::Error({.file = file, .line = static_cast<int>(error.source().begin.line)}, "this is not valid TOML",
                           std::string(error.description()), "see toml.io for the format");
     }
@@ -327,10 +330,10 @@ Study load_study(const std::string &file) {
     reader.integer("schema", 1, 1);
     study.title = reader.text("title", study.stem());
 
-    for (const auto *layer : reader.tables("layers")) {
+    for (const auto* layer : reader.tables("layers")) {
         study.model.layers.push_back(read_layer(*layer, file));
     }
-    for (const auto *load : reader.tables("loads")) {
+    for (const auto* load : reader.tables("loads")) {
         study.model.loads.push_back(read_load(*load, file));
     }
     if (study.model.layers.empty()) {
@@ -340,38 +343,38 @@ Study load_study(const std::string &file) {
         throw pave::Error({.file = file, .key = "loads"}, "the study has no loads", {}, "at least one [[loads]]");
     }
     std::set<std::string> seen;
-    for (const auto &names : {names_of(study.model.layers), names_of(study.model.loads)}) {
-        for (const std::string &name : names) {
+    for (const auto& names : {names_of(study.model.layers), names_of(study.model.loads)}) {
+        for (const std::string& name : names) {
             if (name.empty() || name.find('.') != std::string::npos || !seen.insert(name).second) {
                 throw pave::Error({.file = file, .key = "name"}, "layers and loads are told apart by name",
                                   "\"" + name + "\"", "each name once, not empty, without a full stop");
             }
         }
     }
-    if (const auto *solver = reader.table("solver")) {
+    if (const auto* solver = reader.table("solver")) {
         TableReader r(*solver, file, "[solver]");
-        auto &settings = study.model.settings;
+        auto& settings = study.model.settings;
         settings.integration = static_cast<Integration>(r.choice("integration", {"incremental", "secant"}, 0));
         settings.solver.path_tolerance = r.number("path_tolerance", 1e-7, 0.1, false, settings.solver.path_tolerance);
         settings.solver.equilibrium_tolerance =
             r.number("equilibrium_tolerance", 1e-12, 1e-4, false, settings.solver.equilibrium_tolerance);
         r.done();
     }
-    if (const auto *mesh = reader.table("mesh")) {
+    if (const auto* mesh = reader.table("mesh")) {
         TableReader r(*mesh, file, "[mesh]");
         study.model.settings.extent = r.number("extent_m", 0.1, 1000.0, false, 4.0);
         study.model.settings.refine = r.number("refine", 0.25, 16.0, false, 1.0);
         r.done();
     }
-    if (const auto *data = reader.table("data")) {
+    if (const auto* data = reader.table("data")) {
         read_data(*data, study);
     }
     set_noise(study);
-    for (const auto *output : reader.tables("outputs")) {
+    for (const auto* output : reader.tables("outputs")) {
         study.outputs.push_back(read_output(*output, file, study.model));
         study.model.sensors.push_back(study.outputs.back().sensor);
     }
-    for (const auto *parameter : reader.tables("parameters")) {
+    for (const auto* parameter : reader.tables("parameters")) {
         read_parameter(*parameter, study);
     }
     reader.done();
@@ -383,7 +386,7 @@ Study load_study(const std::string &file) {
     return study;
 }
 
-problem::Problem make_problem(const Study &study) {
+problem::Problem make_problem(const Study& study) {
     if (study.measurements.empty()) {
         throw pave::Error({.file = study.file, .key = "data"}, "this command needs measurements", {},
                           "[data] files = [...]");
@@ -400,7 +403,7 @@ problem::Problem make_problem(const Study &study) {
     std::vector<double> scale;
     const auto largest = largest_of_group(study);
     for (std::size_t i = 0; i < study.measurements.size(); ++i) {
-        const auto &m = study.measurements[i];
+        const auto& m = study.measurements[i];
         measured.push_back(m.value * m.unit.to_si);
         switch (study.data.misfit) {
         case problem::MisfitKind::log: scale.push_back(study.data.log_floor * largest[i]); break;

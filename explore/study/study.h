@@ -51,9 +51,9 @@ struct Study {
 };
 
 // Throws pave::Error for anything wrong in the study or its data: file, line, key, found, allowed.
-Study load_study(const std::string &file);
+Study load_study(const std::string& file);
 
 // The problem the explorer works on. Throws pave::Error when the study has no parameters or no measurements.
-problem::Problem make_problem(const Study &study);
+problem::Problem make_problem(const Study& study);
 
 } // namespace explore::study

@@ -12,7 +12,7 @@ namespace explore::study {
 class TableReader {
 public:
     // what: "[[layers]] \"base\"", for messages.
-    TableReader(const toml::table &table, std::string file, std::string what)
+    TableReader(const toml::table& table, std::string file, std::string what)
         : table_(table),
           file_(std::move(file)),
           what_(std::move(what)) {}
@@ -21,15 +21,15 @@ public:
     bool has(std::string_view key) const { return table_.contains(key); }
 
     pave::Place place(std::string_view key) const {
-        const toml::node *node = table_.get(key);
-        const auto &source = node != nullptr ? node->source() : table_.source();
+        const toml::node* node = table_.get(key);
+        const auto& source = node != nullptr ? node->source() : table_.source();
         return {.file = file_,
                 .line = static_cast<int>(source.begin.line),
                 .key = what_.empty() ? std::string(key) : what_ + (key.empty() ? "" : " ") + std::string(key)};
     }
 
     std::string text(std::string_view key, std::optional<std::string> fallback = {}) {
-        const toml::node *node = find(key, fallback.has_value(), "a text in quotes");
+        const toml::node* node = find(key, fallback.has_value(), "a text in quotes");
         if (node == nullptr) {
             return *fallback;
         }
@@ -40,7 +40,7 @@ public:
     }
 
     // One of a list of words; returns its index.
-    std::size_t choice(std::string_view key, const std::vector<std::string> &words,
+    std::size_t choice(std::string_view key, const std::vector<std::string>& words,
                        std::optional<std::size_t> fallback = {}) {
         const std::string word = text(key, fallback ? std::optional(words[*fallback]) : std::nullopt);
         for (std::size_t i = 0; i < words.size(); ++i) {
@@ -56,7 +56,7 @@ public:
     double number(std::string_view key, double low, double high, bool low_is_open,
                   std::optional<double> fallback = {}) {
         const std::string allowed = fmt::format("{} {} value <= {}", low, low_is_open ? "<" : "<=", high);
-        const toml::node *node = find(key, fallback.has_value(), allowed);
+        const toml::node* node = find(key, fallback.has_value(), allowed);
         if (node == nullptr) {
             return *fallback;
         }
@@ -72,7 +72,7 @@ public:
 
     int integer(std::string_view key, int low, int high, std::optional<int> fallback = {}) {
         const std::string allowed = fmt::format("a whole number, {} to {}", low, high);
-        const toml::node *node = find(key, fallback.has_value(), allowed);
+        const toml::node* node = find(key, fallback.has_value(), allowed);
         if (node == nullptr) {
             return *fallback;
         }
@@ -87,10 +87,10 @@ public:
     }
 
     std::vector<std::string> texts(std::string_view key) {
-        const toml::node *node = find(key, false, "a list of texts");
+        const toml::node* node = find(key, false, "a list of texts");
         std::vector<std::string> list;
         if (node->is_array()) {
-            for (const auto &item : *node->as_array()) {
+            for (const auto& item : *node->as_array()) {
                 if (!item.is_string()) {
                     throw wrong_type(key, item, "a list of texts");
                 }
@@ -102,15 +102,15 @@ public:
     }
 
     // [[key]], possibly absent.
-    std::vector<const toml::table *> tables(std::string_view key) {
+    std::vector<const toml::table*> tables(std::string_view key) {
         used_.insert(std::string(key));
-        std::vector<const toml::table *> list;
-        const toml::node *node = table_.get(key);
+        std::vector<const toml::table*> list;
+        const toml::node* node = table_.get(key);
         if (node == nullptr) {
             return list;
         }
         if (node->is_array()) {
-            for (const auto &item : *node->as_array()) {
+            for (const auto& item : *node->as_array()) {
                 if (!item.is_table()) {
                     throw wrong_type(key, item, fmt::format("tables, each headed [[{}]]", key));
                 }
@@ -122,9 +122,9 @@ public:
     }
 
     // [key], possibly absent.
-    const toml::table *table(std::string_view key) {
+    const toml::table* table(std::string_view key) {
         used_.insert(std::string(key));
-        const toml::node *node = table_.get(key);
+        const toml::node* node = table_.get(key);
         if (node != nullptr && !node->is_table()) {
             throw wrong_type(key, *node, fmt::format("a table headed [{}]", key));
         }
@@ -133,7 +133,7 @@ public:
 
     // Every key of the table must have been asked for.
     void done() const {
-        for (const auto &[key, node] : table_) {
+        for (const auto& [key, node] : table_) {
             if (!used_.contains(key.str())) {
                 const std::vector<std::string> known(used_.begin(), used_.end());
                 const std::string near = pave::nearest_name(key.str(), known);
@@ -145,12 +145,12 @@ public:
     }
 
 private:
-    const toml::node *find(std::string_view key, bool optional, const std::string &allowed) {
+    const toml::node* find(std::string_view key, bool optional, const std::string& allowed) {
         used_.insert(std::string(key));
-        const toml::node *node = table_.get(key);
+        const toml::node* node = table_.get(key);
         if (node == nullptr && !optional) {
             // A misspelt key is the likelier mistake than a forgotten one.
-            for (const auto &[other, unused] : table_) {
+            for (const auto& [other, unused] : table_) {
                 if (!used_.contains(other.str()) && pave::nearest_name(other.str(), {std::string(key)}) == key) {
                     throw pave::Error(place(other.str()), fmt::format("unknown key, did you mean \"{}\"?", key),
                                       "\"" + std::string(other.str()) + "\"", allowed);
@@ -161,13 +161,13 @@ private:
         return node;
     }
 
-    pave::Error wrong_type(std::string_view key, const toml::node &node, const std::string &allowed) const {
+    pave::Error wrong_type(std::string_view key, const toml::node& node, const std::string& allowed) const {
         std::ostringstream kind;
         kind << node.type();
         return {place(key), "wrong type", "a value of type " + kind.str(), allowed};
     }
 
-    const toml::table &table_;
+    const toml::table& table_;
     std::string file_;
     std::string what_;
     std::set<std::string, std::less<>> used_;

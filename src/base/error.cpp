@@ -5,10 +5,10 @@
 
 namespace pave {
 
-Error::Error(const Place &place, std::string_view problem, std::string_view found, std::string_view allowed)
+Error::Error(const Place& place, std::string_view problem, std::string_view found, std::string_view allowed)
     : std::runtime_error(message(place, problem, found, allowed)) {}
 
-std::string Error::message(const Place &place, std::string_view problem, std::string_view found,
+std::string Error::message(const Place& place, std::string_view problem, std::string_view found,
                            std::string_view allowed) {
     std::string text;
     if (!place.file.empty()) {
@@ -31,10 +31,10 @@ std::string Error::message(const Place &place, std::string_view problem, std::st
     return text;
 }
 
-std::string nearest_name(std::string_view word, const std::vector<std::string> &names) {
+std::string nearest_name(std::string_view word, const std::vector<std::string>& names) {
     std::string best;
     std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
-    for (const std::string &name : names) {
+    for (const std::string& name : names) {
         std::vector<std::size_t> row(name.size() + 1);
         std::iota(row.begin(), row.end(), std::size_t{0});
         for (std::size_t i = 1; i <= word.size(); ++i) {
@@ -54,9 +54,9 @@ std::string nearest_name(std::string_view word, const std::vector<std::string> &
     return best;
 }
 
-std::string join(const std::vector<std::string> &names, std::string_view separator) {
+std::string join(const std::vector<std::string>& names, std::string_view separator) {
     std::string text;
-    for (const std::string &name : names) {
+    for (const std::string& name : names) {
         text += (text.empty() ? "" : std::string(separator)) + name;
     }
     return text;

@@ -20,17 +20,17 @@ struct Place {
 class Error : public std::runtime_error {
 public:
     // found: what stands there; allowed: what may stand there. Either may be empty.
-    Error(const Place &place, std::string_view problem, std::string_view found = {}, std::string_view allowed = {});
+    Error(const Place& place, std::string_view problem, std::string_view found = {}, std::string_view allowed = {});
 
 private:
-    static std::string message(const Place &place, std::string_view problem, std::string_view found,
+    static std::string message(const Place& place, std::string_view problem, std::string_view found,
                                std::string_view allowed);
 };
 
 // The member of `names` nearest to `word` (edit distance), or "" when none is near enough to be meant.
-std::string nearest_name(std::string_view word, const std::vector<std::string> &names);
+std::string nearest_name(std::string_view word, const std::vector<std::string>& names);
 
 // "a, b, c"
-std::string join(const std::vector<std::string> &names, std::string_view separator = ", ");
+std::string join(const std::vector<std::string>& names, std::string_view separator = ", ");
 
 } // namespace pave

@@ -38,11 +38,11 @@ public:
 
     explicit operator bool() const { return std::holds_alternative<T>(content_); }
     Status status() const { return *this ? Status::converged : failure().status; }
-    const T &value() const & { return std::get<T>(content_); }
-    T &&value() && { return std::get<T>(std::move(content_)); }
-    const T &operator*() const { return value(); }
-    const T *operator->() const { return &value(); }
-    const Failure &failure() const { return std::get<Failure>(content_); }
+    const T& value() const& { return std::get<T>(content_); }
+    T&& value() && { return std::get<T>(std::move(content_)); }
+    const T& operator*() const { return value(); }
+    const T* operator->() const { return &value(); }
+    const Failure& failure() const { return std::get<Failure>(content_); }
 
 private:
     std::variant<T, Failure> content_;

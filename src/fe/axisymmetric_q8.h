@@ -63,7 +63,7 @@ struct AxisymmetricQ8 {
         return {Eigen::Vector2d{-g, -g}, {g, -g}, {g, g}, {-g, g}};
     }
 
-    static Point point(const Coordinates &x, const Eigen::Vector2d &position) {
+    static Point point(const Coordinates& x, const Eigen::Vector2d& position) {
         const auto n = shape(position[0], position[1]);
         const auto g = shape_gradient(position[0], position[1]);
         const Eigen::Matrix2d jacobian = g * x.transpose(); // rows: derivative by xi, by eta
@@ -76,18 +76,18 @@ struct AxisymmetricQ8 {
     }
 
     // Position of every Gauss point's depth, from the coordinates.
-    static double depth(const Coordinates &x, const Eigen::Vector2d &position) {
+    static double depth(const Coordinates& x, const Eigen::Vector2d& position) {
         return x.row(1).dot(shape(position[0], position[1]));
     }
 
-    static Stress strain(const Point &p, const Vector &u) {
+    static Stress strain(const Point& p, const Vector& u) {
         const auto ur = Eigen::Map<const Eigen::Matrix<double, 8, 1>, 0, Eigen::InnerStride<2>>(u.data());
         const auto uz = Eigen::Map<const Eigen::Matrix<double, 8, 1>, 0, Eigen::InnerStride<2>>(u.data() + 1);
         const Eigen::Vector3d a = p.rows * ur;
         return {a[0], a[2], p.rows.row(1).dot(uz), a[1] + p.rows.row(0).dot(uz)};
     }
 
-    static Operator strain_operator(const Point &p) {
+    static Operator strain_operator(const Point& p) {
         Operator b = Operator::Zero();
         for (int i = 0; i < nodes; ++i) {
             b(0, 2 * i) = p.rows(0, i);
@@ -100,7 +100,7 @@ struct AxisymmetricQ8 {
     }
 
     // force += scale * B^T stress
-    static void add_force(const Point &p, const Stress &stress, double scale, Vector &force) {
+    static void add_force(const Point& p, const Stress& stress, double scale, Vector& force) {
         const Stress s = scale * stress;
         for (int i = 0; i < nodes; ++i) {
             force[2 * i] += p.rows(0, i) * s[0] + p.rows(2, i) * s[1] + p.rows(1, i) * s[3];
@@ -109,7 +109,7 @@ struct AxisymmetricQ8 {
     }
 
     // Weights that take Gauss point values to (xi, eta): the bilinear function through the four points.
-    static Eigen::Matrix<double, gauss, 1> extrapolation(const Eigen::Vector2d &position) {
+    static Eigen::Matrix<double, gauss, 1> extrapolation(const Eigen::Vector2d& position) {
         const double s = std::numbers::sqrt3;
         const double x = position[0] * s;
         const double y = position[1] * s;

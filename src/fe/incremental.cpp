@@ -31,38 +31,35 @@ constexpr int finest_level = 14;
 
 template <class Element>
 Outcome<Solution<Element>>
-Solver<Element>::incremental(const std::vector<LayerMaterial> &layers, const Eigen::VectorXd &load,
-                             const std::vector<Variation> &variations, const SolverSettings &settings) {
+Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
+                             const std::vector<Variation>& variations, const SolverSettings& settings) {
     using Stress = typename Element::Stress;
     using Vector = typename Element::Vector;
-    using Field = Eigen::Matrix<double, Element::voigt, Eigen::Dynamic>; // a column a point (times variations)
-    Work &w = *work_;
+    Work& w = *work_;
     w.prepare(layers, variations);
     const int points = w.points();
     const int count = w.count();
     Solution<Element> solution = w.empty_solution();
-    Statistics &statistics = solution.statistics;
+    Statistics& statistics = solution.statistics;
 
-    // The state and its derivatives: displacement, load stress of the active points.
-    struct State {
-        Eigen::VectorXd u;
-        Field stress;
-        Eigen::MatrixXd du;
-        Field d_stress;
-    };
-    const auto zero_state = [&] {
-        return State{Eigen::VectorXd::Zero(w.model.free_unknowns), Field::Zero(Element::voigt, points),
-                     Eigen::MatrixXd::Zero(w.model.free_unknowns, count),
-                     Field::Zero(Element::voigt, static_cast<Eigen::Index>(points) * count)};
-    };
-    Eigen::VectorXd modulus(points);
-    Eigen::VectorXd modulus_rate(static_cast<Eigen::Index>(points) * count);
+    using State = PathState<Element>;
+    w.path.resize(Pair::stages + 2);
+    for (State& state : w.path) {
+        state.set_zero(w.model.free_unknowns, points, count);
+    }
+    State* slope = w.path.data();
+    State& now = w.path[Pair::stages];
+    State& trial = w.path[Pair::stages + 1];
+    Eigen::VectorXd& modulus = w.modulus;
+    Eigen::VectorXd& modulus_rate = w.modulus_rate;
+    modulus.resize(points);
+    modulus_rate.resize(static_cast<Eigen::Index>(points) * count);
 
     // d(state)/d(load factor) at a state: one factorisation, 1 + count right-hand sides. False: not definite.
-    const auto rate = [&](const State &x, State &out) {
+    const auto rate = [&](const State& x, State& out) {
         for (int q = 0; q < points; ++q) {
             const int e = w.active[q / Element::gauss];
-            const LayerMaterial &layer = w.layer_of(e);
+            const LayerMaterial& layer = w.layer_of(e);
             const Stress total = w.initial[q] + x.stress.col(q);
             const auto at = mechanics::invariants<Element::voigt>(total);
             const auto m = layer.law->modulus(layer.parameters, at);
@@ -84,12 +81,12 @@ Solver<Element>::incremental(const std::vector<LayerMaterial> &layers, const Eig
         out.u = load;
         w.cholesky.solve(out.u.data(), 1);
         if (count > 0) {
-            out.du = w.load_rates(load, 1.0);
+            w.set_load_rates(load, out.du);
             w.subtract_linear_rates(out.u.data(), out.du);
         }
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
-            const auto &p = w.prepared_of(e);
+            const auto& p = w.prepared_of(e);
             const Vector ue = w.model.gather(e, out.u.data());
             std::array<Stress, Element::gauss> strain;
             for (int g = 0; g < Element::gauss; ++g) {
@@ -129,10 +126,6 @@ Solver<Element>::incremental(const std::vector<LayerMaterial> &layers, const Eig
         return true;
     };
 
-    State now = zero_state();
-    std::array<State, Pair::stages> slope;
-    slope.fill(zero_state());
-    State trial = zero_state();
     const Failure not_definite{Status::failed, "the stiffness matrix of the section is not positive definite: a layer "
                                                "has lost its stiffness along the load path"};
     if (!rate(now, slope[0])) {
@@ -171,7 +164,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial> &layers, const Eig
         double energy = 0.0;
         for (int q = 0; q < points; ++q) {
             const int e = w.active[q / Element::gauss];
-            const auto &compliance = w.prepared_of(e).compliance;
+            const auto& compliance = w.prepared_of(e).compliance;
             const double factor = w.point(e, q % Element::gauss).weight / modulus[q];
             Stress difference = Stress::Zero();
             for (int i = 0; i < Pair::stages; ++i) {
@@ -219,7 +212,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial> &layers, const Eig
 }
 
 template <class Element>
-Solver<Element>::Solver(const Model<Element> &model) : work_(std::make_unique<Work>(model)) {}
+Solver<Element>::Solver(const Model<Element>& model) : work_(std::make_unique<Work>(model)) {}
 template <class Element>
 Solver<Element>::~Solver() = default;
 

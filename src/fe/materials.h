@@ -10,7 +10,7 @@ namespace pave::fe {
 // One layer. Initial stress at depth z: vertical sv = top_stress + unit_weight (z - top), horizontal k0 sv + residual,
 // all compression positive [Pa].
 struct LayerMaterial {
-    const material::Law *law = nullptr;
+    const material::Law* law = nullptr;
     std::vector<double> parameters; // SI, in the order of law->parameters()
     double top = 0.0;               // m
     double thickness = 0.0;         // m
@@ -47,11 +47,11 @@ struct Variation {
 
 // Derivative of the initial stress in layer `at` at depth z.
 template <int N>
-mechanics::Voigt<N> initial_stress_rate(const std::vector<LayerMaterial> &layers, int at, double z,
-                                        const Variation &variation) {
+mechanics::Voigt<N> initial_stress_rate(const std::vector<LayerMaterial>& layers, int at, double z,
+                                        const Variation& variation) {
     double vertical = 0.0;
     double horizontal = 0.0;
-    const LayerMaterial &layer = layers[at];
+    const LayerMaterial& layer = layers[at];
     switch (variation.kind) {
     case Variation::Kind::unit_weight:
         vertical = variation.layer == at  ? z - layer.top

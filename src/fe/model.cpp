@@ -5,10 +5,10 @@
 namespace pave::fe {
 
 template <class Element>
-void build_pattern(Model<Element> &model) {
+void build_pattern(Model<Element>& model) {
     const int n = model.free_unknowns;
     std::vector<std::vector<int>> columns(n);
-    for (const auto &unknowns : model.unknowns) {
+    for (const auto& unknowns : model.unknowns) {
         for (const int i : unknowns) {
             for (const int j : unknowns) {
                 if (j >= 0 && i >= j) {
@@ -17,11 +17,11 @@ void build_pattern(Model<Element> &model) {
             }
         }
     }
-    Pattern &lower = model.lower;
+    Pattern& lower = model.lower;
     lower.size = n;
     lower.column_start.assign(1, 0);
     lower.row.clear();
-    for (auto &rows : columns) {
+    for (auto& rows : columns) {
         std::sort(rows.begin(), rows.end());
         rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
         lower.row.insert(lower.row.end(), rows.begin(), rows.end());
@@ -45,7 +45,7 @@ void build_pattern(Model<Element> &model) {
     }
 }
 
-Model<AxisymmetricQ8> axisymmetric_model(const mesh::AxisymmetricMesh &mesh) {
+Model<AxisymmetricQ8> axisymmetric_model(const mesh::AxisymmetricMesh& mesh) {
     using Element = AxisymmetricQ8;
     Model<Element> model;
     model.layers = mesh.layers;
@@ -60,7 +60,7 @@ Model<AxisymmetricQ8> axisymmetric_model(const mesh::AxisymmetricMesh &mesh) {
         number[k][1] = on_floor ? -1 : model.free_unknowns++;
     }
     const auto positions = Element::gauss_positions();
-    for (const auto &nodes : mesh.elements) {
+    for (const auto& nodes : mesh.elements) {
         Element::Coordinates x;
         std::array<int, Element::dofs> unknowns{};
         for (int i = 0; i < Element::nodes; ++i) {
@@ -70,7 +70,7 @@ Model<AxisymmetricQ8> axisymmetric_model(const mesh::AxisymmetricMesh &mesh) {
         }
         model.coordinates.push_back(x);
         model.unknowns.push_back(unknowns);
-        for (const auto &position : positions) {
+        for (const auto& position : positions) {
             model.points.push_back(Element::point(x, position));
             model.depth.push_back(Element::depth(x, position));
         }
@@ -79,6 +79,6 @@ Model<AxisymmetricQ8> axisymmetric_model(const mesh::AxisymmetricMesh &mesh) {
     return model;
 }
 
-template void build_pattern(Model<AxisymmetricQ8> &);
+template void build_pattern(Model<AxisymmetricQ8>&);
 
 } // namespace pave::fe

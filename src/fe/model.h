@@ -32,7 +32,7 @@ struct Model {
 
     int elements() const { return static_cast<int>(layer.size()); }
 
-    typename Element::Vector gather(int element, const double *u) const {
+    typename Element::Vector gather(int element, const double* u) const {
         typename Element::Vector v;
         for (int i = 0; i < Element::dofs; ++i) {
             const int k = unknowns[element][i];
@@ -40,7 +40,7 @@ struct Model {
         }
         return v;
     }
-    void scatter_add(int element, const typename Element::Vector &v, double *u) const {
+    void scatter_add(int element, const typename Element::Vector& v, double* u) const {
         for (int i = 0; i < Element::dofs; ++i) {
             if (const int k = unknowns[element][i]; k >= 0) {
                 u[k] += v[i];
@@ -50,10 +50,10 @@ struct Model {
 };
 
 // u_r = 0 on the axis and on the smooth wall, u = 0 on the floor (rigid, rough).
-Model<AxisymmetricQ8> axisymmetric_model(const mesh::AxisymmetricMesh &mesh);
+Model<AxisymmetricQ8> axisymmetric_model(const mesh::AxisymmetricMesh& mesh);
 
 // Fills lower and scatter from unknowns.
 template <class Element>
-void build_pattern(Model<Element> &model);
+void build_pattern(Model<Element>& model);
 
 } // namespace pave::fe

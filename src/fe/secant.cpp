@@ -16,8 +16,8 @@ struct SecantPoint {
 };
 
 template <int N>
-bool solve_point(const LayerMaterial &layer, const mechanics::Voigt<N> &initial, const mechanics::Voigt<N> &s,
-                 double guess, SecantPoint<N> &point) {
+bool solve_point(const LayerMaterial& layer, const mechanics::Voigt<N>& initial, const mechanics::Voigt<N>& s,
+                 double guess, SecantPoint<N>& point) {
     double log_e = std::log(guess);
     for (int iteration = 0; iteration < 60; ++iteration) {
         const double e = std::exp(log_e);
@@ -45,20 +45,20 @@ bool solve_point(const LayerMaterial &layer, const mechanics::Voigt<N> &initial,
 
 template <class Element>
 Outcome<Solution<Element>>
-Solver<Element>::secant(const std::vector<LayerMaterial> &layers, const Eigen::VectorXd &load,
-                        const std::vector<Variation> &variations, const SolverSettings &settings) {
+Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
+                        const std::vector<Variation>& variations, const SolverSettings& settings) {
     using Stress = typename Element::Stress;
     using Vector = typename Element::Vector;
     constexpr int dofs = Element::dofs;
-    Work &w = *work_;
+    Work& w = *work_;
     w.prepare(layers, variations);
     const int points = w.points();
     const int count = w.count();
     Solution<Element> solution = w.empty_solution();
-    Statistics &statistics = solution.statistics;
+    Statistics& statistics = solution.statistics;
     const double load_norm = load.norm();
 
-    const auto solve_elastic = [&](const Eigen::VectorXd &modulus, Eigen::VectorXd &u) {
+    const auto solve_elastic = [&](const Eigen::VectorXd& modulus, Eigen::VectorXd& u) {
         w.assemble(modulus);
         ++statistics.factorizations;
         if (!w.cholesky.factorize(w.values)) {
@@ -80,16 +80,16 @@ Solver<Element>::secant(const std::vector<LayerMaterial> &layers, const Eigen::V
 
     // A run of the continuation: which load, which smoothing of tension (factor on the laws' own is applied by caller).
     std::vector<LayerMaterial> eased = layers;
-    const std::vector<LayerMaterial> *law_layers = &layers;
+    const std::vector<LayerMaterial>* law_layers = &layers;
     std::vector<SecantPoint<Element::voigt>> state(points);
 
     // Stress state for displacement x: false when a point has no stable answer. unbalanced := factor load - internal.
-    const auto balance = [&](const Eigen::VectorXd &x, double factor, const Eigen::VectorXd &guess,
-                             Eigen::VectorXd &unbalanced) {
+    const auto balance = [&](const Eigen::VectorXd& x, double factor, const Eigen::VectorXd& guess,
+                             Eigen::VectorXd& unbalanced) {
         unbalanced = factor * load;
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
-            const auto &p = w.prepared_of(e);
+            const auto& p = w.prepared_of(e);
             const Vector xe = w.model.gather(e, x.data());
             Vector force = Vector::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
@@ -109,15 +109,15 @@ Solver<Element>::secant(const std::vector<LayerMaterial> &layers, const Eigen::V
 
     // Factorises the consistent tangent at `state` for displacement x:
     // E C + E s (gradient^T C) / gain at every active point.
-    const auto factorize_tangent = [&](const Eigen::VectorXd &x) {
+    const auto factorize_tangent = [&](const Eigen::VectorXd& x) {
         w.start_full();
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
-            const auto &p = w.prepared_of(e);
+            const auto& p = w.prepared_of(e);
             const Vector xe = w.model.gather(e, x.data());
             Eigen::Matrix<double, dofs, dofs> k = Eigen::Matrix<double, dofs, dofs>::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
-                const auto &point = state[static_cast<std::size_t>(a) * Element::gauss + g];
+                const auto& point = state[static_cast<std::size_t>(a) * Element::gauss + g];
                 const auto b = Element::strain_operator(w.point(e, g));
                 const Stress s = p.unit * (b * xe);
                 const mechanics::Stiffness<Element::voigt> d =
@@ -132,7 +132,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial> &layers, const Eigen::V
     };
 
     // Newton at one load. Keeps x and modulus of the last balanced state; false when it gets stuck.
-    const auto newton = [&](double factor, Eigen::VectorXd &x, Eigen::VectorXd &e_guess) {
+    const auto newton = [&](double factor, Eigen::VectorXd& x, Eigen::VectorXd& e_guess) {
         Eigen::VectorXd unbalanced;
         if (!balance(x, factor, e_guess, unbalanced)) {
             return false;
@@ -169,9 +169,9 @@ Solver<Element>::secant(const std::vector<LayerMaterial> &layers, const Eigen::V
     };
 
     // Starting state at one load: a few damped elastic solutions with moduli from the stress before.
-    const auto start = [&](double factor, Eigen::VectorXd &x, Eigen::VectorXd &e_guess) {
+    const auto start = [&](double factor, Eigen::VectorXd& x, Eigen::VectorXd& e_guess) {
         for (int q = 0; q < points; ++q) {
-            const LayerMaterial &layer = (*law_layers)[w.model.layer[w.active[q / Element::gauss]]];
+            const LayerMaterial& layer = (*law_layers)[w.model.layer[w.active[q / Element::gauss]]];
             e_guess[q] =
                 layer.law->modulus(layer.parameters, mechanics::invariants<Element::voigt>(w.initial[q])).value;
         }
@@ -182,7 +182,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial> &layers, const Eigen::V
             }
             for (int q = 0; q < points; ++q) {
                 const int e = w.active[q / Element::gauss];
-                const LayerMaterial &layer = (*law_layers)[w.model.layer[e]];
+                const LayerMaterial& layer = (*law_layers)[w.model.layer[e]];
                 const Stress strain = Element::strain(w.point(e, q % Element::gauss), w.model.gather(e, x.data()));
                 const Stress total = w.initial[q] + e_guess[q] * (w.prepared_of(e).unit * strain);
                 const auto m = layer.law->modulus(layer.parameters, mechanics::invariants<Element::voigt>(total));
@@ -194,7 +194,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial> &layers, const Eigen::V
 
     // Load continuation: the full load at once, else in steps halved on failure, from a small load that balances.
     double reached = 0.0;
-    const auto follow_load = [&](Eigen::VectorXd &x, Eigen::VectorXd &e_guess) {
+    const auto follow_load = [&](Eigen::VectorXd& x, Eigen::VectorXd& e_guess) {
         reached = 0.0;
         if (start(1.0, x, e_guess) && newton(1.0, x, e_guess)) {
             reached = 1.0;
@@ -274,19 +274,19 @@ Solver<Element>::secant(const std::vector<LayerMaterial> &layers, const Eigen::V
     }
     solution.displacement = u;
     if (count > 0) {
-        solution.d_displacement = w.load_rates(load, 1.0);
+        w.set_load_rates(load, solution.d_displacement);
         w.subtract_linear_rates(u.data(), solution.d_displacement);
     }
     // First the stress rates at held displacement, then what the displacement rates add.
     for (std::size_t a = 0; a < w.active.size(); ++a) {
         const int e = w.active[a];
-        const auto &p = w.prepared_of(e);
-        const LayerMaterial &layer = w.layer_of(e);
+        const auto& p = w.prepared_of(e);
+        const LayerMaterial& layer = w.layer_of(e);
         const Vector ue = w.model.gather(e, u.data());
         for (int g = 0; g < Element::gauss; ++g) {
             const int q = static_cast<int>(a) * Element::gauss + g;
             const int to = e * Element::gauss + g;
-            const auto &point = state[q];
+            const auto& point = state[q];
             const Stress strain = Element::strain(w.point(e, g), ue);
             const Stress s = p.unit * strain;
             solution.stress.col(to) = point.modulus * s;
@@ -316,12 +316,12 @@ Solver<Element>::secant(const std::vector<LayerMaterial> &layers, const Eigen::V
         }
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
-            const auto &p = w.prepared_of(e);
+            const auto& p = w.prepared_of(e);
             const Vector ue = w.model.gather(e, u.data());
             for (int k = 0; k < count; ++k) {
                 const Vector de = w.model.gather(e, solution.d_displacement.col(k).data());
                 for (int g = 0; g < Element::gauss; ++g) {
-                    const auto &point = state[static_cast<std::size_t>(a) * Element::gauss + g];
+                    const auto& point = state[static_cast<std::size_t>(a) * Element::gauss + g];
                     const Stress s = p.unit * Element::strain(w.point(e, g), ue);
                     const Stress ds = point.modulus * (p.unit * Element::strain(w.point(e, g), de));
                     solution.d_stress.col(static_cast<Eigen::Index>(e * Element::gauss + g) * count + k) +=
@@ -335,9 +335,9 @@ Solver<Element>::secant(const std::vector<LayerMaterial> &layers, const Eigen::V
     return solution;
 }
 
-template Outcome<Solution<AxisymmetricQ8>> Solver<AxisymmetricQ8>::secant(const std::vector<LayerMaterial> &,
-                                                                          const Eigen::VectorXd &,
-                                                                          const std::vector<Variation> &,
-                                                                          const SolverSettings &);
+template Outcome<Solution<AxisymmetricQ8>> Solver<AxisymmetricQ8>::secant(const std::vector<LayerMaterial>&,
+                                                                          const Eigen::VectorXd&,
+                                                                          const std::vector<Variation>&,
+                                                                          const SolverSettings&);
 
 } // namespace pave::fe

@@ -52,14 +52,14 @@ struct Solution {
 template <class Element>
 class Solver {
 public:
-    explicit Solver(const Model<Element> &model);
+    explicit Solver(const Model<Element>& model);
     ~Solver();
 
     // load: force on every free unknown [N] at load factor 1. d(load)/d(load_factor) = load.
-    Outcome<Solution<Element>> incremental(const std::vector<LayerMaterial> &layers, const Eigen::VectorXd &load,
-                                           const std::vector<Variation> &variations, const SolverSettings &settings);
-    Outcome<Solution<Element>> secant(const std::vector<LayerMaterial> &layers, const Eigen::VectorXd &load,
-                                      const std::vector<Variation> &variations, const SolverSettings &settings);
+    Outcome<Solution<Element>> incremental(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
+                                           const std::vector<Variation>& variations, const SolverSettings& settings);
+    Outcome<Solution<Element>> secant(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
+                                      const std::vector<Variation>& variations, const SolverSettings& settings);
 
 private:
     struct Work;

@@ -20,15 +20,32 @@ struct PreparedLayer {
     std::vector<bool> turns;
 };
 
+// The state along a load path, or its rate: displacement, load stress of the points of the active elements (a column
+// a point), and both by variation.
+template <class Element>
+struct PathState {
+    Eigen::VectorXd u;
+    Eigen::Matrix<double, Element::voigt, Eigen::Dynamic> stress;
+    Eigen::MatrixXd du;
+    Eigen::Matrix<double, Element::voigt, Eigen::Dynamic> d_stress;
+
+    void set_zero(int unknowns, int points, int count) {
+        u.setZero(unknowns);
+        stress.setZero(Element::voigt, points);
+        du.setZero(unknowns, count);
+        d_stress.setZero(Element::voigt, static_cast<Eigen::Index>(points) * count);
+    }
+};
+
 template <class Element>
 struct Solver<Element>::Work {
     static constexpr int N = Element::voigt;
     using Stress = typename Element::Stress;
     using Vector = typename Element::Vector;
 
-    explicit Work(const Model<Element> &m) : model(m), cholesky(m.lower), values(m.lower.row.size()), linear(values) {}
+    explicit Work(const Model<Element>& m) : model(m), cholesky(m.lower), values(m.lower.row.size()), linear(values) {}
 
-    const Model<Element> &model;
+    const Model<Element>& model;
     SparseCholesky cholesky;
     std::vector<double> values; // the matrix of the moment
     std::vector<double> linear; // its part from linear layers
@@ -40,8 +57,8 @@ struct Solver<Element>::Work {
     std::vector<double> full_values;
 
     // One run.
-    const std::vector<LayerMaterial> *layers = nullptr;
-    const std::vector<Variation> *variations = nullptr;
+    const std::vector<LayerMaterial>* layers = nullptr;
+    const std::vector<Variation>* variations = nullptr;
     std::vector<PreparedLayer<N>> prepared;
     std::vector<int> active;          // stress-dependent elements
     std::vector<Stress> initial;      // initial stress at the points of the active elements, tension positive
@@ -49,25 +66,30 @@ struct Solver<Element>::Work {
     // B^T C B times the weight, lower triangle row by row, one column a point of an active element.
     Eigen::Matrix<double, Model<Element>::lower_entries, Eigen::Dynamic> unit_stiffness;
 
+    // Buffers of a load path, kept so that runs do not allocate.
+    std::vector<PathState<Element>> path;
+    Eigen::VectorXd modulus;
+    Eigen::VectorXd modulus_rate;
+
     int points() const { return static_cast<int>(active.size()) * Element::gauss; }
     int count() const { return static_cast<int>(variations->size()); }
-    const LayerMaterial &layer_of(int element) const { return (*layers)[model.layer[element]]; }
-    const PreparedLayer<N> &prepared_of(int element) const { return prepared[model.layer[element]]; }
+    const LayerMaterial& layer_of(int element) const { return (*layers)[model.layer[element]]; }
+    const PreparedLayer<N>& prepared_of(int element) const { return prepared[model.layer[element]]; }
 
-    static mechanics::Stiffness<N> cut(const mechanics::Stiffness<6> &c) { return c.template topLeftCorner<N, N>(); }
+    static mechanics::Stiffness<N> cut(const mechanics::Stiffness<6>& c) { return c.template topLeftCorner<N, N>(); }
 
-    void prepare(const std::vector<LayerMaterial> &run_layers, const std::vector<Variation> &run_variations) {
+    void prepare(const std::vector<LayerMaterial>& run_layers, const std::vector<Variation>& run_variations) {
         layers = &run_layers;
         variations = &run_variations;
         prepared.assign(run_layers.size(), {});
         for (std::size_t l = 0; l < run_layers.size(); ++l) {
-            const LayerMaterial &layer = run_layers[l];
-            PreparedLayer<N> &p = prepared[l];
+            const LayerMaterial& layer = run_layers[l];
+            PreparedLayer<N>& p = prepared[l];
             p.stress_dependent = layer.law->stress_dependent();
             p.modulus = p.stress_dependent ? 0.0 : layer.law->modulus(layer.parameters, {}).value;
             p.unit = cut(layer.law->unit_stiffness(layer.parameters));
             p.compliance = p.unit.inverse();
-            for (const Variation &v : run_variations) {
+            for (const Variation& v : run_variations) {
                 const bool own = v.kind == Variation::Kind::law_parameter && v.layer == static_cast<int>(l);
                 p.modulus_rate.push_back(
                     own && !p.stress_dependent ? layer.law->modulus_derivative(layer.parameters, {}, v.index) : 0.0);
@@ -105,13 +127,13 @@ struct Solver<Element>::Work {
         }
     }
 
-    const typename Element::Point &point(int element, int g) const {
+    const typename Element::Point& point(int element, int g) const {
         return model.points[element * Element::gauss + g];
     }
 
     // B^T (factor C) B weight: into `column` when given, else added to `linear`.
-    void add_unit_stiffness(int e, int g, double factor, double *column) {
-        const auto &p = point(e, g);
+    void add_unit_stiffness(int e, int g, double factor, double* column) {
+        const auto& p = point(e, g);
         const auto b = Element::strain_operator(p);
         const typename Element::Operator cb = (p.weight * factor) * (prepared_of(e).unit * b);
         const Eigen::Matrix<double, Element::dofs, Element::dofs> k = b.transpose() * cb;
@@ -128,13 +150,13 @@ struct Solver<Element>::Work {
     }
 
     // values := stiffness with these moduli at the points of the active elements.
-    void assemble(const Eigen::VectorXd &modulus) {
+    void assemble(const Eigen::VectorXd& modulus) {
         values = linear;
         Eigen::Matrix<double, Model<Element>::lower_entries, 1> k;
         for (int a = 0; a < static_cast<int>(active.size()); ++a) {
             k.noalias() = unit_stiffness.template middleCols<Element::gauss>(a * Element::gauss) *
                           modulus.template segment<Element::gauss>(a * Element::gauss);
-            const auto &scatter = model.scatter[active[a]];
+            const auto& scatter = model.scatter[active[a]];
             for (int entry = 0; entry < Model<Element>::lower_entries; ++entry) {
                 if (scatter[entry] >= 0) {
                     values[scatter[entry]] += k[entry];
@@ -144,13 +166,13 @@ struct Solver<Element>::Work {
     }
 
     // right(:, k) -= (dK/dp_k) u over the linear layers.
-    void subtract_linear_rates(const double *u, Eigen::MatrixXd &right) const {
+    void subtract_linear_rates(const double* u, Eigen::MatrixXd& right) const {
         for (int k = 0; k < count(); ++k) {
-            const Variation &v = (*variations)[k];
+            const Variation& v = (*variations)[k];
             if (v.kind != Variation::Kind::law_parameter || prepared[v.layer].stress_dependent) {
                 continue;
             }
-            const PreparedLayer<N> &p = prepared[v.layer];
+            const PreparedLayer<N>& p = prepared[v.layer];
             const mechanics::Stiffness<N> d = p.modulus_rate[k] * p.unit + p.modulus * p.unit_rate[k];
             for (int e = 0; e < model.elements(); ++e) {
                 if (model.layer[e] != v.layer) {
@@ -171,7 +193,7 @@ struct Solver<Element>::Work {
         if (lu != nullptr) {
             return;
         }
-        const Pattern &lower = model.lower;
+        const Pattern& lower = model.lower;
         std::vector<std::vector<int>> columns(lower.size);
         for (int j = 0; j < lower.size; ++j) {
             for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
@@ -183,7 +205,7 @@ struct Solver<Element>::Work {
         }
         full.size = lower.size;
         full.column_start.assign(1, 0);
-        for (auto &rows : columns) {
+        for (auto& rows : columns) {
             std::sort(rows.begin(), rows.end());
             full.row.insert(full.row.end(), rows.begin(), rows.end());
             full.column_start.push_back(static_cast<int>(full.row.size()));
@@ -194,7 +216,7 @@ struct Solver<Element>::Work {
                 for (int a = 0; a < Element::dofs; ++a) {
                     const int i = model.unknowns[e][a];
                     const int j = model.unknowns[e][b];
-                    int &place = full_scatter[e][b * Element::dofs + a];
+                    int& place = full_scatter[e][b * Element::dofs + a];
                     place = -1;
                     if (i >= 0 && j >= 0) {
                         const auto first = full.row.begin() + full.column_start[j];
@@ -210,7 +232,7 @@ struct Solver<Element>::Work {
 
     // full_values := the linear layers.
     void start_full() {
-        const Pattern &lower = model.lower;
+        const Pattern& lower = model.lower;
         std::vector<int> next(full.column_start.begin(), full.column_start.end() - 1);
         // Rows of a column of the full matrix: first those above the diagonal, in the order in which the columns of
         // the lower triangle that hold them are met, then the column of the lower triangle itself.
@@ -224,7 +246,7 @@ struct Solver<Element>::Work {
         }
     }
 
-    void add_full(int e, const Eigen::Matrix<double, Element::dofs, Element::dofs> &k) {
+    void add_full(int e, const Eigen::Matrix<double, Element::dofs, Element::dofs>& k) {
         for (int entry = 0; entry < Element::dofs * Element::dofs; ++entry) {
             if (const int place = full_scatter[e][entry]; place >= 0) {
                 full_values[place] += k.data()[entry];
@@ -233,8 +255,8 @@ struct Solver<Element>::Work {
     }
 
     // force -= internal force of the linear layers at displacement x.
-    void subtract_linear_force(const Eigen::VectorXd &x, Eigen::VectorXd &force) const {
-        const Pattern &lower = model.lower;
+    void subtract_linear_force(const Eigen::VectorXd& x, Eigen::VectorXd& force) const {
+        const Pattern& lower = model.lower;
         for (int j = 0; j < lower.size; ++j) {
             for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
                 const int i = lower.row[k];
@@ -259,14 +281,14 @@ struct Solver<Element>::Work {
     }
 
     // Stresses of the linear layers, residual, shares. `stress` of active elements is there already.
-    void finish(const Eigen::VectorXd &load, Solution<Element> &solution) const {
+    void finish(const Eigen::VectorXd& load, Solution<Element>& solution) const {
         const int n = count();
-        Statistics &s = solution.statistics;
+        Statistics& s = solution.statistics;
         Eigen::VectorXd unbalanced = load;
         double energy = 0.0;
         for (int e = 0; e < model.elements(); ++e) {
-            const PreparedLayer<N> &p = prepared_of(e);
-            const LayerMaterial &layer = layer_of(e);
+            const PreparedLayer<N>& p = prepared_of(e);
+            const LayerMaterial& layer = layer_of(e);
             const Vector ue = model.gather(e, solution.displacement.data());
             Vector force = Vector::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
@@ -315,20 +337,19 @@ struct Solver<Element>::Work {
         return s;
     }
 
-    // right(:, k) = d(load)/dp_k times scale.
-    Eigen::MatrixXd load_rates(const Eigen::VectorXd &load, double scale) const {
-        Eigen::MatrixXd right = Eigen::MatrixXd::Zero(load.size(), count());
+    // right(:, k) = d(load)/dp_k.
+    void set_load_rates(const Eigen::VectorXd& load, Eigen::MatrixXd& right) const {
+        right.setZero(load.size(), count());
         for (int k = 0; k < count(); ++k) {
             if ((*variations)[k].kind == Variation::Kind::load_factor) {
-                right.col(k) = scale * load;
+                right.col(k) = load;
             }
         }
-        return right;
     }
 
     // dE/dp_k explicitly (parameters of the law) at a point of an active element.
-    double explicit_modulus_rate(const LayerMaterial &layer, int layer_index, mechanics::Invariants at, int k) const {
-        const Variation &v = (*variations)[k];
+    double explicit_modulus_rate(const LayerMaterial& layer, int layer_index, mechanics::Invariants at, int k) const {
+        const Variation& v = (*variations)[k];
         return v.kind == Variation::Kind::law_parameter && v.layer == layer_index
                    ? layer.law->modulus_derivative(layer.parameters, at, v.index)
                    : 0.0;
@@ -337,8 +358,8 @@ struct Solver<Element>::Work {
 
 // dE/dsigma, a vector in the Voigt order (tension positive stress).
 template <int N>
-mechanics::Voigt<N> modulus_gradient(const material::Modulus &m, mechanics::Invariants at,
-                                     const mechanics::Voigt<N> &stress) {
+mechanics::Voigt<N> modulus_gradient(const material::Modulus& m, mechanics::Invariants at,
+                                     const mechanics::Voigt<N>& stress) {
     mechanics::Voigt<N> q = mechanics::Voigt<N>::Zero();
     q[0] = q[1] = q[2] = -m.d_theta;
     if (at.tau > 0.0) {

@@ -2,29 +2,42 @@
 
 #include <cholmod.h>
 #include <cstring>
+#include <dlfcn.h>
 #include <new>
 #include <umfpack.h>
 
 namespace pave::fe {
+namespace {
+
+// CHOLMOD is built with OpenMP and asks for four threads in every supernode, whatever OMP_NUM_THREADS says. Here
+// the parallelism is over runs: no active parallel regions on this thread, where OpenMP is there at all.
+void keep_openmp_serial() {
+    static auto* const set_levels = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
+    if (set_levels != nullptr) {
+        set_levels(0);
+    }
+}
+
+} // namespace
 
 struct SparseCholesky::Implementation {
     cholmod_common common{};
     cholmod_sparse matrix{};
-    cholmod_factor *factor = nullptr;
-    cholmod_dense *solution = nullptr;
-    cholmod_dense *work_y = nullptr;
-    cholmod_dense *work_e = nullptr;
+    cholmod_factor* factor = nullptr;
+    cholmod_dense* solution = nullptr;
+    cholmod_dense* work_y = nullptr;
+    cholmod_dense* work_e = nullptr;
 };
 
-SparseCholesky::SparseCholesky(const Pattern &lower) : implementation_(std::make_unique<Implementation>()) {
-    auto &m = *implementation_;
+SparseCholesky::SparseCholesky(const Pattern& lower) : implementation_(std::make_unique<Implementation>()) {
+    auto& m = *implementation_;
     cholmod_start(&m.common);
     m.common.print = 0;
     m.common.error_handler = nullptr;
     m.common.supernodal = CHOLMOD_SUPERNODAL;
     m.common.quick_return_if_not_posdef = 1;
-    auto *starts = const_cast<int *>(lower.column_start.data()); // CHOLMOD reads them only
-    auto *rows = const_cast<int *>(lower.row.data());
+    auto* starts = const_cast<int*>(lower.column_start.data()); // CHOLMOD reads them only
+    auto* rows = const_cast<int*>(lower.row.data());
     m.matrix.nrow = m.matrix.ncol = static_cast<std::size_t>(lower.size);
     m.matrix.nzmax = lower.row.size();
     m.matrix.p = starts;
@@ -43,7 +56,7 @@ SparseCholesky::SparseCholesky(const Pattern &lower) : implementation_(std::make
 }
 
 SparseCholesky::~SparseCholesky() {
-    auto &m = *implementation_;
+    auto& m = *implementation_;
     cholmod_free_dense(&m.solution, &m.common);
     cholmod_free_dense(&m.work_y, &m.common);
     cholmod_free_dense(&m.work_e, &m.common);
@@ -52,8 +65,9 @@ SparseCholesky::~SparseCholesky() {
 }
 
 bool SparseCholesky::factorize(std::span<const double> values) {
-    auto &m = *implementation_;
-    m.matrix.x = const_cast<double *>(values.data());
+    auto& m = *implementation_;
+    keep_openmp_serial();
+    m.matrix.x = const_cast<double*>(values.data());
     cholmod_factorize(&m.matrix, m.factor, &m.common);
     if (m.common.status == CHOLMOD_OUT_OF_MEMORY) {
         throw std::bad_alloc();
@@ -61,8 +75,9 @@ bool SparseCholesky::factorize(std::span<const double> values) {
     return m.common.status == CHOLMOD_OK && m.factor->minor == m.factor->n;
 }
 
-void SparseCholesky::solve(double *x, int columns) {
-    auto &m = *implementation_;
+void SparseCholesky::solve(double* x, int columns) {
+    keep_openmp_serial();
+    auto& m = *implementation_;
     cholmod_dense right{};
     right.nrow = right.d = m.factor->n;
     right.ncol = static_cast<std::size_t>(columns);
@@ -78,19 +93,19 @@ void SparseCholesky::solve(double *x, int columns) {
 }
 
 struct SparseLu::Implementation {
-    const Pattern *pattern = nullptr;
+    const Pattern* pattern = nullptr;
     std::span<const double> values;
     double control[UMFPACK_CONTROL] = {};
     double info[UMFPACK_INFO] = {};
-    void *symbolic = nullptr;
-    void *numeric = nullptr;
+    void* symbolic = nullptr;
+    void* numeric = nullptr;
     std::vector<int> work_int;
     std::vector<double> work;
     std::vector<double> right;
 };
 
-SparseLu::SparseLu(const Pattern &full) : implementation_(std::make_unique<Implementation>()) {
-    auto &m = *implementation_;
+SparseLu::SparseLu(const Pattern& full) : implementation_(std::make_unique<Implementation>()) {
+    auto& m = *implementation_;
     m.pattern = &full;
     umfpack_di_defaults(m.control);
     m.control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
@@ -107,10 +122,10 @@ SparseLu::~SparseLu() {
 }
 
 bool SparseLu::factorize(std::span<const double> values) {
-    auto &m = *implementation_;
+    auto& m = *implementation_;
     m.values = values;
-    const int *starts = m.pattern->column_start.data();
-    const int *rows = m.pattern->row.data();
+    const int* starts = m.pattern->column_start.data();
+    const int* rows = m.pattern->row.data();
     if (m.symbolic == nullptr && umfpack_di_symbolic(m.pattern->size, m.pattern->size, starts, rows, nullptr,
                                                      &m.symbolic, m.control, m.info) != UMFPACK_OK) {
         throw std::bad_alloc();
@@ -123,10 +138,10 @@ bool SparseLu::factorize(std::span<const double> values) {
     return status == UMFPACK_OK;
 }
 
-void SparseLu::solve(double *x, int columns) {
-    auto &m = *implementation_;
+void SparseLu::solve(double* x, int columns) {
+    auto& m = *implementation_;
     for (int k = 0; k < columns; ++k) {
-        double *column = x + static_cast<std::ptrdiff_t>(k) * m.pattern->size;
+        double* column = x + static_cast<std::ptrdiff_t>(k) * m.pattern->size;
         std::memcpy(m.right.data(), column, m.right.size() * sizeof(double));
         umfpack_di_wsolve(UMFPACK_A, m.pattern->column_start.data(), m.pattern->row.data(), m.values.data(), column,
                           m.right.data(), m.numeric, m.control, m.info, m.work_int.data(), m.work.data());

@@ -12,16 +12,16 @@ namespace pave::fe {
 class SparseCholesky {
 public:
     // Analyses the pattern once. The pattern must outlive the object.
-    explicit SparseCholesky(const Pattern &lower);
+    explicit SparseCholesky(const Pattern& lower);
     ~SparseCholesky();
-    SparseCholesky(const SparseCholesky &) = delete;
-    SparseCholesky &operator=(const SparseCholesky &) = delete;
+    SparseCholesky(const SparseCholesky&) = delete;
+    SparseCholesky& operator=(const SparseCholesky&) = delete;
 
     // False when the matrix is not positive definite. values: one for each entry of the pattern.
     bool factorize(std::span<const double> values);
 
     // x := K^-1 x for `columns` right-hand sides stored one after the other.
-    void solve(double *x, int columns);
+    void solve(double* x, int columns);
 
 private:
     struct Implementation;
@@ -31,15 +31,15 @@ private:
 // LU factorisation of an unsymmetric matrix given in full.
 class SparseLu {
 public:
-    explicit SparseLu(const Pattern &full);
+    explicit SparseLu(const Pattern& full);
     ~SparseLu();
-    SparseLu(const SparseLu &) = delete;
-    SparseLu &operator=(const SparseLu &) = delete;
+    SparseLu(const SparseLu&) = delete;
+    SparseLu& operator=(const SparseLu&) = delete;
 
     // False when the matrix is singular.
     bool factorize(std::span<const double> values);
     // x := K^-1 x
-    void solve(double *x, int columns);
+    void solve(double* x, int columns);
 
 private:
     struct Implementation;

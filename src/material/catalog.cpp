@@ -5,16 +5,16 @@
 
 namespace pave::material {
 
-std::span<const Law *const> laws() {
-    static const Law *const all[] = {
+std::span<const Law* const> laws() {
+    static const Law* const all[] = {
         &linear(),
         &uzan(),
     };
     return all;
 }
 
-const Law *find_law(std::string_view name) {
-    for (const Law *law : laws()) {
+const Law* find_law(std::string_view name) {
+    for (const Law* law : laws()) {
         if (law->name() == name) {
             return law;
         }

@@ -7,9 +7,9 @@
 
 namespace pave::material {
 
-std::span<const Law *const> laws();
+std::span<const Law* const> laws();
 
 // The law of that name, or nullptr.
-const Law *find_law(std::string_view name);
+const Law* find_law(std::string_view name);
 
 } // namespace pave::material

@@ -50,7 +50,7 @@ private:
 
 } // namespace
 
-const Law &linear() {
+const Law& linear() {
     static const Linear law;
     return law;
 }

@@ -5,6 +5,6 @@
 
 namespace pave::material {
 
-const Law &linear();
+const Law& linear();
 
 } // namespace pave::material

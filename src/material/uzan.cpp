@@ -100,7 +100,7 @@ private:
         }
     };
 
-    static double value(std::span<const double> p, mechanics::Invariants at, const Floor &floor) {
+    static double value(std::span<const double> p, mechanics::Invariants at, const Floor& floor) {
         return p[k1] * pa * std::exp(p[k2] * std::log(floor.thp / pa) + p[k3] * std::log1p(at.tau / pa));
     }
 
@@ -115,7 +115,7 @@ private:
 
 } // namespace
 
-const Law &uzan() {
+const Law& uzan() {
     static const Uzan law;
     return law;
 }

@@ -8,6 +8,6 @@
 
 namespace pave::material {
 
-const Law &uzan();
+const Law& uzan();
 
 } // namespace pave::material

@@ -29,7 +29,7 @@ struct Numbers {
 };
 
 template <class T>
-std::array<T, 5> moduli(const Numbers<T> &q, bool given_shear_ratio, bool vertical, T one) {
+std::array<T, 5> moduli(const Numbers<T>& q, bool given_shear_ratio, bool vertical, T one) {
     const T two = one + one;
     const T e3 = vertical ? one : one / q.n;
     const T e1 = vertical ? q.n : one;
@@ -45,7 +45,7 @@ std::array<T, 5> moduli(const Numbers<T> &q, bool given_shear_ratio, bool vertic
 }
 
 // d: D11, D33, D12, D13, G13. D1212 = (D11 - D12)/2 in a plane of isotropy.
-Stiffness<6> fill(const std::array<double, 5> &d) {
+Stiffness<6> fill(const std::array<double, 5>& d) {
     Stiffness<6> c = Stiffness<6>::Zero();
     c(0, 0) = c(1, 1) = d[0];
     c(2, 2) = d[1];

@@ -21,7 +21,7 @@ struct Invariants {
 };
 
 template <class V>
-double octahedral_shear(const V &s) {
+double octahedral_shear(const V& s) {
     double shear = s[3] * s[3];
     if constexpr (V::RowsAtCompileTime == 6) {
         shear += s[4] * s[4] + s[5] * s[5];
@@ -33,14 +33,14 @@ double octahedral_shear(const V &s) {
 }
 
 template <int N>
-Invariants invariants(const Voigt<N> &stress) {
+Invariants invariants(const Voigt<N>& stress) {
     return {-(stress[0] + stress[1] + stress[2]), octahedral_shear(stress)};
 }
 
 // The gradient of tau times tau with respect to the stress components: d(tau) = (tau_gradient . d(stress)) / tau.
 // tau itself is not differentiable at zero; the product is (the deviator divided by three, shear twice).
 template <int N>
-Voigt<N> tau_times_gradient(const Voigt<N> &stress) {
+Voigt<N> tau_times_gradient(const Voigt<N>& stress) {
     const double mean = (stress[0] + stress[1] + stress[2]) / 3.0;
     Voigt<N> gradient = stress * (2.0 / 3.0);
     for (int i = 0; i < 3; ++i) {

@@ -7,7 +7,7 @@
 
 namespace pave::mesh {
 
-AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand &demand) {
+AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand& demand) {
     const double a = demand.load_radius;
     const double fine = 1.0 / demand.refine;
 
@@ -43,7 +43,7 @@ AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand &demand) {
 }
 
 AxisymmetricMesh axisymmetric_mesh(std::vector<double> r_lines, std::vector<double> z_lines,
-                                   const std::vector<double> &layer_bottoms) {
+                                   const std::vector<double>& layer_bottoms) {
     AxisymmetricMesh mesh;
     mesh.r_lines = std::move(r_lines);
     mesh.z_lines = std::move(z_lines);
@@ -52,7 +52,7 @@ AxisymmetricMesh axisymmetric_mesh(std::vector<double> r_lines, std::vector<doub
     const int nz = mesh.z_cells();
 
     // Node numbers on the doubled grid (2 nr + 1) x (2 nz + 1), cell centres left out.
-    const auto coordinate = [](const std::vector<double> &lines, int k) {
+    const auto coordinate = [](const std::vector<double>& lines, int k) {
         return k % 2 == 0 ? lines[k / 2] : (lines[k / 2] + lines[k / 2 + 1]) / 2.0;
     };
     const int rows = 2 * nz + 1;

@@ -35,10 +35,10 @@ struct AxisymmetricDemand {
     std::vector<double> gauge_radii;  // m: radii where strains or stresses are read
 };
 
-AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand &demand);
+AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand& demand);
 
 // The same structure from given lines. layer_bottoms: depth of the bottom of each layer, each a z line.
 AxisymmetricMesh axisymmetric_mesh(std::vector<double> r_lines, std::vector<double> z_lines,
-                                   const std::vector<double> &layer_bottoms);
+                                   const std::vector<double>& layer_bottoms);
 
 } // namespace pave::mesh

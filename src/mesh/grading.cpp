@@ -6,9 +6,9 @@
 namespace pave::mesh {
 namespace {
 
-double wanted_size(double x, const std::vector<Feature> &features, const Grading &grading) {
+double wanted_size(double x, const std::vector<Feature>& features, const Grading& grading) {
     double size = grading.max_size;
-    for (const Feature &feature : features) {
+    for (const Feature& feature : features) {
         size = std::min(size, feature.size + grading.growth * std::abs(x - feature.at));
     }
     return size;
@@ -16,8 +16,8 @@ double wanted_size(double x, const std::vector<Feature> &features, const Grading
 
 } // namespace
 
-std::vector<double> graded_lines(const std::vector<double> &breaks, const std::vector<Feature> &features,
-                                 const Grading &grading) {
+std::vector<double> graded_lines(const std::vector<double>& breaks, const std::vector<Feature>& features,
+                                 const Grading& grading) {
     constexpr int samples = 400;
     std::vector<double> lines{breaks.front()};
     for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {

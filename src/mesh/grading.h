@@ -19,7 +19,7 @@ struct Grading {
 
 // Lines from breaks.front() to breaks.back(): every break is a line, and between breaks the cells follow the wanted
 // size (the number of cells is the integral of 1/size, rounded up). breaks: increasing, at least two.
-std::vector<double> graded_lines(const std::vector<double> &breaks, const std::vector<Feature> &features,
-                                 const Grading &grading);
+std::vector<double> graded_lines(const std::vector<double>& breaks, const std::vector<Feature>& features,
+                                 const Grading& grading);
 
 } // namespace pave::mesh

@@ -15,24 +15,24 @@ namespace {
 using Element = fe::AxisymmetricQ8;
 using Model = fe::Model<Element>;
 
-std::vector<double> bottoms_of(const Case &c) {
+std::vector<double> bottoms_of(const Case& c) {
     std::vector<double> bottoms;
     double z = 0.0;
-    for (const Layer &layer : c.layers) {
+    for (const Layer& layer : c.layers) {
         bottoms.push_back(z += layer.thickness);
     }
     return bottoms;
 }
 
-mesh::AxisymmetricDemand demand_of(const Case &c, int load) {
+mesh::AxisymmetricDemand demand_of(const Case& c, int load) {
     mesh::AxisymmetricDemand demand;
-    for (const Layer &layer : c.layers) {
+    for (const Layer& layer : c.layers) {
         demand.thickness.push_back(layer.thickness);
     }
     demand.load_radius = c.loads[load].circle_radius();
     demand.extent = c.settings.extent;
     demand.refine = c.settings.refine;
-    for (const Sensor &sensor : c.sensors) {
+    for (const Sensor& sensor : c.sensors) {
         if (sensor.load == load && sensor.quantity != Quantity::deflection) {
             demand.gauge_depths.push_back(sensor.depth);
             demand.gauge_radii.push_back(std::hypot(sensor.x, sensor.y));
@@ -42,12 +42,12 @@ mesh::AxisymmetricDemand demand_of(const Case &c, int load) {
 }
 
 // Piecewise linear map of mesh lines from one set of breaks to another of the same length.
-std::vector<double> moved_lines(std::vector<double> lines, const std::vector<double> &from,
-                                const std::vector<double> &to) {
+std::vector<double> moved_lines(std::vector<double> lines, const std::vector<double>& from,
+                                const std::vector<double>& to) {
     if (from == to) {
         return lines;
     }
-    for (double &x : lines) {
+    for (double& x : lines) {
         const auto above = std::lower_bound(from.begin(), from.end(), x);
         const std::size_t i = above - from.begin();
         x = *above == x ? to[i] : to[i - 1] + (x - from[i - 1]) / (from[i] - from[i - 1]) * (to[i] - to[i - 1]);
@@ -61,7 +61,7 @@ std::vector<double> with_zero(std::vector<double> values) {
 }
 
 // Force of a uniform pressure [Pa] on the circle of the given radius (a line of the mesh), on every free unknown.
-Eigen::VectorXd circle_load(const mesh::AxisymmetricMesh &mesh, const Model &model, double radius, double pressure) {
+Eigen::VectorXd circle_load(const mesh::AxisymmetricMesh& mesh, const Model& model, double radius, double pressure) {
     Eigen::VectorXd load = Eigen::VectorXd::Zero(model.free_unknowns);
     for (int i = 0; i < mesh.r_cells() && mesh.r_lines[i + 1] <= radius * (1.0 + 1e-12); ++i) {
         const int e = i * mesh.z_cells();
@@ -70,7 +70,7 @@ Eigen::VectorXd circle_load(const mesh::AxisymmetricMesh &mesh, const Model &mod
         Element::Vector force = Element::Vector::Zero();
         // Quadratic shape function times r: cubic, exact with three Gauss points.
         const double g = std::sqrt(0.6);
-        for (const auto &[xi, weight] : {std::pair{-g, 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {g, 5.0 / 9.0}}) {
+        for (const auto& [xi, weight] : {std::pair{-g, 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {g, 5.0 / 9.0}}) {
             const auto shape = Element::shape(xi, -1.0);
             const double factor = weight * half * pressure * 2.0 * std::numbers::pi * (middle + half * xi);
             for (int k = 0; k < Element::nodes; ++k) {
@@ -90,16 +90,16 @@ struct Observation {
     std::array<double, Element::gauss> point_weight{};
     Element::Stress direction = Element::Stress::Zero();
 
-    double of_displacement(const double *u) const {
+    double of_displacement(const double* u) const {
         double value = 0.0;
-        for (const auto &[k, weight] : on_displacement) {
+        for (const auto& [k, weight] : on_displacement) {
             value += weight * u[k];
         }
         return value;
     }
     // stress: column point * stride + offset.
     template <class Stresses>
-    double of_stress(const Stresses &stress, Eigen::Index stride, Eigen::Index offset) const {
+    double of_stress(const Stresses& stress, Eigen::Index stride, Eigen::Index offset) const {
         double value = 0.0;
         for (int g = 0; g < Element::gauss; ++g) {
             value += point_weight[g] * direction.dot(stress.col((element * Element::gauss + g) * stride + offset));
@@ -114,13 +114,13 @@ struct Spot {
 };
 
 // The cell that holds (r, z); on a line the one further out or below, at the rim the last.
-Spot find_spot(const mesh::AxisymmetricMesh &mesh, double r, double z) {
-    const auto cell = [](const std::vector<double> &lines, double x) {
+Spot find_spot(const mesh::AxisymmetricMesh& mesh, double r, double z) {
+    const auto cell = [](const std::vector<double>& lines, double x) {
         // A depth built from sums of layer thicknesses may miss its line by rounding.
         const auto above = std::upper_bound(lines.begin(), lines.end(), x + 1e-9 * lines.back());
         return std::clamp(static_cast<int>(above - lines.begin()) - 1, 0, static_cast<int>(lines.size()) - 2);
     };
-    const auto local = [](const std::vector<double> &lines, int i, double x) {
+    const auto local = [](const std::vector<double>& lines, int i, double x) {
         return std::clamp(2.0 * (x - lines[i]) / (lines[i + 1] - lines[i]) - 1.0, -1.0, 1.0);
     };
     const int i = cell(mesh.r_lines, r);
@@ -128,7 +128,7 @@ Spot find_spot(const mesh::AxisymmetricMesh &mesh, double r, double z) {
     return {i * mesh.z_cells() + j, {local(mesh.r_lines, i, r), local(mesh.z_lines, j, z)}};
 }
 
-Observation observe(const Sensor &sensor, const mesh::AxisymmetricMesh &mesh, const Model &model) {
+Observation observe(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh, const Model& model) {
     const double r = std::hypot(sensor.x, sensor.y);
     Observation o;
     const auto add_uz = [&](double z, double factor) {
@@ -181,11 +181,11 @@ Observation observe(const Sensor &sensor, const mesh::AxisymmetricMesh &mesh, co
     return o;
 }
 
-std::vector<fe::LayerMaterial> materials_of(const Case &c) {
+std::vector<fe::LayerMaterial> materials_of(const Case& c) {
     std::vector<fe::LayerMaterial> layers;
     double top = 0.0;
     double stress = 0.0;
-    for (const Layer &layer : c.layers) {
+    for (const Layer& layer : c.layers) {
         fe::LayerMaterial m;
         m.law = layer.law;
         m.parameters = layer.parameters;
@@ -224,7 +224,7 @@ public:
     std::vector<Slot> slots;
 };
 
-void ForwardModel::WorkspaceDeleter::operator()(Workspace *workspace) const {
+void ForwardModel::WorkspaceDeleter::operator()(Workspace* workspace) const {
     delete workspace;
 }
 
@@ -234,8 +234,8 @@ ForwardModel::WorkspacePointer ForwardModel::make_workspace() const {
     return workspace;
 }
 
-void check_sensor(const Case &c, const Sensor &s, const Place &place) {
-    const Load &load = c.loads[s.load];
+void check_sensor(const Case& c, const Sensor& s, const Place& place) {
+    const Load& load = c.loads[s.load];
     const double depth = c.depth();
     const double distance = std::hypot(s.x, s.y);
     const double top = s.depth - s.gauge / 2.0;
@@ -265,12 +265,12 @@ void check_sensor(const Case &c, const Sensor &s, const Place &place) {
 }
 
 ForwardModel::ForwardModel(Case nominal) : nominal_(std::move(nominal)), lines_(nominal_.loads.size()) {
-    for (const Sensor &sensor : nominal_.sensors) {
+    for (const Sensor& sensor : nominal_.sensors) {
         check_sensor(nominal_, sensor, {.key = "sensor"});
     }
     const double extent = nominal_.settings.extent;
     for (std::size_t l = 0; l < nominal_.loads.size(); ++l) {
-        const Load &load = nominal_.loads[l];
+        const Load& load = nominal_.loads[l];
         if (!load.is_axisymmetric()) {
             continue;
         }
@@ -295,11 +295,11 @@ std::vector<int> ForwardModel::unknowns() const {
     return counts;
 }
 
-Outcome<Response> ForwardModel::run(const Case &values, const std::vector<Parameter> &parameters,
-                                    Workspace &workspace) const {
+Outcome<Response> ForwardModel::run(const Case& values, const std::vector<Parameter>& parameters,
+                                    Workspace& workspace) const {
     std::vector<Parameter> exact;
     std::copy_if(parameters.begin(), parameters.end(), std::back_inserter(exact),
-                 [](const Parameter &p) { return !p.changes_geometry(); });
+                 [](const Parameter& p) { return !p.changes_geometry(); });
     Outcome<Response> outcome = run_exact(values, exact, workspace);
     if (!outcome || exact.size() == parameters.size()) {
         return outcome;
@@ -334,14 +334,14 @@ Outcome<Response> ForwardModel::run(const Case &values, const std::vector<Parame
     return response;
 }
 
-Outcome<Response> ForwardModel::run_exact(const Case &values, const std::vector<Parameter> &parameters,
-                                          Workspace &workspace) const {
-    for (const Layer &layer : values.layers) {
+Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<Parameter>& parameters,
+                                          Workspace& workspace) const {
+    for (const Layer& layer : values.layers) {
         if (const std::string why = layer.law->impossible(layer.parameters); !why.empty()) {
             return Failure{Status::invalid_parameters, "layer \"" + layer.name + "\": " + why};
         }
     }
-    for (const Sensor &sensor : values.sensors) {
+    for (const Sensor& sensor : values.sensors) {
         if (sensor.depth + sensor.gauge / 2.0 > values.depth() * (1.0 + 1e-9)) {
             return Failure{Status::failed, fmt::format("a sensor at {:g} mm depth lies below the floor of this section",
                                                        sensor.depth / unit::mm)};
@@ -357,13 +357,13 @@ Outcome<Response> ForwardModel::run_exact(const Case &values, const std::vector<
     double unstable = 0.0;
     double limited = 0.0;
     for (std::size_t l = 0; l < values.loads.size(); ++l) {
-        const Load &load = values.loads[l];
+        const Load& load = values.loads[l];
         const bool is_read = std::any_of(values.sensors.begin(), values.sensors.end(),
-                                         [&](const Sensor &s) { return s.load == static_cast<int>(l); });
+                                         [&](const Sensor& s) { return s.load == static_cast<int>(l); });
         if (!is_read) {
             continue;
         }
-        auto &slot = workspace.slots[l];
+        auto& slot = workspace.slots[l];
         const double radius = load.circle_radius();
         const double extent = values.settings.extent;
         auto r_lines =
@@ -378,7 +378,7 @@ Outcome<Response> ForwardModel::run_exact(const Case &values, const std::vector<
             slot.solver = std::make_unique<fe::Solver<Element>>(*slot.model);
             slot.unit_load = circle_load(mesh, *slot.model, radius, 1.0);
             slot.observations.clear();
-            for (const Sensor &sensor : values.sensors) {
+            for (const Sensor& sensor : values.sensors) {
                 slot.observations.push_back(sensor.load == static_cast<int>(l) ? observe(sensor, mesh, *slot.model)
                                                                                : Observation{});
             }
@@ -387,7 +387,7 @@ Outcome<Response> ForwardModel::run_exact(const Case &values, const std::vector<
         std::vector<fe::Variation> variations;
         std::vector<std::pair<Eigen::Index, double>> target; // column, factor
         for (Eigen::Index k = 0; k < n; ++k) {
-            const Parameter &p = parameters[static_cast<std::size_t>(k)];
+            const Parameter& p = parameters[static_cast<std::size_t>(k)];
             if (p.in_load && p.owner != static_cast<int>(l)) {
                 continue;
             }
@@ -407,7 +407,7 @@ Outcome<Response> ForwardModel::run_exact(const Case &values, const std::vector<
             if (values.sensors[i].load != static_cast<int>(l)) {
                 continue;
             }
-            const Observation &o = slot.observations[i];
+            const Observation& o = slot.observations[i];
             const bool stress = o.element >= 0;
             response.values[i] =
                 stress ? o.of_stress(solved->stress, 1, 0) : o.of_displacement(solved->displacement.data());
@@ -420,7 +420,7 @@ Outcome<Response> ForwardModel::run_exact(const Case &values, const std::vector<
                 return Failure{Status::failed, "load \"" + load.name + "\": the solution is not a finite number"};
             }
         }
-        const auto &s = solved->statistics;
+        const auto& s = solved->statistics;
         response.statistics.load_steps += s.load_steps;
         response.statistics.rejected_steps += s.rejected_steps;
         response.statistics.newton_steps += s.newton_steps;
@@ -448,7 +448,7 @@ Outcome<Response> ForwardModel::run_exact(const Case &values, const std::vector<
     return response;
 }
 
-AxisymmetricCase axisymmetric_case(const Case &values, int load) {
+AxisymmetricCase axisymmetric_case(const Case& values, int load) {
     AxisymmetricCase c;
     c.mesh = mesh::axisymmetric_mesh(demand_of(values, load));
     c.model = fe::axisymmetric_model(c.mesh);

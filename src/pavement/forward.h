@@ -18,7 +18,7 @@ struct Response {
 
 // Throws Error at `place` when no parameter value can make the sensor of the case readable: outside the mesh, a load
 // without a model, a gauge length where there is none.
-void check_sensor(const Case &c, const Sensor &sensor, const Place &place);
+void check_sensor(const Case& c, const Sensor& sensor, const Place& place);
 
 // Construction throws Error for what no parameter value can mend.
 class ForwardModel {
@@ -29,22 +29,22 @@ public:
     // Meshes and factors of one thread. A workspace makes a run faster, never different.
     class Workspace;
     struct WorkspaceDeleter {
-        void operator()(Workspace *workspace) const;
+        void operator()(Workspace* workspace) const;
     };
     using WorkspacePointer = std::unique_ptr<Workspace, WorkspaceDeleter>;
     WorkspacePointer make_workspace() const;
 
     // The response at `values`, a case that differs from the nominal one in numbers only; with its derivatives by
     // `parameters` (exact but for geometry, which is by central differences). Pure: same input, same bits.
-    Outcome<Response> run(const Case &values, const std::vector<Parameter> &parameters, Workspace &workspace) const;
+    Outcome<Response> run(const Case& values, const std::vector<Parameter>& parameters, Workspace& workspace) const;
 
-    const Case &nominal() const { return nominal_; }
+    const Case& nominal() const { return nominal_; }
     // Unknowns of the finite element model of each load.
     std::vector<int> unknowns() const;
 
 private:
-    Outcome<Response> run_exact(const Case &values, const std::vector<Parameter> &parameters,
-                                Workspace &workspace) const;
+    Outcome<Response> run_exact(const Case& values, const std::vector<Parameter>& parameters,
+                                Workspace& workspace) const;
 
     Case nominal_;
     struct Lines {
@@ -61,6 +61,6 @@ struct AxisymmetricCase {
     Eigen::VectorXd load; // N
     std::vector<fe::LayerMaterial> layers;
 };
-AxisymmetricCase axisymmetric_case(const Case &values, int load);
+AxisymmetricCase axisymmetric_case(const Case& values, int load);
 
 } // namespace pave::pavement

@@ -17,7 +17,7 @@ std::span<const KeyInfo> layer_keys() {
          true,
          {},
          "thickness of the layer",
-         [](Layer &l) -> double & { return l.thickness; },
+         [](Layer& l) -> double& { return l.thickness; },
          nullptr,
          true},
         {"density_kg_m3",
@@ -27,7 +27,7 @@ std::span<const KeyInfo> layer_keys() {
          false,
          {},
          "density: its weight makes the initial stress",
-         [](Layer &l) -> double & { return l.density; }},
+         [](Layer& l) -> double& { return l.density; }},
         {"k0",
          1.0,
          0.0,
@@ -35,16 +35,16 @@ std::span<const KeyInfo> layer_keys() {
          false,
          {},
          "horizontal over vertical initial stress",
-         [](Layer &l) -> double & { return l.k0; }},
+         [](Layer& l) -> double& { return l.k0; }},
         {"residual_stress_kPa", unit::kPa, 0.0, 1e3, false, 0.0, "horizontal compression locked in by compaction",
-         [](Layer &l) -> double & { return l.residual_stress; }},
+         [](Layer& l) -> double& { return l.residual_stress; }},
     };
     return keys;
 }
 
 std::span<const KeyInfo> load_keys(LoadType type, Patch patch) {
     static const KeyInfo pressure{
-        "pressure_kPa", unit::kPa, 0.0, 1e4, true, {}, "contact pressure", nullptr, [](Load &l) -> double & {
+        "pressure_kPa", unit::kPa, 0.0, 1e4, true, {}, "contact pressure", nullptr, [](Load& l) -> double& {
             return l.pressure;
         }};
     static const KeyInfo tyre_pressure = [] {
@@ -60,7 +60,7 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch) {
                                 {},
                                 "radius of the plate",
                                 nullptr,
-                                [](Load &l) -> double & { return l.radius; },
+                                [](Load& l) -> double& { return l.radius; },
                                 true};
     static const KeyInfo force{"force_kN",
                                unit::kN,
@@ -70,7 +70,7 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch) {
                                {},
                                "force of the whole wheel assembly",
                                nullptr,
-                               [](Load &l) -> double & { return l.force; },
+                               [](Load& l) -> double& { return l.force; },
                                true};
     static const KeyInfo spacing{"spacing_mm",
                                  unit::mm,
@@ -80,7 +80,7 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch) {
                                  {},
                                  "distance of the patch centres of a dual",
                                  nullptr,
-                                 [](Load &l) -> double & { return l.spacing; },
+                                 [](Load& l) -> double& { return l.spacing; },
                                  true};
     static const KeyInfo width{"patch_width_mm",
                                unit::mm,
@@ -90,7 +90,7 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch) {
                                160.0,
                                "width of a rectangular patch",
                                nullptr,
-                               [](Load &l) -> double & { return l.patch_width; },
+                               [](Load& l) -> double& { return l.patch_width; },
                                true};
     static const KeyInfo plate[] = {radius, pressure};
     static const KeyInfo wheel_circle[] = {force, tyre_pressure};
@@ -105,15 +105,15 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch) {
     return patch == Patch::circle ? std::span<const KeyInfo>(dual_circle) : dual;
 }
 
-double &Parameter::in(Case &c) const {
+double& Parameter::in(Case& c) const {
     if (in_load) {
         return key->of_load(c.loads[owner]);
     }
-    Layer &layer = c.layers[owner];
+    Layer& layer = c.layers[owner];
     return law_index ? layer.parameters[*law_index] : key->of(layer);
 }
 
-double Parameter::get(const Case &c) const {
+double Parameter::get(const Case& c) const {
     Case copy;
     if (in_load) {
         copy.loads = c.loads;
@@ -131,8 +131,8 @@ namespace {
 
 // Calls f(parameter) for every number of the case.
 template <class F>
-void each_parameter(const Case &c, F f) {
-    const auto of_key = [](const KeyInfo &key) {
+void each_parameter(const Case& c, F f) {
+    const auto of_key = [](const KeyInfo& key) {
         Parameter p;
         p.key = &key;
         p.to_si = key.to_si;
@@ -142,8 +142,8 @@ void each_parameter(const Case &c, F f) {
         return p;
     };
     for (std::size_t l = 0; l < c.layers.size(); ++l) {
-        const Layer &layer = c.layers[l];
-        for (const KeyInfo &key : layer_keys()) {
+        const Layer& layer = c.layers[l];
+        for (const KeyInfo& key : layer_keys()) {
             Parameter p = of_key(key);
             p.path = layer.name + "." + std::string(key.key);
             p.owner = static_cast<int>(l);
@@ -166,7 +166,7 @@ void each_parameter(const Case &c, F f) {
         }
     }
     for (std::size_t l = 0; l < c.loads.size(); ++l) {
-        for (const KeyInfo &key : load_keys(c.loads[l].type, c.loads[l].patch)) {
+        for (const KeyInfo& key : load_keys(c.loads[l].type, c.loads[l].patch)) {
             Parameter p = of_key(key);
             p.path = c.loads[l].name + "." + std::string(key.key);
             p.in_load = true;
@@ -178,15 +178,15 @@ void each_parameter(const Case &c, F f) {
 
 } // namespace
 
-std::vector<std::string> parameter_paths(const Case &c) {
+std::vector<std::string> parameter_paths(const Case& c) {
     std::vector<std::string> paths;
-    each_parameter(c, [&](const Parameter &p) { paths.push_back(p.path); });
+    each_parameter(c, [&](const Parameter& p) { paths.push_back(p.path); });
     return paths;
 }
 
-Parameter find_parameter(const Case &c, std::string_view path, const Place &place) {
+Parameter find_parameter(const Case& c, std::string_view path, const Place& place) {
     std::optional<Parameter> found;
-    each_parameter(c, [&](const Parameter &p) {
+    each_parameter(c, [&](const Parameter& p) {
         if (p.path == path) {
             found = p;
         }
@@ -200,7 +200,7 @@ Parameter find_parameter(const Case &c, std::string_view path, const Place &plac
     return *found;
 }
 
-std::optional<Derivative> exact_derivative(const Case &c, const Parameter &parameter) {
+std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter) {
     using Kind = fe::Variation::Kind;
     if (parameter.changes_geometry()) {
         return std::nullopt;

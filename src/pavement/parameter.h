@@ -18,8 +18,8 @@ struct KeyInfo {
     bool low_is_open = false;
     std::optional<double> default_value; // file units; none = must be given
     std::string_view meaning;
-    double &(*of)(Layer &) = nullptr; // exactly one of the two
-    double &(*of_load)(Load &) = nullptr;
+    double& (*of)(Layer&) = nullptr; // exactly one of the two
+    double& (*of_load)(Load&) = nullptr;
     bool changes_geometry = false;
 };
 std::span<const KeyInfo> layer_keys();
@@ -30,14 +30,14 @@ struct Parameter {
     std::string path;
     bool in_load = false;
     int owner = 0;                        // index of the layer or load
-    const KeyInfo *key = nullptr;         // of the layer or load itself, or
+    const KeyInfo* key = nullptr;         // of the layer or load itself, or
     std::optional<std::size_t> law_index; // of the layer's law
     double to_si = 1.0;
     double low = 0.0, high = 0.0; // allowed, file units
     bool low_is_open = false;
 
-    double &in(Case &c) const;       // SI
-    double get(const Case &c) const; // file units
+    double& in(Case& c) const;       // SI
+    double get(const Case& c) const; // file units
     bool changes_geometry() const { return key != nullptr && key->changes_geometry; }
 };
 
@@ -48,16 +48,16 @@ constexpr bool in_range(double value, double low, double high, bool low_is_open)
 }
 
 // Every path of the case that names a number.
-std::vector<std::string> parameter_paths(const Case &c);
+std::vector<std::string> parameter_paths(const Case& c);
 
 // Throws Error (place filled by the caller) when the path names nothing; suggests the nearest name.
-Parameter find_parameter(const Case &c, std::string_view path, const Place &place);
+Parameter find_parameter(const Case& c, std::string_view path, const Place& place);
 
 // The quantity the solver differentiates by, with factor d(quantity)/d(file value). Nothing for geometry.
 struct Derivative {
     fe::Variation variation;
     double factor = 1.0;
 };
-std::optional<Derivative> exact_derivative(const Case &c, const Parameter &parameter);
+std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter);
 
 } // namespace pave::pavement

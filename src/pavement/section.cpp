@@ -11,7 +11,7 @@ double Load::circle_radius() const {
 
 double Case::depth() const {
     double depth = 0.0;
-    for (const Layer &layer : layers) {
+    for (const Layer& layer : layers) {
         depth += layer.thickness;
     }
     return depth;

@@ -16,7 +16,7 @@ struct Layer {
     double density = 0.0;         // kg/m3
     double k0 = 0.0;              // horizontal over vertical initial stress
     double residual_stress = 0.0; // Pa, horizontal compression locked in
-    const material::Law *law = nullptr;
+    const material::Law* law = nullptr;
     std::vector<double> parameters; // SI, in the order of law->parameters()
 };
 
@@ -56,7 +56,7 @@ inline constexpr QuantityInfo quantities[] = {
     {Quantity::stress_zz, "stress_zz", "kPa", 1e3},          {Quantity::stress_xx, "stress_xx", "kPa", 1e3},
     {Quantity::stress_yy, "stress_yy", "kPa", 1e3},
 };
-constexpr const QuantityInfo &info(Quantity quantity) {
+constexpr const QuantityInfo& info(Quantity quantity) {
     return quantities[static_cast<int>(quantity)];
 }
 

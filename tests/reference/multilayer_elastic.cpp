@@ -30,7 +30,7 @@ struct GaussPoint {
 };
 
 // Gauss-Legendre rule of 16 points: Newton's method on the Legendre polynomial.
-const std::array<GaussPoint, 16> &gauss_rule() {
+const std::array<GaussPoint, 16>& gauss_rule() {
     static const auto rule = [] {
         constexpr unsigned n = 16;
         std::array<GaussPoint, n> points{};
@@ -49,14 +49,14 @@ const std::array<GaussPoint, 16> &gauss_rule() {
 }
 
 template <class Function>
-void gauss(double from, double to, Function &&add) {
+void gauss(double from, double to, Function&& add) {
     const double half = (to - from) / 2.0;
-    for (const GaussPoint &point : gauss_rule()) {
+    for (const GaussPoint& point : gauss_rule()) {
         add(from + half * (1.0 + point.x), half * point.weight);
     }
 }
 
-double shear_modulus(const ElasticLayer &layer) {
+double shear_modulus(const ElasticLayer& layer) {
     return layer.modulus / (2.0 * (1.0 + layer.poisson));
 }
 
@@ -114,7 +114,7 @@ public:
         double top = 0.0;
         bool found = false;
         for (std::size_t i = 0; i < layers.size(); ++i) {
-            const ElasticLayer &layer = layers[i];
+            const ElasticLayer& layer = layers[i];
             const double g = g_first / shear_modulus(layer);
             const bool endless = !rigid_ && i + 1 == layers.size();
             const double bottom = top + layer.thickness;
@@ -293,7 +293,7 @@ Sums stack_sums(std::span<const ElasticLayer> layers, Floor floor, double a, dou
         sums.sigma_rz += w * y[2] * j1;
     };
     double size = a + r + z;
-    for (const ElasticLayer &layer : layers) {
+    for (const ElasticLayer& layer : layers) {
         size += &layer == &layers.back() && floor == Floor::half_space ? 0.0 : layer.thickness;
     }
     const double last = 40.0 / (first ? 2.0 * layers.front().thickness - z : z);
@@ -308,14 +308,14 @@ Sums stack_sums(std::span<const ElasticLayer> layers, Floor floor, double a, dou
 }
 
 void check(std::span<const ElasticLayer> layers, Floor floor, double radius, double pressure, double r, double z) {
-    const auto require = [](bool possible, const char *what) {
+    const auto require = [](bool possible, const char* what) {
         if (!possible) {
             throw std::invalid_argument(what);
         }
     };
     require(!layers.empty(), "multilayer_elastic: no layer");
     double depth = 0.0;
-    for (const ElasticLayer &layer : layers) {
+    for (const ElasticLayer& layer : layers) {
         const bool endless = floor == Floor::half_space && &layer == &layers.back();
         require(layer.modulus > 0.0 && std::isfinite(layer.modulus), "multilayer_elastic: modulus not positive");
         require(layer.poisson > -1.0 && layer.poisson <= 0.5, "multilayer_elastic: Poisson's ratio outside (-1, 0.5]");
@@ -336,7 +336,7 @@ ElasticField multilayer_elastic(std::span<const ElasticLayer> layers, Floor floo
                                 double r, double z) {
     check(layers, floor, radius, pressure, r, z);
     const Sums sums = stack_sums(layers, floor, radius, r, z);
-    const ElasticLayer &layer = layers[CutStack(layers, floor, z).layer()];
+    const ElasticLayer& layer = layers[CutStack(layers, floor, z).layer()];
     const double nu = layer.poisson;
     const double load = pressure * radius;
     const double compliance = load / (2.0 * shear_modulus(layers.front()));
