@@ -9,7 +9,7 @@ struct MultistartSettings {
     int starts = 12;
     double start_distance = 0.25; // between starts, Euclid in the unit cube
     std::string method = "slsqp";
-    optimise::SearchSettings search;
+    optimise::SearchSettings search{};
 };
 
 struct MultistartResult {

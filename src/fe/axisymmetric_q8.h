@@ -107,14 +107,6 @@ struct AxisymmetricQ8 {
             force[2 * i + 1] += p.rows(1, i) * s[2] + p.rows(0, i) * s[3];
         }
     }
-
-    // Weights that take Gauss point values to (xi, eta): the bilinear function through the four points.
-    static Eigen::Matrix<double, gauss, 1> extrapolation(const Eigen::Vector2d& position) {
-        const double s = std::numbers::sqrt3;
-        const double x = position[0] * s;
-        const double y = position[1] * s;
-        return Eigen::Vector4d{(1 - x) * (1 - y), (1 + x) * (1 - y), (1 + x) * (1 + y), (1 - x) * (1 + y)} / 4.0;
-    }
 };
 
 } // namespace pave::fe

@@ -19,7 +19,7 @@ namespace pave::fe {
 
 struct SolverSettings {
     // incremental: error of the stress increment in one step, in energy, relative to the stress reached.
-    double path_tolerance = 1e-3;
+    double path_tolerance = 5e-4;
     // secant: unbalanced force relative to the load.
     double equilibrium_tolerance = 1e-9;
 };

@@ -17,7 +17,10 @@ AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand& demand) {
 
     std::vector<Feature> r_features{{0.0, 0.15 * a * fine}, {a, 0.16 * a * fine}};
     for (const double r : demand.gauge_radii) {
-        r_features.push_back({r, 0.3 * a * fine});
+        r_features.push_back({r, 0.2 * a * fine});
+    }
+    for (const double r : demand.surface_radii) {
+        r_features.push_back({r, std::max(0.3 * a, 0.12 * r) * fine});
     }
     std::vector<Feature> z_features{{0.0, 0.2 * a * fine}};
     for (std::size_t i = 0; i + 1 < bottoms.size(); ++i) {
@@ -26,7 +29,7 @@ AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand& demand) {
         z_features.push_back({bottoms[i], std::min(size, 0.7 * demand.thickness[i]) * fine});
     }
     for (const double z : demand.gauge_depths) {
-        z_features.push_back({z, std::max(0.35 * a, 0.2 * z) * fine});
+        z_features.push_back({z, std::max(0.25 * a, 0.15 * z) * fine});
     }
     std::vector<double> z_breaks{0.0};
     z_breaks.insert(z_breaks.end(), bottoms.begin(), bottoms.end());

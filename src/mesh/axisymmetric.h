@@ -33,6 +33,7 @@ struct AxisymmetricDemand {
     double refine = 1.0;              // cells are this many times smaller
     std::vector<double> gauge_depths; // m: depths where strains or stresses are read
     std::vector<double> gauge_radii;  // m: radii where strains or stresses are read
+    std::vector<double> surface_radii; // m: radii where deflections are read
 };
 
 AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand& demand);

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "pavement/observation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,9 +34,15 @@ mesh::AxisymmetricDemand demand_of(const Case& c, int load) {
     demand.extent = c.settings.extent;
     demand.refine = c.settings.refine;
     for (const Sensor& sensor : c.sensors) {
-        if (sensor.load == load && sensor.quantity != Quantity::deflection) {
+        if (sensor.load != load) {
+            continue;
+        }
+        const double r = std::hypot(sensor.x, sensor.y);
+        if (sensor.quantity == Quantity::deflection) {
+            demand.surface_radii.push_back(r);
+        } else {
             demand.gauge_depths.push_back(sensor.depth);
-            demand.gauge_radii.push_back(std::hypot(sensor.x, sensor.y));
+            demand.gauge_radii.push_back(r);
         }
     }
     return demand;
@@ -80,105 +87,6 @@ Eigen::VectorXd circle_load(const mesh::AxisymmetricMesh& mesh, const Model& mod
         model.scatter_add(e, force, load.data());
     }
     return load;
-}
-
-// A reading as a linear functional: of the displacement, or of the load stress in one element; already with the sign
-// of the quantity.
-struct Observation {
-    std::vector<std::pair<int, double>> on_displacement; // (unknown, weight)
-    int element = -1;                                    // stress readings
-    std::array<double, Element::gauss> point_weight{};
-    Element::Stress direction = Element::Stress::Zero();
-
-    double of_displacement(const double* u) const {
-        double value = 0.0;
-        for (const auto& [k, weight] : on_displacement) {
-            value += weight * u[k];
-        }
-        return value;
-    }
-    // stress: column point * stride + offset.
-    template <class Stresses>
-    double of_stress(const Stresses& stress, Eigen::Index stride, Eigen::Index offset) const {
-        double value = 0.0;
-        for (int g = 0; g < Element::gauss; ++g) {
-            value += point_weight[g] * direction.dot(stress.col((element * Element::gauss + g) * stride + offset));
-        }
-        return value;
-    }
-};
-
-struct Spot {
-    int element;
-    Eigen::Vector2d position; // local
-};
-
-// The cell that holds (r, z); on a line the one further out or below, at the rim the last.
-Spot find_spot(const mesh::AxisymmetricMesh& mesh, double r, double z) {
-    const auto cell = [](const std::vector<double>& lines, double x) {
-        // A depth built from sums of layer thicknesses may miss its line by rounding.
-        const auto above = std::upper_bound(lines.begin(), lines.end(), x + 1e-9 * lines.back());
-        return std::clamp(static_cast<int>(above - lines.begin()) - 1, 0, static_cast<int>(lines.size()) - 2);
-    };
-    const auto local = [](const std::vector<double>& lines, int i, double x) {
-        return std::clamp(2.0 * (x - lines[i]) / (lines[i + 1] - lines[i]) - 1.0, -1.0, 1.0);
-    };
-    const int i = cell(mesh.r_lines, r);
-    const int j = cell(mesh.z_lines, z);
-    return {i * mesh.z_cells() + j, {local(mesh.r_lines, i, r), local(mesh.z_lines, j, z)}};
-}
-
-Observation observe(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh, const Model& model) {
-    const double r = std::hypot(sensor.x, sensor.y);
-    Observation o;
-    const auto add_uz = [&](double z, double factor) {
-        const Spot spot = find_spot(mesh, r, z);
-        const auto shape = Element::shape(spot.position[0], spot.position[1]);
-        for (int k = 0; k < Element::nodes; ++k) {
-            if (const int unknown = model.unknowns[spot.element][2 * k + 1]; unknown >= 0) {
-                o.on_displacement.emplace_back(unknown, factor * shape[k]);
-            }
-        }
-    };
-    if (sensor.quantity == Quantity::deflection) {
-        add_uz(sensor.depth, 1.0);
-        return o;
-    }
-    if (sensor.quantity == Quantity::strain_zz && sensor.gauge > 0.0) {
-        add_uz(sensor.depth - sensor.gauge / 2.0, 1.0 / sensor.gauge);
-        add_uz(sensor.depth + sensor.gauge / 2.0, -1.0 / sensor.gauge);
-        return o;
-    }
-    // At a point: from the Gauss points of its element, where strains and stresses are most accurate.
-    const Spot spot = find_spot(mesh, r, sensor.depth);
-    const auto weights = Element::extrapolation(spot.position);
-    const double cos2 = r > 0.0 ? sensor.x * sensor.x / (r * r) : 1.0;
-    Element::Stress direction = Element::Stress::Zero(); // compression positive: minus
-    switch (sensor.quantity) {
-    case Quantity::strain_zz:
-    case Quantity::stress_zz: direction[2] = -1.0; break;
-    case Quantity::strain_xx:
-    case Quantity::stress_xx: direction[0] = -cos2, direction[1] = cos2 - 1.0; break;
-    default: direction[0] = cos2 - 1.0, direction[1] = -cos2; break;
-    }
-    const bool is_stress = sensor.quantity == Quantity::stress_zz || sensor.quantity == Quantity::stress_xx ||
-                           sensor.quantity == Quantity::stress_yy;
-    if (is_stress) {
-        o.element = spot.element;
-        o.direction = direction;
-        std::copy(weights.begin(), weights.end(), o.point_weight.begin());
-        return o;
-    }
-    Element::Vector on_element = Element::Vector::Zero();
-    for (int g = 0; g < Element::gauss; ++g) {
-        Element::add_force(model.points[spot.element * Element::gauss + g], direction, weights[g], on_element);
-    }
-    for (int k = 0; k < Element::dofs; ++k) {
-        if (const int unknown = model.unknowns[spot.element][k]; unknown >= 0) {
-            o.on_displacement.emplace_back(unknown, on_element[k]);
-        }
-    }
-    return o;
 }
 
 std::vector<fe::LayerMaterial> materials_of(const Case& c) {
@@ -408,7 +316,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
                 continue;
             }
             const Observation& o = slot.observations[i];
-            const bool stress = o.element >= 0;
+            const bool stress = !o.on_stress.empty();
             response.values[i] =
                 stress ? o.of_stress(solved->stress, 1, 0) : o.of_displacement(solved->displacement.data());
             for (Eigen::Index k = 0; k < count; ++k) {

@@ -1,0 +1,43 @@
+// Sensors as linear functionals of a finite element solution.
+#pragma once
+
+#include "fe/model.h"
+#include "mesh/axisymmetric.h"
+#include "pavement/section.h"
+
+namespace pave::pavement {
+
+// A reading: weights on the free unknowns, or (stresses) weights on the load stress of Gauss points, contracted with a
+// direction. Signs are those of Quantity.
+struct Observation {
+    using Element = fe::AxisymmetricQ8;
+
+    std::vector<std::pair<int, double>> on_displacement; // (unknown, weight)
+    std::vector<std::pair<int, double>> on_stress;       // (Gauss point, weight)
+    Element::Stress direction = Element::Stress::Zero();
+
+    double of_displacement(const double* u) const {
+        double value = 0.0;
+        for (const auto& [unknown, weight] : on_displacement) {
+            value += weight * u[unknown];
+        }
+        return value;
+    }
+    // stress: column point * stride + offset.
+    template <class Stresses>
+    double of_stress(const Stresses& stress, Eigen::Index stride, Eigen::Index offset) const {
+        double value = 0.0;
+        for (const auto& [point, weight] : on_stress) {
+            value += weight * direction.dot(stress.col(point * stride + offset));
+        }
+        return value;
+    }
+};
+
+// Deflections and gauge strains come from the displacement itself. Strains and stresses at a point are interpolated
+// from the Gauss points around it, where they are most accurate: cubic in each direction, within the layer (strains
+// jump at interfaces; exactly on one, the layer below is read).
+Observation observe(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh,
+                    const fe::Model<fe::AxisymmetricQ8>& model);
+
+} // namespace pave::pavement

@@ -1,0 +1,242 @@
+// Engine, store and minima on analytic problems behind the same ForwardFunction.
+#include "landscape/multistart.h"
+
+#include "base/error.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+
+using namespace explore;
+
+namespace {
+
+// Two basins along the first axis: residuals (u0 - 0.2)(u0 - 0.8) scaled, tilted so that 0.2 is lower; exact answer
+// missing in a corner.
+class TwoBasins final : public problem::ForwardFunction {
+public:
+    mutable std::atomic<int> calls{0};
+
+    std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Workspace>(); }
+    pave::Outcome<problem::Prediction> evaluate(std::span<const double> p, bool with_jacobian,
+                                                Workspace&) const override {
+        ++calls;
+        if (p[0] > 0.7 && p[1] > 0.7) {
+            return pave::Failure{pave::Status::no_equilibrium, "a hole, \"on purpose\""};
+        }
+        problem::Prediction out;
+        out.responses = {1.0 + 10.0 * (p[0] - 0.2) * (p[0] - 0.8), 1.0 + 0.3 * p[0], 1.0 + 2.0 * (p[1] - 0.4)};
+        if (with_jacobian) {
+            out.jacobian.resize(3, 2);
+            out.jacobian << 10.0 * (2.0 * p[0] - 1.0), 0.0, 0.3, 0.0, 0.0, 2.0;
+        }
+        return out;
+    }
+};
+
+problem::Problem two_basins(std::shared_ptr<TwoBasins> function = std::make_shared<TwoBasins>()) {
+    return {{{{"a", 0, 1, problem::Scale::linear, 5, 0.5}, {"b", 0, 1, problem::Scale::linear, 5, 0.5}}},
+            std::move(function),
+            problem::Misfit(problem::MisfitKind::relative, {1.0, 1.0, 1.0}, {1.0, 1.0, 1.0})};
+}
+
+std::string fresh_folder(const std::string& name) {
+    const auto folder =
+        std::filesystem::temp_directory_path() / ("pavescape-" + name + "-" + std::to_string(::getpid()));
+    std::filesystem::remove_all(folder);
+    return folder.string();
+}
+
+run::RunHeader header(const std::string& settings = "test") {
+    run::RunHeader h;
+    h.key = {"fit", "hash", settings};
+    h.version = "0";
+    h.parameters = {"a", "b"};
+    h.responses = {"x", "y", "z"};
+    h.response_to_si = {1, 1, 1};
+    return h;
+}
+
+std::string table_of(const run::Store& store, int id) {
+    std::string text;
+    store.each(id, [&](run::RunNumber n, const problem::Evaluation& e) {
+        text += std::to_string(n.start) + " " + std::to_string(n.number) + " " + std::string(to_string(e.status)) +
+                " " + e.reason;
+        for (const auto& list : {e.parameters, e.responses, {e.misfit}}) {
+            for (const double v : list) {
+                char digits[40];
+                std::snprintf(digits, sizeof digits, " %a", v);
+                text += digits;
+            }
+        }
+        text += "\n";
+    });
+    return text;
+}
+
+} // namespace
+
+TEST(Multistart, FindsBothMinimaAndCountsTheStartsOfEach) {
+    const auto problem = two_basins();
+    run::Engine engine(problem, nullptr, 0, {.threads = 2, .show_progress = false});
+    const auto result = landscape::multistart(engine, problem, search::sobol(problem.space, 64, 1),
+                                              {.starts = 10, .start_distance = 0.1});
+    ASSERT_TRUE(result);
+    ASSERT_EQ(result->minima.size(), 2U);
+    EXPECT_NEAR(result->minima[0].evaluation.parameters[0], 0.2, 0.02);
+    EXPECT_NEAR(result->minima[1].evaluation.parameters[0], 0.8, 0.02);
+    EXPECT_LT(result->minima[0].evaluation.misfit, result->minima[1].evaluation.misfit);
+    std::size_t members = 0;
+    for (const auto& m : result->minima) {
+        members += m.members.size();
+        EXPECT_NEAR(m.evaluation.parameters[1], 0.4, 1e-3);
+        EXPECT_TRUE(m.on_bound.empty());
+    }
+    EXPECT_EQ(members, result->ends.size());
+    EXPECT_GT(result->explored.size(), 0U);
+}
+
+TEST(Multistart, NamesTheDirectionTheDataDoNotSee) {
+    // Only a product of the two parameters is measured.
+    class Product final : public problem::ForwardFunction {
+        std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Workspace>(); }
+        pave::Outcome<problem::Prediction> evaluate(std::span<const double> p, bool with_jacobian,
+                                                    Workspace&) const override {
+            problem::Prediction out;
+            for (const double c : {1.0, 2.0, 3.0, 5.0}) {
+                out.responses.push_back(c * p[0] * p[1] + 0.05 * c * c);
+            }
+            if (with_jacobian) {
+                out.jacobian.resize(4, 2);
+                out.jacobian << p[1], p[0], 2 * p[1], 2 * p[0], 3 * p[1], 3 * p[0], 5 * p[1], 5 * p[0];
+            }
+            return out;
+        }
+    };
+    const problem::Problem problem{
+        {{{"a", 0.1, 10, problem::Scale::log, 0, 1}, {"b", 0.1, 10, problem::Scale::log, 0, 1}}},
+        std::make_shared<Product>(),
+        problem::Misfit(problem::MisfitKind::relative, {1, 2, 3, 5}, {1, 2, 3, 5})};
+    run::Engine engine(problem, nullptr, 0, {.threads = 2, .show_progress = false});
+    const auto result = landscape::multistart(engine, problem, search::sobol(problem.space, 64, 1),
+                                              {.starts = 8, .start_distance = 0.1});
+    ASSERT_TRUE(result);
+    ASSERT_EQ(result->minima.size(), 1U) << "a flat valley is one minimum whose members spread";
+    EXPECT_GT(result->minima[0].highest[0] / result->minima[0].lowest[0], 3.0);
+    const auto local = landscape::analyse(result->minima[0], problem);
+    EXPECT_NEAR(std::abs(local.weakest[0]), std::sqrt(0.5), 1e-6);
+    EXPECT_NEAR(local.weakest[0], -local.weakest[1], 1e-6);
+    EXPECT_LT(local.weakest_growth, 1e-9 * local.strongest_growth);
+    EXPECT_TRUE(std::isinf(local.standard_error[0]));
+}
+
+TEST(Engine, GivesTheSameTableForAnyNumberOfThreads) {
+    std::string first;
+    for (const int threads : {1, 2, 4}) {
+        const std::string folder = fresh_folder("threads" + std::to_string(threads));
+        const auto problem = two_basins();
+        run::Store store(folder, true);
+        const int id = store.begin(header());
+        run::Engine engine(problem, &store, id, {.threads = threads, .show_progress = false});
+        ASSERT_TRUE(landscape::multistart(engine, problem, search::sobol(problem.space, 64, 1), {.starts = 6}));
+        const std::string table = table_of(store, id);
+        EXPECT_NE(table.find("no-equilibrium"), std::string::npos);
+        first = first.empty() ? table : first;
+        EXPECT_EQ(table, first) << threads;
+        std::filesystem::remove_all(folder);
+    }
+}
+
+TEST(Engine, ContinuesACutOffRunWithoutRepeatingAnything) {
+    const std::string folder = fresh_folder("continue");
+    const auto design = search::sobol(two_basins().space, 64, 1);
+    const landscape::MultistartSettings settings{.starts = 6};
+    std::string whole;
+    int whole_calls = 0;
+    {
+        const auto function = std::make_shared<TwoBasins>();
+        const auto problem = two_basins(function);
+        run::Store store(folder, true);
+        const int id = store.begin(header());
+        run::Engine engine(problem, &store, id, {.threads = 2, .show_progress = false});
+        ASSERT_TRUE(landscape::multistart(engine, problem, design, settings));
+        whole = table_of(store, id);
+        whole_calls = function->calls;
+    }
+    // Cut the run off: take away every third evaluation of the design and the second half of each search.
+    int removed = 0;
+    {
+        SQLite::Database database(folder + "/run.sqlite", SQLite::OPEN_READWRITE);
+        removed =
+            database.exec("DELETE FROM evaluation WHERE (start < 0 AND number % 3 = 0) OR (start >= 0 AND number >= "
+                          "(SELECT max(number) / 2 FROM evaluation AS other WHERE other.start = evaluation.start))");
+    }
+    EXPECT_GT(removed, 20);
+    const auto function = std::make_shared<TwoBasins>();
+    const auto problem = two_basins(function);
+    run::Store store(folder, true);
+    const int id = store.begin(header());
+    run::Engine engine(problem, &store, id, {.threads = 2, .show_progress = false});
+    ASSERT_TRUE(landscape::multistart(engine, problem, design, settings));
+    EXPECT_EQ(table_of(store, id), whole);
+    EXPECT_EQ(function->calls, removed);
+    EXPECT_EQ(engine.tally().computed, removed);
+    EXPECT_EQ(engine.tally().computed + engine.tally().kept, whole_calls);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Store, KeepsRunsWithOtherSettingsApart) {
+    const std::string folder = fresh_folder("apart");
+    run::Store store(folder, true);
+    const int one = store.begin(header("one"));
+    const int two = store.begin(header("two"));
+    EXPECT_NE(one, two);
+    problem::Evaluation e;
+    e.parameters = {1.0, 2.0};
+    e.reason = "because";
+    store.put(one, {-1, 0}, e);
+    EXPECT_TRUE(table_of(store, two).empty());
+    EXPECT_EQ(store.newest().id, two);
+    EXPECT_EQ(store.begin(header("one")), one);
+    EXPECT_EQ(store.newest().id, one);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(Store, RefusesAFileThatIsNotAStoreAndOneOfAnotherVersion) {
+    const std::string folder = fresh_folder("foreign");
+    std::filesystem::create_directories(folder);
+    {
+        std::ofstream stream(folder + "/run.sqlite");
+        stream << std::string(5000, 'x');
+    }
+    EXPECT_THROW(run::Store(folder, true), pave::Error);
+    std::filesystem::remove(folder + "/run.sqlite");
+    { const run::Store store(folder, true); }
+    {
+        SQLite::Database database(folder + "/run.sqlite", SQLite::OPEN_READWRITE);
+        database.exec("PRAGMA user_version = 999");
+    }
+    EXPECT_THROW(run::Store(folder, true), pave::Error);
+    EXPECT_THROW(run::Store(folder + "/nowhere", false), pave::Error);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(DistinctStarts, AreTheLowestPointsThatAreNotNearEachOther) {
+    const auto problem = two_basins();
+    run::Engine engine(problem, nullptr, 0, {.threads = 1, .show_progress = false});
+    const auto design = search::full_grid(problem.space);
+    const auto evaluations = engine.evaluate(design);
+    const auto starts = run::distinct_starts(design, *evaluations, 4, 0.4);
+    ASSERT_EQ(starts.size(), 4U);
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            const double d0 = design.points[starts[i]][0] - design.points[starts[j]][0];
+            const double d1 = design.points[starts[i]][1] - design.points[starts[j]][1];
+            EXPECT_GE(std::hypot(d0, d1), 0.4);
+            EXPECT_GE((*evaluations)[starts[i]].misfit, (*evaluations)[starts[j]].misfit);
+        }
+    }
+}

@@ -1,0 +1,88 @@
+#include "optimise/local_search.h"
+
+#include <gtest/gtest.h>
+
+using namespace explore::optimise;
+
+namespace {
+
+// Rosenbrock's valley as residuals, moved into the unit cube: minimum 0 at (0.6, 0.6).
+Answer rosenbrock(std::span<const double> u, Sample& sample) {
+    const double x = 5.0 * u[0] - 2.0;
+    const double y = 5.0 * u[1] - 2.0;
+    sample.residuals.resize(2);
+    sample.residuals << 10.0 * (y - x * x), 1.0 - x;
+    sample.jacobian.resize(2, 2);
+    sample.jacobian << -100.0 * x, 50.0, -5.0, 0.0;
+    return Answer::computed;
+}
+
+} // namespace
+
+TEST(EveryMethod, FindsTheMinimumOfACurvedValley) {
+    for (const Method& method : methods()) {
+        SCOPED_TRACE(method.name);
+        const auto result = local_search(method, {0.2, 0.6}, rosenbrock,
+                                         {.max_evaluations = 3000, .step_tolerance = 1e-9, .misfit_tolerance = 1e-14});
+        EXPECT_NEAR(result.unit[0], 0.6, 1e-3);
+        EXPECT_NEAR(result.unit[1], 0.6, 1e-3);
+        EXPECT_LT(result.misfit, 1e-2);
+    }
+}
+
+TEST(EveryMethod, StopsAtABoundWhereTheMinimumLiesOutside) {
+    for (const Method& method : methods()) {
+        SCOPED_TRACE(method.name);
+        const Objective outside = [](std::span<const double> u, Sample& sample) {
+            sample.residuals.resize(2);
+            sample.residuals << u[0] - 1.3, 2.0 * (u[1] - 0.4);
+            sample.jacobian.resize(2, 2);
+            sample.jacobian << 1.0, 0.0, 0.0, 2.0;
+            return Answer::computed;
+        };
+        const auto result = local_search(method, {0.1, 0.9}, outside,
+                                         {.max_evaluations = 500, .step_tolerance = 1e-8, .misfit_tolerance = 1e-12});
+        EXPECT_NEAR(result.unit[0], 1.0, 1e-4);
+        EXPECT_NEAR(result.unit[1], 0.4, 1e-3);
+    }
+}
+
+TEST(EveryMethod, IsLedAwayFromPointsWithoutAnAnswerAndNeverCounts0fThemAsBest) {
+    for (const Method& method : methods()) {
+        SCOPED_TRACE(method.name);
+        const Objective holes = [](std::span<const double> u, Sample& sample) {
+            for (const double x : u) {
+                EXPECT_TRUE(x >= 0.0 && x <= 1.0);
+            }
+            if (u[0] + u[1] > 1.3) {
+                return Answer::no_answer;
+            }
+            sample.residuals.resize(2);
+            sample.residuals << u[0] - 0.9, u[1] - 0.35; // just inside the border
+            sample.jacobian = Eigen::Matrix2d::Identity();
+            return Answer::computed;
+        };
+        const auto result = local_search(method, {0.1, 0.1}, holes,
+                                         {.max_evaluations = 300, .step_tolerance = 1e-7, .misfit_tolerance = 1e-10});
+        ASSERT_FALSE(result.unit.empty());
+        EXPECT_LE(result.unit[0] + result.unit[1], 1.3);
+        EXPECT_LT(result.misfit, 0.05);
+    }
+}
+
+TEST(LocalSearch, EndsWhenTheObjectiveSaysStop) {
+    int calls = 0;
+    const Objective stopping = [&](std::span<const double> u, Sample& sample) {
+        return ++calls > 3 ? Answer::stop : rosenbrock(u, sample);
+    };
+    const auto result = local_search(*find_method("slsqp"), {0.2, 0.6}, stopping, {});
+    EXPECT_TRUE(result.stopped);
+    EXPECT_LE(calls, 5);
+}
+
+TEST(LocalSearch, HasAnEmptyPointWhenNothingHasAnAnswer) {
+    const Objective nothing = [](std::span<const double>, Sample&) { return Answer::no_answer; };
+    for (const Method& method : methods()) {
+        EXPECT_TRUE(local_search(method, {0.5, 0.5}, nothing, {.max_evaluations = 40}).unit.empty());
+    }
+}

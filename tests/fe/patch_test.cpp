@@ -1,0 +1,288 @@
+// Patch test, equilibrium and orders of convergence of the axisymmetric element.
+#include "support/sections.h"
+
+#include "base/random.h"
+#include "base/units.h"
+#include "fe/solver.h"
+#include "mechanics/cross_anisotropic.h"
+
+#include <gtest/gtest.h>
+#include <numbers>
+
+using namespace test;
+using Element = fe::AxisymmetricQ8;
+
+namespace {
+
+std::vector<fe::LayerMaterial> materials(const std::vector<Layer>& layers) {
+    std::vector<fe::LayerMaterial> all;
+    double top = 0.0;
+    double stress = 0.0;
+    for (const Layer& l : layers) {
+        const double weight = l.density * unit::gravity;
+        all.push_back({l.law, l.parameters, top, l.thickness, stress, weight, l.k0, l.residual_stress});
+        top += l.thickness;
+        stress += weight * l.thickness;
+    }
+    return all;
+}
+
+// Irregular lines from 0 to length.
+std::vector<double> irregular_lines(double length, int cells, std::uint64_t stream) {
+    const RandomStream random(31, stream);
+    std::vector<double> lines{0.0};
+    for (int i = 0; i < cells; ++i) {
+        lines.push_back(lines.back() + 0.5 + random.uniform(i));
+    }
+    const double scale = length / lines.back();
+    for (double& x : lines) {
+        x *= scale;
+    }
+    lines.back() = length;
+    return lines;
+}
+
+constexpr double radius = 1.0;
+constexpr double depth = 0.8;
+
+// A displacement field that keeps the boundary conditions of the model, with its strains:
+// u_r = A sin(pi r) cos(z) (z - H), u_z = B cos(pi r) sin(pi (H - z)/(2 H)).
+struct Field {
+    static constexpr double a = 2e-4, b = 5e-4;
+    static double ur(double r, double z) { return a * std::sin(std::numbers::pi * r) * std::cos(z) * (z - depth); }
+    static double uz(double r, double z) {
+        return b * (2.0 + std::cos(std::numbers::pi * r)) * std::sin(std::numbers::pi * (depth - z) / (2 * depth));
+    }
+    static Element::Stress strain(double r, double z) {
+        const double pi = std::numbers::pi;
+        const double k = pi / (2 * depth);
+        const double rr = a * pi * std::cos(pi * r) * std::cos(z) * (z - depth);
+        const double tt = ur(r, z) / r;
+        const double zz = -b * (2.0 + std::cos(pi * r)) * k * std::cos(k * (depth - z));
+        const double rz = a * std::sin(pi * r) * (std::cos(z) - (z - depth) * std::sin(z)) -
+                          b * pi * std::sin(pi * r) * std::sin(k * (depth - z));
+        return {rr, tt, zz, rz};
+    }
+};
+
+// Stress of the field by the secant definition: sigma = E C strain with E = Ehat(sigma0 + sigma), by bisection.
+Element::Stress secant_stress(const fe::LayerMaterial& layer, double r, double z) {
+    const mechanics::Stiffness<4> c = layer.law->unit_stiffness(layer.parameters).topLeftCorner<4, 4>();
+    const Element::Stress s = c * Field::strain(r, z);
+    double low = 1.0;
+    double high = 1e12;
+    for (int i = 0; i < 200; ++i) {
+        const double e = std::sqrt(low * high);
+        const auto at = mechanics::invariants<4>(Element::Stress(layer.initial_stress<4>(z) + e * s));
+        (layer.law->modulus(layer.parameters, at).value > e ? low : high) = e;
+    }
+    return low * s;
+}
+
+// The load that has the field as its exact answer: the virtual work of its stress, with 5 x 5 Gauss points.
+template <class StressAt>
+Eigen::VectorXd load_of(const fe::Model<Element>& model, const StressAt& stress_at) {
+    constexpr double x[] = {-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640};
+    constexpr double w[] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
+                            0.2369268850561891};
+    Eigen::VectorXd load = Eigen::VectorXd::Zero(model.free_unknowns);
+    for (int e = 0; e < model.elements(); ++e) {
+        Element::Vector force = Element::Vector::Zero();
+        for (int i = 0; i < 5; ++i) {
+            for (int j = 0; j < 5; ++j) {
+                const auto p = Element::point(model.coordinates[e], {x[i], x[j]});
+                const Eigen::Vector2d at = model.coordinates[e] * Element::shape(x[i], x[j]);
+                Element::add_force(p, stress_at(e, at[0], at[1]), p.weight * w[i] * w[j], force);
+            }
+        }
+        model.scatter_add(e, force, load.data());
+    }
+    return load;
+}
+
+struct Errors {
+    double displacement = 0.0; // relative, L2
+    double stress = 0.0;       // relative, at the Gauss points
+};
+
+template <class StressAt>
+Errors errors_of(const fe::Model<Element>& model, const fe::Solution<Element>& solution, const StressAt& stress_at) {
+    double du = 0.0, u = 0.0, ds = 0.0, s = 0.0;
+    const auto positions = Element::gauss_positions();
+    for (int e = 0; e < model.elements(); ++e) {
+        const auto ue = model.gather(e, solution.displacement.data());
+        for (int g = 0; g < Element::gauss; ++g) {
+            const int q = e * Element::gauss + g;
+            const auto shape = Element::shape(positions[g][0], positions[g][1]);
+            const Eigen::Vector2d at = model.coordinates[e] * shape;
+            const Eigen::Map<const Eigen::Matrix<double, 2, 8>> nodal(ue.data());
+            const Eigen::Vector2d found = nodal * shape;
+            const Eigen::Vector2d exact{Field::ur(at[0], at[1]), Field::uz(at[0], at[1])};
+            const double w = model.points[q].weight;
+            du += w * (found - exact).squaredNorm();
+            u += w * exact.squaredNorm();
+            const Element::Stress sigma = stress_at(e, at[0], at[1]);
+            ds += w * (Element::Stress(solution.stress.col(q)) - sigma).squaredNorm();
+            s += w * sigma.squaredNorm();
+        }
+    }
+    return {std::sqrt(du / u), std::sqrt(ds / s)};
+}
+
+fe::Model<Element> regular_model(int cells) {
+    std::vector<double> r, z;
+    for (int i = 0; i <= cells; ++i) {
+        r.push_back(radius * i / cells);
+        z.push_back(depth * i / cells);
+    }
+    return fe::axisymmetric_model(mesh::axisymmetric_mesh(r, z, {depth}));
+}
+
+} // namespace
+
+TEST(PatchTest, ConstantStrainIsInEquilibriumOnAnIrregularMesh) {
+    const auto model =
+        fe::axisymmetric_model(mesh::axisymmetric_mesh(irregular_lines(2.0, 7, 0), irregular_lines(1.0, 6, 1), {1.0}));
+    // u_r = a r, u_z = b z: on the nodes; internal forces vanish at every node that touches no boundary.
+    const double a = 3e-4, b = -7e-4;
+    mechanics::CrossAnisotropy solid{
+        .n = 0.4, .nu12 = 0.3, .nu31 = 0.25, .shear_ratio = {}, .modulus_is_vertical = false};
+    const mechanics::Stiffness<4> d = 2e8 * solid.unit_stiffness().topLeftCorner<4, 4>();
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(model.free_unknowns);
+    Eigen::VectorXd on_boundary = Eigen::VectorXd::Zero(model.free_unknowns);
+    double largest = 0.0;
+    for (int e = 0; e < model.elements(); ++e) {
+        Element::Vector u, f = Element::Vector::Zero(), marks = Element::Vector::Zero();
+        for (int i = 0; i < Element::nodes; ++i) {
+            const double r = model.coordinates[e](0, i), z = model.coordinates[e](1, i);
+            u[2 * i] = a * r;
+            u[2 * i + 1] = b * z;
+            marks[2 * i] = marks[2 * i + 1] = z == 0.0 || r == 2.0 ? 1.0 : 0.0;
+        }
+        for (int g = 0; g < Element::gauss; ++g) {
+            const auto& p = model.points[e * Element::gauss + g];
+            const auto strain = Element::strain(p, u);
+            EXPECT_LT((strain - Element::Stress(a, a, b, 0.0)).norm(), 1e-10 * std::abs(b));
+            EXPECT_LT((Element::strain_operator(p) * u - strain).norm(), 1e-14);
+            Element::add_force(p, d * strain, p.weight, f);
+        }
+        largest = std::max(largest, f.lpNorm<Eigen::Infinity>());
+        model.scatter_add(e, f, force.data());
+        model.scatter_add(e, marks, on_boundary.data());
+    }
+    for (Eigen::Index k = 0; k < force.size(); ++k) {
+        if (on_boundary[k] == 0.0) {
+            EXPECT_LT(std::abs(force[k]), 1e-10 * largest);
+        }
+    }
+}
+
+TEST(PatchTest, ConfinedCompressionOfTwoLayersIsExact) {
+    // The whole surface loaded between smooth walls: strain p / M in each layer, M the constrained modulus.
+    const double p = 1e5;
+    const std::vector<Layer> layers{linear_layer("top", 0.3, 2e8, 0.3), linear_layer("bottom", 0.7, 5e7, 0.4)};
+    const auto z = irregular_lines(0.3, 3, 2);
+    auto lines = z;
+    for (const double below : irregular_lines(0.7, 4, 3)) {
+        if (below > 0.0) {
+            lines.push_back(0.3 + below);
+        }
+    }
+    lines.back() = 1.0;
+    const auto mesh = mesh::axisymmetric_mesh(irregular_lines(1.0, 5, 4), lines, {0.3, 1.0});
+    const auto model = fe::axisymmetric_model(mesh);
+    const auto stress_at = [&](int, double, double) { return Element::Stress(0.0, 0.0, -p, 0.0); };
+    // Virtual work of sigma_zz = -p alone loads the surface (and the held floor).
+    const Eigen::VectorXd load = load_of(model, stress_at);
+    fe::Solver<Element> solver(model);
+    const auto solved = solver.incremental(materials(layers), load, {}, {});
+    ASSERT_TRUE(solved);
+    const auto constrained = [](double e, double nu) { return e * (1 - nu) / ((1 + nu) * (1 - 2 * nu)); };
+    const double strain[] = {-p / constrained(2e8, 0.3), -p / constrained(5e7, 0.4)};
+    for (int e = 0; e < model.elements(); ++e) {
+        const auto ue = model.gather(e, solved->displacement.data());
+        for (int g = 0; g < Element::gauss; ++g) {
+            const auto found = Element::strain(model.points[e * Element::gauss + g], ue);
+            EXPECT_NEAR(found[2], strain[model.layer[e]], 1e-10 * std::abs(strain[1]));
+            EXPECT_NEAR(found[0], 0.0, 1e-10 * std::abs(strain[1]));
+        }
+    }
+}
+
+TEST(Equilibrium, ReactionOfTheFloorEqualsTheLoad) {
+    for (const auto integration : {Integration::incremental, Integration::secant}) {
+        const Case c =
+            captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4, .delta = 10e3, .residual_stress = 20e3},
+                   integration);
+        const AxisymmetricCase parts = axisymmetric_case(c, 0);
+        const double applied = 595e3 * std::numbers::pi * 0.15 * 0.15;
+        EXPECT_NEAR(parts.load.sum(), applied, 1e-10 * applied);
+        fe::Solver<Element> solver(parts.model);
+        const auto solved = integration == Integration::secant ? solver.secant(parts.layers, parts.load, {}, {})
+                                                               : solver.incremental(parts.layers, parts.load, {}, {});
+        ASSERT_TRUE(solved);
+        double reaction = 0.0; // vertical internal force on the nodes of the floor
+        for (int e = 0; e < parts.model.elements(); ++e) {
+            Element::Vector force = Element::Vector::Zero();
+            for (int g = 0; g < Element::gauss; ++g) {
+                const int q = e * Element::gauss + g;
+                Element::add_force(parts.model.points[q], solved->stress.col(q), parts.model.points[q].weight, force);
+            }
+            for (int i = 0; i < Element::nodes; ++i) {
+                if (parts.model.unknowns[e][2 * i + 1] < 0) {
+                    reaction -= force[2 * i + 1];
+                }
+            }
+        }
+        EXPECT_NEAR(reaction, applied, 1e-8 * applied);
+        EXPECT_LT(solved->statistics.residual_relative, 1e-8);
+    }
+}
+
+TEST(ConvergenceOrder, IsThreeForDisplacementAndAtLeastTwoForStressInALinearSection) {
+    const auto layers = materials({linear_layer("soil", depth, 1e8, 0.3)});
+    const mechanics::Stiffness<4> d = 1e8 * layers[0].law->unit_stiffness(layers[0].parameters).topLeftCorner<4, 4>();
+    const auto stress_at = [&](int, double r, double z) { return Element::Stress(d * Field::strain(r, z)); };
+    Errors last;
+    for (const int cells : {4, 8, 16, 32}) {
+        const auto model = regular_model(cells);
+        fe::Solver<Element> solver(model);
+        const auto solved = solver.incremental(layers, load_of(model, stress_at), {}, {});
+        ASSERT_TRUE(solved);
+        const Errors now = errors_of(model, *solved, stress_at);
+        if (cells > 4) {
+            const double displacement_order = std::log2(last.displacement / now.displacement);
+            const double stress_order = std::log2(last.stress / now.stress);
+            std::printf("  linear, %2d cells: displacement error %.2e (order %.2f), stress error %.2e (order %.2f)\n",
+                        cells, now.displacement, displacement_order, now.stress, stress_order);
+            EXPECT_GT(displacement_order, 2.8);
+            EXPECT_GT(stress_order, 1.9);
+        }
+        last = now;
+    }
+    EXPECT_LT(last.displacement, 1e-5);
+}
+
+TEST(ConvergenceOrder, IsTheSameForAStressDependentSectionUnderTheSecantLaw) {
+    const auto layers = materials({uzan_layer(
+        "base", depth,
+        {.k1 = 1000, .k2 = 0.5, .k3 = -0.3, .n = 0.5, .delta = 20e3, .eta = 1.0, .residual_stress = 50e3})});
+    const auto stress_at = [&](int, double r, double z) { return secant_stress(layers[0], r, z); };
+    Errors last;
+    for (const int cells : {4, 8, 16, 32}) {
+        const auto model = regular_model(cells);
+        fe::Solver<Element> solver(model);
+        const auto solved = solver.secant(layers, load_of(model, stress_at), {}, {});
+        ASSERT_TRUE(solved) << solved.failure().reason;
+        const Errors now = errors_of(model, *solved, stress_at);
+        if (cells > 4) {
+            const double displacement_order = std::log2(last.displacement / now.displacement);
+            const double stress_order = std::log2(last.stress / now.stress);
+            std::printf("  secant, %2d cells: displacement error %.2e (order %.2f), stress error %.2e (order %.2f)\n",
+                        cells, now.displacement, displacement_order, now.stress, stress_order);
+            EXPECT_GT(displacement_order, 2.7);
+            EXPECT_GT(stress_order, 1.9);
+        }
+        last = now;
+    }
+}

@@ -1,0 +1,125 @@
+// Every law of the catalogue, without being asked.
+#include "base/random.h"
+#include "base/units.h"
+#include "material/catalog.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+using namespace pave;
+using material::Law;
+
+namespace {
+
+// Parameters inside realistic bounds, SI.
+std::vector<double> random_parameters(const Law& law, std::uint64_t stream) {
+    const RandomStream random(21, stream);
+    std::vector<double> p;
+    for (const auto& info : law.parameters()) {
+        const double u = random.uniform(p.size());
+        double value = 0.0;
+        if (!info.choices.empty()) {
+            value = u < 0.5 ? 0.0 : 1.0;
+        } else if (info.key == "k1") {
+            value = 500.0 + 7500.0 * u;
+        } else if (info.key == "k3") {
+            value = -2.0 * u;
+        } else if (info.key == "modulus_MPa") {
+            value = 20.0 + 5000.0 * u;
+        } else if (info.key == "tension_smoothing_kPa") {
+            value = 1.0 + 20.0 * u;
+        } else if (info.key.starts_with("poisson")) {
+            value = 0.1 + 0.3 * u;
+        } else {
+            value = 0.1 + 0.8 * u;
+        }
+        p.push_back(value * info.to_si);
+    }
+    return p;
+}
+
+mechanics::Invariants random_state(std::uint64_t stream) {
+    const RandomStream random(22, stream);
+    return {-50e3 + 600e3 * random.uniform(0), 200e3 * random.uniform(1)};
+}
+
+} // namespace
+
+TEST(EveryLaw, HasPositiveModulusAndDerivativesThatAgreeWithFiniteDifferences) {
+    for (const Law* law : material::laws()) {
+        SCOPED_TRACE(law->name());
+        for (int k = 0; k < 100; ++k) {
+            const auto p = random_parameters(*law, k);
+            const auto at = random_state(k);
+            const auto m = law->modulus(p, at);
+            EXPECT_GT(m.value, 0.0);
+            const double h = 1.0; // Pa
+            const double by_theta =
+                (law->modulus(p, {at.theta + h, at.tau}).value - law->modulus(p, {at.theta - h, at.tau}).value) /
+                (2 * h);
+            const double by_tau =
+                (law->modulus(p, {at.theta, at.tau + h}).value - law->modulus(p, {at.theta, at.tau - h}).value) /
+                (2 * h);
+            const double scale = m.value / 1e5;
+            EXPECT_NEAR(m.d_theta, by_theta, 1e-6 * (scale + std::abs(by_theta)));
+            EXPECT_NEAR(m.d_tau, by_tau, 1e-6 * (scale + std::abs(by_tau)));
+            for (std::size_t i = 0; i < p.size(); ++i) {
+                if (!law->parameters()[i].choices.empty()) {
+                    continue;
+                }
+                auto low = p;
+                auto high = p;
+                const double step = 1e-5 * std::abs(p[i]);
+                low[i] -= step;
+                high[i] += step;
+                const double numeric = (law->modulus(high, at).value - law->modulus(low, at).value) / (2 * step);
+                EXPECT_NEAR(law->modulus_derivative(p, at, i), numeric, 1e-6 * (m.value / std::abs(p[i])));
+                const mechanics::Stiffness<6> c = (law->unit_stiffness(high) - law->unit_stiffness(low)) / (2 * step);
+                EXPECT_LT((law->unit_stiffness_derivative(p, i) - c).norm(), 1e-6 * (1.0 + c.norm()));
+            }
+        }
+    }
+}
+
+TEST(EveryLaw, SaysWhetherItDependsOnStress) {
+    for (const Law* law : material::laws()) {
+        const auto p = random_parameters(*law, 3);
+        EXPECT_EQ(law->stress_dependent(), law->modulus(p, {1e5, 0.0}).value != law->modulus(p, {2e5, 1e5}).value)
+            << law->name();
+    }
+}
+
+TEST(EveryLaw, NamesEachParameterOnceAndHasARange) {
+    for (const Law* law : material::laws()) {
+        const auto infos = law->parameters();
+        for (std::size_t i = 0; i < infos.size(); ++i) {
+            EXPECT_EQ(law->index_of(infos[i].key), i);
+            EXPECT_LT(infos[i].low, infos[i].high) << infos[i].key;
+            EXPECT_FALSE(infos[i].meaning.empty());
+        }
+    }
+}
+
+TEST(Uzan, IsThePrintedEquationInCompression) {
+    const Law& law = *material::find_law("uzan");
+    // k1 = 1000, k2 = 0.6, k3 = -0.4, smoothing negligible; theta = 3 pa, tau = pa: E = 1000 pa 3^0.6 2^-0.4
+    const std::vector<double> p{0, 1000, 0.6, -0.4, 0.5, 0.35, 0.35, material::not_given, 1e-3, 0.0};
+    EXPECT_NEAR(law.modulus(p, {3e5, 1e5}).value, 1000 * 1e5 * std::pow(3.0, 0.6) * std::pow(2.0, -0.4), 1e-3);
+}
+
+TEST(Uzan, FloorOfThetaIsDeltaAtZeroAndFallsOffInTension) {
+    const Law& law = *material::find_law("uzan");
+    const std::vector<double> p{0, 1000, 1.0, 0.0, 0.5, 0.35, 0.35, material::not_given, 5e3, 0.0};
+    EXPECT_NEAR(law.modulus(p, {0.0, 0.0}).value, 1000 * 5e3, 1e-3);
+    // Far in tension thp -> delta^2/|theta| = 25e6/1e6 = 25 Pa.
+    EXPECT_NEAR(law.modulus(p, {-1e6, 0.0}).value, 1000 * 25.0, 1.0);
+}
+
+TEST(Uzan, NeverExceedsTheModulusLimitAndSaysSo) {
+    const Law& law = *material::find_law("uzan");
+    const std::vector<double> p{0, 4500, 2.1, 30, 0.25, 0.35, 0.35, material::not_given, 5e3, 0.0};
+    const auto m = law.modulus(p, {5e5, 3e5});
+    EXPECT_EQ(m.value, material::modulus_limit);
+    EXPECT_TRUE(m.limited);
+    EXPECT_EQ(m.d_theta, 0.0);
+}

@@ -1,0 +1,146 @@
+// Linear sections against closed forms and the multilayer solution.
+#include "reference/multilayer_elastic.h"
+#include "support/sections.h"
+
+#include <gtest/gtest.h>
+#include <numbers>
+
+using namespace test;
+
+namespace {
+
+// A half-space as a section: one layer, deep and wide.
+Case half_space(Layer layer, double radius, double pressure) {
+    Case c;
+    layer.thickness = 400.0 * radius;
+    c.layers = {std::move(layer)};
+    c.loads = {plate(radius, pressure)};
+    c.settings.extent = 400.0 * radius;
+    return c;
+}
+
+constexpr double a = 0.15;
+constexpr double q = 600e3;
+
+} // namespace
+
+TEST(HalfSpace, HasBoussinesqStressAndDeflectionUnderACircle) {
+    const double e = 50e6, nu = 0.35;
+    Case c = half_space(linear_layer("soil", 0.0, e, nu), a, q);
+    c.sensors = {deflection(0.0)};
+    const std::vector<double> depths{0.1, 0.2, 0.3, 0.5, 0.8};
+    for (const double z : depths) {
+        c.sensors.push_back({0, Quantity::stress_zz, 0.0, 0.0, z, 0.0});
+        c.sensors.push_back(strain_zz(z, 0.0));
+    }
+    const auto response = run(c);
+    ASSERT_TRUE(response);
+    EXPECT_NEAR(response->values[0] / (2 * (1 - nu * nu) * q * a / e), 1.0, 0.005);
+    for (std::size_t i = 0; i < depths.size(); ++i) {
+        const double z = depths[i];
+        const double s = std::sqrt(a * a + z * z);
+        const double stress = q * (1 - z * z * z / (s * s * s));
+        // Horizontal stress on the axis: q/2 (1 + 2 nu - 2 (1 + nu) z/s + z^3/s^3).
+        const double horizontal = q / 2 * (1 + 2 * nu - 2 * (1 + nu) * z / s + z * z * z / (s * s * s));
+        EXPECT_NEAR(response->values[1 + 2 * i] / stress, 1.0, 0.01) << z;
+        EXPECT_NEAR(response->values[2 + 2 * i] / ((stress - 2 * nu * horizontal) / e), 1.0, 0.01) << z;
+    }
+}
+
+TEST(HalfSpace, OfATransverselyIsotropicSolidHasItsClosedFormDeflection) {
+    // Eh, Ev, nu_hh, nu_vh, G in MPa; w/(q a) per MPa from the roots of the characteristic equation.
+    struct Solid {
+        double eh, ev, nu_hh, nu_vh, g, deflection;
+    };
+    for (const Solid& s : {Solid{50, 200, .35, .35, 38, 0.01393028}, Solid{20, 200, .2, .35, 40, 0.01596269},
+                           Solid{100, 200, .3, .2, 70, 0.01107701}}) {
+        // k2 = k3 = 0 makes the stress-dependent law linear: E3 = k1 pa.
+        Layer layer = uzan_layer("soil", 0.0, {.k1 = s.ev * 10, .k2 = 0, .k3 = 0, .n = s.eh / s.ev});
+        layer.parameters[0] = 1.0; // vertical
+        layer.parameters[5] = s.nu_hh;
+        layer.parameters[6] = s.nu_vh;
+        layer.parameters[7] = s.g / s.ev;
+        Case c = half_space(layer, a, q);
+        c.sensors = {deflection(0.0)};
+        const auto response = run(c);
+        ASSERT_TRUE(response);
+        EXPECT_NEAR(response->values[0] / (q * a / 1e6) / s.deflection, 1.0, 0.005);
+    }
+}
+
+TEST(LayeredSection, AgreesWithTheMultilayerSolution) {
+    struct Section {
+        const char* name;
+        std::vector<reference::ElasticLayer> layers;
+        double radius, pressure;
+    };
+    const std::vector<Section> sections{
+        {"thin asphalt on granular base", {{0.030, 3000e6, .35}, {0.277, 300e6, .35}, {1.193, 40e6, .40}}, 0.15, 595e3},
+        {"thick asphalt, deep floor", {{0.26, 5000e6, .35}, {0.5, 200e6, .40}, {6.0, 50e6, .45}}, 0.1508, 700e3},
+        {"inverted: stiff subbase under soft base",
+         {{0.05, 2500e6, .35}, {0.15, 250e6, .35}, {0.20, 4000e6, .25}, {2.0, 60e6, .40}},
+         0.15,
+         800e3}};
+    for (const Section& s : sections) {
+        SCOPED_TRACE(s.name);
+        Case c;
+        for (std::size_t i = 0; i < s.layers.size(); ++i) {
+            c.layers.push_back(linear_layer("layer" + std::to_string(i), s.layers[i].thickness, s.layers[i].modulus,
+                                            s.layers[i].poisson));
+        }
+        c.loads = {plate(s.radius, s.pressure)};
+        c.settings.extent = 4.0 * c.depth() + 4.0; // the multilayer solution has no wall
+        std::vector<double> radii{0.0, 0.2, 0.45, 0.9};
+        for (const double r : radii) {
+            c.sensors.push_back(deflection(r));
+        }
+        // Middles of the layers below the first, on the axis and beside the plate.
+        std::vector<std::pair<double, double>> points;
+        double top = s.layers[0].thickness;
+        for (std::size_t i = 1; i < s.layers.size(); ++i) {
+            const double z = top + std::min(0.5 * s.layers[i].thickness, 0.4);
+            points.emplace_back(0.0, z);
+            points.emplace_back(0.3, z);
+            top += s.layers[i].thickness;
+        }
+        for (const auto& [r, z] : points) {
+            c.sensors.push_back(strain_zz(z, 0.0, r));
+        }
+        const auto response = run(c);
+        ASSERT_TRUE(response);
+        const auto exact = [&](double r, double z) {
+            return reference::multilayer_elastic(s.layers, reference::Floor::rigid_rough, s.radius, s.pressure, r, z);
+        };
+        const double w0 = exact(0.0, 0.0).u_z;
+        for (std::size_t i = 0; i < radii.size(); ++i) {
+            EXPECT_NEAR(response->values[i], exact(radii[i], 0.0).u_z,
+                        0.005 * std::min(w0, 2.0 * std::abs(exact(radii[i], 0.0).u_z)))
+                << radii[i];
+        }
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const auto [r, z] = points[i];
+            const double strain = -exact(r, z).eps_zz;
+            EXPECT_NEAR(response->values[radii.size() + i] / strain, 1.0, 0.005) << "r " << r << " z " << z;
+        }
+    }
+}
+
+TEST(Sensors, HorizontalStrainsAndStressesTurnWithTheAxes) {
+    Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4});
+    c.sensors.clear();
+    for (const auto& [x, y] : {std::pair{0.3, 0.0}, {0.0, 0.3}, {0.3 * std::sqrt(0.5), 0.3 * std::sqrt(0.5)}}) {
+        for (const auto quantity :
+             {Quantity::strain_xx, Quantity::strain_yy, Quantity::stress_xx, Quantity::stress_yy}) {
+            c.sensors.push_back({0, quantity, x, y, 0.2, 0.0});
+        }
+    }
+    const auto response = run(c);
+    ASSERT_TRUE(response);
+    const auto& v = response->values;
+    for (const int i : {0, 2}) {
+        EXPECT_DOUBLE_EQ(v[i], v[4 + i + 1]); // xx on the x axis is yy on the y axis
+        EXPECT_DOUBLE_EQ(v[i + 1], v[4 + i]);
+        EXPECT_NEAR(v[8 + i], (v[i] + v[i + 1]) / 2.0, 1e-9 * std::abs(v[i]) + 1e-9 * std::abs(v[i + 1]));
+    }
+    EXPECT_NE(v[0], v[1]);
+}

@@ -1,0 +1,252 @@
+#include "support/sections.h"
+
+#include "base/random.h"
+
+#include <gtest/gtest.h>
+
+using namespace test;
+
+namespace {
+
+const std::vector<std::string> every_smooth_parameter{"base.k1",
+                                                      "base.k2",
+                                                      "base.k3",
+                                                      "base.n",
+                                                      "base.poisson_12",
+                                                      "base.poisson_31",
+                                                      "base.tension_smoothing_kPa",
+                                                      "base.residual_stress_kPa",
+                                                      "base.k0",
+                                                      "base.density_kg_m3",
+                                                      "asphalt.modulus_MPa",
+                                                      "asphalt.poisson",
+                                                      "asphalt.density_kg_m3",
+                                                      "subgrade.modulus_MPa",
+                                                      "subgrade.poisson",
+                                                      "fwd.pressure_kPa"};
+
+Case random_case(std::uint64_t stream, Integration integration) {
+    const RandomStream random(41, stream);
+    Uzan u{.k1 = 500 + 7500 * random.uniform(0),
+           .k2 = 0.2 + 0.5 * random.uniform(1),
+           .k3 = -1.5 * random.uniform(2),
+           .n = 0.1 + 0.9 * random.uniform(3),
+           .delta = 5e3 + 10e3 * random.uniform(4),
+           .eta = integration == Integration::secant ? 1.0 : 0.2,
+           .residual_stress = 5e3 + 20e3 * random.uniform(5)};
+    Case c = captif(1500 + 3000 * random.uniform(6), 30 + 60 * random.uniform(7), u, integration);
+    c.sensors.push_back({0, Quantity::stress_zz, 0.0, 0.0, 0.2, 0.0}); // in the base
+    c.sensors.push_back({0, Quantity::stress_zz, 0.0, 0.0, 0.5, 0.0}); // in the subgrade
+    c.sensors.push_back({0, Quantity::strain_xx, 0.1, 0.1, 0.03, 0.0});
+    c.settings.refine = 0.5; // the derivative is that of the discrete model, whatever its mesh
+    return c;
+}
+
+void check_jacobian(Integration integration, int cases, const std::vector<std::string>& paths) {
+    int checked = 0;
+    std::size_t compared = 0;
+    for (int k = 0; k < cases; ++k) {
+        const Case c = random_case(k, integration);
+        const ForwardModel model(c);
+        const auto workspace = model.make_workspace();
+        std::vector<Parameter> parameters;
+        for (const auto& path : paths) {
+            parameters.push_back(find_parameter(c, path, {}));
+        }
+        const auto exact = model.run(c, parameters, *workspace);
+        if (!exact) {
+            ASSERT_EQ(exact.status(), Status::no_equilibrium);
+            continue;
+        }
+        ++checked;
+        for (std::size_t p = 0; p < parameters.size(); ++p) {
+            // Fourth-order central differences.
+            const double value = parameters[p].get(c);
+            const double h = 5e-4 * std::abs(value);
+            const std::pair<double, double> stencil[] = {{-2, 1.0 / 12}, {-1, -8.0 / 12}, {1, 8.0 / 12}, {2, -1.0 / 12}};
+            std::vector<double> numeric(c.sensors.size(), 0.0);
+            bool same_path = true;
+            for (const auto& [offset, weight] : stencil) {
+                Case moved = c;
+                parameters[p].in(moved) = (value + offset * h) * parameters[p].to_si;
+                const auto there = model.run(moved, {}, *workspace);
+                ASSERT_TRUE(there);
+                same_path = same_path && there->statistics.load_steps == exact->statistics.load_steps &&
+                            there->statistics.rejected_steps == exact->statistics.rejected_steps;
+                for (std::size_t i = 0; i < numeric.size(); ++i) {
+                    numeric[i] += weight * there->values[i] / h;
+                }
+            }
+            if (!same_path) {
+                continue; // the steps of the load path differ between the points: no difference quotient there
+            }
+            ++compared;
+            // As relative change of the response for a relative change of the parameter. What rounding leaves of a
+            // difference quotient is some 1e-12 (the solver) over 5e-4 (the step).
+            double worst = 0.0;
+            double scale = 0.0;
+            for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+                const double unit = std::abs(value / exact->values[i]);
+                const double found = exact->jacobian(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(p));
+                worst = std::max(worst, std::abs(numeric[i] - found) * unit);
+                scale = std::max(scale, std::abs(numeric[i]) * unit);
+            }
+            EXPECT_LT(worst, 1e-6 * scale + 1e-8) << paths[p] << ", case " << k;
+        }
+    }
+    EXPECT_GE(checked, cases * 9 / 10);
+    EXPECT_GE(compared, paths.size() * static_cast<std::size_t>(cases) * 7 / 10);
+}
+
+} // namespace
+
+TEST(Jacobian, OfTheLoadPathAgreesWithCentralDifferences) {
+    check_jacobian(Integration::incremental, 10, every_smooth_parameter);
+}
+
+TEST(Jacobian, OfTheSecantEquilibriumAgreesWithCentralDifferences) {
+    check_jacobian(Integration::secant, 10, every_smooth_parameter);
+}
+
+TEST(Jacobian, OfThicknessAndPlateRadiusIsThatOfAMovedMesh) {
+    const Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4});
+    const auto response = run(c, {"base.thickness_mm", "base.k1", "fwd.radius_mm"});
+    ASSERT_TRUE(response);
+    // A thicker base and a smaller plate (at its pressure) deflect less; k1 in between keeps its place.
+    EXPECT_LT(response->jacobian(0, 0), 0.0);
+    EXPECT_GT(response->jacobian(0, 2), 0.0);
+    const auto k1_alone = run(c, {"base.k1"});
+    EXPECT_EQ(response->jacobian(0, 1), k1_alone->jacobian(0, 0));
+    Case thicker = c;
+    thicker.layers[1].thickness += 0.005;
+    const ForwardModel model(c);
+    const auto moved = model.run(thicker, {}, *model.make_workspace());
+    EXPECT_NEAR((moved->values[0] - response->values[0]) / 5.0, response->jacobian(0, 0),
+                0.03 * std::abs(response->jacobian(0, 0)));
+}
+
+TEST(ForwardRun, GivesTheSameBitsWhateverTheWorkspaceDidBefore) {
+    const Case c = random_case(1, Integration::incremental);
+    const ForwardModel model(c);
+    const auto fresh = model.run(c, {}, *model.make_workspace());
+    const auto used = model.make_workspace();
+    for (int k = 2; k < 5; ++k) {
+        Case other = random_case(k, Integration::incremental);
+        other.layers[1].thickness = 0.2 + 0.05 * k;
+        static_cast<void>(model.run(other, {find_parameter(c, "base.k1", {})}, *used));
+    }
+    const auto again = model.run(c, {}, *used);
+    ASSERT_TRUE(fresh && again);
+    EXPECT_EQ(fresh->values, again->values);
+    EXPECT_EQ(model.run(c, {find_parameter(c, "base.k2", {})}, *used)->values, fresh->values);
+}
+
+TEST(ForwardRun, OfALinearSectionIsProportionalToTheLoadAndInverseToTheModuli) {
+    Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0, .k3 = 0, .n = 0.4});
+    const auto one = run(c);
+    c.loads[0].pressure *= 2.0;
+    for (auto& [layer, index] : {std::pair{0, 0}, {1, 1}, {2, 0}}) {
+        c.layers[layer].parameters[index] *= 4.0;
+    }
+    const auto other = run(c);
+    ASSERT_TRUE(one && other);
+    for (std::size_t i = 0; i < one->values.size(); ++i) {
+        EXPECT_NEAR(other->values[i] / one->values[i], 0.5, 1e-8);
+    }
+}
+
+TEST(ForwardRun, AgreesBetweenIncrementalAndSecantWhereTheLawIsLinear) {
+    Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0, .k3 = 0, .n = 0.4});
+    const auto incremental = run(c);
+    c.settings.integration = Integration::secant;
+    const auto secant = run(c);
+    ASSERT_TRUE(incremental && secant);
+    for (std::size_t i = 0; i < incremental->values.size(); ++i) {
+        EXPECT_NEAR(secant->values[i] / incremental->values[i], 1.0, 1e-7);
+    }
+}
+
+TEST(ForwardRun, ServesACircularWheelAsThePlateOfItsForceAndPressure) {
+    Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4});
+    const auto as_plate = run(c);
+    c.loads[0].type = LoadType::wheel;
+    c.loads[0].force = 595e3 * 3.14159265358979323846 * 0.15 * 0.15;
+    c.loads[0].radius = 0.0;
+    const auto as_wheel = run(c);
+    ASSERT_TRUE(as_plate && as_wheel);
+    for (std::size_t i = 0; i < as_plate->values.size(); ++i) {
+        EXPECT_NEAR(as_wheel->values[i] / as_plate->values[i], 1.0, 1e-6);
+    }
+}
+
+TEST(Status, IsInvalidParametersWhereTheSolidIsThermodynamicallyImpossible) {
+    Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 3.9});
+    c.layers[1].parameters[6] = 0.35; // 1 - .35 - 2 * 3.9 * .35^2 < 0
+    const auto outcome = run(c);
+    ASSERT_FALSE(outcome);
+    EXPECT_EQ(outcome.status(), Status::invalid_parameters);
+    EXPECT_NE(outcome.failure().reason.find("base"), std::string::npos);
+}
+
+TEST(Status, IsNoEquilibriumWhereTheSecantLawHasNone) {
+    // k2 above one never has a stable secant equilibrium; the incremental law has an answer all the same.
+    Case c = captif(3000, 45, {.k1 = 4500, .k2 = 2.1, .k3 = 0.3, .n = 0.25}, Integration::secant);
+    const auto secant = run(c);
+    ASSERT_FALSE(secant);
+    EXPECT_EQ(secant.status(), Status::no_equilibrium);
+    EXPECT_NE(secant.failure().reason.find("fold"), std::string::npos);
+    c.settings.integration = Integration::incremental;
+    const auto incremental = run(c);
+    ASSERT_TRUE(incremental);
+    EXPECT_FALSE(incremental->warnings.empty()); // unstable as a secant law: said in a warning
+}
+
+TEST(Status, IsFailedWithAReasonWhereASensorLiesBelowTheFloor) {
+    const Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4});
+    const ForwardModel model(c);
+    Case thin = c;
+    thin.layers[2].thickness = 0.1;
+    const auto outcome = model.run(thin, {}, *model.make_workspace());
+    ASSERT_FALSE(outcome);
+    EXPECT_EQ(outcome.status(), Status::failed);
+    EXPECT_NE(outcome.failure().reason.find("floor"), std::string::npos);
+}
+
+TEST(Status, OfTheSecantLawWithAFloorInProportionToShearIsConvergedNearlyEverywhere) {
+    // k1 500..8000, k2 0..0.8, k3 -2..0, n .1..1 with eta = 1: an independent prototype converged in 98 %.
+    int converged = 0;
+    constexpr int cases = 60;
+    for (int k = 0; k < cases; ++k) {
+        const RandomStream random(42, k);
+        Case c = captif(3000, 45,
+                        {.k1 = 500 + 7500 * random.uniform(0),
+                         .k2 = 0.8 * random.uniform(1),
+                         .k3 = -2 * random.uniform(2),
+                         .n = 0.1 + 0.9 * random.uniform(3),
+                         .delta = 10e3,
+                         .eta = 1.0},
+                        Integration::secant);
+        c.settings.refine = 0.6;
+        converged += run(c) ? 1 : 0;
+    }
+    EXPECT_GE(converged, cases * 95 / 100);
+}
+
+TEST(Warnings, SayThatTheModulusLimitWasMet) {
+    const auto response = run(captif(5000, 40, {.k1 = 4500, .k2 = 2.1, .k3 = 30, .n = 0.25}));
+    ASSERT_TRUE(response);
+    bool said = false;
+    for (const auto& warning : response->warnings) {
+        said = said || warning.find("100,000 MPa") != std::string::npos;
+    }
+    EXPECT_TRUE(said);
+}
+
+TEST(CheckSensor, RefusesWhatNoParameterCanMend) {
+    const Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4});
+    EXPECT_THROW(check_sensor(c, deflection(4.5), {}), Error);
+    EXPECT_THROW(check_sensor(c, strain_zz(0.02, 0.075), {}), Error);
+    EXPECT_THROW(check_sensor(c, strain_zz(1.49, 0.075), {}), Error);
+    EXPECT_THROW(check_sensor(c, {0, Quantity::stress_zz, 0, 0, 0.2, 0.05}, {}), Error);
+    EXPECT_NO_THROW(check_sensor(c, strain_zz(1.4625, 0.075), {}));
+}
