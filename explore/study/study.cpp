@@ -29,14 +29,16 @@ Layer read_layer(const toml::table& table, const std::string& file) {
     Layer layer;
     layer.name = reader.text("name");
     reader.rename("layer \"" + layer.name + "\"");
-    for (const KeyInfo& key : layer_keys()) {
-        key.of(layer) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, key.default_value);
-    }
     std::vector<std::string> law_names;
     for (const auto* law : pave::material::laws()) {
         law_names.emplace_back(law->name());
     }
     layer.law = pave::material::laws()[reader.choice("law", law_names)];
+    reader.expect(layer_keys());
+    reader.expect(layer.law->parameters());
+    for (const KeyInfo& key : layer_keys()) {
+        key.of(layer) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, key.default_value);
+    }
     for (const auto& info : layer.law->parameters()) {
         if (!info.choices.empty()) {
             const std::vector<std::string> words(info.choices.begin(), info.choices.end());
@@ -52,7 +54,13 @@ Layer read_layer(const toml::table& table, const std::string& file) {
     }
     reader.done();
     if (const std::string why = layer.law->impossible(layer.parameters); !why.empty()) {
-        throw pave::Error(reader.place(""), "these parameters cannot be a material", {}, why);
+        std::vector<std::string> found;
+        for (std::size_t i = 0; i < layer.parameters.size(); ++i) {
+            if (!layer.law->unit_stiffness_derivative(layer.parameters, i).isZero(0.0)) {
+                found.push_back(fmt::format("{} = {:g}", layer.law->parameters()[i].key, layer.parameters[i]));
+            }
+        }
+        throw pave::Error(reader.place(""), "no material has these parameters", pave::join(found), why);
     }
     return layer;
 }
@@ -330,26 +338,27 @@ Study load_study(const std::string& file) {
     reader.integer("schema", 1, 1);
     study.title = reader.text("title", study.stem());
 
+    // Layers and loads share one list of names: parameter paths begin with one.
+    std::set<std::string> names;
+    const auto check_name = [&](const std::string& name, const toml::table& item) {
+        if (name.empty() || name.find('.') != std::string::npos || !names.insert(name).second) {
+            throw pave::Error(TableReader(item, file, "").place("name"), "layers and loads are told apart by name",
+                              "\"" + name + "\"", "each name once, not empty, without a full stop");
+        }
+    };
     for (const auto* layer : reader.tables("layers")) {
         study.model.layers.push_back(read_layer(*layer, file));
+        check_name(study.model.layers.back().name, *layer);
     }
     for (const auto* load : reader.tables("loads")) {
         study.model.loads.push_back(read_load(*load, file));
+        check_name(study.model.loads.back().name, *load);
     }
     if (study.model.layers.empty()) {
         throw pave::Error({.file = file, .key = "layers"}, "the section has no layers", {}, "at least one [[layers]]");
     }
     if (study.model.loads.empty()) {
         throw pave::Error({.file = file, .key = "loads"}, "the study has no loads", {}, "at least one [[loads]]");
-    }
-    std::set<std::string> seen;
-    for (const auto& names : {names_of(study.model.layers), names_of(study.model.loads)}) {
-        for (const std::string& name : names) {
-            if (name.empty() || name.find('.') != std::string::npos || !seen.insert(name).second) {
-                throw pave::Error({.file = file, .key = "name"}, "layers and loads are told apart by name",
-                                  "\"" + name + "\"", "each name once, not empty, without a full stop");
-            }
-        }
     }
     if (const auto* solver = reader.table("solver")) {
         TableReader r(*solver, file, "[solver]");

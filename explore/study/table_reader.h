@@ -17,6 +17,14 @@ public:
           file_(std::move(file)),
           what_(std::move(what)) {}
 
+    // Keys that will be asked for: none of them is taken for a misspelt other one.
+    template <class Keys>
+    void expect(const Keys& keys) {
+        for (const auto& info : keys) {
+            expected_.emplace(info.key);
+        }
+    }
+
     void rename(std::string what) { what_ = std::move(what); }
     bool has(std::string_view key) const { return table_.contains(key); }
 
@@ -151,7 +159,8 @@ private:
         if (node == nullptr && !optional) {
             // A misspelt key is the likelier mistake than a forgotten one.
             for (const auto& [other, unused] : table_) {
-                if (!used_.contains(other.str()) && pave::nearest_name(other.str(), {std::string(key)}) == key) {
+                if (!used_.contains(other.str()) && !expected_.contains(other.str()) &&
+                    pave::nearest_name(other.str(), {std::string(key)}) == key) {
                     throw pave::Error(place(other.str()), fmt::format("unknown key, did you mean \"{}\"?", key),
                                       "\"" + std::string(other.str()) + "\"", allowed);
                 }
@@ -171,6 +180,7 @@ private:
     std::string file_;
     std::string what_;
     std::set<std::string, std::less<>> used_;
+    std::set<std::string, std::less<>> expected_;
 };
 
 } // namespace explore::study

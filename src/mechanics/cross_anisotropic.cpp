@@ -84,7 +84,7 @@ std::string CrossAnisotropy::impossible() const {
         return "Poisson's ratio in the plane must lie between -1 and 1";
     }
     if (!(1.0 - nu12 - 2.0 * n * nu31 * nu31 > 0.0)) {
-        return "the strain energy is not positive: 1 - nu12 - 2 n nu31^2 must be greater than zero";
+        return "1 - nu12 - 2 n nu31^2 must be positive, or some strain would cost no energy";
     }
     if (shear_ratio && !(*shear_ratio > 0.0)) {
         return "the shear ratio G13/E3 must be positive";

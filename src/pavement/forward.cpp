@@ -153,6 +153,10 @@ void check_sensor(const Case& c, const Sensor& s, const Place& place) {
                     load.name + (load.type == LoadType::dual_wheel ? ", a dual wheel" : ", a rectangular patch"),
                     "type = \"plate\", or type = \"wheel\" with patch = \"circle\"");
     }
+    if (s.gauge > 0.0 && s.quantity != Quantity::strain_zz) {
+        throw Error(place, "only strain_zz has a gauge length", fmt::format("gauge_mm = {:g}", s.gauge / unit::mm),
+                    "0");
+    }
     if (distance > c.settings.extent) {
         throw Error(place, "the sensor lies outside the mesh", fmt::format("{:g} m from the load", distance),
                     fmt::format("up to the wall at [mesh] extent_m = {}", c.settings.extent));
@@ -161,10 +165,6 @@ void check_sensor(const Case& c, const Sensor& s, const Place& place) {
         throw Error(place, "the sensor lies outside the mesh",
                     fmt::format("it reads from {:g} to {:g} mm depth", top / unit::mm, bottom / unit::mm),
                     fmt::format("0 to {:g} mm, the depth of the section", depth / unit::mm));
-    }
-    if (s.gauge > 0.0 && s.quantity != Quantity::strain_zz) {
-        throw Error(place, "only strain_zz has a gauge length", fmt::format("gauge_mm = {:g}", s.gauge / unit::mm),
-                    "0");
     }
     if (s.quantity == Quantity::deflection && s.depth != 0.0) {
         throw Error(place, "deflections are read at the surface", fmt::format("depth_mm = {:g}", s.depth / unit::mm),

@@ -63,7 +63,8 @@ void check_jacobian(Integration integration, int cases, const std::vector<std::s
             // Fourth-order central differences.
             const double value = parameters[p].get(c);
             const double h = 5e-4 * std::abs(value);
-            const std::pair<double, double> stencil[] = {{-2, 1.0 / 12}, {-1, -8.0 / 12}, {1, 8.0 / 12}, {2, -1.0 / 12}};
+            const std::pair<double, double> stencil[] = {
+                {-2, 1.0 / 12}, {-1, -8.0 / 12}, {1, 8.0 / 12}, {2, -1.0 / 12}};
             std::vector<double> numeric(c.sensors.size(), 0.0);
             bool same_path = true;
             for (const auto& [offset, weight] : stencil) {

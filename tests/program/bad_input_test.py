@@ -1,0 +1,73 @@
+"""Wrong input: one clear message with file, line, key, what was found, what is allowed; exit status 2; nothing written."""
+from support import *
+
+folder = workspace()
+
+
+def expect(label, words, study=STUDY, data=DATA, command=("map",), line=None, file=None):
+    case = folder / label.replace(" ", "-")
+    path = write_study(case, study, data)
+    out = case / "out"
+    done = run(*command, path, "--out", out)
+    message = done.stderr.strip()
+    print(f"{label}\n    {message.replace(str(case), '...')}")
+    check(done.returncode == 2, f"{label}: exit status {done.returncode}")
+    check(len(message.splitlines()) == 1, f"{label}: one message, not {len(message.splitlines())}")
+    check(done.stdout == "", f"{label}: standard output is not empty")
+    check(not out.exists(), f"{label}: something was written")
+    for word in words:
+        check(word in message, f"{label}: '{word}' is missing")
+    if line is not None:
+        text = study if file is None else data
+        number = next(i for i, content in enumerate(text.splitlines(), 1) if line in content)
+        check(f"{file or 'small.toml'}:{number}:" in message, f"{label}: line {number} is not named")
+
+
+def changed(old, new):
+    check(STUDY.count(old) >= 1, f"the study holds '{old}'")
+    return STUDY.replace(old, new, 1)
+
+
+# The ten kinds.
+expect("unknown key", ["thicknes_mm", "thickness_mm", "asphalt"], changed("thickness_mm = 40", "thicknes_mm = 40"),
+       line="thicknes_mm")
+expect("wrong unit", ["unit", "kPa", "mm, um"], data=DATA.replace("0.95,mm", "0.95,kPa"), line="0.95", file="small.csv")
+expect("missing file", ["small.csv", "does not exist"], data=None, line="files =")
+expect("bounds swapped", ["base.k1", "min = 8000, max = 500", "min < max"],
+       changed("min = 500\nmax = 8000", "min = 8000\nmax = 500"), line="min = 8000")
+expect("thickness not positive", ["thickness_mm", "0 < value"], changed("thickness_mm = 250", "thickness_mm = 0"),
+       line="thickness_mm = 0")
+expect("nan in the data", ["value", "nan", "finite"], data=DATA.replace("0.95", "nan"), line="nan", file="small.csv")
+expect("sensor outside the mesh", ["outside the mesh", "extent_m", "3.5 m"], data=DATA.replace("fwd,deflection,600", "fwd,deflection,3500"),
+       line="3500", file="small.csv")
+expect("parameter that names nothing", ["base.k4", "base.k1"], changed('name = "base.k1"', 'name = "base.k4"'), line="base.k4")
+expect("impossible Poisson ratios", ["base", "n = 4", "1 - nu12 - 2 n nu31^2"], changed("n = 0.5\n", "n = 4.0\n"), line=None)
+expect("empty data", ["no measurements"], data=DATA.splitlines()[0] + "\n" + DATA.splitlines()[1] + "\n")
+
+# And more that happen.
+expect("unknown column", ["unknown column", "depth"], data=DATA.replace("depth_mm", "depth"))
+expect("too few cells", ["cells", "8"], data=DATA.replace("0.95,mm,", "0.95,mm"), line="0.95", file="small.csv")
+expect("not a number", ["wrong type", "a number"], changed("k1 = 2000", 'k1 = "2000"'), line='k1 = "2000"')
+expect("missing key", ["k2", "this key is missing"], changed("k2 = 0.5\n", ""))
+expect("unknown law", ["uzann", "did you mean \"uzan\"", "linear"], changed('law = "uzan"', 'law = "uzann"'), line="uzann")
+expect("not TOML", ["not valid TOML"], changed("[mesh]", "[mesh"), line="[mesh")
+expect("unknown load in the data", ["this load is not in the study", "fwd"], data=DATA.replace("fwd,strain_zz", "fdw,strain_zz"),
+       line="fdw", file="small.csv")
+expect("negative sigma", ["sigma", "positive"], data=DATA.replace("0.95,mm,", "0.95,mm,-1"), line="0.95", file="small.csv")
+expect("gauge where there is none", ["gauge length"], data=DATA.replace("600,0,0,0", "600,0,0,75").replace("deflection,600", "strain_xx,600").replace("0.21,mm", "210,microstrain"))
+expect("log of a parameter that may be zero", ["base.k3", "value out of range"],
+       changed('name = "base.n"\nmin = 0.1\nmax = 4.5', 'name = "base.k3"\nmin = -1\nmax = -0.1\nscale = "log"'))
+expect("dual wheel", ["circular loads", "dual wheel"],
+       changed('type = "plate"\nradius_mm = 150', 'type = "dual-wheel"\nforce_kN = 40\nspacing_mm = 340'))
+expect("no parameters", ["parameters"], STUDY[:STUDY.index("[[parameters]]")], command=("fit",))
+expect("unknown schema", ["schema"], changed("schema = 1", "schema = 2"), line="schema")
+expect("two layers of one name", ["base", "each name once"], changed('name = "subgrade"', 'name = "base"'))
+
+for arguments in (["map"], ["nonsense"], ["map", "x.toml", "--threads", "0"], ["map", "x.toml", "--nonsense"], []):
+    check(run(*arguments).returncode == 2, f"exit status of {arguments}")
+done = run("map", folder / "nowhere.toml")
+check(done.returncode == 2 and "nowhere.toml" in done.stderr, "a study that is not there")
+done = run("export", folder / "nowhere")
+check(done.returncode == 2 and "no run here" in done.stderr, "a run that is not there")
+
+finish()

@@ -1,0 +1,120 @@
+"""What the tests of the program share: a small study, running the program, checking."""
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+PROGRAM = sys.argv[1]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+failures = []
+
+
+def run(*arguments, **options):
+    """The finished program: returncode, stdout, stderr as text."""
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=900, **options)
+
+
+def check(condition, message):
+    if not condition:
+        failures.append(message)
+        print("FAILED:", message)
+
+
+def finish():
+    print(f"{'no' if not failures else len(failures)} failures")
+    sys.exit(1 if failures else 0)
+
+
+def workspace():
+    """A temporary folder, removed at exit."""
+    import atexit
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="pavescape-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
+
+
+STUDY = """schema = 1
+title = "A small study"
+
+[[layers]]
+name = "asphalt"
+thickness_mm = 40
+density_kg_m3 = 2300
+k0 = 0.5
+law = "linear"
+modulus_MPa = 3000
+poisson = 0.35
+
+[[layers]]
+name = "base"
+thickness_mm = 250
+density_kg_m3 = 2200
+k0 = 0.5
+law = "uzan"
+k1 = 2000
+k2 = 0.5
+k3 = -0.3
+n = 0.5
+poisson_12 = 0.35
+poisson_31 = 0.35
+
+[[layers]]
+name = "subgrade"
+thickness_mm = 1210
+density_kg_m3 = 1900
+k0 = 0.5
+law = "linear"
+modulus_MPa = 45
+poisson = 0.40
+
+[[loads]]
+name = "fwd"
+type = "plate"
+radius_mm = 150
+pressure_kPa = 600
+
+[mesh]
+extent_m = 3.0
+refine = 0.4
+
+[data]
+files = ["small.csv"]
+misfit = "log"
+
+[[parameters]]
+name = "base.k1"
+min = 500
+max = 8000
+scale = "log"
+points = 4
+
+[[parameters]]
+name = "base.n"
+min = 0.1
+max = 4.5
+points = 3
+
+[[outputs]]
+name = "subgrade-top-strain"
+load = "fwd"
+quantity = "strain_zz"
+depth_mm = 310
+"""
+
+DATA = """# made up, of the right size
+load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma
+fwd,deflection,0,0,0,0,0.95,mm,
+fwd,deflection,300,0,0,0,520,um,
+fwd,deflection,600,0,0,0,0.21,mm,
+fwd,strain_zz,0,0,180,75,0.0008,strain,
+"""
+
+
+def write_study(folder, study=STUDY, data=DATA, name="small"):
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{name}.toml").write_text(study)
+    if data is not None:
+        (folder / "small.csv").write_text(data)
+    return folder / f"{name}.toml"
