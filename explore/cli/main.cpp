@@ -3,9 +3,14 @@
 #include "run/interrupt.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 int main(int argc, char** argv) {
     namespace cli = explore::cli;
+    // Sparse factorisations allocate and free the same few megabytes thousands of times: keep them.
+    mallopt(M_MMAP_THRESHOLD, 1 << 30);
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
+    mallopt(M_TOP_PAD, 16 << 20);
     CLI::App app{"Pavescape calibrates stress-dependent pavement models and says whether the answer can be trusted."};
     app.name("pavescape");
     app.set_version_flag("--version", PAVESCAPE_VERSION);

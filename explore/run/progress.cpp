@@ -1,6 +1,6 @@
 #include "run/progress.h"
 
-#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -11,7 +11,7 @@ std::string duration_words(double seconds) {
     if (seconds < 59.5) {
         return fmt::format("{:.{}f} s", seconds, seconds < 9.95 ? 1 : 0);
     }
-    const auto whole = static_cast<long>(seconds + 0.5);
+    const long whole = std::lround(seconds);
     return whole < 3600 ? fmt::format("{} min {:02} s", whole / 60, whole % 60)
                         : fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }

@@ -16,7 +16,9 @@ namespace explore::run {
 struct RunNumber {
     int start = -1; // -1: the design
     int number = 0;
-    auto operator<=>(const RunNumber&) const = default;
+    friend bool operator<(const RunNumber& a, const RunNumber& b) {
+        return a.start != b.start ? a.start < b.start : a.number < b.number;
+    }
 };
 
 // What one command was asked to do. Equal keys: the same run, continued.

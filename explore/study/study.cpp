@@ -87,6 +87,7 @@ Load read_load(const toml::table& table, const std::string& file) {
 template <class T>
 std::vector<std::string> names_of(const std::vector<T>& items) {
     std::vector<std::string> names;
+    names.reserve(items.size());
     for (const T& item : items) {
         names.push_back(item.name);
     }
