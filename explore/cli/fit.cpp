@@ -107,14 +107,41 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
     if (!loose.empty()) {
         text.push_back("Searches that fit equally well ended with " + pave::join(loose) + ".");
     }
+    // A standard error that spans half of what the study allows says nothing about the parameter.
+    std::vector<std::string> unseen;
+    for (std::size_t k = 0; k < problem.space.axes.size(); ++k) {
+        const bool at_bound = best.unit[k] <= 0.0 || best.unit[k] >= 1.0;
+        if (!at_bound && local.standard_error[k] > 0.5) {
+            unseen.push_back(problem.space.axes[k].name);
+        }
+    }
+    if (!unseen.empty() && local.degrees_of_freedom > 0) {
+        text.push_back(fmt::format("Not determined one by one (the standard error spans half of the allowed range or "
+                                   "more): {}. Other values fit these data as well, and what they predict elsewhere "
+                                   "may differ.",
+                                   pave::join(unseen)));
+    }
     if (!best.on_bound.empty()) {
         text.push_back(pave::join(best.on_bound) +
                        ": the data ask for more than the study allows there, or do not see it.");
     }
     if (local.noise > 0.0 && local.weakest_growth < 3.0 * local.noise) {
-        text.push_back(fmt::format("Least determined: moving {} changes the misfit by less than {} (noise about {}).",
-                                   direction_words(problem.space, best.unit, local.weakest),
-                                   figure(std::max(local.weakest_growth, 1e-6)), figure(local.noise)));
+        text.push_back(
+            fmt::format("Along one combination the data hardly see a change: {} together change the residuals "
+                        "by {}, where the noise is {}.",
+                        direction_words(problem.space, best.unit, local.weakest), figure(local.weakest_growth),
+                        figure(local.noise)));
+    }
+    const Eigen::VectorXd residuals = problem.misfit.residuals(best.evaluation.responses);
+    Eigen::Index worst = 0;
+    const double largest = residuals.cwiseAbs().maxCoeff(&worst);
+    if (residuals.size() > 2 && largest * largest > 0.5 * residuals.squaredNorm()) {
+        const auto i = static_cast<std::size_t>(worst);
+        text.push_back(
+            fmt::format("One reading makes {:.0f} % of the sum of squares: {}, measured {:g}, model {}. Either "
+                        "it or the model is wrong there.",
+                        100.0 * largest * largest / residuals.squaredNorm(), run_header(study, "", "").responses[i],
+                        study.measurements[i].value, figure(best.evaluation.responses[i] / study.response_to_si(i))));
     }
     if (local.degrees_of_freedom <= 0) {
         text.push_back(fmt::format("{} for {} free: the data cannot tell noise from a wrong model, and no error of the "
@@ -213,8 +240,9 @@ int fit(FitOptions options) {
     for (std::size_t k = 0; k < best.unit.size(); ++k) {
         const problem::Axis& axis = problem.space.axes[k];
         const double error = local.standard_error[k] * axis.d_physical(best.unit[k]);
-        parameters.add({axis.name, figure(best.evaluation.parameters[k]), std::isfinite(error) ? figure(error) : "none",
-                        figure(axis.low), figure(axis.high)});
+        parameters.add({axis.name, figure(best.evaluation.parameters[k]),
+                        local.standard_error[k] > 1.0 ? "> range" : figure(error), figure(axis.low),
+                        figure(axis.high)});
     }
     fmt::print("{}\n{}", parameters.text(), response_table(study, best.evaluation.responses));
     for (const std::string& warning : best.evaluation.warnings) {
