@@ -37,8 +37,8 @@ for folder, layers in (("src", SRC), ("explore", EXPLORE)):
             check(str(path.relative_to(ROOT / folder)) in listed, f"{path} is not built")
 
 readme = (ROOT / "README.md").read_text()
-commands = re.findall(r"^\$? ?(?:build/release/explore/)?pavescape (\w+) ?(\S*)", readme, re.M)
-check(len(commands) >= 4, "the README shows the commands")
+commands = re.findall(r"^ +pavescape (\w+) ?(\S*)", readme, re.M)
+check(len(commands) >= 6, "the README shows the commands")
 for name, study in commands:
     check(run(name, "--help").returncode == 0, f"README: pavescape {name} is not a command")
     if study.startswith("grids/"):

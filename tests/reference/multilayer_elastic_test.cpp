@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -187,9 +188,10 @@ TEST(MultilayerElastic, SettlesLikeAnOedometerUnderAWideLoadOnARigidFloor) {
         const double nu = layer.poisson;
         settlement += q * layer.thickness * (1.0 + nu) * (1.0 - 2.0 * nu) / ((1.0 - nu) * layer.modulus);
     }
-    const ElasticField top = multilayer_elastic(layers, Floor::rigid_rough, 20.0, q, 0.0, 0.0);
+    constexpr double a = 60.0; // the stiff layer spreads the edge over about 1.2 m
+    const ElasticField top = multilayer_elastic(layers, Floor::rigid_rough, a, q, 0.0, 0.0);
     expect_relative(top.u_z, settlement, 1e-6, "surface");
-    const ElasticField inside = multilayer_elastic(layers, Floor::rigid_rough, 20.0, q, 1.0, 0.35);
+    const ElasticField inside = multilayer_elastic(layers, Floor::rigid_rough, a, q, 1.0, 0.35);
     expect_relative(inside.sigma_zz, -q, 1e-6, "sigma_zz");
     expect_relative(inside.sigma_rr, -q * 0.4 / 0.6, 1e-6, "sigma_rr");
     EXPECT_NEAR(inside.eps_rr, 0.0, 1e-6 * q / 60e6);
@@ -229,14 +231,14 @@ TEST(MultilayerElastic, ReproducesTheAmadeusDualWheel) {
     EXPECT_NEAR(vertical(0.17, 0.17, 0.76) / micro, -177.0, 0.5);
 }
 
-// r = e^s from the axis outwards, so that Simpson's rule reaches far.
+// Out to 300 depths. On a half-space sigma_zz falls off with r^-5 only.
 double vertical_force(Floor floor, double z) {
     const auto ring = [&](double r) {
         return 2.0 * pi * r * multilayer_elastic(tank, floor, tank_radius, tank_pressure, r, z).sigma_zz;
     };
     const double near = integral(0.0, 0.5, 200, ring);
-    return near +
-           integral(std::log(0.5), std::log(300.0), 240, [&](double s) { return std::exp(s) * ring(std::exp(s)); });
+    return near + integral(std::log(0.5), std::log(std::max(15.0, 300.0 * z)), 200,
+                           [&](double s) { return std::exp(s) * ring(std::exp(s)); });
 }
 
 TEST(MultilayerElastic, CarriesTheWholeLoadOnEveryHorizontalPlane) {
@@ -369,7 +371,8 @@ TEST(MultilayerElastic, ApproachesTheHalfSpaceWithARigidFloorFarDown) {
             const ElasticField endless = at(Floor::half_space, 0.0, r, z);
             const ElasticField far = at(Floor::rigid_rough, 100.0, r, z);
             const ElasticField farther = at(Floor::rigid_rough, 1000.0, r, z);
-            // A floor at H holds back about P (1 - nu^2) / (pi E H) times a number near one.
+            // A floor at depth H holds back displacements of about P / (E H), so strains of about P / (E H^2), here
+            // 1e-3 microstrain.
             EXPECT_LT(far.u_z, farther.u_z);
             EXPECT_LT(farther.u_z, endless.u_z);
             expect_relative(endless.u_z - far.u_z, 10.0 * (endless.u_z - farther.u_z), 0.01, "u_z");
