@@ -6,7 +6,7 @@
 // "Pavement Analysis and Design", appendix B; G. Eason, B. Noble, I. N. Sneddon, "On certain integrals of
 // Lipschitz-Hankel type involving products of Bessel functions" (1955), for the half-space under a circle.
 //
-// Accuracy: better than 1e-6 of the largest value of the same quantity at the same depth, at the surface, on the axis
+// Accuracy: better than 1e-10 of the largest value of the same quantity at the same depth, at the surface, on the axis
 // and at the edge of the circle too. Results far from the load that are much smaller than that lose digits.
 // Limits: at z = 0 and r = radius, where the pressure jumps, stress and strain are the mean of their values on both
 // sides. The work grows with (radius + r)/d, where d is z below the first interface and 2 h - z in a first layer of

@@ -76,18 +76,18 @@ void expect_boussinesq_on_the_axis(const Stack& layers, double modulus, double n
         const double sigma_r = -q / 2.0 * (1.0 + 2.0 * nu - 2.0 * (1.0 + nu) * z / d + std::pow(z / d, 3));
         const double u_z = (1.0 + nu) * q / modulus * (a * a / d + (1.0 - 2.0 * nu) * a * a / (d + z));
         const ElasticField field = multilayer_elastic(layers, Floor::half_space, a, q, 0.0, z);
-        expect_relative(field.u_z, u_z, 1e-6, where);
+        expect_relative(field.u_z, u_z, 1e-10, where);
         EXPECT_EQ(field.u_r, 0.0);
-        EXPECT_NEAR(field.sigma_rr, field.sigma_tt, 1e-6 * q);
-        EXPECT_NEAR(field.sigma_zz, sigma_z, 1e-6 * q) << where;
-        EXPECT_NEAR(field.sigma_rr, sigma_r, 1e-6 * q) << where;
-        EXPECT_NEAR(field.sigma_rz, 0.0, 1e-6 * q) << where;
-        EXPECT_NEAR(field.eps_zz, (sigma_z - 2.0 * nu * sigma_r) / modulus, 1e-6 * q / modulus) << where;
-        EXPECT_NEAR(field.eps_rr, ((1.0 - nu) * sigma_r - nu * sigma_z) / modulus, 1e-6 * q / modulus) << where;
-        EXPECT_NEAR(field.eps_tt, field.eps_rr, 1e-6 * q / modulus) << where;
+        EXPECT_NEAR(field.sigma_rr, field.sigma_tt, 1e-10 * q);
+        EXPECT_NEAR(field.sigma_zz, sigma_z, 1e-10 * q) << where;
+        EXPECT_NEAR(field.sigma_rr, sigma_r, 1e-10 * q) << where;
+        EXPECT_NEAR(field.sigma_rz, 0.0, 1e-10 * q) << where;
+        EXPECT_NEAR(field.eps_zz, (sigma_z - 2.0 * nu * sigma_r) / modulus, 1e-10 * q / modulus) << where;
+        EXPECT_NEAR(field.eps_rr, ((1.0 - nu) * sigma_r - nu * sigma_z) / modulus, 1e-10 * q / modulus) << where;
+        EXPECT_NEAR(field.eps_tt, field.eps_rr, 1e-10 * q / modulus) << where;
     }
     const double u_z = multilayer_elastic(layers, Floor::half_space, a, q, 0.0, 0.0).u_z;
-    expect_relative(u_z, 2.0 * (1.0 - nu * nu) * q * a / modulus, 1e-6, "surface");
+    expect_relative(u_z, 2.0 * (1.0 - nu * nu) * q * a / modulus, 1e-10, "surface");
 }
 
 TEST(MultilayerElastic, ReproducesBoussinesqUnderACircle) {
