@@ -18,7 +18,7 @@ struct Pair {
 
 // The load factor as a function of the path coordinate s in [0, 1]. The soil is nearly unstressed at the start and its
 // modulus changes with the logarithm of the load: equal steps in s are small steps in load there.
-constexpr double path_growth = 5.0;
+constexpr double path_growth = 4.0;
 double load_factor(double s) {
     return std::expm1(path_growth * s) / std::expm1(path_growth);
 }
