@@ -1,15 +1,29 @@
 // pavescape export: the evaluations of a run, one line each in run order.
 #include "cli/common.h"
 #include "data/csv.h"
+#include "report/table.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace explore::cli {
 namespace {
 
-int export_run(const std::string& folder, const std::string& format) {
+// wanted: the command whose last run is exported; empty: the run used last.
+int export_run(const std::string& folder, const std::string& format, const std::string& wanted) {
     const run::Store store(folder, false);
-    const run::RunHeader header = store.newest();
+    const auto runs = store.runs();
+    const auto chosen = std::find_if(
+        runs.begin(), runs.end(), [&](const run::RunHeader& r) { return wanted.empty() || r.key.command == wanted; });
+    if (chosen == runs.end()) {
+        throw pave::Error({.file = folder, .key = "--command"}, "this folder holds no run of that command", wanted,
+                          runs[0].key.command);
+    }
+    const run::RunHeader& header = *chosen;
+    if (runs.size() > 1) {
+        fmt::print(stderr, "exporting: {} ({}); {} more in this folder (--command)\n", header.key.command,
+                   header.key.settings, report::counted(runs.size() - 1, "run", "runs"));
+    }
     const auto phase = [](run::RunNumber n) { return n.start < 0 ? "design" : "search"; };
     if (format == "json") {
         report::Json json = {{"command", header.key.command},       {"settings", header.key.settings},
@@ -67,11 +81,13 @@ void add_export(CLI::App& app, Action& action) {
     auto folder = std::make_shared<std::string>();
     auto format = std::make_shared<std::string>("csv");
     command->add_option("RUN", *folder, "folder of the run")->required();
+    auto wanted = std::make_shared<std::string>();
+    command->add_option("--command", *wanted, "of the runs in the folder the last one of this command: map or fit");
     command->add_option("--format", *format, "csv or json")
         ->check(CLI::IsMember({"csv", "json"}))
         ->capture_default_str();
     command->footer("Example: pavescape export output/captif-p1-fwd > points.csv");
-    command->callback([=, &action] { action = [=] { return export_run(*folder, *format); }; });
+    command->callback([=, &action] { action = [=] { return export_run(*folder, *format, *wanted); }; });
 }
 
 } // namespace explore::cli

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
 
 namespace explore::cli {
 namespace {
@@ -74,11 +75,18 @@ std::string direction_words(const problem::ParameterSpace& space, const std::vec
 std::vector<std::string> findings(const study::Study& study, const problem::Problem& problem,
                                   const landscape::MultistartResult& result, const landscape::LocalAnalysis& local) {
     std::vector<std::string> text;
+    const bool weighted_by_noise =
+        study.data.misfit == problem::MisfitKind::weighted && study.noise == study::NoiseSource::stated;
     const Minimum& best = result.minima[0];
     const std::size_t starts = result.ends.size();
     const auto close = rivals(result.minima, local);
-    text.push_back(fmt::format("{} of {} starts ended in the best minimum{}.", best.members.size(), starts,
-                               best.converged ? "" : ", whose search had not converged when it was ended"));
+    const std::string unfinished = best.converged ? "" : ", whose search had not converged when it was ended";
+    if (starts == 1) {
+        text.push_back(fmt::format("One search from one start{}: it says nothing about other minima.", unfinished));
+    } else {
+        text.push_back(
+            fmt::format("{} of {} starts ended in the best minimum{}.", best.members.size(), starts, unfinished));
+    }
     if (close.size() > 1) {
         text.push_back(fmt::format("{} minima fit these data equally well within their noise: the data do not single "
                                    "out one of them.",
@@ -87,7 +95,7 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
         text.push_back(fmt::format("The next minimum has a misfit {:.2g} times as large: a search from a single start "
                                    "could have ended there.",
                                    result.minima[1].evaluation.misfit / best.evaluation.misfit));
-    } else {
+    } else if (starts > 1) {
         text.push_back("No start ended anywhere else. That does not prove that there is no other minimum.");
     }
     // How far each parameter reaches over everything that fits as well.
@@ -105,7 +113,8 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
         }
     }
     if (!loose.empty()) {
-        text.push_back("Searches that fit equally well ended with " + pave::join(loose) + ".");
+        text.push_back("Searches that fit equally well ended with " + pave::join(loose) +
+                       ": what fits as well reaches at least that far.");
     }
     // A standard error that spans half of what the study allows says nothing about the parameter.
     std::vector<std::string> unseen;
@@ -127,15 +136,16 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
     }
     if (local.noise > 0.0 && local.weakest_growth < 3.0 * local.noise) {
         text.push_back(
-            fmt::format("Along one combination the data hardly see a change: {} together change the residuals "
-                        "by {}, where the noise is {}.",
+            fmt::format("The data hardly see this change: {}. It changes the residuals by {}, where their noise is {}.",
                         direction_words(problem.space, best.unit, local.weakest), figure(local.weakest_growth),
                         figure(local.noise)));
     }
     const Eigen::VectorXd residuals = problem.misfit.residuals(best.evaluation.responses);
     Eigen::Index worst = 0;
     const double largest = residuals.cwiseAbs().maxCoeff(&worst);
-    if (residuals.size() > 2 && largest * largest > 0.5 * residuals.squaredNorm()) {
+    // Residuals in units of stated noise are only news when they are large.
+    const bool within_noise = weighted_by_noise && largest < 3.0;
+    if (residuals.size() > 2 && !within_noise && largest * largest > 0.5 * residuals.squaredNorm()) {
         const auto i = static_cast<std::size_t>(worst);
         text.push_back(
             fmt::format("One reading makes {:.0f} % of the sum of squares: {}, measured {:g}, model {}. Either "
@@ -143,12 +153,25 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
                         100.0 * largest * largest / residuals.squaredNorm(), run_header(study, "", "").responses[i],
                         study.measurements[i].value, figure(best.evaluation.responses[i] / study.response_to_si(i))));
     }
+    if (weighted_by_noise && local.degrees_of_freedom > 0) {
+        const double chi2 = best.evaluation.misfit * best.evaluation.misfit;
+        const double p = gsl_cdf_chisq_Q(chi2, local.degrees_of_freedom);
+        text.push_back(fmt::format(
+            "{}: chi2 = {} with {}, p = {:.2g}.",
+            p < 0.05 ? "The model does not fit these data within their stated noise"
+                     : "The fit is consistent with the stated noise",
+            figure(chi2),
+            counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom"), p));
+    }
     if (local.degrees_of_freedom <= 0) {
         text.push_back(fmt::format("{} for {} free: the data cannot tell noise from a wrong model, and no error of the "
                                    "parameters can be given.",
                                    counted(problem.misfit.size(), "reading", "readings"),
                                    counted(problem.space.axes.size(), "parameter", "parameters")));
     } else if (study.noise == study::NoiseSource::estimated) {
+        if (study.data.misfit == problem::MisfitKind::weighted) {
+            text.push_back("No reading states a standard deviation: each was weighted by its own size.");
+        }
         text.push_back(fmt::format(
             "The data state no noise. Taken from what the fit leaves over, with only {}, one "
             "residual has a standard deviation of {}.",
@@ -200,6 +223,11 @@ int fit(FitOptions options) {
                          {"search_evaluations", evaluations},
                          {"starts", result->ends.size()},
                          {"explored", design.name},
+                         {"scheme", options.scheme},
+                         {"method", options.multistart.method},
+                         {"seed", options.common.seed},
+                         {"study", {{"file", study.file}, {"title", study.title}, {"hash", study.hash}}},
+                         {"version", PAVESCAPE_VERSION},
                          {"statuses", statuses},
                          {"misfit_kind", std::string(to_string(study.data.misfit))},
                          {"noise",
@@ -274,7 +302,7 @@ int fit(FitOptions options) {
     for (const std::string& sentence : words) {
         fmt::print("  {}\n", sentence);
     }
-    fmt::print("\n  results: {}/fit.json; every evaluation: pavescape export {}\n", folder, folder);
+    fmt::print("\n  results: {}/fit.json; every evaluation: pavescape export {} --command fit\n", folder, folder);
     return done;
 }
 

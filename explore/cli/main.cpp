@@ -2,6 +2,8 @@
 #include "cli/common.h"
 #include "run/interrupt.h"
 
+#include <algorithm>
+#include <cstdio>
 #include <fmt/format.h>
 #include <malloc.h>
 
@@ -21,6 +23,16 @@ int main(int argc, char** argv) {
     cli::add_fit(app, action);
     cli::add_twin(app, action);
     cli::add_export(app, action);
+    std::vector<std::string> names;
+    for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+        names.push_back(command->get_name());
+    }
+    if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
+        const std::string near = pave::nearest_name(argv[1], names);
+        fmt::print(stderr, "pavescape: unknown command \"{}\"{}; allowed: {}\n", argv[1],
+                   near.empty() ? "" : ", did you mean \"" + near + "\"?", pave::join(names));
+        return cli::wrong_input;
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -29,7 +41,12 @@ int main(int argc, char** argv) {
     }
     explore::run::catch_interrupts();
     try {
-        return action();
+        const int status = action();
+        if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+            fmt::print(stderr, "pavescape: the output could not be written in full\n");
+            return cli::computation_failed;
+        }
+        return status;
     } catch (const pave::Error& error) {
         fmt::print(stderr, "pavescape: {}\n", error.what());
         return cli::wrong_input;

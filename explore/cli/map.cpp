@@ -120,7 +120,7 @@ int map(const MapOptions& options) {
         }
         table.add(std::move(row));
     }
-    fmt::print("\n{}\n  all points: pavescape export {}\n", table.text(), folder);
+    fmt::print("\n{}\n  all points: pavescape export {} --command map\n", table.text(), folder);
     return done;
 }
 

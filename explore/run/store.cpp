@@ -180,24 +180,28 @@ int Store::begin(const RunHeader& header) {
     });
 }
 
-RunHeader Store::newest() const {
+std::vector<RunHeader> Store::runs() const {
     const std::scoped_lock lock(mutex_);
     const auto& m = *implementation_;
     return m.guarded([&] {
         SQLite::Statement row(m.database, "SELECT id, command, study_hash, settings, version, header FROM run "
-                                          "ORDER BY used DESC LIMIT 1");
-        if (!row.executeStep()) {
+                                          "ORDER BY used DESC");
+        std::vector<RunHeader> list;
+        while (row.executeStep()) {
+            RunHeader header;
+            header.id = row.getColumn(0).getInt();
+            header.key = {row.getColumn(1).getString(), row.getColumn(2).getString(), row.getColumn(3).getString()};
+            header.version = row.getColumn(4).getString();
+            const auto columns = nlohmann::json::parse(row.getColumn(5).getString());
+            header.parameters = columns["parameters"].get<std::vector<std::string>>();
+            header.responses = columns["responses"].get<std::vector<std::string>>();
+            header.response_to_si = columns["response_to_si"].get<std::vector<double>>();
+            list.push_back(std::move(header));
+        }
+        if (list.empty()) {
             throw pave::Error({.file = m.file}, "the store holds no run", {}, "the folder of a run");
         }
-        RunHeader header;
-        header.id = row.getColumn(0).getInt();
-        header.key = {row.getColumn(1).getString(), row.getColumn(2).getString(), row.getColumn(3).getString()};
-        header.version = row.getColumn(4).getString();
-        const auto columns = nlohmann::json::parse(row.getColumn(5).getString());
-        header.parameters = columns["parameters"].get<std::vector<std::string>>();
-        header.responses = columns["responses"].get<std::vector<std::string>>();
-        header.response_to_si = columns["response_to_si"].get<std::vector<double>>();
-        return header;
+        return list;
     });
 }
 

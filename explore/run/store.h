@@ -50,7 +50,8 @@ public:
 
     // The run with this key: the one begun before, or a new one. It becomes the newest of the store.
     int begin(const RunHeader& header);
-    RunHeader newest() const;
+    // Every run of the store, the one used last first. Never empty (throws).
+    std::vector<RunHeader> runs() const;
 
     // Keeps an evaluation for good: when this returns, ending the process loses nothing of it.
     void put(int run, RunNumber number, const problem::Evaluation& evaluation);

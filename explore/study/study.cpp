@@ -243,6 +243,7 @@ std::vector<double> largest_of_group(const Study& study) {
 void set_noise(Study& study) {
     const auto largest = largest_of_group(study);
     const bool has_model = study.data.noise_relative || study.data.noise_floor;
+    const data::Measurement* without = nullptr; // the first reading without a standard deviation
     for (std::size_t i = 0; i < study.measurements.size(); ++i) {
         const auto& m = study.measurements[i];
         double sigma = 0.0;
@@ -252,14 +253,23 @@ void set_noise(Study& study) {
             sigma = std::hypot(study.data.noise_relative.value_or(0.0) * m.value * m.unit.to_si,
                                study.data.noise_floor.value_or(0.0) * largest[i]);
         }
-        if (!(sigma > 0.0)) {
-            study.sigma.clear();
-            study.noise = NoiseSource::estimated;
-            return;
+        if (sigma > 0.0) {
+            study.sigma.push_back(sigma);
+        } else if (without == nullptr) {
+            without = &m;
         }
-        study.sigma.push_back(sigma);
     }
-    study.noise = NoiseSource::stated;
+    if (without == nullptr) {
+        study.noise = NoiseSource::stated;
+        return;
+    }
+    if (!study.sigma.empty()) {
+        throw pave::Error({.file = without->file, .line = without->line, .key = "sigma"},
+                          "this reading has no standard deviation where others have one", "nothing",
+                          "a sigma, or [data] noise_relative or noise_floor for the readings without one, or no sigma "
+                          "at all: the noise is then estimated");
+    }
+    study.noise = NoiseSource::estimated;
 }
 
 std::string hash_of(toml::table table, const Study& study) {
@@ -370,9 +380,12 @@ Study load_study(const std::string& file) {
             r.number("equilibrium_tolerance", 1e-12, 1e-4, false, settings.solver.equilibrium_tolerance);
         r.done();
     }
+    // Unless stated, the wall stands where the sensors and the depth want it: set when all of them are known.
+    constexpr double not_stated = 1e9;
+    study.model.settings.extent = not_stated;
     if (const auto* mesh = reader.table("mesh")) {
         TableReader r(*mesh, file, "[mesh]");
-        study.model.settings.extent = r.number("extent_m", 0.1, 1000.0, false, 4.0);
+        study.model.settings.extent = r.number("extent_m", 0.1, 1000.0, false, not_stated);
         study.model.settings.refine = r.number("refine", 0.25, 16.0, false, 1.0);
         r.done();
     }
@@ -383,6 +396,9 @@ Study load_study(const std::string& file) {
     for (const auto* output : reader.tables("outputs")) {
         study.outputs.push_back(read_output(*output, file, study.model));
         study.model.sensors.push_back(study.outputs.back().sensor);
+    }
+    if (study.model.settings.extent == not_stated) {
+        study.model.settings.extent = study.model.default_extent();
     }
     for (const auto* parameter : reader.tables("parameters")) {
         read_parameter(*parameter, study);

@@ -39,8 +39,9 @@ struct Study {
     std::vector<data::Measurement> measurements;
     std::vector<Output> outputs;
     NoiseSource noise = NoiseSource::estimated;
-    std::vector<double> sigma; // SI, one a measurement; empty when the noise is to be estimated
-    std::string hash;          // of everything that changes a result: model, parameters, data
+    // SI, one a measurement; empty when the noise is to be estimated (misfit "weighted" then weighs by |measured|).
+    std::vector<double> sigma;
+    std::string hash; // of everything that changes a result: model, parameters, data
 
     // Name without folder and ending: the default folder of its results.
     std::string stem() const;

@@ -159,19 +159,35 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
                 return not_definite;
             }
         }
-        // Energy of the error of the stress against the energy of the stress (complementary energy, current modulus).
+        // Error of the step in stress and in strain, as energies with the current modulus, against those of the stress
+        // and strain reached. Both: where statics alone fix the stress, only the strain tells.
+        w.step_error.setZero(w.model.free_unknowns);
+        for (int i = 0; i < Pair::stages; ++i) {
+            w.step_error += (h * Pair::error[i]) * slope[i].u;
+        }
         double error = 0.0;
         double energy = 0.0;
-        for (int q = 0; q < points; ++q) {
-            const int e = w.active[q / Element::gauss];
-            const auto& compliance = w.prepared_of(e).compliance;
-            const double factor = w.point(e, q % Element::gauss).weight / modulus[q];
-            Stress difference = Stress::Zero();
-            for (int i = 0; i < Pair::stages; ++i) {
-                difference += (h * Pair::error[i]) * slope[i].stress.col(q);
+        for (std::size_t a = 0; a < w.active.size(); ++a) {
+            const int e = w.active[a];
+            const auto& p = w.prepared_of(e);
+            const Vector wrong = w.model.gather(e, w.step_error.data());
+            const Vector reached = w.model.gather(e, trial.u.data());
+            for (int g = 0; g < Element::gauss; ++g) {
+                const int q = static_cast<int>(a) * Element::gauss + g;
+                const auto& point = w.point(e, g);
+                Stress difference = Stress::Zero();
+                for (int i = 0; i < Pair::stages; ++i) {
+                    difference += (h * Pair::error[i]) * slope[i].stress.col(q);
+                }
+                const Stress stress = trial.stress.col(q);
+                const Stress wrong_strain = Element::strain(point, wrong);
+                const Stress strain = Element::strain(point, reached);
+                const double softness = point.weight / modulus[q];
+                const double stiffness = point.weight * modulus[q];
+                error += softness * difference.dot(p.compliance * difference) +
+                         stiffness * wrong_strain.dot(p.unit * wrong_strain);
+                energy += softness * stress.dot(p.compliance * stress) + stiffness * strain.dot(p.unit * strain);
             }
-            error += factor * difference.dot(compliance * difference);
-            energy += factor * trial.stress.col(q).dot(compliance * trial.stress.col(q));
         }
         const double relative = std::sqrt(error / energy);
         if (!(relative <= settings.path_tolerance)) {

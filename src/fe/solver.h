@@ -18,8 +18,8 @@
 namespace pave::fe {
 
 struct SolverSettings {
-    // incremental: error of the stress increment in one step, in energy, relative to the stress reached.
-    double path_tolerance = 5e-4;
+    // incremental: error of one step in stress and strain, in energy, relative to what is reached.
+    double path_tolerance = 2e-3;
     // secant: unbalanced force relative to the load.
     double equilibrium_tolerance = 1e-9;
 };

@@ -70,6 +70,7 @@ struct Solver<Element>::Work {
     std::vector<PathState<Element>> path;
     Eigen::VectorXd modulus;
     Eigen::VectorXd modulus_rate;
+    Eigen::VectorXd step_error; // of the displacement
 
     int points() const { return static_cast<int>(active.size()) * Element::gauss; }
     int count() const { return static_cast<int>(variations->size()); }

@@ -341,6 +341,12 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
     response.statistics.tension_share = tension;
     response.statistics.unstable_share = unstable;
     response.statistics.limited_share = limited;
+    if (values.settings.extent < 1.99 * values.depth()) {
+        response.warnings.push_back(
+            fmt::format("the wall ([mesh] extent_m = {:g}) stands nearer than twice the depth of "
+                        "the section ({:g} m): far deflections feel it",
+                        values.settings.extent, values.depth()));
+    }
     // Shares are weighted by the energy of the load stress: what is far away and hardly loaded does not count.
     if (tension > 0.05) {
         response.warnings.push_back(percent(tension) + " of the stress-dependent material is in tension (theta < 0)");

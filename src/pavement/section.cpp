@@ -1,5 +1,6 @@
 #include "pavement/section.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -15,6 +16,14 @@ double Case::depth() const {
         depth += layer.thickness;
     }
     return depth;
+}
+
+double Case::default_extent() const {
+    double extent = std::max(4.0, 2.0 * depth());
+    for (const Sensor& sensor : sensors) {
+        extent = std::max(extent, 2.0 * std::hypot(sensor.x, sensor.y));
+    }
+    return extent;
 }
 
 } // namespace pave::pavement

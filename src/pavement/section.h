@@ -73,7 +73,7 @@ enum class Integration { incremental, secant };
 
 struct Settings {
     Integration integration = Integration::incremental;
-    double extent = 4.0; // m: the smooth wall
+    double extent = 4.0; // m: the smooth wall; see default_extent()
     double refine = 1.0;
     fe::SolverSettings solver;
 };
@@ -86,6 +86,9 @@ struct Case {
     Settings settings;
 
     double depth() const;
+    // Where the wall stands unless a study says otherwise: 4 m, or twice the depth of the section, or twice the
+    // distance of the farthest sensor. Nearer than twice the depth, the wall shows in the far deflections.
+    double default_extent() const;
 };
 
 } // namespace pave::pavement

@@ -199,9 +199,10 @@ TEST(Store, KeepsRunsWithOtherSettingsApart) {
     e.reason = "because";
     store.put(one, {-1, 0}, e);
     EXPECT_TRUE(table_of(store, two).empty());
-    EXPECT_EQ(store.newest().id, two);
+    EXPECT_EQ(store.runs().front().id, two);
     EXPECT_EQ(store.begin(header("one")), one);
-    EXPECT_EQ(store.newest().id, one);
+    EXPECT_EQ(store.runs().front().id, one);
+    EXPECT_EQ(store.runs().size(), 2U);
     std::filesystem::remove_all(folder);
 }
 

@@ -209,6 +209,53 @@ TEST(PatchTest, ConfinedCompressionOfTwoLayersIsExact) {
     }
 }
 
+// A weightless layer with locked-in stress under confined compression: stress follows from the load alone (the ratio of
+// horizontal to vertical stress is that of D1133 to D3333), so that strain is a plain integral of the modulus over the
+// load.
+TEST(LoadPath, OfConfinedCompressionIsTheIntegralOfTheModulusOverTheLoad) {
+    const double p = 4e5;
+    Layer layer = uzan_layer(
+        "base", 1.0, {.k1 = 800, .k2 = 0.7, .k3 = -0.8, .n = 0.5, .delta = 5e3, .eta = 0.0, .residual_stress = 3e3});
+    layer.density = 0.0;
+    const auto layers = materials({layer});
+    const mechanics::Stiffness<4> c = layers[0].law->unit_stiffness(layers[0].parameters).topLeftCorner<4, 4>();
+    const auto modulus_at = [&](double vertical) {
+        const double horizontal = vertical * c(0, 2) / c(2, 2);
+        const Element::Stress total =
+            layers[0].initial_stress<4>(0.5) - Element::Stress(horizontal, horizontal, vertical, 0.0);
+        return layers[0].law->modulus(layers[0].parameters, mechanics::invariants<4>(total)).value;
+    };
+    double exact = 0.0; // Simpson's rule on a grid graded towards zero load
+    constexpr int panels = 20000;
+    for (int i = 0; i < panels; ++i) {
+        const auto load_at = [&](double x) { return p * std::pow(x / panels, 3); };
+        const double a = load_at(i), b = load_at(i + 1);
+        exact +=
+            (b - a) / 6.0 * (1.0 / modulus_at(a) + 4.0 / modulus_at((a + b) / 2.0) + 1.0 / modulus_at(b)) / c(2, 2);
+    }
+    const auto model = fe::axisymmetric_model(mesh::axisymmetric_mesh({0.0, 0.5, 1.0}, {0.0, 0.5, 1.0}, {1.0}));
+    const auto load = load_of(model, [&](int, double, double) { return Element::Stress(0.0, 0.0, -p, 0.0); });
+    fe::Solver<Element> solver(model);
+    double last = 1.0;
+    for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+        const auto solved = solver.incremental(layers, load, {}, {.path_tolerance = tolerance});
+        ASSERT_TRUE(solved);
+        const double strain = -Element::strain(model.points[0], model.gather(0, solved->displacement.data()))[2];
+        const double error = std::abs(strain / exact - 1.0);
+        std::printf("  tolerance %.0e: %3d steps, error %.1e\n", tolerance, solved->statistics.load_steps, error);
+        EXPECT_LT(error, 3.0 * tolerance);
+        // Third order: a thousand times the accuracy for ten times the steps.
+        EXPECT_LT(solved->statistics.load_steps, 12.0 / std::cbrt(tolerance / 1e-2));
+        last = error;
+    }
+    EXPECT_LT(last, 1e-6);
+    // The secant law needs no integral: strain = p / (E(final stress) D3333).
+    const auto secant = solver.secant(layers, load, {}, {});
+    ASSERT_TRUE(secant);
+    const double strain = -Element::strain(model.points[0], model.gather(0, secant->displacement.data()))[2];
+    EXPECT_NEAR(strain * modulus_at(p) * c(2, 2) / p, 1.0, 1e-8);
+}
+
 TEST(Equilibrium, ReactionOfTheFloorEqualsTheLoad) {
     for (const auto integration : {Integration::incremental, Integration::secant}) {
         const Case c =
