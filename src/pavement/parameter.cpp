@@ -4,7 +4,6 @@
 #include "base/units.h"
 
 #include <cmath>
-#include <fmt/format.h>
 
 namespace pave::pavement {
 
@@ -121,10 +120,6 @@ double Parameter::get(const Case& c) const {
         copy.layers = c.layers;
     }
     return in(copy) / to_si;
-}
-
-std::string range_words(double low, double high, bool low_is_open) {
-    return fmt::format("{} {} value <= {}", low, low_is_open ? "<" : "<=", high);
 }
 
 namespace {

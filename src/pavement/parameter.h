@@ -41,12 +41,6 @@ struct Parameter {
     bool changes_geometry() const { return key != nullptr && key->changes_geometry; }
 };
 
-// "allowed" words for a range: "0 < value <= 12".
-std::string range_words(double low, double high, bool low_is_open);
-constexpr bool in_range(double value, double low, double high, bool low_is_open) {
-    return (low_is_open ? value > low : value >= low) && value <= high;
-}
-
 // Every path of the case that names a number.
 std::vector<std::string> parameter_paths(const Case& c);
 
