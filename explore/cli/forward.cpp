@@ -34,6 +34,7 @@ int forward(const CommonOptions& options, bool with_jacobian) {
         json["newton_steps"] = s.newton_steps;
         json["load_steps"] = s.load_steps;
         json["factorizations"] = s.factorizations;
+        json["iterations"] = s.iterations;
         json["unknowns"] = model.unknowns();
         json["residual_relative"] = s.residual_relative;
         json["warnings"] = outcome->warnings;
@@ -56,12 +57,12 @@ int forward(const CommonOptions& options, bool with_jacobian) {
         return done;
     }
     fmt::print("{}", study_summary(study));
-    fmt::print("  converged: {}, {}, unbalanced force {:.0e} of the load\n\n",
+    fmt::print("  converged: {}, {}{}, unbalanced force {:.0e} of the load\n\n",
                study.model.settings.integration == pave::pavement::Integration::secant
                    ? report::counted(static_cast<std::size_t>(s.newton_steps), "Newton step", "Newton steps")
                    : report::counted(static_cast<std::size_t>(s.load_steps), "load step", "load steps"),
                report::counted(static_cast<std::size_t>(s.factorizations), "factorisation", "factorisations"),
-               s.residual_relative);
+               s.iterations > 0 ? fmt::format(", {} conjugate gradient steps", s.iterations) : "", s.residual_relative);
     fmt::print("{}", response_table(study, outcome->values));
     for (const std::string& warning : outcome->warnings) {
         fmt::print("  warning: {}\n", warning);

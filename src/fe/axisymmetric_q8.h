@@ -15,14 +15,18 @@ struct AxisymmetricQ8 {
     static constexpr int dofs = dim * nodes;
     static constexpr int gauss = 4;
     static constexpr int voigt = 4;
+    // Which displacement is downwards.
+    static constexpr int down = 1;
 
     using Coordinates = Eigen::Matrix<double, 2, 8>; // rows r, z
+    using Position = Eigen::Vector2d;                // (xi, eta) in [-1, 1]^2
     using Vector = Eigen::Matrix<double, dofs, 1>;   // r and z of node 0, of node 1, ...
     using Stress = mechanics::Voigt<voigt>;
     using Operator = Eigen::Matrix<double, voigt, dofs>;
 
-    // Shape functions at (xi, eta) in [-1, 1]^2.
-    static Eigen::Matrix<double, 8, 1> shape(double xi, double eta) {
+    static Eigen::Matrix<double, 8, 1> shape(const Position& at) {
+        const double xi = at[0];
+        const double eta = at[1];
         static constexpr double cx[] = {-1, 1, 1, -1};
         static constexpr double cy[] = {-1, -1, 1, 1};
         Eigen::Matrix<double, 8, 1> n;
@@ -37,7 +41,9 @@ struct AxisymmetricQ8 {
     }
 
     // Rows: d/dxi, d/deta.
-    static Eigen::Matrix<double, 2, 8> shape_gradient(double xi, double eta) {
+    static Eigen::Matrix<double, 2, 8> shape_gradient(const Position& at) {
+        const double xi = at[0];
+        const double eta = at[1];
         static constexpr double cx[] = {-1, 1, 1, -1};
         static constexpr double cy[] = {-1, -1, 1, 1};
         Eigen::Matrix<double, 2, 8> g;
@@ -58,14 +64,14 @@ struct AxisymmetricQ8 {
         Eigen::Matrix<double, 3, 8> rows;
     };
 
-    static std::array<Eigen::Vector2d, gauss> gauss_positions() {
+    static std::array<Position, gauss> gauss_positions() {
         constexpr double g = std::numbers::inv_sqrt3;
-        return {Eigen::Vector2d{-g, -g}, {g, -g}, {g, g}, {-g, g}};
+        return {Position{-g, -g}, {g, -g}, {g, g}, {-g, g}};
     }
 
-    static Point point(const Coordinates& x, const Eigen::Vector2d& position) {
-        const auto n = shape(position[0], position[1]);
-        const auto g = shape_gradient(position[0], position[1]);
+    static Point point(const Coordinates& x, const Position& position) {
+        const auto n = shape(position);
+        const auto g = shape_gradient(position);
         const Eigen::Matrix2d jacobian = g * x.transpose(); // rows: derivative by xi, by eta
         const double r = x.row(0).dot(n);
         Point p;
@@ -76,9 +82,7 @@ struct AxisymmetricQ8 {
     }
 
     // Position of every Gauss point's depth, from the coordinates.
-    static double depth(const Coordinates& x, const Eigen::Vector2d& position) {
-        return x.row(1).dot(shape(position[0], position[1]));
-    }
+    static double depth(const Coordinates& x, const Position& position) { return x.row(1).dot(shape(position)); }
 
     static Stress strain(const Point& p, const Vector& u) {
         const auto ur = Eigen::Map<const Eigen::Matrix<double, 8, 1>, 0, Eigen::InnerStride<2>>(u.data());

@@ -37,6 +37,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
     using Vector = typename Element::Vector;
     Work& w = *work_;
     w.prepare(layers, variations);
+    w.system.begin(settings.linear_tolerance);
     const int points = w.points();
     const int count = w.count();
     Solution<Element> solution = w.empty_solution();
@@ -45,7 +46,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
     using State = PathState<Element>;
     w.path.resize(Pair::stages + 2);
     for (State& state : w.path) {
-        state.set_zero(w.model.free_unknowns, points, count);
+        state.set_zero(w.model->free_unknowns(), points, count);
     }
     State* slope = w.path.data();
     State& now = w.path[Pair::stages];
@@ -55,8 +56,24 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
     modulus.resize(points);
     modulus_rate.resize(static_cast<Eigen::Index>(points) * count);
 
-    // d(state)/d(load factor) at a state: one factorisation, 1 + count right-hand sides. False: not definite.
-    const auto rate = [&](const State& x, State& out) {
+    // Rates found before span something near the next one.
+    std::array<bool, Pair::stages> known{};
+    using Guess = Eigen::Map<const Eigen::MatrixXd>;
+    const auto guesses = [&](const State& out, Eigen::MatrixXd State::*du) {
+        std::vector<Guess> list;
+        for (int i = 0; i < Pair::stages; ++i) {
+            const State& state = slope[i];
+            if (known[i] && &state != &out) {
+                list.push_back(du == nullptr ? Guess(state.u.data(), state.u.size(), 1)
+                                             : Guess((state.*du).data(), state.u.size(), count));
+            }
+        }
+        return list;
+    };
+
+    // d(state)/d(load factor) at a state, slope[number]: one matrix, 1 + count right-hand sides. False: not definite.
+    const auto rate = [&](const State& x, int number) {
+        State& out = slope[number];
         for (int q = 0; q < points; ++q) {
             const int e = w.active[q / Element::gauss];
             const LayerMaterial& layer = w.layer_of(e);
@@ -69,17 +86,15 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
                 for (int k = 0; k < count; ++k) {
                     const Eigen::Index qk = static_cast<Eigen::Index>(q) * count + k;
                     modulus_rate[qk] = gradient.dot(w.initial_rate[qk] + x.d_stress.col(qk)) +
-                                       w.explicit_modulus_rate(layer, w.model.layer[e], at, k);
+                                       w.explicit_modulus_rate(layer, w.topology->layer[e], at, k);
                 }
             }
         }
         w.assemble(modulus);
-        ++statistics.factorizations;
-        if (!w.cholesky.factorize(w.values)) {
+        out.u = load;
+        if (!w.system.set_matrix(w.values) || !w.system.solve(out.u, guesses(out, nullptr))) {
             return false;
         }
-        out.u = load;
-        w.cholesky.solve(out.u.data(), 1);
         if (count > 0) {
             w.set_load_rates(load, out.du);
             w.subtract_linear_rates(out.u.data(), out.du);
@@ -87,7 +102,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
             const auto& p = w.prepared_of(e);
-            const Vector ue = w.model.gather(e, out.u.data());
+            const Vector ue = w.model->gather(e, out.u.data());
             std::array<Stress, Element::gauss> strain;
             for (int g = 0; g < Element::gauss; ++g) {
                 const int q = static_cast<int>(a) * Element::gauss + g;
@@ -106,15 +121,17 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
                     out.d_stress.col(qk) = d;
                     Element::add_force(w.point(e, g), d, -w.point(e, g).weight, force);
                 }
-                w.model.scatter_add(e, force, out.du.col(k).data());
+                w.model->scatter_add(e, force, out.du.col(k).data());
             }
         }
         if (count > 0) {
-            w.cholesky.solve(out.du.data(), count);
+            if (!w.system.solve(out.du, guesses(out, &State::du))) {
+                return false;
+            }
             for (std::size_t a = 0; a < w.active.size(); ++a) {
                 const int e = w.active[a];
                 for (int k = 0; k < count; ++k) {
-                    const Vector de = w.model.gather(e, out.du.col(k).data());
+                    const Vector de = w.model->gather(e, out.du.col(k).data());
                     for (int g = 0; g < Element::gauss; ++g) {
                         const int q = static_cast<int>(a) * Element::gauss + g;
                         out.d_stress.col(static_cast<Eigen::Index>(q) * count + k) +=
@@ -123,12 +140,13 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
                 }
             }
         }
+        known[number] = true;
         return true;
     };
 
     const Failure not_definite{Status::failed, "the stiffness matrix of the section is not positive definite: a layer "
                                                "has lost its stiffness along the load path"};
-    if (!rate(now, slope[0])) {
+    if (!rate(now, 0)) {
         return not_definite;
     }
     if (points == 0) { // linear: the rate is the same all along
@@ -155,13 +173,13 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
                     trial.d_stress += f * slope[j].d_stress;
                 }
             }
-            if (!rate(trial, slope[i])) {
+            if (!rate(trial, i)) {
                 return not_definite;
             }
         }
         // Error of the step in stress and in strain, as energies with the current modulus, against those of the stress
         // and strain reached. Both: where statics alone fix the stress, only the strain tells.
-        w.step_error.setZero(w.model.free_unknowns);
+        w.step_error.setZero(w.model->free_unknowns());
         for (int i = 0; i < Pair::stages; ++i) {
             w.step_error += (h * Pair::error[i]) * slope[i].u;
         }
@@ -170,8 +188,8 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
             const auto& p = w.prepared_of(e);
-            const Vector wrong = w.model.gather(e, w.step_error.data());
-            const Vector reached = w.model.gather(e, trial.u.data());
+            const Vector wrong = w.model->gather(e, w.step_error.data());
+            const Vector reached = w.model->gather(e, trial.u.data());
             for (int g = 0; g < Element::gauss; ++g) {
                 const int q = static_cast<int>(a) * Element::gauss + g;
                 const auto& point = w.point(e, g);
@@ -224,6 +242,8 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         }
     }
     w.finish(load, solution);
+    statistics.factorizations = w.system.factorizations();
+    statistics.iterations = w.system.iterations();
     return solution;
 }
 
@@ -232,6 +252,13 @@ Solver<Element>::Solver(const Model<Element>& model) : work_(std::make_unique<Wo
 template <class Element>
 Solver<Element>::~Solver() = default;
 
+template <class Element>
+void Solver<Element>::move(const Model<Element>& model) {
+    work_->model = &model;
+    work_->held.clear();
+}
+
 template class Solver<AxisymmetricQ8>;
+template class Solver<Hex20>;
 
 } // namespace pave::fe

@@ -2,58 +2,67 @@
 #pragma once
 
 #include "fe/axisymmetric_q8.h"
+#include "fe/hex20.h"
+#include "fe/sparse_solver.h"
 #include "mesh/axisymmetric.h"
+#include "mesh/solid.h"
 
+#include <memory>
 #include <vector>
 
 namespace pave::fe {
 
-// Lower triangle (or full matrix) of a square sparse matrix by columns, rows sorted.
-struct Pattern {
-    int size = 0;
-    std::vector<int> column_start; // size + 1
-    std::vector<int> row;
-};
-
+// What stays when the nodes of a mesh move.
 template <class Element>
-struct Model {
+struct Topology {
     static constexpr int lower_entries = Element::dofs * (Element::dofs + 1) / 2;
 
     int free_unknowns = 0;
     int layers = 0;
-    std::vector<typename Element::Coordinates> coordinates; // of each element
-    std::vector<std::array<int, Element::dofs>> unknowns;   // of each element: free number or -1 (held at zero)
-    std::vector<int> layer;                                 // of each element
-    std::vector<typename Element::Point> points;            // Element::gauss of each element
-    std::vector<double> depth;                              // of each Gauss point [m]
+    std::vector<std::array<int, Element::dofs>> unknowns; // of each element: free number or -1 (held at zero)
+    std::vector<int> layer;                               // of each element
     Pattern lower;
     // Place of local entry (i, j), i >= j, row by row, in lower; -1 when i or j is held.
     std::vector<std::array<int, lower_entries>> scatter;
+    std::shared_ptr<const CholeskyAnalysis> analysis; // of lower
 
     int elements() const { return static_cast<int>(layer.size()); }
+    // Fills lower, scatter and analysis from unknowns.
+    void build_pattern();
+};
+
+template <class Element>
+struct Model {
+    std::shared_ptr<const Topology<Element>> topology;
+    std::vector<typename Element::Coordinates> coordinates; // of each element
+    std::vector<typename Element::Point> points;            // Element::gauss of each element
+    std::vector<double> depth;                              // of each Gauss point [m]
+
+    int elements() const { return topology->elements(); }
+    int free_unknowns() const { return topology->free_unknowns; }
 
     typename Element::Vector gather(int element, const double* u) const {
         typename Element::Vector v;
         for (int i = 0; i < Element::dofs; ++i) {
-            const int k = unknowns[element][i];
+            const int k = topology->unknowns[element][i];
             v[i] = k >= 0 ? u[k] : 0.0;
         }
         return v;
     }
     void scatter_add(int element, const typename Element::Vector& v, double* u) const {
         for (int i = 0; i < Element::dofs; ++i) {
-            if (const int k = unknowns[element][i]; k >= 0) {
+            if (const int k = topology->unknowns[element][i]; k >= 0) {
                 u[k] += v[i];
             }
         }
     }
 };
 
-// u_r = 0 on the axis and on the smooth wall, u = 0 on the floor (rigid, rough).
-Model<AxisymmetricQ8> axisymmetric_model(const mesh::AxisymmetricMesh& mesh);
+// u_r = 0 on the axis and on the smooth wall, u = 0 on the floor (rigid, rough). With `like`, a model of a mesh of the
+// same structure, its topology is shared.
+Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const Model<AxisymmetricQ8>* like = nullptr);
 
-// Fills lower and scatter from unknowns.
-template <class Element>
-void build_pattern(Model<Element>& model);
+// u_x = 0 on x = 0 and on the smooth wall, u_y likewise, u = 0 on the floor.
+Model<Hex20> make_model(const mesh::SolidMesh& mesh, const Model<Hex20>* like = nullptr);
 
 } // namespace pave::fe

@@ -52,6 +52,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
     constexpr int dofs = Element::dofs;
     Work& w = *work_;
     w.prepare(layers, variations);
+    w.system.begin(settings.linear_tolerance);
     const int points = w.points();
     const int count = w.count();
     Solution<Element> solution = w.empty_solution();
@@ -60,12 +61,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
 
     const auto solve_elastic = [&](const Eigen::VectorXd& modulus, Eigen::VectorXd& u) {
         w.assemble(modulus);
-        ++statistics.factorizations;
-        if (!w.cholesky.factorize(w.values)) {
-            return false;
-        }
-        w.cholesky.solve(u.data(), 1);
-        return true;
+        return w.system.set_matrix(w.values) && w.system.solve(u, {});
     };
     const Failure not_definite{Status::failed, "the stiffness matrix of the section is not positive definite"};
 
@@ -90,18 +86,18 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
             const auto& p = w.prepared_of(e);
-            const Vector xe = w.model.gather(e, x.data());
+            const Vector xe = w.model->gather(e, x.data());
             Vector force = Vector::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
                 const int q = static_cast<int>(a) * Element::gauss + g;
                 const Stress s = p.unit * Element::strain(w.point(e, g), xe);
-                if (!solve_point<Element::voigt>((*law_layers)[w.model.layer[e]], w.initial[q], s, guess[q],
+                if (!solve_point<Element::voigt>((*law_layers)[w.topology->layer[e]], w.initial[q], s, guess[q],
                                                  state[q])) {
                     return false;
                 }
                 Element::add_force(w.point(e, g), state[q].modulus * s, -w.point(e, g).weight, force);
             }
-            w.model.scatter_add(e, force, unbalanced.data());
+            w.model->scatter_add(e, force, unbalanced.data());
         }
         w.subtract_linear_force(x, unbalanced);
         return true;
@@ -114,7 +110,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
             const auto& p = w.prepared_of(e);
-            const Vector xe = w.model.gather(e, x.data());
+            const Vector xe = w.model->gather(e, x.data());
             Eigen::Matrix<double, dofs, dofs> k = Eigen::Matrix<double, dofs, dofs>::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
                 const auto& point = state[static_cast<std::size_t>(a) * Element::gauss + g];
@@ -171,7 +167,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
     // Starting state at one load: a few damped elastic solutions with moduli from the stress before.
     const auto start = [&](double factor, Eigen::VectorXd& x, Eigen::VectorXd& e_guess) {
         for (int q = 0; q < points; ++q) {
-            const LayerMaterial& layer = (*law_layers)[w.model.layer[w.active[q / Element::gauss]]];
+            const LayerMaterial& layer = (*law_layers)[w.topology->layer[w.active[q / Element::gauss]]];
             e_guess[q] =
                 layer.law->modulus(layer.parameters, mechanics::invariants<Element::voigt>(w.initial[q])).value;
         }
@@ -182,8 +178,8 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
             }
             for (int q = 0; q < points; ++q) {
                 const int e = w.active[q / Element::gauss];
-                const LayerMaterial& layer = (*law_layers)[w.model.layer[e]];
-                const Stress strain = Element::strain(w.point(e, q % Element::gauss), w.model.gather(e, x.data()));
+                const LayerMaterial& layer = (*law_layers)[w.topology->layer[e]];
+                const Stress strain = Element::strain(w.point(e, q % Element::gauss), w.model->gather(e, x.data()));
                 const Stress total = w.initial[q] + e_guess[q] * (w.prepared_of(e).unit * strain);
                 const auto m = layer.law->modulus(layer.parameters, mechanics::invariants<Element::voigt>(total));
                 e_guess[q] = std::sqrt(e_guess[q] * m.value);
@@ -282,7 +278,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
         const int e = w.active[a];
         const auto& p = w.prepared_of(e);
         const LayerMaterial& layer = w.layer_of(e);
-        const Vector ue = w.model.gather(e, u.data());
+        const Vector ue = w.model->gather(e, u.data());
         for (int g = 0; g < Element::gauss; ++g) {
             const int q = static_cast<int>(a) * Element::gauss + g;
             const int to = e * Element::gauss + g;
@@ -293,7 +289,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
             solution.modulus[to] = point.modulus;
             for (int k = 0; k < count; ++k) {
                 const Stress turned = point.modulus * (p.unit_rate[k] * strain);
-                const double explicit_rate = w.explicit_modulus_rate(layer, w.model.layer[e], point.at, k);
+                const double explicit_rate = w.explicit_modulus_rate(layer, w.topology->layer[e], point.at, k);
                 const double e_rate =
                     (explicit_rate +
                      point.gradient.dot(w.initial_rate[static_cast<std::size_t>(q) * count + k] + turned)) /
@@ -302,13 +298,15 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
                 solution.d_stress.col(static_cast<Eigen::Index>(to) * count + k) = d;
                 Vector force = Vector::Zero();
                 Element::add_force(w.point(e, g), d, -w.point(e, g).weight, force);
-                w.model.scatter_add(e, force, solution.d_displacement.col(k).data());
+                w.model->scatter_add(e, force, solution.d_displacement.col(k).data());
             }
         }
     }
     if (count > 0) {
         if (points == 0) {
-            w.cholesky.solve(solution.d_displacement.data(), count);
+            if (!w.system.solve(solution.d_displacement, {})) {
+                return not_definite;
+            }
         } else if (factorize_tangent(u)) {
             w.lu->solve(solution.d_displacement.data(), count);
         } else {
@@ -317,9 +315,9 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
             const auto& p = w.prepared_of(e);
-            const Vector ue = w.model.gather(e, u.data());
+            const Vector ue = w.model->gather(e, u.data());
             for (int k = 0; k < count; ++k) {
-                const Vector de = w.model.gather(e, solution.d_displacement.col(k).data());
+                const Vector de = w.model->gather(e, solution.d_displacement.col(k).data());
                 for (int g = 0; g < Element::gauss; ++g) {
                     const auto& point = state[static_cast<std::size_t>(a) * Element::gauss + g];
                     const Stress s = p.unit * Element::strain(w.point(e, g), ue);
@@ -331,13 +329,18 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
         }
     }
     statistics.load_steps = 1;
+    statistics.factorizations += w.system.factorizations();
+    statistics.iterations += w.system.iterations();
     w.finish(load, solution);
     return solution;
 }
 
-template Outcome<Solution<AxisymmetricQ8>> Solver<AxisymmetricQ8>::secant(const std::vector<LayerMaterial>&,
-                                                                          const Eigen::VectorXd&,
-                                                                          const std::vector<Variation>&,
-                                                                          const SolverSettings&);
+#define PAVE_SECANT(ELEMENT)                                                                                           \
+    template Outcome<Solution<ELEMENT>> Solver<ELEMENT>::secant(const std::vector<LayerMaterial>&,                     \
+                                                                const Eigen::VectorXd&, const std::vector<Variation>&, \
+                                                                const SolverSettings&)
+PAVE_SECANT(AxisymmetricQ8);
+PAVE_SECANT(Hex20);
+#undef PAVE_SECANT
 
 } // namespace pave::fe

@@ -22,6 +22,8 @@ struct SolverSettings {
     double path_tolerance = 2e-3;
     // secant: unbalanced force relative to the load.
     double equilibrium_tolerance = 1e-9;
+    // Error of an iterative solution of one linear system in the energy norm, relative to the solution (3D).
+    double linear_tolerance = 1e-6;
 };
 
 struct Statistics {
@@ -29,6 +31,7 @@ struct Statistics {
     int rejected_steps = 0;
     int newton_steps = 0; // secant only
     int factorizations = 0;
+    int iterations = 0;             // of conjugate gradients (3D)
     double residual_relative = 0.0; // |unbalanced force| / |load| at the end
     // Shares of the volume of the stress-dependent layers, weighted by the energy of the load stress.
     double tension_share = 0.0;  // theta < 0
@@ -54,6 +57,9 @@ class Solver {
 public:
     explicit Solver(const Model<Element>& model);
     ~Solver();
+
+    // The same structure with other node positions; `model` shares the topology of the one before.
+    void move(const Model<Element>& model);
 
     // load: force on every free unknown [N] at load factor 1. d(load)/d(load_factor) = load.
     Outcome<Solution<Element>> incremental(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fe/solver.h"
+#include "fe/symmetric_system.h"
 
 #include <algorithm>
 
@@ -40,13 +41,20 @@ struct PathState {
 template <class Element>
 struct Solver<Element>::Work {
     static constexpr int N = Element::voigt;
+    static constexpr int lower_entries = Topology<Element>::lower_entries;
     using Stress = typename Element::Stress;
     using Vector = typename Element::Vector;
 
-    explicit Work(const Model<Element>& m) : model(m), cholesky(m.lower), values(m.lower.row.size()), linear(values) {}
+    explicit Work(const Model<Element>& m)
+        : topology(m.topology),
+          model(&m),
+          system(topology->lower, *topology->analysis, Element::dim == 2 ? Route::direct : Route::iterative),
+          values(topology->lower.row.size()),
+          linear(values) {}
 
-    const Model<Element>& model;
-    SparseCholesky cholesky;
+    std::shared_ptr<const Topology<Element>> topology;
+    const Model<Element>* model;
+    SymmetricSystem system;
     std::vector<double> values; // the matrix of the moment
     std::vector<double> linear; // its part from linear layers
 
@@ -64,7 +72,18 @@ struct Solver<Element>::Work {
     std::vector<Stress> initial;      // initial stress at the points of the active elements, tension positive
     std::vector<Stress> initial_rate; // the same by variation: [point * variations + k]
     // B^T C B times the weight, lower triangle row by row, one column a point of an active element.
-    Eigen::Matrix<double, Model<Element>::lower_entries, Eigen::Dynamic> unit_stiffness;
+    Eigen::Matrix<double, lower_entries, Eigen::Dynamic> unit_stiffness;
+
+    // Kept between runs: of each layer, for which C and as which kind (linear: its matrix for a modulus of 1;
+    // stress-dependent: its columns of unit_stiffness) what is held was made. They are made in one way only, so that
+    // having them changes no bit of a run.
+    struct Held {
+        bool valid = false;
+        bool stress_dependent = false;
+        mechanics::Stiffness<N> unit;
+        std::vector<double> values;
+    };
+    std::vector<Held> held;
 
     // Buffers of a load path, kept so that runs do not allocate.
     std::vector<PathState<Element>> path;
@@ -74,8 +93,8 @@ struct Solver<Element>::Work {
 
     int points() const { return static_cast<int>(active.size()) * Element::gauss; }
     int count() const { return static_cast<int>(variations->size()); }
-    const LayerMaterial& layer_of(int element) const { return (*layers)[model.layer[element]]; }
-    const PreparedLayer<N>& prepared_of(int element) const { return prepared[model.layer[element]]; }
+    const LayerMaterial& layer_of(int element) const { return (*layers)[topology->layer[element]]; }
+    const PreparedLayer<N>& prepared_of(int element) const { return prepared[topology->layer[element]]; }
 
     static mechanics::Stiffness<N> cut(const mechanics::Stiffness<6>& c) { return c.template topLeftCorner<N, N>(); }
 
@@ -99,52 +118,99 @@ struct Solver<Element>::Work {
                 p.turns.push_back(!p.unit_rate.back().isZero(0.0));
             }
         }
-        active.clear();
+        hold();
         std::fill(linear.begin(), linear.end(), 0.0);
-        for (int e = 0; e < model.elements(); ++e) {
-            if (prepared_of(e).stress_dependent) {
-                active.push_back(e);
-                continue;
-            }
-            for (int g = 0; g < Element::gauss; ++g) {
-                add_unit_stiffness(e, g, prepared_of(e).modulus, nullptr);
+        for (std::size_t l = 0; l < prepared.size(); ++l) {
+            if (!prepared[l].stress_dependent) {
+                for (std::size_t k = 0; k < linear.size(); ++k) {
+                    linear[k] += prepared[l].modulus * held[l].values[k];
+                }
             }
         }
-        unit_stiffness.resize(Eigen::NoChange, points());
         initial.resize(points());
         initial_rate.resize(static_cast<std::size_t>(points()) * count());
         for (int a = 0; a < static_cast<int>(active.size()); ++a) {
             const int e = active[a];
             for (int g = 0; g < Element::gauss; ++g) {
                 const int q = a * Element::gauss + g;
-                const double z = model.depth[e * Element::gauss + g];
-                add_unit_stiffness(e, g, 1.0, unit_stiffness.col(q).data());
+                const double z = model->depth[e * Element::gauss + g];
                 initial[q] = layer_of(e).template initial_stress<N>(z);
                 for (int k = 0; k < count(); ++k) {
                     initial_rate[static_cast<std::size_t>(q) * count() + k] =
-                        initial_stress_rate<N>(*layers, model.layer[e], z, (*variations)[k]);
+                        initial_stress_rate<N>(*layers, topology->layer[e], z, (*variations)[k]);
+                }
+            }
+        }
+    }
+
+    // Brings `active` and what is held of each layer up to date.
+    void hold() {
+        held.resize(prepared.size());
+        bool same_kinds = true;
+        for (std::size_t l = 0; l < prepared.size(); ++l) {
+            same_kinds = same_kinds && held[l].valid && held[l].stress_dependent == prepared[l].stress_dependent;
+        }
+        if (!same_kinds) {
+            held.assign(prepared.size(), {});
+            active.clear();
+            for (int e = 0; e < model->elements(); ++e) {
+                if (prepared_of(e).stress_dependent) {
+                    active.push_back(e);
+                }
+            }
+            unit_stiffness.resize(Eigen::NoChange, points());
+        }
+        std::vector<bool> is_new(prepared.size());
+        for (std::size_t l = 0; l < prepared.size(); ++l) {
+            Held& h = held[l];
+            is_new[l] = !h.valid || h.unit != prepared[l].unit;
+            h.valid = true;
+            h.stress_dependent = prepared[l].stress_dependent;
+            h.unit = prepared[l].unit;
+            if (is_new[l] && !h.stress_dependent) {
+                h.values.assign(linear.size(), 0.0);
+                for (int e = 0; e < model->elements(); ++e) {
+                    if (topology->layer[e] == static_cast<int>(l)) {
+                        add_element(e, h);
+                    }
+                }
+            }
+        }
+        for (std::size_t a = 0; a < active.size(); ++a) {
+            for (int g = 0; is_new[topology->layer[active[a]]] && g < Element::gauss; ++g) {
+                const auto k = point_stiffness(active[a], g);
+                double* column = unit_stiffness.col(static_cast<Eigen::Index>(a) * Element::gauss + g).data();
+                for (int i = 0; i < Element::dofs; ++i) {
+                    for (int j = 0; j <= i; ++j) {
+                        *column++ = k(i, j);
+                    }
                 }
             }
         }
     }
 
     const typename Element::Point& point(int element, int g) const {
-        return model.points[element * Element::gauss + g];
+        return model->points[element * Element::gauss + g];
     }
 
-    // B^T (factor C) B weight: into `column` when given, else added to `linear`.
-    void add_unit_stiffness(int e, int g, double factor, double* column) {
-        const auto& p = point(e, g);
-        const auto b = Element::strain_operator(p);
-        const typename Element::Operator cb = (p.weight * factor) * (prepared_of(e).unit * b);
-        const Eigen::Matrix<double, Element::dofs, Element::dofs> k = b.transpose() * cb;
+    // B^T C B weight
+    Eigen::Matrix<double, Element::dofs, Element::dofs> point_stiffness(int e, int g) const {
+        const auto b = Element::strain_operator(point(e, g));
+        const typename Element::Operator cb = point(e, g).weight * (prepared_of(e).unit * b);
+        return b.transpose() * cb;
+    }
+
+    // The element's stiffness for a modulus of 1, added to the values of its layer.
+    void add_element(int e, Held& h) const {
+        Eigen::Matrix<double, Element::dofs, Element::dofs> k = point_stiffness(e, 0);
+        for (int g = 1; g < Element::gauss; ++g) {
+            k += point_stiffness(e, g);
+        }
         int entry = 0;
         for (int i = 0; i < Element::dofs; ++i) {
             for (int j = 0; j <= i; ++j, ++entry) {
-                if (column != nullptr) {
-                    column[entry] = k(i, j);
-                } else if (const int place = model.scatter[e][entry]; place >= 0) {
-                    linear[place] += k(i, j);
+                if (const int place = topology->scatter[e][entry]; place >= 0) {
+                    h.values[place] += k(i, j);
                 }
             }
         }
@@ -153,12 +219,12 @@ struct Solver<Element>::Work {
     // values := stiffness with these moduli at the points of the active elements.
     void assemble(const Eigen::VectorXd& modulus) {
         values = linear;
-        Eigen::Matrix<double, Model<Element>::lower_entries, 1> k;
+        Eigen::Matrix<double, lower_entries, 1> k;
         for (int a = 0; a < static_cast<int>(active.size()); ++a) {
             k.noalias() = unit_stiffness.template middleCols<Element::gauss>(a * Element::gauss) *
                           modulus.template segment<Element::gauss>(a * Element::gauss);
-            const auto& scatter = model.scatter[active[a]];
-            for (int entry = 0; entry < Model<Element>::lower_entries; ++entry) {
+            const auto& scatter = topology->scatter[active[a]];
+            for (int entry = 0; entry < lower_entries; ++entry) {
                 if (scatter[entry] >= 0) {
                     values[scatter[entry]] += k[entry];
                 }
@@ -175,16 +241,16 @@ struct Solver<Element>::Work {
             }
             const PreparedLayer<N>& p = prepared[v.layer];
             const mechanics::Stiffness<N> d = p.modulus_rate[k] * p.unit + p.modulus * p.unit_rate[k];
-            for (int e = 0; e < model.elements(); ++e) {
-                if (model.layer[e] != v.layer) {
+            for (int e = 0; e < model->elements(); ++e) {
+                if (topology->layer[e] != v.layer) {
                     continue;
                 }
-                const Vector ue = model.gather(e, u);
+                const Vector ue = model->gather(e, u);
                 Vector force = Vector::Zero();
                 for (int g = 0; g < Element::gauss; ++g) {
                     Element::add_force(point(e, g), d * Element::strain(point(e, g), ue), -point(e, g).weight, force);
                 }
-                model.scatter_add(e, force, right.col(k).data());
+                model->scatter_add(e, force, right.col(k).data());
             }
         }
     }
@@ -194,7 +260,7 @@ struct Solver<Element>::Work {
         if (lu != nullptr) {
             return;
         }
-        const Pattern& lower = model.lower;
+        const Pattern& lower = topology->lower;
         std::vector<std::vector<int>> columns(lower.size);
         for (int j = 0; j < lower.size; ++j) {
             for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
@@ -211,12 +277,12 @@ struct Solver<Element>::Work {
             full.row.insert(full.row.end(), rows.begin(), rows.end());
             full.column_start.push_back(static_cast<int>(full.row.size()));
         }
-        full_scatter.resize(model.elements());
-        for (int e = 0; e < model.elements(); ++e) {
+        full_scatter.resize(model->elements());
+        for (int e = 0; e < model->elements(); ++e) {
             for (int b = 0; b < Element::dofs; ++b) {
                 for (int a = 0; a < Element::dofs; ++a) {
-                    const int i = model.unknowns[e][a];
-                    const int j = model.unknowns[e][b];
+                    const int i = topology->unknowns[e][a];
+                    const int j = topology->unknowns[e][b];
                     int& place = full_scatter[e][b * Element::dofs + a];
                     place = -1;
                     if (i >= 0 && j >= 0) {
@@ -233,7 +299,7 @@ struct Solver<Element>::Work {
 
     // full_values := the linear layers.
     void start_full() {
-        const Pattern& lower = model.lower;
+        const Pattern& lower = topology->lower;
         std::vector<int> next(full.column_start.begin(), full.column_start.end() - 1);
         // Rows of a column of the full matrix: first those above the diagonal, in the order in which the columns of
         // the lower triangle that hold them are met, then the column of the lower triangle itself.
@@ -257,7 +323,7 @@ struct Solver<Element>::Work {
 
     // force -= internal force of the linear layers at displacement x.
     void subtract_linear_force(const Eigen::VectorXd& x, Eigen::VectorXd& force) const {
-        const Pattern& lower = model.lower;
+        const Pattern& lower = topology->lower;
         for (int j = 0; j < lower.size; ++j) {
             for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
                 const int i = lower.row[k];
@@ -287,10 +353,10 @@ struct Solver<Element>::Work {
         Statistics& s = solution.statistics;
         Eigen::VectorXd unbalanced = load;
         double energy = 0.0;
-        for (int e = 0; e < model.elements(); ++e) {
+        for (int e = 0; e < model->elements(); ++e) {
             const PreparedLayer<N>& p = prepared_of(e);
             const LayerMaterial& layer = layer_of(e);
-            const Vector ue = model.gather(e, solution.displacement.data());
+            const Vector ue = model->gather(e, solution.displacement.data());
             Vector force = Vector::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
                 const int q = e * Element::gauss + g;
@@ -299,14 +365,14 @@ struct Solver<Element>::Work {
                     solution.modulus[q] = p.modulus;
                     solution.stress.col(q) = p.modulus * (p.unit * strain);
                     for (int k = 0; k < n; ++k) {
-                        const Vector de = model.gather(e, solution.d_displacement.col(k).data());
+                        const Vector de = model->gather(e, solution.d_displacement.col(k).data());
                         solution.d_stress.col(static_cast<Eigen::Index>(q) * n + k) =
                             p.modulus * (p.unit * Element::strain(point(e, g), de)) +
                             (p.modulus_rate[k] * p.unit + p.modulus * p.unit_rate[k]) * strain;
                     }
                 } else {
                     const Stress load_stress = solution.stress.col(q);
-                    const Stress total = layer.template initial_stress<N>(model.depth[q]) + load_stress;
+                    const Stress total = layer.template initial_stress<N>(model->depth[q]) + load_stress;
                     const auto at = mechanics::invariants<N>(total);
                     const auto m = layer.law->modulus(layer.parameters, at);
                     const double w = point(e, g).weight * load_stress.dot(p.compliance * load_stress) / m.value;
@@ -317,7 +383,7 @@ struct Solver<Element>::Work {
                 }
                 Element::add_force(point(e, g), solution.stress.col(q), -point(e, g).weight, force);
             }
-            model.scatter_add(e, force, unbalanced.data());
+            model->scatter_add(e, force, unbalanced.data());
         }
         if (energy > 0.0) {
             s.tension_share /= energy;
@@ -329,11 +395,11 @@ struct Solver<Element>::Work {
 
     Solution<Element> empty_solution() const {
         Solution<Element> s;
-        const int total = model.elements() * Element::gauss;
-        s.displacement = Eigen::VectorXd::Zero(model.free_unknowns);
+        const int total = model->elements() * Element::gauss;
+        s.displacement = Eigen::VectorXd::Zero(model->free_unknowns());
         s.stress.resize(Eigen::NoChange, total);
         s.modulus.resize(total);
-        s.d_displacement = Eigen::MatrixXd::Zero(model.free_unknowns, count());
+        s.d_displacement = Eigen::MatrixXd::Zero(model->free_unknowns(), count());
         s.d_stress.resize(Eigen::NoChange, static_cast<Eigen::Index>(total) * count());
         return s;
     }

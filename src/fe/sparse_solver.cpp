@@ -20,6 +20,11 @@ void keep_openmp_serial() {
 
 } // namespace
 
+struct CholeskyAnalysis::Implementation {
+    cholmod_common common{};
+    cholmod_factor* symbolic = nullptr;
+};
+
 struct SparseCholesky::Implementation {
     cholmod_common common{};
     cholmod_sparse matrix{};
@@ -29,30 +34,58 @@ struct SparseCholesky::Implementation {
     cholmod_dense* work_e = nullptr;
 };
 
-SparseCholesky::SparseCholesky(const Pattern& lower) : implementation_(std::make_unique<Implementation>()) {
+namespace {
+
+void start(cholmod_common& common) {
+    cholmod_start(&common);
+    common.print = 0;
+    common.error_handler = nullptr;
+    common.supernodal = CHOLMOD_SUPERNODAL;
+    common.quick_return_if_not_posdef = 1;
+}
+
+cholmod_sparse matrix_of(const Pattern& lower) {
+    cholmod_sparse matrix{};
+    matrix.nrow = matrix.ncol = static_cast<std::size_t>(lower.size);
+    matrix.nzmax = lower.row.size();
+    matrix.p = const_cast<int*>(lower.column_start.data()); // CHOLMOD reads them only
+    matrix.i = const_cast<int*>(lower.row.data());
+    matrix.stype = -1;
+    matrix.itype = CHOLMOD_INT;
+    matrix.xtype = CHOLMOD_PATTERN;
+    matrix.dtype = CHOLMOD_DOUBLE;
+    matrix.sorted = 1;
+    matrix.packed = 1;
+    return matrix;
+}
+
+} // namespace
+
+CholeskyAnalysis::CholeskyAnalysis(const Pattern& lower) : implementation_(std::make_unique<Implementation>()) {
     auto& m = *implementation_;
-    cholmod_start(&m.common);
-    m.common.print = 0;
-    m.common.error_handler = nullptr;
-    m.common.supernodal = CHOLMOD_SUPERNODAL;
-    m.common.quick_return_if_not_posdef = 1;
-    auto* starts = const_cast<int*>(lower.column_start.data()); // CHOLMOD reads them only
-    auto* rows = const_cast<int*>(lower.row.data());
-    m.matrix.nrow = m.matrix.ncol = static_cast<std::size_t>(lower.size);
-    m.matrix.nzmax = lower.row.size();
-    m.matrix.p = starts;
-    m.matrix.i = rows;
-    m.matrix.stype = -1;
-    m.matrix.itype = CHOLMOD_INT;
-    m.matrix.xtype = CHOLMOD_PATTERN;
-    m.matrix.dtype = CHOLMOD_DOUBLE;
-    m.matrix.sorted = 1;
-    m.matrix.packed = 1;
-    m.factor = cholmod_analyze(&m.matrix, &m.common);
+    start(m.common);
+    cholmod_sparse matrix = matrix_of(lower);
+    m.symbolic = cholmod_analyze(&matrix, &m.common);
+    if (m.symbolic == nullptr) {
+        throw std::bad_alloc();
+    }
+}
+
+CholeskyAnalysis::~CholeskyAnalysis() {
+    cholmod_free_factor(&implementation_->symbolic, &implementation_->common);
+    cholmod_finish(&implementation_->common);
+}
+
+SparseCholesky::SparseCholesky(const Pattern& lower, const CholeskyAnalysis& analysis)
+    : implementation_(std::make_unique<Implementation>()) {
+    auto& m = *implementation_;
+    start(m.common);
+    m.matrix = matrix_of(lower);
+    m.matrix.xtype = CHOLMOD_REAL;
+    m.factor = cholmod_copy_factor(analysis.implementation_->symbolic, &m.common);
     if (m.factor == nullptr) {
         throw std::bad_alloc();
     }
-    m.matrix.xtype = CHOLMOD_REAL;
 }
 
 SparseCholesky::~SparseCholesky() {

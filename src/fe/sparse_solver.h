@@ -1,18 +1,38 @@
 // Sparse direct solvers on a fixed pattern: Cholesky (CHOLMOD) and LU (UMFPACK). One object a thread.
 #pragma once
 
-#include "fe/model.h"
-
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace pave::fe {
+
+// Lower triangle (or full matrix) of a square sparse matrix by columns, rows sorted.
+struct Pattern {
+    int size = 0;
+    std::vector<int> column_start; // size + 1
+    std::vector<int> row;
+};
+
+// Fill-reducing order and structure of the Cholesky factor of one pattern, shared by all threads. Immutable.
+class CholeskyAnalysis {
+public:
+    explicit CholeskyAnalysis(const Pattern& lower);
+    ~CholeskyAnalysis();
+    CholeskyAnalysis(const CholeskyAnalysis&) = delete;
+    CholeskyAnalysis& operator=(const CholeskyAnalysis&) = delete;
+
+private:
+    friend class SparseCholesky;
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
 
 // Cholesky factorisation of a symmetric positive definite matrix given by its lower triangle.
 class SparseCholesky {
 public:
-    // Analyses the pattern once. The pattern must outlive the object.
-    explicit SparseCholesky(const Pattern& lower);
+    // Both must outlive the object; the analysis is of this pattern.
+    SparseCholesky(const Pattern& lower, const CholeskyAnalysis& analysis);
     ~SparseCholesky();
     SparseCholesky(const SparseCholesky&) = delete;
     SparseCholesky& operator=(const SparseCholesky&) = delete;

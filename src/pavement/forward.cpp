@@ -2,116 +2,14 @@
 
 #include "base/error.h"
 #include "base/units.h"
-#include "pavement/observation.h"
+#include "pavement/load_model.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
-#include <numeric>
 
 namespace pave::pavement {
 namespace {
-
-using Element = fe::AxisymmetricQ8;
-using Model = fe::Model<Element>;
-
-std::vector<double> bottoms_of(const Case& c) {
-    std::vector<double> bottoms;
-    double z = 0.0;
-    for (const Layer& layer : c.layers) {
-        bottoms.push_back(z += layer.thickness);
-    }
-    return bottoms;
-}
-
-mesh::AxisymmetricDemand demand_of(const Case& c, int load) {
-    mesh::AxisymmetricDemand demand;
-    for (const Layer& layer : c.layers) {
-        demand.thickness.push_back(layer.thickness);
-    }
-    demand.load_radius = c.loads[load].circle_radius();
-    demand.extent = c.settings.extent;
-    demand.refine = c.settings.refine;
-    for (const Sensor& sensor : c.sensors) {
-        if (sensor.load != load) {
-            continue;
-        }
-        const double r = std::hypot(sensor.x, sensor.y);
-        if (sensor.quantity == Quantity::deflection) {
-            demand.surface_radii.push_back(r);
-        } else {
-            demand.gauge_depths.push_back(sensor.depth);
-            demand.gauge_radii.push_back(r);
-        }
-    }
-    return demand;
-}
-
-// Piecewise linear map of mesh lines from one set of breaks to another of the same length.
-std::vector<double> moved_lines(std::vector<double> lines, const std::vector<double>& from,
-                                const std::vector<double>& to) {
-    if (from == to) {
-        return lines;
-    }
-    for (double& x : lines) {
-        const auto above = std::lower_bound(from.begin(), from.end(), x);
-        const std::size_t i = above - from.begin();
-        x = *above == x ? to[i] : to[i - 1] + (x - from[i - 1]) / (from[i] - from[i - 1]) * (to[i] - to[i - 1]);
-    }
-    return lines;
-}
-
-std::vector<double> with_zero(std::vector<double> values) {
-    values.insert(values.begin(), 0.0);
-    return values;
-}
-
-// Force of a uniform pressure [Pa] on the circle of the given radius (a line of the mesh), on every free unknown.
-Eigen::VectorXd circle_load(const mesh::AxisymmetricMesh& mesh, const Model& model, double radius, double pressure) {
-    Eigen::VectorXd load = Eigen::VectorXd::Zero(model.free_unknowns);
-    for (int i = 0; i < mesh.r_cells() && mesh.r_lines[i + 1] <= radius * (1.0 + 1e-12); ++i) {
-        const int e = i * mesh.z_cells();
-        const double half = (mesh.r_lines[i + 1] - mesh.r_lines[i]) / 2.0;
-        const double middle = (mesh.r_lines[i + 1] + mesh.r_lines[i]) / 2.0;
-        Element::Vector force = Element::Vector::Zero();
-        // Quadratic shape function times r: cubic, exact with three Gauss points.
-        const double g = std::sqrt(0.6);
-        for (const auto& [xi, weight] : {std::pair{-g, 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {g, 5.0 / 9.0}}) {
-            const auto shape = Element::shape(xi, -1.0);
-            const double factor = weight * half * pressure * 2.0 * std::numbers::pi * (middle + half * xi);
-            for (int k = 0; k < Element::nodes; ++k) {
-                force[2 * k + 1] += factor * shape[k];
-            }
-        }
-        model.scatter_add(e, force, load.data());
-    }
-    return load;
-}
-
-std::vector<fe::LayerMaterial> materials_of(const Case& c) {
-    std::vector<fe::LayerMaterial> layers;
-    double top = 0.0;
-    double stress = 0.0;
-    for (const Layer& layer : c.layers) {
-        fe::LayerMaterial m;
-        m.law = layer.law;
-        m.parameters = layer.parameters;
-        if (const auto floor = layer.law->index_of("shear_floor"); floor && std::isnan(m.parameters[*floor])) {
-            m.parameters[*floor] = c.settings.integration == Integration::secant ? 1.0 : 0.0;
-        }
-        m.top = top;
-        m.thickness = layer.thickness;
-        m.top_stress = stress;
-        m.unit_weight = layer.density * unit::gravity;
-        m.k0 = layer.k0;
-        m.residual_stress = layer.residual_stress;
-        top += layer.thickness;
-        stress += m.unit_weight * layer.thickness;
-        layers.push_back(std::move(m));
-    }
-    return layers;
-}
 
 std::string percent(double share) {
     return fmt::format("{:.0f} %", 100.0 * share);
@@ -119,17 +17,9 @@ std::string percent(double share) {
 
 } // namespace
 
-// What one thread keeps for one load: the mesh of the last geometry and what was built on it.
 class ForwardModel::Workspace {
 public:
-    struct Slot {
-        std::vector<double> r_lines, z_lines;
-        std::unique_ptr<const Model> model;
-        std::unique_ptr<fe::Solver<Element>> solver;
-        Eigen::VectorXd unit_load; // pressure 1 Pa
-        std::vector<Observation> observations;
-    };
-    std::vector<Slot> slots;
+    std::vector<std::unique_ptr<LoadModel::Workspace>> of_load; // made when first needed
 };
 
 void ForwardModel::WorkspaceDeleter::operator()(Workspace* workspace) const {
@@ -138,21 +28,16 @@ void ForwardModel::WorkspaceDeleter::operator()(Workspace* workspace) const {
 
 ForwardModel::WorkspacePointer ForwardModel::make_workspace() const {
     WorkspacePointer workspace(new Workspace);
-    workspace->slots.resize(nominal_.loads.size());
+    workspace->of_load.resize(nominal_.loads.size());
     return workspace;
 }
 
 void check_sensor(const Case& c, const Sensor& s, const Place& place) {
     const Load& load = c.loads[s.load];
     const double depth = c.depth();
-    const double distance = std::hypot(s.x, s.y);
+    const double distance = load.is_axisymmetric() ? std::hypot(s.x, s.y) : std::max(std::abs(s.x), std::abs(s.y));
     const double top = s.depth - s.gauge / 2.0;
     const double bottom = s.depth + s.gauge / 2.0;
-    if (!load.is_axisymmetric()) {
-        throw Error(place, "this version computes circular loads only",
-                    load.name + (load.type == LoadType::dual_wheel ? ", a dual wheel" : ", a rectangular patch"),
-                    "type = \"plate\", or type = \"wheel\" with patch = \"circle\"");
-    }
     if (s.gauge > 0.0 && s.quantity != Quantity::strain_zz) {
         throw Error(place, "only strain_zz has a gauge length", fmt::format("gauge_mm = {:g}", s.gauge / unit::mm),
                     "0");
@@ -172,33 +57,21 @@ void check_sensor(const Case& c, const Sensor& s, const Place& place) {
     }
 }
 
-ForwardModel::ForwardModel(Case nominal) : nominal_(std::move(nominal)), lines_(nominal_.loads.size()) {
+ForwardModel::ForwardModel(Case nominal) : nominal_(std::move(nominal)) {
     for (const Sensor& sensor : nominal_.sensors) {
         check_sensor(nominal_, sensor, {.key = "sensor"});
     }
-    const double extent = nominal_.settings.extent;
     for (std::size_t l = 0; l < nominal_.loads.size(); ++l) {
-        const Load& load = nominal_.loads[l];
-        if (!load.is_axisymmetric()) {
-            continue;
-        }
-        if (!(load.circle_radius() < extent)) {
-            throw Error({.key = "mesh.extent_m"}, "the load \"" + load.name + "\" does not fit into the mesh",
-                        fmt::format("{}", extent), fmt::format("more than its radius of {} m", load.circle_radius()));
-        }
-        const auto mesh = mesh::axisymmetric_mesh(demand_of(nominal_, static_cast<int>(l)));
-        lines_[l] = {mesh.r_lines, mesh.z_lines};
+        const bool is_read = std::any_of(nominal_.sensors.begin(), nominal_.sensors.end(),
+                                         [&](const Sensor& s) { return s.load == static_cast<int>(l); });
+        models_.push_back(is_read ? make_load_model(nominal_, static_cast<int>(l)) : nullptr);
     }
 }
 
 std::vector<int> ForwardModel::unknowns() const {
     std::vector<int> counts;
-    for (std::size_t l = 0; l < nominal_.loads.size(); ++l) {
-        if (nominal_.loads[l].is_axisymmetric()) {
-            counts.push_back(
-                fe::axisymmetric_model(mesh::axisymmetric_mesh(lines_[l].r, lines_[l].z, bottoms_of(nominal_)))
-                    .free_unknowns);
-        }
+    for (const auto& model : models_) {
+        counts.push_back(model ? model->unknowns() : 0);
     }
     return counts;
 }
@@ -265,31 +138,12 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
     double unstable = 0.0;
     double limited = 0.0;
     for (std::size_t l = 0; l < values.loads.size(); ++l) {
-        const Load& load = values.loads[l];
-        const bool is_read = std::any_of(values.sensors.begin(), values.sensors.end(),
-                                         [&](const Sensor& s) { return s.load == static_cast<int>(l); });
-        if (!is_read) {
+        if (!models_[l]) {
             continue;
         }
-        auto& slot = workspace.slots[l];
-        const double radius = load.circle_radius();
-        const double extent = values.settings.extent;
-        auto r_lines =
-            moved_lines(lines_[l].r, {0.0, nominal_.loads[l].circle_radius(), extent}, {0.0, radius, extent});
-        auto z_lines = moved_lines(lines_[l].z, with_zero(bottoms_of(nominal_)), with_zero(bottoms_of(values)));
-        if (r_lines != slot.r_lines || z_lines != slot.z_lines) {
-            slot.r_lines = r_lines;
-            slot.z_lines = z_lines;
-            const auto mesh = mesh::axisymmetric_mesh(std::move(r_lines), std::move(z_lines), bottoms_of(values));
-            slot.solver.reset();
-            slot.model = std::make_unique<const Model>(fe::axisymmetric_model(mesh));
-            slot.solver = std::make_unique<fe::Solver<Element>>(*slot.model);
-            slot.unit_load = circle_load(mesh, *slot.model, radius, 1.0);
-            slot.observations.clear();
-            for (const Sensor& sensor : values.sensors) {
-                slot.observations.push_back(sensor.load == static_cast<int>(l) ? observe(sensor, mesh, *slot.model)
-                                                                               : Observation{});
-            }
+        auto& own = workspace.of_load[l];
+        if (!own) {
+            own = models_[l]->make_workspace();
         }
         // Derivatives this load knows: layers, and its own pressure.
         std::vector<fe::Variation> variations;
@@ -303,36 +157,26 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
             variations.push_back(derivative->variation);
             target.emplace_back(k, derivative->factor);
         }
-        const Eigen::VectorXd force = load.pressure * slot.unit_load;
-        const auto solved = values.settings.integration == Integration::secant
-                                ? slot.solver->secant(layers, force, variations, values.settings.solver)
-                                : slot.solver->incremental(layers, force, variations, values.settings.solver);
-        if (!solved) {
-            return Failure{solved.status(), "load \"" + load.name + "\": " + solved.failure().reason};
+        const auto reading = models_[l]->run(values, layers, variations, *own);
+        if (!reading) {
+            return Failure{reading.status(), "load \"" + values.loads[l].name + "\": " + reading.failure().reason};
         }
-        const auto count = static_cast<Eigen::Index>(variations.size());
         for (std::size_t i = 0; i < values.sensors.size(); ++i) {
             if (values.sensors[i].load != static_cast<int>(l)) {
                 continue;
             }
-            const Observation& o = slot.observations[i];
-            const bool stress = !o.on_stress.empty();
-            response.values[i] =
-                stress ? o.of_stress(solved->stress, 1, 0) : o.of_displacement(solved->displacement.data());
-            for (Eigen::Index k = 0; k < count; ++k) {
+            response.values[i] = reading->values[i];
+            for (std::size_t k = 0; k < target.size(); ++k) {
                 response.jacobian(static_cast<Eigen::Index>(i), target[k].first) =
-                    target[k].second * (stress ? o.of_stress(solved->d_stress, count, k)
-                                               : o.of_displacement(solved->d_displacement.col(k).data()));
-            }
-            if (!std::isfinite(response.values[i])) {
-                return Failure{Status::failed, "load \"" + load.name + "\": the solution is not a finite number"};
+                    target[k].second * reading->derivatives(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
             }
         }
-        const auto& s = solved->statistics;
+        const auto& s = reading->statistics;
         response.statistics.load_steps += s.load_steps;
         response.statistics.rejected_steps += s.rejected_steps;
         response.statistics.newton_steps += s.newton_steps;
         response.statistics.factorizations += s.factorizations;
+        response.statistics.iterations += s.iterations;
         response.statistics.residual_relative = std::max(response.statistics.residual_relative, s.residual_relative);
         tension = std::max(tension, s.tension_share);
         unstable = std::max(unstable, s.unstable_share);
@@ -360,15 +204,6 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
                                     " of the stress-dependent material");
     }
     return response;
-}
-
-AxisymmetricCase axisymmetric_case(const Case& values, int load) {
-    AxisymmetricCase c;
-    c.mesh = mesh::axisymmetric_mesh(demand_of(values, load));
-    c.model = fe::axisymmetric_model(c.mesh);
-    c.load = circle_load(c.mesh, c.model, values.loads[load].circle_radius(), values.loads[load].pressure);
-    c.layers = materials_of(values);
-    return c;
 }
 
 } // namespace pave::pavement

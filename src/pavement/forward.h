@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/outcome.h"
+#include "pavement/load_model.h"
 #include "pavement/parameter.h"
 #include "pavement/section.h"
 
@@ -16,8 +17,8 @@ struct Response {
     std::vector<std::string> warnings;
 };
 
-// Throws Error at `place` when no parameter value can make the sensor of the case readable: outside the mesh, a load
-// without a model, a gauge length where there is none.
+// Throws Error at `place` when no parameter value can make the sensor of the case readable: outside the mesh, a gauge
+// length where there is none.
 void check_sensor(const Case& c, const Sensor& sensor, const Place& place);
 
 // Construction throws Error for what no parameter value can mend.
@@ -39,7 +40,7 @@ public:
     Outcome<Response> run(const Case& values, const std::vector<Parameter>& parameters, Workspace& workspace) const;
 
     const Case& nominal() const { return nominal_; }
-    // Unknowns of the finite element model of each load.
+    // Unknowns of the finite element model of each load, 0 where nothing is read.
     std::vector<int> unknowns() const;
 
 private:
@@ -47,20 +48,7 @@ private:
                                 Workspace& workspace) const;
 
     Case nominal_;
-    struct Lines {
-        std::vector<double> r, z;
-    };
-    std::vector<Lines> lines_; // of the nominal mesh of each load
+    std::vector<std::shared_ptr<const LoadModel>> models_; // of each load; none where nothing is read
 };
-
-// The finite element model of one circular load on a case, with its load vector at the load's own pressure: what the
-// forward run solves, for tests and benchmarks that look inside.
-struct AxisymmetricCase {
-    mesh::AxisymmetricMesh mesh;
-    fe::Model<fe::AxisymmetricQ8> model;
-    Eigen::VectorXd load; // N
-    std::vector<fe::LayerMaterial> layers;
-};
-AxisymmetricCase axisymmetric_case(const Case& values, int load);
 
 } // namespace pave::pavement

@@ -6,8 +6,6 @@
 namespace pave::pavement {
 namespace {
 
-using Element = fe::AxisymmetricQ8;
-
 // The cell of the lines that holds x; on a line the one behind it, at the end the last. A depth built from sums of
 // layer thicknesses may miss its line by rounding.
 int cell_of(const std::vector<double>& lines, double x) {
@@ -46,73 +44,137 @@ std::vector<std::pair<int, double>> interpolation(const std::vector<double>& lin
     return weights;
 }
 
-} // namespace
+// The cells of the layer that holds `depth`: first and last. layer: of the cells of one column, top to bottom.
+std::pair<int, int> cells_of_layer(const std::vector<double>& z_lines, const int* layer, double depth) {
+    const int cells = static_cast<int>(z_lines.size()) - 1;
+    int first = cell_of(z_lines, depth);
+    int last = first;
+    while (first > 0 && layer[first - 1] == layer[first]) {
+        --first;
+    }
+    while (last + 1 < cells && layer[last + 1] == layer[last]) {
+        ++last;
+    }
+    return {first, last};
+}
 
-Observation observe(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh, const fe::Model<Element>& model) {
-    const double r = std::hypot(sensor.x, sensor.y);
-    Observation o;
-    const int column = cell_of(mesh.r_lines, r);
-    const auto add_uz = [&](double z, double factor) {
-        const int row = cell_of(mesh.z_lines, z);
-        const int element = column * mesh.z_cells() + row;
-        const auto shape = Element::shape(local_of(mesh.r_lines, column, r), local_of(mesh.z_lines, row, z));
-        for (int k = 0; k < Element::nodes; ++k) {
-            if (const int unknown = model.unknowns[element][2 * k + 1]; unknown >= 0) {
-                o.on_displacement.emplace_back(unknown, factor * shape[k]);
-            }
-        }
-    };
+// add_uz(z, factor) adds factor times the downward displacement at depth z below (or above) the sensor. False: the
+// sensor reads a strain or stress at a point.
+bool observe_displacement(const Sensor& sensor, const auto& add_uz) {
     if (sensor.quantity == Quantity::deflection) {
         add_uz(sensor.depth, 1.0);
-        return o;
+        return true;
     }
     if (sensor.quantity == Quantity::strain_zz && sensor.gauge > 0.0) {
         add_uz(sensor.depth - sensor.gauge / 2.0, 1.0 / sensor.gauge);
         add_uz(sensor.depth + sensor.gauge / 2.0, -1.0 / sensor.gauge);
-        return o;
+        return true;
     }
+    return false;
+}
 
-    const double cos2 = r > 0.0 ? sensor.x * sensor.x / (r * r) : 1.0;
-    bool is_stress = false;
-    switch (sensor.quantity) { // compression positive: minus
-    case Quantity::stress_zz: is_stress = true; [[fallthrough]];
-    case Quantity::strain_zz: o.direction[2] = -1.0; break;
-    case Quantity::stress_xx: is_stress = true; [[fallthrough]];
-    case Quantity::strain_xx: o.direction[0] = -cos2, o.direction[1] = cos2 - 1.0; break;
-    case Quantity::stress_yy: is_stress = true; [[fallthrough]];
-    default: o.direction[0] = cos2 - 1.0, o.direction[1] = -cos2; break;
-    }
-    // The rows of cells of the layer.
-    const int row = cell_of(mesh.z_lines, sensor.depth);
-    int top = row;
-    int bottom = row;
-    while (top > 0 && mesh.layer[top - 1] == mesh.layer[row]) {
-        --top;
-    }
-    while (bottom + 1 < mesh.z_cells() && mesh.layer[bottom + 1] == mesh.layer[row]) {
-        ++bottom;
-    }
-    static constexpr int gauss_number[2][2] = {{0, 3}, {1, 2}}; // [in r][in z]
-    for (const auto& [i, in_r] : interpolation(mesh.r_lines, 0, mesh.r_cells() - 1, r)) {
-        for (const auto& [j, in_z] : interpolation(mesh.z_lines, top, bottom, sensor.depth)) {
-            const int element = i / 2 * mesh.z_cells() + j / 2;
-            o.on_stress.emplace_back(element * Element::gauss + gauss_number[i % 2][j % 2], in_r * in_z);
+template <class Element>
+void add_down(Observation<Element>& o, const fe::Model<Element>& model, int element,
+              const typename Element::Position& at, double factor) {
+    const auto shape = Element::shape(at);
+    for (int k = 0; k < Element::nodes; ++k) {
+        if (const int unknown = model.topology->unknowns[element][Element::dim * k + Element::down]; unknown >= 0) {
+            o.on_displacement.emplace_back(unknown, factor * shape[k]);
         }
     }
-    if (is_stress) {
+}
+
+bool is_stress(Quantity quantity) {
+    return quantity == Quantity::stress_zz || quantity == Quantity::stress_xx || quantity == Quantity::stress_yy;
+}
+
+// Weights on the stress of Gauss points become weights on displacements when the sensor reads the strain there.
+template <class Element>
+Observation<Element> strain_or_stress(Observation<Element> o, const Sensor& sensor, const fe::Model<Element>& model) {
+    if (is_stress(sensor.quantity)) {
         return o;
     }
     for (const auto& [point, weight] : o.on_stress) {
-        Element::Vector on_element = Element::Vector::Zero();
+        typename Element::Vector on_element = Element::Vector::Zero();
         Element::add_force(model.points[point], o.direction, weight, on_element);
         for (int k = 0; k < Element::dofs; ++k) {
-            if (const int unknown = model.unknowns[point / Element::gauss][k]; unknown >= 0) {
+            if (const int unknown = model.topology->unknowns[point / Element::gauss][k]; unknown >= 0) {
                 o.on_displacement.emplace_back(unknown, on_element[k]);
             }
         }
     }
     o.on_stress.clear();
     return o;
+}
+
+} // namespace
+
+Observation<fe::AxisymmetricQ8> observe(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh,
+                                        const fe::Model<fe::AxisymmetricQ8>& model) {
+    using Element = fe::AxisymmetricQ8;
+    const double r = std::hypot(sensor.x, sensor.y);
+    Observation<Element> o;
+    const int column = cell_of(mesh.r_lines, r);
+    const auto add_uz = [&](double z, double factor) {
+        const int row = cell_of(mesh.z_lines, z);
+        add_down(o, model, column * mesh.z_cells() + row,
+                 {local_of(mesh.r_lines, column, r), local_of(mesh.z_lines, row, z)}, factor);
+    };
+    if (observe_displacement(sensor, add_uz)) {
+        return o;
+    }
+    const double cos2 = r > 0.0 ? sensor.x * sensor.x / (r * r) : 1.0;
+    switch (sensor.quantity) { // compression positive: minus
+    case Quantity::stress_zz:
+    case Quantity::strain_zz: o.direction[2] = -1.0; break;
+    case Quantity::stress_xx:
+    case Quantity::strain_xx: o.direction[0] = -cos2, o.direction[1] = cos2 - 1.0; break;
+    default: o.direction[0] = cos2 - 1.0, o.direction[1] = -cos2; break;
+    }
+    static constexpr int gauss_number[2][2] = {{0, 3}, {1, 2}}; // [in r][in z]
+    const auto [top, bottom] = cells_of_layer(mesh.z_lines, mesh.layer.data(), sensor.depth);
+    for (const auto& [i, in_r] : interpolation(mesh.r_lines, 0, mesh.r_cells() - 1, r)) {
+        for (const auto& [j, in_z] : interpolation(mesh.z_lines, top, bottom, sensor.depth)) {
+            const int element = i / 2 * mesh.z_cells() + j / 2;
+            o.on_stress.emplace_back(element * Element::gauss + gauss_number[i % 2][j % 2], in_r * in_z);
+        }
+    }
+    return strain_or_stress(std::move(o), sensor, model);
+}
+
+Observation<fe::Hex20> observe(const Sensor& sensor, const mesh::SolidMesh& mesh, const fe::Model<fe::Hex20>& model) {
+    using Element = fe::Hex20;
+    const double x = std::abs(sensor.x);
+    const double y = std::abs(sensor.y);
+    Observation<Element> o;
+    const int i = cell_of(mesh.x_lines, x);
+    const int j = cell_of(mesh.y_lines, y);
+    const auto add_uz = [&](double z, double factor) {
+        const int k = cell_of(mesh.z_lines, z);
+        add_down(o, model, mesh.element(i, j, k),
+                 {local_of(mesh.x_lines, i, x), local_of(mesh.y_lines, j, y), local_of(mesh.z_lines, k, z)}, factor);
+    };
+    if (observe_displacement(sensor, add_uz)) {
+        return o;
+    }
+    switch (sensor.quantity) { // compression positive: minus
+    case Quantity::stress_zz:
+    case Quantity::strain_zz: o.direction[2] = -1.0; break;
+    case Quantity::stress_xx:
+    case Quantity::strain_xx: o.direction[0] = -1.0; break;
+    default: o.direction[1] = -1.0; break;
+    }
+    const auto [top, bottom] = cells_of_layer(mesh.z_lines, mesh.layer.data(), sensor.depth);
+    for (const auto& [a, in_x] : interpolation(mesh.x_lines, 0, mesh.x_cells() - 1, x)) {
+        for (const auto& [b, in_y] : interpolation(mesh.y_lines, 0, mesh.y_cells() - 1, y)) {
+            for (const auto& [c, in_z] : interpolation(mesh.z_lines, top, bottom, sensor.depth)) {
+                o.on_stress.emplace_back(mesh.element(a / 2, b / 2, c / 2) * Element::gauss + 4 * (a % 2) +
+                                             2 * (b % 2) + c % 2,
+                                         in_x * in_y * in_z);
+            }
+        }
+    }
+    return strain_or_stress(std::move(o), sensor, model);
 }
 
 } // namespace pave::pavement

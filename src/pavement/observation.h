@@ -2,19 +2,17 @@
 #pragma once
 
 #include "fe/model.h"
-#include "mesh/axisymmetric.h"
 #include "pavement/section.h"
 
 namespace pave::pavement {
 
 // A reading: weights on the free unknowns, or (stresses) weights on the load stress of Gauss points, contracted with a
 // direction. Signs are those of Quantity.
+template <class Element>
 struct Observation {
-    using Element = fe::AxisymmetricQ8;
-
     std::vector<std::pair<int, double>> on_displacement; // (unknown, weight)
     std::vector<std::pair<int, double>> on_stress;       // (Gauss point, weight)
-    Element::Stress direction = Element::Stress::Zero();
+    typename Element::Stress direction = Element::Stress::Zero();
 
     double of_displacement(const double* u) const {
         double value = 0.0;
@@ -37,7 +35,9 @@ struct Observation {
 // Deflections and gauge strains come from the displacement itself. Strains and stresses at a point are interpolated
 // from the Gauss points around it, where they are most accurate: cubic in each direction, within the layer (strains
 // jump at interfaces; exactly on one, the layer below is read).
-Observation observe(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh,
-                    const fe::Model<fe::AxisymmetricQ8>& model);
+Observation<fe::AxisymmetricQ8> observe(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh,
+                                        const fe::Model<fe::AxisymmetricQ8>& model);
+// Loads are symmetric to x = 0 and y = 0: a sensor on another side is read in the quarter that is modelled.
+Observation<fe::Hex20> observe(const Sensor& sensor, const mesh::SolidMesh& mesh, const fe::Model<fe::Hex20>& model);
 
 } // namespace pave::pavement

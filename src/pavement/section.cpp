@@ -6,8 +6,26 @@
 
 namespace pave::pavement {
 
-double Load::circle_radius() const {
-    return type == LoadType::plate ? radius : std::sqrt(force / (std::numbers::pi * pressure));
+Load::Footprint Load::footprint() const {
+    Footprint f;
+    f.shape = patch;
+    if (type == LoadType::plate) {
+        f.half_x = f.half_y = radius;
+        return f;
+    }
+    const double area = force / pressure / (type == LoadType::dual_wheel ? 2.0 : 1.0);
+    f.centre = type == LoadType::dual_wheel ? spacing / 2.0 : 0.0;
+    if (patch == Patch::circle) {
+        f.half_x = f.half_y = std::sqrt(area / std::numbers::pi);
+    } else {
+        f.half_x = patch_width / 2.0;
+        f.half_y = area / patch_width / 2.0;
+    }
+    return f;
+}
+
+double Load::total_force() const {
+    return type == LoadType::plate ? pressure * std::numbers::pi * radius * radius : force;
 }
 
 double Case::depth() const {

@@ -37,8 +37,17 @@ struct Load {
     bool is_axisymmetric() const {
         return type == LoadType::plate || (type == LoadType::wheel && patch == Patch::circle);
     }
-    // Radius of that circle: the plate's own, or the one that carries the force at the pressure.
-    double circle_radius() const;
+    // Where the pressure acts: one patch on the z axis, or two at x = +- centre.
+    struct Footprint {
+        Patch shape = Patch::circle;
+        double centre = 0.0; // m, x of the patch at x >= 0
+        double half_x = 0.0; // m; of a circle both are its radius: the plate's own, or the one that
+        double half_y = 0.0; // carries the force at the pressure
+        double inner() const { return centre > 0.0 ? centre - half_x : 0.0; }
+        double outer() const { return centre + half_x; }
+    };
+    Footprint footprint() const;
+    double total_force() const; // N
 };
 
 // deflection: positive down [m]; strains [-] and load-induced stresses [Pa]: positive in compression.

@@ -85,13 +85,13 @@ Eigen::VectorXd load_of(const fe::Model<Element>& model, const StressAt& stress_
     constexpr double x[] = {-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640};
     constexpr double w[] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
                             0.2369268850561891};
-    Eigen::VectorXd load = Eigen::VectorXd::Zero(model.free_unknowns);
+    Eigen::VectorXd load = Eigen::VectorXd::Zero(model.free_unknowns());
     for (int e = 0; e < model.elements(); ++e) {
         Element::Vector force = Element::Vector::Zero();
         for (int i = 0; i < 5; ++i) {
             for (int j = 0; j < 5; ++j) {
                 const auto p = Element::point(model.coordinates[e], {x[i], x[j]});
-                const Eigen::Vector2d at = model.coordinates[e] * Element::shape(x[i], x[j]);
+                const Eigen::Vector2d at = model.coordinates[e] * Element::shape({x[i], x[j]});
                 Element::add_force(p, stress_at(e, at[0], at[1]), p.weight * w[i] * w[j], force);
             }
         }
@@ -113,7 +113,7 @@ Errors errors_of(const fe::Model<Element>& model, const fe::Solution<Element>& s
         const auto ue = model.gather(e, solution.displacement.data());
         for (int g = 0; g < Element::gauss; ++g) {
             const int q = e * Element::gauss + g;
-            const auto shape = Element::shape(positions[g][0], positions[g][1]);
+            const auto shape = Element::shape(positions[g]);
             const Eigen::Vector2d at = model.coordinates[e] * shape;
             const Eigen::Map<const Eigen::Matrix<double, 2, 8>> nodal(ue.data());
             const Eigen::Vector2d found = nodal * shape;
@@ -135,21 +135,21 @@ fe::Model<Element> regular_model(int cells) {
         r.push_back(radius * i / cells);
         z.push_back(depth * i / cells);
     }
-    return fe::axisymmetric_model(mesh::axisymmetric_mesh(r, z, {depth}));
+    return fe::make_model(mesh::axisymmetric_mesh(r, z, {depth}));
 }
 
 } // namespace
 
 TEST(PatchTest, ConstantStrainIsInEquilibriumOnAnIrregularMesh) {
     const auto model =
-        fe::axisymmetric_model(mesh::axisymmetric_mesh(irregular_lines(2.0, 7, 0), irregular_lines(1.0, 6, 1), {1.0}));
+        fe::make_model(mesh::axisymmetric_mesh(irregular_lines(2.0, 7, 0), irregular_lines(1.0, 6, 1), {1.0}));
     // u_r = a r, u_z = b z: on the nodes; internal forces vanish at every node that touches no boundary.
     const double a = 3e-4, b = -7e-4;
     mechanics::CrossAnisotropy solid{
         .n = 0.4, .nu12 = 0.3, .nu31 = 0.25, .shear_ratio = {}, .modulus_is_vertical = false};
     const mechanics::Stiffness<4> d = 2e8 * solid.unit_stiffness().topLeftCorner<4, 4>();
-    Eigen::VectorXd force = Eigen::VectorXd::Zero(model.free_unknowns);
-    Eigen::VectorXd on_boundary = Eigen::VectorXd::Zero(model.free_unknowns);
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(model.free_unknowns());
+    Eigen::VectorXd on_boundary = Eigen::VectorXd::Zero(model.free_unknowns());
     double largest = 0.0;
     for (int e = 0; e < model.elements(); ++e) {
         Element::Vector u, f = Element::Vector::Zero(), marks = Element::Vector::Zero();
@@ -190,7 +190,7 @@ TEST(PatchTest, ConfinedCompressionOfTwoLayersIsExact) {
     }
     lines.back() = 1.0;
     const auto mesh = mesh::axisymmetric_mesh(irregular_lines(1.0, 5, 4), lines, {0.3, 1.0});
-    const auto model = fe::axisymmetric_model(mesh);
+    const auto model = fe::make_model(mesh);
     const auto stress_at = [&](int, double, double) { return Element::Stress(0.0, 0.0, -p, 0.0); };
     // Virtual work of sigma_zz = -p alone loads the surface (and the held floor).
     const Eigen::VectorXd load = load_of(model, stress_at);
@@ -203,7 +203,7 @@ TEST(PatchTest, ConfinedCompressionOfTwoLayersIsExact) {
         const auto ue = model.gather(e, solved->displacement.data());
         for (int g = 0; g < Element::gauss; ++g) {
             const auto found = Element::strain(model.points[e * Element::gauss + g], ue);
-            EXPECT_NEAR(found[2], strain[model.layer[e]], 1e-10 * std::abs(strain[1]));
+            EXPECT_NEAR(found[2], strain[model.topology->layer[e]], 1e-10 * std::abs(strain[1]));
             EXPECT_NEAR(found[0], 0.0, 1e-10 * std::abs(strain[1]));
         }
     }
@@ -233,7 +233,7 @@ TEST(LoadPath, OfConfinedCompressionIsTheIntegralOfTheModulusOverTheLoad) {
         exact +=
             (b - a) / 6.0 * (1.0 / modulus_at(a) + 4.0 / modulus_at((a + b) / 2.0) + 1.0 / modulus_at(b)) / c(2, 2);
     }
-    const auto model = fe::axisymmetric_model(mesh::axisymmetric_mesh({0.0, 0.5, 1.0}, {0.0, 0.5, 1.0}, {1.0}));
+    const auto model = fe::make_model(mesh::axisymmetric_mesh({0.0, 0.5, 1.0}, {0.0, 0.5, 1.0}, {1.0}));
     const auto load = load_of(model, [&](int, double, double) { return Element::Stress(0.0, 0.0, -p, 0.0); });
     fe::Solver<Element> solver(model);
     double last = 1.0;
@@ -261,7 +261,7 @@ TEST(Equilibrium, ReactionOfTheFloorEqualsTheLoad) {
         const Case c =
             captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4, .delta = 10e3, .residual_stress = 20e3},
                    integration);
-        const AxisymmetricCase parts = axisymmetric_case(c, 0);
+        const auto parts = parts_of<Axisymmetric>(c, 0);
         const double applied = 595e3 * std::numbers::pi * 0.15 * 0.15;
         EXPECT_NEAR(parts.load.sum(), applied, 1e-10 * applied);
         fe::Solver<Element> solver(parts.model);
@@ -276,7 +276,7 @@ TEST(Equilibrium, ReactionOfTheFloorEqualsTheLoad) {
                 Element::add_force(parts.model.points[q], solved->stress.col(q), parts.model.points[q].weight, force);
             }
             for (int i = 0; i < Element::nodes; ++i) {
-                if (parts.model.unknowns[e][2 * i + 1] < 0) {
+                if (parts.model.topology->unknowns[e][2 * i + 1] < 0) {
                     reaction -= force[2 * i + 1];
                 }
             }

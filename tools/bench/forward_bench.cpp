@@ -27,10 +27,10 @@ double median(std::vector<double> values) {
 }
 
 // The stiffness matrix of the whole section at its initial stress, lower triangle.
-std::vector<double> matrix_of(const pavement::AxisymmetricCase& c) {
-    std::vector<double> values(c.model.lower.row.size(), 0.0);
+std::vector<double> matrix_of(const pavement::Parts<pavement::Axisymmetric>& c) {
+    std::vector<double> values(c.model.topology->lower.row.size(), 0.0);
     for (int e = 0; e < c.model.elements(); ++e) {
-        const auto& layer = c.layers[static_cast<std::size_t>(c.model.layer[e])];
+        const auto& layer = c.layers[static_cast<std::size_t>(c.model.topology->layer[e])];
         const mechanics::Stiffness<4> unit = layer.law->unit_stiffness(layer.parameters).topLeftCorner<4, 4>();
         Eigen::Matrix<double, Element::dofs, Element::dofs> k =
             Eigen::Matrix<double, Element::dofs, Element::dofs>::Zero();
@@ -45,7 +45,7 @@ std::vector<double> matrix_of(const pavement::AxisymmetricCase& c) {
         int entry = 0;
         for (int i = 0; i < Element::dofs; ++i) {
             for (int j = 0; j <= i; ++j, ++entry) {
-                if (const int place = c.model.scatter[e][entry]; place >= 0) {
+                if (const int place = c.model.topology->scatter[e][entry]; place >= 0) {
                     values[place] += k(i, j);
                 }
             }
@@ -66,9 +66,9 @@ int main(int argc, char** argv) {
     const auto study = explore::study::load_study(argv[1]);
     const pavement::ForwardModel model(study.model);
     const auto workspace = model.make_workspace();
-    const auto parts = pavement::axisymmetric_case(study.model, 0);
+    const auto parts = pavement::parts_of<pavement::Axisymmetric>(study.model, 0);
     const auto matrix = matrix_of(parts);
-    fe::SparseCholesky cholesky(parts.model.lower);
+    fe::SparseCholesky cholesky(parts.model.topology->lower, *parts.model.topology->analysis);
 
     std::vector<double> factorization, forward, jacobian;
     for (int round = -1; round < rounds; ++round) { // the first warms up
@@ -99,7 +99,7 @@ int main(int argc, char** argv) {
     };
     const auto outcome = model.run(study.model, {}, *workspace);
     fmt::print("{}: {} unknowns, {} factorisations on the load path, medians of {} rounds\n", study.title,
-               parts.model.free_unknowns, outcome->statistics.factorizations, rounds);
+               parts.model.free_unknowns(), outcome->statistics.factorizations, rounds);
     row("one sparse Cholesky factorisation", unit);
     row("forward run", median(forward));
     row(fmt::format("forward run with {} derivatives", study.parameters.size()), median(jacobian));

@@ -1,0 +1,54 @@
+// A sequence of symmetric positive definite systems on one pattern, as a load path poses them: each matrix is near the
+// one before.
+#pragma once
+
+#include "fe/sparse_solver.h"
+
+#include <Eigen/Dense>
+
+namespace pave::fe {
+
+// direct: every matrix is factorised. iterative: conjugate gradients, preconditioned by the factor of an earlier matrix
+// of the same sequence; the matrix is factorised anew when that no longer pays.
+enum class Route { direct, iterative };
+
+class SymmetricSystem {
+public:
+    // The pattern and its analysis must outlive the object.
+    SymmetricSystem(const Pattern& lower, const CholeskyAnalysis& analysis, Route route);
+
+    // Begins a sequence: nothing that was solved before has an influence on what follows.
+    // tolerance: error of an iterative solution in the energy norm, relative to the solution.
+    void begin(double tolerance);
+
+    // The matrix of the moment, one value for each entry of the pattern; must stay until the next one. False when it is
+    // found not to be positive definite.
+    bool set_matrix(std::span<const double> values);
+
+    // x := K^-1 x for the columns of x. guesses: matrices of the size of x whose columns may span something near the
+    // answer (the answers of earlier systems). False when K is found not to be positive definite.
+    bool solve(Eigen::Ref<Eigen::MatrixXd> x, std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses);
+
+    // y := K x
+    void multiply(const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> y) const;
+    // x := M^-1 x with the factor at hand
+    void precondition(Eigen::Ref<Eigen::MatrixXd> x);
+
+    int factorizations() const { return factorizations_; } // since begin()
+    int iterations() const { return iterations_; }         // since begin(), all columns together count once
+
+private:
+    bool factorize();
+
+    const Pattern& lower_;
+    Route route_;
+    SparseCholesky cholesky_;
+    std::span<const double> values_;
+    double tolerance_ = 0.0;
+    bool has_factor_ = false;
+    bool factor_is_stale_ = false; // factorise the next matrix
+    int factorizations_ = 0;
+    int iterations_ = 0;
+};
+
+} // namespace pave::fe

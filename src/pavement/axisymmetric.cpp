@@ -1,0 +1,68 @@
+#include "pavement/load_model.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace pave::pavement {
+
+mesh::AxisymmetricMesh Axisymmetric::nominal_mesh(const Case& c, int load) {
+    mesh::AxisymmetricDemand demand;
+    for (const Layer& layer : c.layers) {
+        demand.thickness.push_back(layer.thickness);
+    }
+    demand.load_radius = c.loads[load].footprint().half_x;
+    demand.extent = c.settings.extent;
+    demand.refine = c.settings.refine;
+    for (const Sensor& sensor : c.sensors) {
+        if (sensor.load != load) {
+            continue;
+        }
+        const double r = std::hypot(sensor.x, sensor.y);
+        if (sensor.quantity == Quantity::deflection) {
+            demand.surface_radii.push_back(r);
+        } else {
+            demand.gauge_depths.push_back(sensor.depth);
+            demand.gauge_radii.push_back(r);
+        }
+    }
+    return mesh::axisymmetric_mesh(demand);
+}
+
+Lines Axisymmetric::lines_of(const Mesh& mesh) {
+    return {mesh.r_lines, mesh.z_lines};
+}
+
+Lines Axisymmetric::breaks(const Case& c, int load) {
+    std::vector<double> bottoms = bottoms_of(c);
+    bottoms.insert(bottoms.begin(), 0.0);
+    return {{0.0, c.loads[load].footprint().half_x, c.settings.extent}, bottoms};
+}
+
+mesh::AxisymmetricMesh Axisymmetric::mesh_of(Lines lines, const std::vector<double>& layer_bottoms) {
+    return mesh::axisymmetric_mesh(std::move(lines[0]), std::move(lines[1]), layer_bottoms);
+}
+
+// The edge of the circle is a line of the mesh.
+Eigen::VectorXd Axisymmetric::unit_load(const Mesh& mesh, const fe::Model<Element>& model, const Load& on) {
+    const double radius = on.footprint().half_x;
+    Eigen::VectorXd load = Eigen::VectorXd::Zero(model.free_unknowns());
+    for (int i = 0; i < mesh.r_cells() && mesh.r_lines[i + 1] <= radius * (1.0 + 1e-12); ++i) {
+        const int e = i * mesh.z_cells();
+        const double half = (mesh.r_lines[i + 1] - mesh.r_lines[i]) / 2.0;
+        const double middle = (mesh.r_lines[i + 1] + mesh.r_lines[i]) / 2.0;
+        Element::Vector force = Element::Vector::Zero();
+        // Quadratic shape function times r: cubic, exact with three Gauss points.
+        const double g = std::sqrt(0.6);
+        for (const auto& [xi, weight] : {std::pair{-g, 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {g, 5.0 / 9.0}}) {
+            const auto shape = Element::shape({xi, -1.0});
+            const double factor = weight * half * 2.0 * std::numbers::pi * (middle + half * xi);
+            for (int k = 0; k < Element::nodes; ++k) {
+                force[2 * k + 1] += factor * shape[k];
+            }
+        }
+        model.scatter_add(e, force, load.data());
+    }
+    return load;
+}
+
+} // namespace pave::pavement

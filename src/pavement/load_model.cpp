@@ -1,0 +1,179 @@
+#include "pavement/load_model.h"
+
+#include "base/error.h"
+#include "base/units.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace pave::pavement {
+namespace {
+
+// Piecewise linear map of mesh lines from one set of breaks to another of the same length.
+std::vector<double> moved_lines(std::vector<double> lines, const std::vector<double>& from,
+                                const std::vector<double>& to) {
+    if (from == to) {
+        return lines;
+    }
+    for (double& x : lines) {
+        const auto above = std::lower_bound(from.begin(), from.end(), x);
+        const std::size_t i = above - from.begin();
+        x = *above == x ? to[i] : to[i - 1] + (x - from[i - 1]) / (from[i] - from[i - 1]) * (to[i] - to[i - 1]);
+    }
+    return lines;
+}
+
+template <class Kind>
+class LoadModelOf final : public LoadModel {
+public:
+    using Element = typename Kind::Element;
+
+    LoadModelOf(const Case& nominal, int load)
+        : load_(load),
+          breaks_(Kind::breaks(nominal, load)),
+          mesh_(Kind::nominal_mesh(nominal, load)),
+          model_(fe::make_model(mesh_)) {}
+
+    std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Own>(); }
+    int unknowns() const override { return model_.free_unknowns(); }
+
+    Outcome<Reading> run(const Case& values, const std::vector<fe::LayerMaterial>& layers,
+                         const std::vector<fe::Variation>& variations, Workspace& workspace) const override {
+        const Load& load = values.loads[load_];
+        const Lines breaks = Kind::breaks(values, load_);
+        for (const auto& along : breaks) {
+            if (!std::is_sorted(along.begin(), along.end(), std::less_equal<>())) {
+                return Failure{Status::invalid_parameters, "the patch does not fit into the mesh, or those of the dual "
+                                                           "overlap, for this geometry"};
+            }
+        }
+        Own& own = static_cast<Own&>(workspace);
+        own.fit(*this, values, breaks);
+        const Eigen::VectorXd force = load.pressure * own.unit_load;
+        const auto solved = values.settings.integration == Integration::secant
+                                ? own.solver->secant(layers, force, variations, values.settings.solver)
+                                : own.solver->incremental(layers, force, variations, values.settings.solver);
+        if (!solved) {
+            return solved.failure();
+        }
+        const auto count = static_cast<Eigen::Index>(variations.size());
+        Reading reading;
+        reading.values.resize(values.sensors.size());
+        reading.derivatives.setZero(static_cast<Eigen::Index>(values.sensors.size()), count);
+        reading.statistics = solved->statistics;
+        for (std::size_t i = 0; i < values.sensors.size(); ++i) {
+            if (values.sensors[i].load != load_) {
+                continue;
+            }
+            const auto& o = own.observations[i];
+            const bool stress = !o.on_stress.empty();
+            reading.values[i] =
+                stress ? o.of_stress(solved->stress, 1, 0) : o.of_displacement(solved->displacement.data());
+            for (Eigen::Index k = 0; k < count; ++k) {
+                reading.derivatives(static_cast<Eigen::Index>(i), k) =
+                    stress ? o.of_stress(solved->d_stress, count, k)
+                           : o.of_displacement(solved->d_displacement.col(k).data());
+            }
+            if (!std::isfinite(reading.values[i])) {
+                return Failure{Status::failed, "the solution is not a finite number"};
+            }
+        }
+        return reading;
+    }
+
+private:
+    struct Own : Workspace {
+        Lines lines;
+        std::unique_ptr<fe::Model<Element>> model;
+        std::unique_ptr<fe::Solver<Element>> solver;
+        Eigen::VectorXd unit_load; // pressure 1 Pa
+        std::vector<Observation<Element>> observations;
+
+        void fit(const LoadModelOf& of, const Case& values, const Lines& breaks) {
+            Lines wanted = Kind::lines_of(of.mesh_);
+            for (std::size_t axis = 0; axis < wanted.size(); ++axis) {
+                wanted[axis] = moved_lines(std::move(wanted[axis]), of.breaks_[axis], breaks[axis]);
+            }
+            if (wanted == lines) {
+                return;
+            }
+            lines = wanted;
+            const auto mesh = Kind::mesh_of(std::move(wanted), bottoms_of(values));
+            auto moved = std::make_unique<fe::Model<Element>>(fe::make_model(mesh, &of.model_));
+            if (solver == nullptr) {
+                solver = std::make_unique<fe::Solver<Element>>(*moved);
+            } else {
+                solver->move(*moved);
+            }
+            model = std::move(moved);
+            unit_load = Kind::unit_load(mesh, *model, values.loads[of.load_]);
+            observations.clear();
+            for (const Sensor& sensor : values.sensors) {
+                observations.push_back(sensor.load == of.load_ ? observe(sensor, mesh, *model)
+                                                               : Observation<Element>{});
+            }
+        }
+    };
+
+    int load_;
+    Lines breaks_;
+    typename Kind::Mesh mesh_;
+    fe::Model<Element> model_;
+};
+
+} // namespace
+
+std::vector<double> bottoms_of(const Case& c) {
+    std::vector<double> bottoms;
+    double z = 0.0;
+    for (const Layer& layer : c.layers) {
+        bottoms.push_back(z += layer.thickness);
+    }
+    return bottoms;
+}
+
+std::vector<fe::LayerMaterial> materials_of(const Case& c) {
+    std::vector<fe::LayerMaterial> layers;
+    double top = 0.0;
+    double stress = 0.0;
+    for (const Layer& layer : c.layers) {
+        fe::LayerMaterial m;
+        m.law = layer.law;
+        m.parameters = layer.parameters;
+        if (const auto floor = layer.law->index_of("shear_floor"); floor && std::isnan(m.parameters[*floor])) {
+            m.parameters[*floor] = c.settings.integration == Integration::secant ? 1.0 : 0.0;
+        }
+        m.top = top;
+        m.thickness = layer.thickness;
+        m.top_stress = stress;
+        m.unit_weight = layer.density * unit::gravity;
+        m.k0 = layer.k0;
+        m.residual_stress = layer.residual_stress;
+        top += layer.thickness;
+        stress += m.unit_weight * layer.thickness;
+        layers.push_back(std::move(m));
+    }
+    return layers;
+}
+
+std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int number) {
+    const Load& load = nominal.loads[number];
+    const auto footprint = load.footprint();
+    const double reach = std::max(footprint.outer(), footprint.half_y);
+    if (!(reach < nominal.settings.extent)) {
+        throw Error({.key = "mesh.extent_m"}, "the load \"" + load.name + "\" does not fit into the mesh",
+                    fmt::format("{}", nominal.settings.extent), fmt::format("more than its reach of {:.4g} m", reach));
+    }
+    if (footprint.centre > 0.0 && !(footprint.inner() > 0.0)) {
+        throw Error({.key = load.name + ".spacing_mm"}, "the two patches of the dual wheel touch or overlap",
+                    fmt::format("{:g}", load.spacing / unit::mm),
+                    fmt::format("more than the width of a patch, {:.4g} mm", 2.0 * footprint.half_x / unit::mm));
+    }
+    if (load.is_axisymmetric()) {
+        return std::make_unique<LoadModelOf<Axisymmetric>>(nominal, number);
+    }
+    return std::make_unique<LoadModelOf<Solid>>(nominal, number);
+}
+
+} // namespace pave::pavement

@@ -1,0 +1,88 @@
+// The finite element model of one load on a section: the cheapest one that serves it.
+#pragma once
+
+#include "base/outcome.h"
+#include "fe/solver.h"
+#include "pavement/observation.h"
+#include "pavement/section.h"
+
+#include <memory>
+
+namespace pave::pavement {
+
+// Positions of the mesh lines along each axis, or the breaks among them that geometry moves [m].
+using Lines = std::vector<std::vector<double>>;
+
+// The two kinds of model. Each says where the lines of its mesh lie and how its load acts.
+struct Axisymmetric { // one circle on the axis
+    using Element = fe::AxisymmetricQ8;
+    using Mesh = mesh::AxisymmetricMesh;
+    static Mesh nominal_mesh(const Case& c, int load);
+    static Lines lines_of(const Mesh& mesh);
+    static Lines breaks(const Case& c, int load);
+    static Mesh mesh_of(Lines lines, const std::vector<double>& layer_bottoms);
+    // Force of 1 Pa on the footprint, on every free unknown [N].
+    static Eigen::VectorXd unit_load(const Mesh& mesh, const fe::Model<Element>& model, const Load& load);
+};
+// Any load: a quarter, for all loads are symmetric to x = 0 and y = 0.
+struct Solid {
+    using Element = fe::Hex20;
+    using Mesh = mesh::SolidMesh;
+    static Mesh nominal_mesh(const Case& c, int load);
+    static Lines lines_of(const Mesh& mesh);
+    static Lines breaks(const Case& c, int load);
+    static Mesh mesh_of(Lines lines, const std::vector<double>& layer_bottoms);
+    static Eigen::VectorXd unit_load(const Mesh& mesh, const fe::Model<Element>& model, const Load& load);
+};
+
+// Depth of the bottom of every layer [m].
+std::vector<double> bottoms_of(const Case& c);
+
+// The layers as the solvers see them.
+std::vector<fe::LayerMaterial> materials_of(const Case& c);
+
+class LoadModel {
+public:
+    virtual ~LoadModel() = default;
+
+    // What one thread keeps: the last geometry and the factors on it. Makes a run faster, never different.
+    class Workspace {
+    public:
+        virtual ~Workspace() = default;
+    };
+    virtual std::unique_ptr<Workspace> make_workspace() const = 0;
+    virtual int unknowns() const = 0;
+
+    struct Reading {
+        std::vector<double> values;  // of every sensor of the case, SI; 0 for those of other loads
+        Eigen::MatrixXd derivatives; // sensors x variations, SI
+        fe::Statistics statistics;
+    };
+    // values differ from the nominal case in numbers only.
+    virtual Outcome<Reading> run(const Case& values, const std::vector<fe::LayerMaterial>& layers,
+                                 const std::vector<fe::Variation>& variations, Workspace& workspace) const = 0;
+};
+
+// The geometry of the nominal case fixes the structure of the mesh; other geometries move its lines. Throws Error when
+// the load does not fit into the mesh.
+std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int load);
+
+// The parts of such a model with the load vector at the load's own pressure, for tests and benchmarks that look inside.
+template <class Kind>
+struct Parts {
+    typename Kind::Mesh mesh;
+    fe::Model<typename Kind::Element> model;
+    Eigen::VectorXd load; // N
+    std::vector<fe::LayerMaterial> layers;
+};
+template <class Kind>
+Parts<Kind> parts_of(const Case& c, int load) {
+    Parts<Kind> parts;
+    parts.mesh = Kind::nominal_mesh(c, load);
+    parts.model = fe::make_model(parts.mesh);
+    parts.load = c.loads[load].pressure * Kind::unit_load(parts.mesh, parts.model, c.loads[load]);
+    parts.layers = materials_of(c);
+    return parts;
+}
+
+} // namespace pave::pavement
