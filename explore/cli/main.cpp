@@ -1,5 +1,6 @@
 #include "base/error.h"
 #include "cli/common.h"
+#include "run/blas.h"
 #include "run/interrupt.h"
 
 #include <algorithm>
@@ -40,6 +41,7 @@ int main(int argc, char** argv) {
         return status == 0 ? cli::done : cli::wrong_input;
     }
     explore::run::catch_interrupts();
+    explore::run::prepare_blas();
     try {
         const int status = action();
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {

@@ -8,7 +8,7 @@ namespace explore::landscape {
 struct MultistartSettings {
     int starts = 12;
     double start_distance = 0.25; // between starts, Euclid in the unit cube
-    std::string method = "slsqp";
+    std::string method = "gauss-newton";
     optimise::SearchSettings search{};
 };
 

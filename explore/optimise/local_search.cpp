@@ -1,5 +1,7 @@
 #include "optimise/local_search.h"
 
+#include "optimise/gauss_newton.h"
+
 #include <cmath>
 #include <limits>
 #include <nlopt.hpp>
@@ -9,9 +11,10 @@ namespace {
 
 struct Known {
     Method method;
-    nlopt::algorithm algorithm;
+    std::optional<nlopt::algorithm> algorithm; // none: our own
 };
 constexpr Known known[] = {
+    {{"gauss-newton", true, "damped Gauss-Newton steps in the box (Levenberg, Marquardt)"}, std::nullopt},
     {{"slsqp", true, "sequential quadratic programming (Kraft)"}, nlopt::LD_SLSQP},
     {{"lbfgs", true, "limited-memory BFGS (Luksan)"}, nlopt::LD_LBFGS},
     {{"mma", true, "method of moving asymptotes (Svanberg)"}, nlopt::LD_MMA},
@@ -106,11 +109,14 @@ const Method* find_method(std::string_view name) {
 
 SearchResult local_search(const Method& method, const std::vector<double>& start, const Objective& objective,
                           const SearchSettings& settings) {
-    nlopt::algorithm algorithm = nlopt::LD_SLSQP;
+    std::optional<nlopt::algorithm> algorithm;
     for (const Known& k : known) {
         algorithm = k.method.name == method.name ? k.algorithm : algorithm;
     }
-    nlopt::opt optimiser(algorithm, static_cast<unsigned>(start.size()));
+    if (!algorithm) {
+        return gauss_newton(start, objective, settings);
+    }
+    nlopt::opt optimiser(*algorithm, static_cast<unsigned>(start.size()));
     Search search{objective, optimiser, {}, std::numeric_limits<double>::infinity(), 0.0, {}};
     optimiser.set_lower_bounds(0.0);
     optimiser.set_upper_bounds(1.0);

@@ -1,4 +1,4 @@
-// Local searches in the unit cube, by NLopt, behind one interface.
+// Local searches in the unit cube, by NLopt and our own, behind one interface.
 #pragma once
 
 #include <Eigen/Dense>

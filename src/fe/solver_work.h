@@ -80,7 +80,7 @@ struct Solver<Element>::Work {
     struct Held {
         bool valid = false;
         bool stress_dependent = false;
-        mechanics::Stiffness<N> unit;
+        mechanics::Stiffness<N> unit = mechanics::Stiffness<N>::Zero();
         std::vector<double> values;
     };
     std::vector<Held> held;

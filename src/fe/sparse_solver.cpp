@@ -125,6 +125,38 @@ void SparseCholesky::solve(double* x, int columns) {
     std::memcpy(x, m.solution->x, right.nzmax * sizeof(double));
 }
 
+void SparseCholesky::round_to(SingleFactor& single) const {
+    const cholmod_factor& factor = *implementation_->factor;
+    const auto* permutation = static_cast<const int*>(factor.Perm);
+    const auto* super = static_cast<const int*>(factor.super); // first column of each supernode
+    const auto* row_start = static_cast<const int*>(factor.pi);
+    const auto* value_start = static_cast<const int*>(factor.px);
+    const auto* rows = static_cast<const int*>(factor.s);
+    const auto* values = static_cast<const double*>(factor.x);
+    single.permutation.assign(permutation, permutation + factor.n);
+    single.supernodes.resize(factor.nsuper);
+    single.rows.clear();
+    single.values.clear();
+    for (std::size_t k = 0; k < factor.nsuper; ++k) {
+        auto& s = single.supernodes[k];
+        const int all_rows = row_start[k + 1] - row_start[k];
+        s.first_column = super[k];
+        s.columns = super[k + 1] - super[k];
+        s.rows_below = all_rows - s.columns;
+        s.row_start = single.rows.size();
+        s.start = single.values.size();
+        single.rows.insert(single.rows.end(), rows + row_start[k] + s.columns, rows + row_start[k + 1]);
+        const Eigen::Map<const Eigen::MatrixXd> block(values + value_start[k], all_rows, s.columns);
+        const Eigen::MatrixXf inverse = block.topRows(s.columns)
+                                            .triangularView<Eigen::Lower>()
+                                            .solve(Eigen::MatrixXd::Identity(s.columns, s.columns))
+                                            .cast<float>();
+        const Eigen::MatrixXf below = block.bottomRows(s.rows_below).cast<float>();
+        single.values.insert(single.values.end(), inverse.data(), inverse.data() + inverse.size());
+        single.values.insert(single.values.end(), below.data(), below.data() + below.size());
+    }
+}
+
 struct SparseLu::Implementation {
     const Pattern* pattern = nullptr;
     std::span<const double> values;

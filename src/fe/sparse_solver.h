@@ -1,6 +1,8 @@
 // Sparse direct solvers on a fixed pattern: Cholesky (CHOLMOD) and LU (UMFPACK). One object a thread.
 #pragma once
 
+#include "fe/single_factor.h"
+
 #include <memory>
 #include <span>
 #include <vector>
@@ -42,6 +44,9 @@ public:
 
     // x := K^-1 x for `columns` right-hand sides stored one after the other.
     void solve(double* x, int columns);
+
+    // The factor of the last matrix, rounded.
+    void round_to(SingleFactor& single) const;
 
 private:
     struct Implementation;

@@ -10,6 +10,43 @@ namespace {
 constexpr int many_steps = 12;
 constexpr int too_many_steps = 30;
 
+template <int C>
+using Lanes = Eigen::Array<double, 1, C>;
+
+// Column by column: a . b, a += factor b, a *= factor.
+template <int C>
+Lanes<C> dot(const Block<C>& a, const Block<C>& b) {
+    Lanes<C> sum = Lanes<C>::Zero();
+    if constexpr (C == 1) {
+        sum[0] = a.dot(b);
+    } else {
+        for (Eigen::Index i = 0; i < a.rows(); ++i) {
+            sum += a.row(i).array() * b.row(i).array();
+        }
+    }
+    return sum;
+}
+template <int C>
+void add(Block<C>& a, const Lanes<C>& factor, const Block<C>& b) {
+    if constexpr (C == 1) {
+        a += factor[0] * b;
+    } else {
+        for (Eigen::Index i = 0; i < a.rows(); ++i) {
+            a.row(i).array() += factor * b.row(i).array();
+        }
+    }
+}
+template <int C>
+void scale(Block<C>& a, const Lanes<C>& factor) {
+    if constexpr (C == 1) {
+        a *= factor[0];
+    } else {
+        for (Eigen::Index i = 0; i < a.rows(); ++i) {
+            a.row(i).array() *= factor;
+        }
+    }
+}
+
 } // namespace
 
 SymmetricSystem::SymmetricSystem(const Pattern& lower, const CholeskyAnalysis& analysis, Route route)
@@ -29,6 +66,9 @@ bool SymmetricSystem::factorize() {
     ++factorizations_;
     has_factor_ = cholesky_.factorize(values_);
     factor_is_stale_ = false;
+    if (has_factor_ && route_ == Route::iterative) {
+        cholesky_.round_to(single_);
+    }
     return has_factor_;
 }
 
@@ -37,116 +77,152 @@ bool SymmetricSystem::set_matrix(std::span<const double> values) {
     return route_ == Route::iterative && has_factor_ && !factor_is_stale_ ? true : factorize();
 }
 
-void SymmetricSystem::multiply(const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> y) const {
-    y.setZero();
+template <int C>
+void SymmetricSystem::multiply(const Block<C>& x, Block<C>& y) const {
+    using Row = Lanes<C>;
+    y.setZero(x.rows(), C);
     for (int j = 0; j < lower_.size; ++j) {
         const int first = lower_.column_start[j]; // the diagonal entry
-        const double xj = x[j];
-        double sum = values_[first] * xj;
+        const Row xj = Eigen::Map<const Row>(x.data() + static_cast<std::ptrdiff_t>(j) * C);
+        Row sum = values_[first] * xj;
         for (int k = first + 1; k < lower_.column_start[j + 1]; ++k) {
-            const int i = lower_.row[k];
-            y[i] += values_[k] * xj;
-            sum += values_[k] * x[i];
+            const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(lower_.row[k]) * C;
+            Eigen::Map<Row>(y.data() + i) += values_[k] * xj;
+            sum += values_[k] * Eigen::Map<const Row>(x.data() + i);
         }
-        y[j] += sum;
+        Eigen::Map<Row>(y.data() + static_cast<std::ptrdiff_t>(j) * C) += sum;
     }
 }
 
-void SymmetricSystem::precondition(Eigen::Ref<Eigen::MatrixXd> x) {
-    cholesky_.solve(x.data(), static_cast<int>(x.cols()));
-}
-
-bool SymmetricSystem::solve(Eigen::Ref<Eigen::MatrixXd> x, std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses) {
+bool SymmetricSystem::solve(Eigen::Ref<Eigen::MatrixXd> x,
+                            std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses) {
     if (route_ == Route::direct) {
-        precondition(x);
+        cholesky_.solve(x.data(), static_cast<int>(x.cols()));
         return true;
     }
-    const Eigen::Index n = x.rows();
-    const Eigen::Index columns = x.cols();
-    const Eigen::MatrixXd b = x;
-    Eigen::MatrixXd r = b;
-    x.setZero();
-    if (!guesses.empty()) {
-        // The best combination of the guesses in the energy norm (a Galerkin projection).
-        const auto count = static_cast<Eigen::Index>(guesses.size());
-        Eigen::MatrixXd basis(n, count);
-        Eigen::MatrixXd image(n, count);
-        for (Eigen::Index c = 0; c < columns; ++c) {
-            for (Eigen::Index k = 0; k < count; ++k) {
-                basis.col(k) = guesses[static_cast<std::size_t>(k)].col(c);
-                // Guesses lie close to each other: orthogonal ones keep the small system well posed.
-                for (int pass = 0; pass < 2; ++pass) {
-                    for (Eigen::Index l = 0; l < k; ++l) {
-                        basis.col(k) -= basis.col(l).dot(basis.col(k)) * basis.col(l);
-                    }
-                }
-                const double norm = basis.col(k).norm();
-                const double whole = guesses[static_cast<std::size_t>(k)].col(c).norm();
-                basis.col(k) *= norm > 1e-12 * whole && norm > 0.0 ? 1.0 / norm : 0.0;
-                multiply(basis.col(k), image.col(k));
-            }
-            const Eigen::MatrixXd small = basis.transpose() * image;
-            const Eigen::VectorXd weights = small.completeOrthogonalDecomposition().solve(basis.transpose() * b.col(c));
-            x.col(c) = basis * weights;
-            r.col(c) -= image * weights;
+    bool ok = true;
+    for (Eigen::Index first = 0; ok && first < x.cols();) {
+        const Eigen::Index left = x.cols() - first;
+        if (left == 1) {
+            ok = solve_block<1>(x, first, guesses);
+            first += 1;
+        } else if (left <= 4) {
+            ok = solve_block<4>(x, first, guesses);
+            first += 4;
+        } else {
+            ok = solve_block<8>(x, first, guesses);
+            first += 8;
         }
     }
-    Eigen::MatrixXd z = r;
-    precondition(z);
-    Eigen::MatrixXd p = z;
-    Eigen::VectorXd q(n);
-    Eigen::VectorXd rho(columns);
-    std::vector<bool> active(static_cast<std::size_t>(columns));
-    const auto any_active = [&] {
-        bool any = false;
-        for (Eigen::Index c = 0; c < columns; ++c) {
-            rho[c] = r.col(c).dot(z.col(c));
-            active[static_cast<std::size_t>(c)] = !(rho[c] <= tolerance_ * tolerance_ * x.col(c).dot(b.col(c)));
-            any = any || active[static_cast<std::size_t>(c)];
-        }
-        return any;
+    return ok;
+}
+
+template <int C>
+bool SymmetricSystem::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Eigen::Index first,
+                                  std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses) {
+    const Eigen::Index n = matrix.rows();
+    const Eigen::Index columns = std::min<Eigen::Index>(C, matrix.cols() - first);
+    const auto load = [&](const auto& from, Block<C>& to) {
+        to.setZero(n, C);
+        to.leftCols(columns) = from.middleCols(first, columns);
     };
-    int steps = 0;
-    while (any_active()) {
-        if (steps == too_many_steps && factor_is_stale_) {
-            return false; // with its own factor a definite matrix takes one or two steps
+    Block<C> b;
+    Block<C> r;
+    load(matrix, b);
+    r = b;
+    Block<C> x = Block<C>::Zero(n, C);
+    Block<C> z;
+    Block<C> q;
+    if (!guesses.empty()) {
+        // The best combination of the guesses in the energy norm (a Galerkin projection). They lie close to each other:
+        // made orthogonal, they keep the small system well posed.
+        const std::size_t count = guesses.size();
+        std::vector<Block<C>> basis(count);
+        std::vector<Block<C>> image(count);
+        for (std::size_t k = 0; k < count; ++k) {
+            load(guesses[k], basis[k]);
+            const Lanes<C> whole = dot<C>(basis[k], basis[k]).sqrt();
+            for (int pass = 0; pass < 2; ++pass) {
+                for (std::size_t l = 0; l < k; ++l) {
+                    add<C>(basis[k], -dot<C>(basis[l], basis[k]), basis[l]);
+                }
+            }
+            const Lanes<C> norm = dot<C>(basis[k], basis[k]).sqrt();
+            scale<C>(basis[k], (norm > 1e-12 * whole).select(norm.inverse(), Lanes<C>::Zero()));
+            multiply<C>(basis[k], image[k]);
         }
+        const auto size = static_cast<Eigen::Index>(count);
+        std::vector<Lanes<C>> small(count * count);
+        std::vector<Lanes<C>> right(count);
+        for (std::size_t k = 0; k < count; ++k) {
+            right[k] = dot<C>(basis[k], b);
+            for (std::size_t l = 0; l < count; ++l) {
+                small[k * count + l] = dot<C>(basis[k], image[l]);
+            }
+        }
+        std::vector<Lanes<C>> weight(count, Lanes<C>::Zero());
+        for (Eigen::Index c = 0; c < columns; ++c) {
+            Eigen::MatrixXd a(size, size);
+            Eigen::VectorXd f(size);
+            for (Eigen::Index k = 0; k < size; ++k) {
+                f[k] = right[static_cast<std::size_t>(k)][c];
+                for (Eigen::Index l = 0; l < size; ++l) {
+                    a(k, l) = small[static_cast<std::size_t>(k * size + l)][c];
+                }
+            }
+            const Eigen::VectorXd w = a.completeOrthogonalDecomposition().solve(f);
+            for (Eigen::Index k = 0; k < size; ++k) {
+                weight[static_cast<std::size_t>(k)][c] = w[k];
+            }
+        }
+        for (std::size_t k = 0; k < count; ++k) {
+            add<C>(x, weight[k], basis[k]);
+            add<C>(r, -weight[k], image[k]);
+        }
+    }
+    z = r;
+    precondition<C>(z);
+    Block<C> p = z;
+    Lanes<C> rho = dot<C>(r, z);
+    const auto wanting = [&]() -> Eigen::Array<bool, 1, C> {
+        return !(rho <= tolerance_ * tolerance_ * dot<C>(x, b));
+    };
+    auto active = wanting();
+    int steps = 0;
+    while (active.any()) {
         if (steps == too_many_steps) {
-            if (!factorize()) {
+            // With its own factor a definite matrix takes few steps.
+            if (factor_is_stale_ || !factorize()) {
                 return false;
             }
             factor_is_stale_ = true; // until this solve ends
             z = r;
-            precondition(z);
+            precondition<C>(z);
             p = z;
+            rho = dot<C>(r, z);
             steps = 0;
-            continue;
         }
         ++steps;
         ++iterations_;
-        Eigen::VectorXd old = rho;
-        for (Eigen::Index c = 0; c < columns; ++c) {
-            if (!active[static_cast<std::size_t>(c)]) {
-                continue;
-            }
-            multiply(p.col(c), q);
-            const double curvature = p.col(c).dot(q);
-            if (!(curvature > 0.0)) {
-                return false;
-            }
-            const double length = rho[c] / curvature;
-            x.col(c) += length * p.col(c);
-            r.col(c) -= length * q;
+        multiply<C>(p, q);
+        const Lanes<C> curvature = dot<C>(p, q);
+        if ((active && !(curvature > 0.0)).any()) {
+            return false;
         }
+        const Lanes<C> length = active.select(rho / curvature, Lanes<C>::Zero());
+        add<C>(x, length, p);
+        add<C>(r, -length, q);
         z = r;
-        precondition(z);
-        for (Eigen::Index c = 0; c < columns; ++c) {
-            if (active[static_cast<std::size_t>(c)]) {
-                p.col(c) = z.col(c) + (r.col(c).dot(z.col(c)) / old[c]) * p.col(c);
-            }
-        }
+        precondition<C>(z);
+        const Lanes<C> next = dot<C>(r, z);
+        const Lanes<C> keep = active.select(next / rho, Lanes<C>::Zero());
+        scale<C>(p, keep);
+        p += z;
+        rho = next;
+        active = wanting();
     }
     factor_is_stale_ = steps > many_steps;
+    matrix.middleCols(first, columns) = x.leftCols(columns);
     return x.allFinite();
 }
 

@@ -30,19 +30,28 @@ public:
     bool solve(Eigen::Ref<Eigen::MatrixXd> x, std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses);
 
     // y := K x
-    void multiply(const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> y) const;
-    // x := M^-1 x with the factor at hand
-    void precondition(Eigen::Ref<Eigen::MatrixXd> x);
+    template <int C>
+    void multiply(const Block<C>& x, Block<C>& y) const;
+    // x := M^-1 x with the rounded factor at hand
+    template <int C>
+    void precondition(Block<C>& x) {
+        single_.solve<C>(x);
+    }
 
     int factorizations() const { return factorizations_; } // since begin()
     int iterations() const { return iterations_; }         // since begin(), all columns together count once
 
 private:
     bool factorize();
+    // C columns of x from `first` on, those beyond its end zero.
+    template <int C>
+    bool solve_block(Eigen::Ref<Eigen::MatrixXd> x, Eigen::Index first,
+                     std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses);
 
     const Pattern& lower_;
     Route route_;
     SparseCholesky cholesky_;
+    SingleFactor single_;
     std::span<const double> values_;
     double tolerance_ = 0.0;
     bool has_factor_ = false;
