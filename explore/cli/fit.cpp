@@ -1,5 +1,6 @@
 // pavescape fit: explore, then refine the best starts.
 #include "cli/common.h"
+#include "cli/groups.h"
 #include "landscape/multistart.h"
 #include "report/table.h"
 #include "run/progress.h"
@@ -19,6 +20,7 @@ struct FitOptions {
     CommonOptions common;
     std::string scheme = "multistart";
     int explore = 256;
+    bool joint_only = false;
     landscape::MultistartSettings multistart;
 };
 
@@ -146,7 +148,7 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
     // Residuals in units of stated noise are only news when they are large.
     const bool within_noise = weighted_by_noise && largest < 3.0;
     if (residuals.size() > 2 && !within_noise && largest * largest > 0.5 * residuals.squaredNorm()) {
-        const auto i = static_cast<std::size_t>(worst);
+        const std::size_t i = problem.misfit.terms()[static_cast<std::size_t>(worst)].response;
         text.push_back(
             fmt::format("One reading makes {:.0f} % of the sum of squares: {}, measured {:g}, model {}. Either "
                         "it or the model is wrong there.",
@@ -198,7 +200,6 @@ int fit(FitOptions options) {
     if (!result) {
         return report_interrupt(folder);
     }
-    const run::Tally& tally = engine.tally();
     const report::Json statuses = report::status_counts(result->explored);
     if (result->minima.empty()) {
         const std::string reason =
@@ -210,6 +211,16 @@ int fit(FitOptions options) {
         return computation_failed;
     }
     const Minimum& best = result->minima[0];
+    const GroupFit joint{"all", best.evaluation, group_rms(study, best.evaluation)};
+    std::optional<std::vector<GroupFit>> alone = std::vector<GroupFit>{};
+    if (!options.joint_only) {
+        alone = fit_alone(study, problem, design, *result, store, settings, options.multistart, options.common.threads);
+        if (!alone) {
+            return report_interrupt(folder);
+        }
+        store.begin(run_header(study, "fit", settings)); // the run of this fit is the one used last
+    }
+    const run::Tally& tally = engine.tally();
     const auto local = landscape::analyse(best, problem);
     const auto words = findings(study, problem, *result, local);
 
@@ -238,6 +249,7 @@ int fit(FitOptions options) {
                          {"responses", report::responses_json(study, best.evaluation.responses)},
                          {"warnings", best.evaluation.warnings},
                          {"run", folder}};
+    json.update(group_json(study, problem.space, joint, *alone));
     json["best"]["status"] = std::string(to_string(best.evaluation.status));
     for (const Minimum& m : result->minima) {
         json["minima"].push_back(report::minimum_json(problem, m));
@@ -277,6 +289,9 @@ int fit(FitOptions options) {
         fmt::print("  warning: {}\n", warning);
     }
 
+    if (study.groups.size() > 1) {
+        fmt::print("{}", group_text(study, joint, *alone));
+    }
     fmt::print("\n{} found\n", counted(result->minima.size(), "distinct minimum", "distinct minima"));
     std::vector<std::string> header{"misfit", "starts"};
     for (const auto& axis : problem.space.axes) {
@@ -330,6 +345,8 @@ void add_fit(CLI::App& app, Action& action) {
     command->add_option("--method", options->multistart.method, "local search by NLopt: " + pave::join(names))
         ->check(CLI::IsMember(names))
         ->capture_default_str();
+    command->add_flag("--joint-only", options->joint_only,
+                      "do not also fit each group of readings alone to see what it predicts for the others");
     command->footer("Example: pavescape fit grids/captif-p1-fwd.toml --starts 16");
     command->callback([=, &action] { action = [=] { return fit(*options); }; });
 }

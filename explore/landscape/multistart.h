@@ -22,4 +22,10 @@ struct MultistartResult {
 std::optional<MultistartResult> multistart(run::Engine& engine, const problem::Problem& problem,
                                            const search::Design& design, const MultistartSettings& settings);
 
+// The same from points that are explored already: their misfit is that of `problem`. also: further starts.
+std::optional<MultistartResult> refine(run::Engine& engine, const problem::Problem& problem,
+                                       const search::Design& design, std::vector<problem::Evaluation> explored,
+                                       const std::vector<std::vector<double>>& also,
+                                       const MultistartSettings& settings);
+
 } // namespace explore::landscape

@@ -20,22 +20,26 @@ constexpr std::string_view to_string(MisfitKind kind) {
 
 class Misfit {
 public:
-    // measured: SI values; scale of each: s for log, |measured| for relative, sigma for weighted.
-    Misfit(MisfitKind kind, std::vector<double> measured, std::vector<double> scale);
+    // One residual: which response it compares with what.
+    struct Term {
+        std::size_t response = 0; // index of the response
+        double measured = 0.0;    // SI
+        double scale = 1.0;       // s for log, |measured| for relative, sigma for weighted
+        double factor = 1.0;      // of the residual: the square root of its weight
+    };
+    Misfit(MisfitKind kind, std::vector<Term> terms) : kind_(kind), terms_(std::move(terms)) {}
 
-    std::size_t size() const { return measured_.size(); }
+    std::size_t size() const { return terms_.size(); }
     MisfitKind kind() const { return kind_; }
-    std::span<const double> measured() const { return measured_; }
+    std::span<const Term> terms() const { return terms_; }
 
-    // Residuals of the first size() responses.
     Eigen::VectorXd residuals(std::span<const double> responses) const;
-    // d(residual i)/d(response i).
+    // d(residual i)/d(its response).
     Eigen::VectorXd slopes(std::span<const double> responses) const;
 
 private:
     MisfitKind kind_;
-    std::vector<double> measured_;
-    std::vector<double> scale_;
+    std::vector<Term> terms_;
 };
 
 } // namespace explore::problem

@@ -21,8 +21,12 @@ Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
 }
 
 Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {
-    const auto m = static_cast<Eigen::Index>(misfit.size());
-    Eigen::MatrixXd j = misfit.slopes(evaluation.responses).asDiagonal() * evaluation.jacobian.topRows(m);
+    const Eigen::VectorXd slopes = misfit.slopes(evaluation.responses);
+    Eigen::MatrixXd j(slopes.size(), evaluation.jacobian.cols());
+    for (Eigen::Index i = 0; i < j.rows(); ++i) {
+        const std::size_t response = misfit.terms()[static_cast<std::size_t>(i)].response;
+        j.row(i) = slopes[i] * evaluation.jacobian.row(static_cast<Eigen::Index>(response));
+    }
     for (Eigen::Index k = 0; k < j.cols(); ++k) {
         const Axis& axis = space.axes[static_cast<std::size_t>(k)];
         j.col(k) *= axis.d_physical(axis.unit(evaluation.parameters[static_cast<std::size_t>(k)]));

@@ -196,6 +196,54 @@ void read_parameter(const toml::table& table, Study& study) {
     study.space.axes.push_back(std::move(axis));
 }
 
+// Sorts the measurements into groups. A name in held_out or weights is that of a group or of a load (all its groups).
+void set_groups(Study& study, const pave::Place& place, const std::vector<std::string>& held_out,
+                const toml::table* weights) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < study.measurements.size(); ++i) {
+        const auto& m = study.measurements[i];
+        const std::string name = m.load + "." + m.quantity;
+        auto group = std::find_if(study.groups.begin(), study.groups.end(),
+                                  [&](const Group& g) { return g.name == name; });
+        if (group == study.groups.end()) {
+            study.groups.push_back({.name = name, .rows = {}});
+            group = study.groups.end() - 1;
+            names.push_back(name);
+            if (std::find(names.begin(), names.end(), m.load) == names.end()) {
+                names.push_back(m.load);
+            }
+        }
+        group->rows.push_back(i);
+    }
+    const auto each = [&](const std::string& name, const pave::Place& where, const auto& action) {
+        bool found = false;
+        for (Group& group : study.groups) {
+            if (group.name == name || group.name.substr(0, group.name.rfind('.')) == name) {
+                action(group);
+                found = true;
+            }
+        }
+        if (!found) {
+            throw pave::Error(where, "no reading belongs to this group", "\"" + name + "\"", pave::join(names));
+        }
+    };
+    for (const std::string& name : held_out) {
+        each(name, place, [](Group& group) { group.held_out = true; });
+    }
+    if (weights != nullptr) {
+        TableReader reader(*weights, study.file, "[data.weights]");
+        for (const auto& [key, node] : *weights) {
+            const std::string name(key.str());
+            const double weight = reader.number(name, 0.0, 1e6, true);
+            each(name, reader.place(name), [&](Group& group) { group.weight = weight; });
+        }
+    }
+    if (std::all_of(study.groups.begin(), study.groups.end(), [](const Group& g) { return g.held_out; })) {
+        throw pave::Error(place, "every reading is held out: nothing is left to fit", pave::join(held_out),
+                          "at least one group that is fitted");
+    }
+}
+
 void read_data(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[data]");
     std::vector<std::string> misfits(std::begin(problem::misfit_names), std::end(problem::misfit_names));
@@ -211,6 +259,9 @@ void read_data(const toml::table& table, Study& study) {
     if (study.data.files.empty()) {
         throw pave::Error(reader.place("files"), "the list of measurement files is empty", "[]", "at least one file");
     }
+    const std::vector<std::string> held_out =
+        reader.has("held_out") ? reader.texts("held_out") : std::vector<std::string>{};
+    const toml::table* weights = reader.table("weights");
     reader.done();
     const auto folder = std::filesystem::path(study.file).parent_path();
     for (const std::string& file : study.data.files) {
@@ -224,6 +275,7 @@ void read_data(const toml::table& table, Study& study) {
             study.measurements.push_back(std::move(m));
         }
     }
+    set_groups(study, reader.place("held_out"), held_out, weights);
 }
 
 // The largest |measured| [SI] of the load and quantity of each measurement.
@@ -283,6 +335,32 @@ std::string hash_of(toml::table table, const Study& study) {
     const std::string all = text.str();
     const XXH128_hash_t hash = XXH3_128bits(all.data(), all.size());
     return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows,
+                          const std::vector<double>& factor) {
+    std::vector<problem::Misfit::Term> terms;
+    const auto largest = largest_of_group(study);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const std::size_t i = rows[k];
+        const auto& m = study.measurements[i];
+        problem::Misfit::Term term{.response = i, .measured = m.value * m.unit.to_si, .factor = factor[k]};
+        switch (study.data.misfit) {
+        case problem::MisfitKind::log: term.scale = study.data.log_floor * largest[i]; break;
+        case problem::MisfitKind::relative: term.scale = std::abs(term.measured); break;
+        case problem::MisfitKind::weighted:
+            term.scale = study.noise == NoiseSource::stated ? study.sigma[i] : std::abs(term.measured);
+            break;
+        }
+        if (!(term.scale > 0.0)) {
+            throw pave::Error(
+                {.file = m.file, .line = m.line, .key = "value"}, "a reading of zero has no place in this misfit",
+                fmt::format("{}", m.value),
+                "another value, a sigma with misfit = \"weighted\", or a group with some reading that is not zero");
+        }
+        terms.push_back(term);
+    }
+    return {study.data.misfit, std::move(terms)};
 }
 
 class PavementFunction final : public problem::ForwardFunction {
@@ -425,28 +503,19 @@ problem::Problem make_problem(const Study& study) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "too many parameters",
                           fmt::format("{}", study.space.dimension()), "at most 40");
     }
-    std::vector<double> measured;
-    std::vector<double> scale;
-    const auto largest = largest_of_group(study);
-    for (std::size_t i = 0; i < study.measurements.size(); ++i) {
-        const auto& m = study.measurements[i];
-        measured.push_back(m.value * m.unit.to_si);
-        switch (study.data.misfit) {
-        case problem::MisfitKind::log: scale.push_back(study.data.log_floor * largest[i]); break;
-        case problem::MisfitKind::relative: scale.push_back(std::abs(measured.back())); break;
-        case problem::MisfitKind::weighted:
-            scale.push_back(study.noise == NoiseSource::stated ? study.sigma[i] : std::abs(measured.back()));
-            break;
-        }
-        if (!(scale.back() > 0.0)) {
-            throw pave::Error(
-                {.file = m.file, .line = m.line, .key = "value"}, "a reading of zero has no place in this misfit",
-                fmt::format("{}", m.value),
-                "another value, a sigma with misfit = \"weighted\", or a group with some reading that is not zero");
+    std::vector<std::size_t> rows;
+    std::vector<double> factor;
+    for (const Group& group : study.groups) {
+        if (!group.held_out) {
+            rows.insert(rows.end(), group.rows.begin(), group.rows.end());
+            factor.insert(factor.end(), group.rows.size(), std::sqrt(group.weight));
         }
     }
-    return {study.space, std::make_shared<PavementFunction>(study),
-            problem::Misfit(study.data.misfit, std::move(measured), std::move(scale))};
+    return {study.space, std::make_shared<PavementFunction>(study), misfit_of(study, rows, factor)};
+}
+
+problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows) {
+    return misfit_of(study, rows, std::vector<double>(rows.size(), 1.0));
 }
 
 } // namespace explore::study

@@ -29,6 +29,14 @@ struct DataSettings {
     std::optional<double> noise_floor;
 };
 
+// The readings of one quantity under one load: what is weighed, held out and judged together.
+struct Group {
+    std::string name; // "fwd.deflection"
+    std::vector<std::size_t> rows;
+    double weight = 1.0;   // of its squared residuals in the misfit
+    bool held_out = false; // predicted, never fitted
+};
+
 struct Study {
     std::string file; // as given by the user
     std::string title;
@@ -37,6 +45,7 @@ struct Study {
     problem::ParameterSpace space;
     DataSettings data;
     std::vector<data::Measurement> measurements;
+    std::vector<Group> groups; // of the measurements, in their order
     std::vector<Output> outputs;
     NoiseSource noise = NoiseSource::estimated;
     // SI, one a measurement; empty when the noise is to be estimated (misfit "weighted" then weighs by |measured|).
@@ -55,6 +64,10 @@ struct Study {
 Study load_study(const std::string& file);
 
 // The problem the explorer works on. Throws pave::Error when the study has no parameters or no measurements.
+// The readings that are not held out, weighed.
 problem::Problem make_problem(const Study& study);
+
+// The misfit of these measurements alone, each with weight 1.
+problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows);
 
 } // namespace explore::study

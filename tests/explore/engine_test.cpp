@@ -40,7 +40,7 @@ public:
 problem::Problem two_basins(std::shared_ptr<TwoBasins> function = std::make_shared<TwoBasins>()) {
     return {{{{"a", 0, 1, problem::Scale::linear, 5, 0.5}, {"b", 0, 1, problem::Scale::linear, 5, 0.5}}},
             std::move(function),
-            problem::Misfit(problem::MisfitKind::relative, {1.0, 1.0, 1.0}, {1.0, 1.0, 1.0})};
+            problem::Misfit(problem::MisfitKind::relative, {{0, 1.0}, {1, 1.0}, {2, 1.0}})};
 }
 
 std::string fresh_folder(const std::string& name) {
@@ -119,7 +119,7 @@ TEST(Multistart, NamesTheDirectionTheDataDoNotSee) {
     const problem::Problem problem{
         {{{"a", 0.1, 10, problem::Scale::log, 0, 1}, {"b", 0.1, 10, problem::Scale::log, 0, 1}}},
         std::make_shared<Product>(),
-        problem::Misfit(problem::MisfitKind::relative, {1, 2, 3, 5}, {1, 2, 3, 5})};
+        problem::Misfit(problem::MisfitKind::relative, {{0, 1, 1}, {1, 2, 2}, {2, 3, 3}, {3, 5, 5}})};
     run::Engine engine(problem, nullptr, 0, {.threads = 2, .show_progress = false});
     const auto result = landscape::multistart(engine, problem, search::sobol(problem.space, 64, 1),
                                               {.starts = 8, .start_distance = 0.1});

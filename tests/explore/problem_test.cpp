@@ -27,7 +27,7 @@ TEST(ParameterSpace, MapsTheUnitCubeOntoTheBoxAndBack) {
 }
 
 TEST(Misfit, IsTheLogarithmFarAboveTheFloorAndFiniteAndMonotoneThroughZero) {
-    const problem::Misfit misfit(problem::MisfitKind::log, {1.0}, {1e-4});
+    const problem::Misfit misfit(problem::MisfitKind::log, {{0, 1.0, 1e-4}});
     const auto at = [&](double v) { return misfit.residuals(std::vector<double>{v})[0]; };
     EXPECT_NEAR(at(2.0), std::log(2.0), 1e-7);
     EXPECT_NEAR(at(0.5), std::log(0.5), 1e-7);
@@ -41,7 +41,7 @@ TEST(Misfit, IsTheLogarithmFarAboveTheFloorAndFiniteAndMonotoneThroughZero) {
 
 TEST(Misfit, HasTheSlopesOfItsResiduals) {
     for (const auto kind : {problem::MisfitKind::log, problem::MisfitKind::relative, problem::MisfitKind::weighted}) {
-        const problem::Misfit misfit(kind, {1.0, -0.2, 0.003}, {0.01, 0.02, 0.03});
+        const problem::Misfit misfit(kind, {{0, 1.0, 0.01}, {1, -0.2, 0.02}, {2, 0.003, 0.03, 1.7}});
         const std::vector<double> v{0.7, 0.01, -0.004};
         for (std::size_t i = 0; i < v.size(); ++i) {
             auto low = v;

@@ -1,0 +1,31 @@
+// The data groups of a fit: how well each is met, and what fitting one of them alone predicts for the others.
+#pragma once
+
+#include "cli/common.h"
+#include "landscape/multistart.h"
+
+namespace explore::cli {
+
+// A fit of all fitted groups together, or of one alone.
+struct GroupFit {
+    std::string fitted; // "all" or the name of a group
+    problem::Evaluation best;
+    std::vector<double> rms; // of the residuals of every group of the study, each reading with weight 1
+};
+
+// The root mean square residual of every group of the study at an evaluation.
+std::vector<double> group_rms(const study::Study& study, const problem::Evaluation& evaluation);
+
+// Fits each group that is not held out alone, from the points explored for all of them and from the joint answer.
+// Empty when there are fewer than two. Nothing: interrupted.
+std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const problem::Problem& problem,
+                                               const search::Design& design,
+                                               const landscape::MultistartResult& joint, run::Store& store,
+                                               const std::string& settings_words,
+                                               landscape::MultistartSettings settings, int threads);
+
+std::string group_text(const study::Study& study, const GroupFit& joint, const std::vector<GroupFit>& alone);
+report::Json group_json(const study::Study& study, const problem::ParameterSpace& space, const GroupFit& joint,
+                        const std::vector<GroupFit>& alone);
+
+} // namespace explore::cli
