@@ -196,10 +196,16 @@ void read_parameter(const toml::table& table, Study& study) {
     study.space.axes.push_back(std::move(axis));
 }
 
-void read_data(const toml::table& table, Study& study) {
+void read_data(const toml::table& table, Study& study, Readings readings) {
     TableReader reader(table, study.file, "[data]");
     std::vector<std::string> misfits(std::begin(problem::misfit_names), std::end(problem::misfit_names));
-    study.data.files = reader.texts("files");
+    if (reader.has("files")) {
+        study.data.files = reader.texts("files");
+        if (study.data.files.empty()) {
+            throw pave::Error(reader.place("files"), "the list of measurement files is empty", "[]",
+                              "at least one file");
+        }
+    }
     study.data.misfit = static_cast<problem::MisfitKind>(reader.choice("misfit", misfits, 0));
     study.data.log_floor = reader.number("log_floor", 0.0, 1.0, true, 0.01);
     if (reader.has("noise_relative")) {
@@ -208,10 +214,10 @@ void read_data(const toml::table& table, Study& study) {
     if (reader.has("noise_floor")) {
         study.data.noise_floor = reader.number("noise_floor", 0.0, 10.0, true);
     }
-    if (study.data.files.empty()) {
-        throw pave::Error(reader.place("files"), "the list of measurement files is empty", "[]", "at least one file");
-    }
     reader.done();
+    if (readings == Readings::elsewhere) {
+        return;
+    }
     const auto folder = std::filesystem::path(study.file).parent_path();
     for (const std::string& file : study.data.files) {
         const std::string path = (folder / file).string();
@@ -272,18 +278,24 @@ void set_noise(Study& study) {
     study.noise = NoiseSource::estimated;
 }
 
+std::string hash_of(std::string text, const std::vector<data::Measurement>& measurements) {
+    for (const auto& m : measurements) {
+        text += fmt::format("\n{},{},{},{},{},{},{},{},{}", m.load, m.quantity, m.x_mm, m.y_mm, m.depth_mm, m.gauge_mm,
+                            m.value, m.unit.name, m.sigma.value_or(0.0));
+    }
+    const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
+    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
 std::string hash_of(toml::table table, const Study& study) {
     table.erase("title");
     std::ostringstream text;
     text << toml::default_formatter(table);
-    for (const auto& m : study.measurements) {
-        text << fmt::format("\n{},{},{},{},{},{},{},{},{}", m.load, m.quantity, m.x_mm, m.y_mm, m.depth_mm, m.gauge_mm,
-                            m.value, m.unit.name, m.sigma.value_or(0.0));
-    }
-    const std::string all = text.str();
-    const XXH128_hash_t hash = XXH3_128bits(all.data(), all.size());
-    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+    return hash_of(text.str(), study.measurements);
 }
+
+// Unless stated, the wall stands where the sensors and the depth want it: set when all of them are known.
+constexpr double not_stated = 1e9;
 
 class PavementFunction final : public problem::ForwardFunction {
 public:
@@ -334,7 +346,7 @@ double Study::response_to_si(std::size_t i) const {
     return i < measurements.size() ? measurements[i].unit.to_si : info(model.sensors[i].quantity).to_si;
 }
 
-Study load_study(const std::string& file) {
+Study load_study(const std::string& file, Readings readings) {
     Study study;
     study.file = file;
     const std::string text = data::read_file(file, "study");
@@ -380,8 +392,6 @@ Study load_study(const std::string& file) {
             r.number("equilibrium_tolerance", 1e-12, 1e-4, false, settings.solver.equilibrium_tolerance);
         r.done();
     }
-    // Unless stated, the wall stands where the sensors and the depth want it: set when all of them are known.
-    constexpr double not_stated = 1e9;
     study.model.settings.extent = not_stated;
     if (const auto* mesh = reader.table("mesh")) {
         TableReader r(*mesh, file, "[mesh]");
@@ -390,25 +400,45 @@ Study load_study(const std::string& file) {
         r.done();
     }
     if (const auto* data = reader.table("data")) {
-        read_data(*data, study);
+        read_data(*data, study, readings);
     }
     set_noise(study);
     for (const auto* output : reader.tables("outputs")) {
         study.outputs.push_back(read_output(*output, file, study.model));
         study.model.sensors.push_back(study.outputs.back().sensor);
     }
-    if (study.model.settings.extent == not_stated) {
+    study.extent_is_stated = study.model.settings.extent != not_stated;
+    if (!study.extent_is_stated) {
         study.model.settings.extent = study.model.default_extent();
     }
     for (const auto* parameter : reader.tables("parameters")) {
         read_parameter(*parameter, study);
     }
     reader.done();
-    if (study.model.sensors.empty()) {
+    if (readings == Readings::own && study.model.sensors.empty()) {
         throw pave::Error({.file = file}, "the study asks for nothing", "neither measurements nor outputs",
                           "[data] files, or [[outputs]]");
     }
     study.hash = hash_of(table, study);
+    return study;
+}
+
+Study with_measurements(Study study, std::vector<data::Measurement> measurements) {
+    study.model.sensors.clear();
+    study.outputs.clear();
+    study.sigma.clear();
+    if (!study.extent_is_stated) {
+        study.model.settings.extent = not_stated;
+    }
+    for (const auto& m : measurements) {
+        study.model.sensors.push_back(sensor_of(m, study.model));
+    }
+    study.measurements = std::move(measurements);
+    set_noise(study);
+    if (!study.extent_is_stated) {
+        study.model.settings.extent = study.model.default_extent();
+    }
+    study.hash = hash_of(study.hash, study.measurements);
     return study;
 }
 
