@@ -3,6 +3,7 @@
 #include "cli/common.h"
 #include "data/csv.h"
 #include "landscape/batch.h"
+#include "landscape/multistart.h"
 #include "report/table.h"
 #include "run/progress.h"
 #include "study/station.h"
@@ -11,6 +12,9 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
+#include <mutex>
+#include <tuple>
 
 namespace explore::cli {
 namespace {
@@ -23,9 +27,8 @@ struct SurveyOptions {
     std::vector<std::string> files;
 };
 
-// Per station: enough for the few parameters that one bowl can tell; a road has many stations.
-constexpr int explored_points = 64;
-constexpr int searches = 4;
+constexpr int explored_points = 256; // once for the road
+constexpr int searches = 4;          // at each station: one bowl tells few parameters, and a road has many stations
 
 constexpr const char* ratio_words =
     "deflection ratio: D250/D0, the deflection 250 mm from the load centre over the one "
@@ -113,6 +116,79 @@ double rms_percent(const problem::Problem& problem, const std::vector<double>& r
     return 100.0 * std::sqrt(sum / static_cast<double>(measured.size()));
 }
 
+// What is explored once for all stations with one plate and one set of sensors: the responses at the points of a
+// design, under the common pressure. Nothing: interrupted.
+class Exploration {
+public:
+    Exploration(const Survey& survey, search::Design design, run::Store& store, int threads)
+        : survey_(survey),
+          design_(std::move(design)),
+          store_(store),
+          threads_(threads) {}
+
+    struct Starts {
+        std::vector<std::vector<double>> points;
+        std::string why_none; // when there is no point
+    };
+
+    // Points from which to search at a station: the best by the explored responses, in proportion to its pressure. That
+    // is exact for a linear pavement and near enough to choose starts for another.
+    std::optional<Starts> starts(const Row& row, const problem::Problem& problem,
+                                 const landscape::MultistartSettings& settings) {
+        auto* explored = at(row);
+        if (explored == nullptr) {
+            return std::nullopt;
+        }
+        std::vector<problem::Evaluation> scaled = *explored;
+        for (auto& e : scaled) {
+            for (double& response : e.responses) {
+                response *= row.bowl->pressure_kPa / survey_.common_pressure;
+            }
+            e.misfit = e.converged() ? problem.misfit.residuals(e.responses).norm() : e.misfit;
+        }
+        Starts starts;
+        for (const std::size_t i : run::distinct_starts(design_, scaled, settings.starts, settings.start_distance)) {
+            starts.points.push_back(design_.points[i]);
+        }
+        if (starts.points.empty()) {
+            starts.why_none = "not one explored point has an answer; the first says: " + explored->front().reason;
+        }
+        return starts;
+    }
+
+    const run::Tally& tally() const { return tally_; }
+
+private:
+    const std::vector<problem::Evaluation>* at(const Row& row) {
+        std::vector<double> layout{row.bowl->radius_mm};
+        for (const auto& reading : row.bowl->readings) {
+            layout.push_back(reading.offset_mm);
+        }
+        if (const auto known = explored_.find(layout); known != explored_.end()) {
+            return &known->second;
+        }
+        data::DeflectionBowl bowl = *row.bowl;
+        bowl.pressure_kPa = survey_.common_pressure;
+        const study::Study study = study::station_study(*survey_.study, row.station, bowl);
+        const problem::Problem problem = study::make_problem(study);
+        run::Engine engine(problem, &store_, store_.begin(run_header(study, "survey", "explored: " + design_.name)),
+                           {.threads = threads_, .show_progress = true});
+        auto evaluations = engine.evaluate(design_);
+        tally_.computed += engine.tally().computed;
+        if (!evaluations) {
+            return nullptr;
+        }
+        return &explored_.emplace(std::move(layout), std::move(*evaluations)).first->second;
+    }
+
+    const Survey& survey_;
+    search::Design design_;
+    run::Store& store_;
+    int threads_;
+    std::map<std::vector<double>, std::vector<problem::Evaluation>> explored_; // by plate radius and offsets
+    run::Tally tally_;
+};
+
 // Back-calculates every station that is not rejected. False: interrupted; what was computed is in the store.
 bool fit_stations(Survey& survey, const CommonOptions& options, const std::string& folder) {
     landscape::MultistartSettings settings;
@@ -127,11 +203,11 @@ bool fit_stations(Survey& survey, const CommonOptions& options, const std::strin
             continue;
         }
         try {
-            studies.push_back(study::station_study(*survey.study, row.station, *row.bowl));
-            items.push_back({study::make_problem(studies.back())});
+            auto study = study::station_study(*survey.study, row.station, *row.bowl);
+            items.push_back({.problem = study::make_problem(study), .run = 0, .starts = {}});
+            studies.push_back(std::move(study));
             rows.push_back(&row);
         } catch (const pave::Error& error) {
-            studies.resize(items.size());
             row.state = State::failed;
             row.reason = error.what();
             complaint = complaint ? complaint : error;
@@ -140,40 +216,50 @@ bool fit_stations(Survey& survey, const CommonOptions& options, const std::strin
     if (items.empty() && complaint) {
         throw *complaint;
     }
+    const auto begin = std::chrono::steady_clock::now();
     run::Store store(folder, true);
+    std::vector<std::string> why_none; // should a station end without a result
+    Exploration exploration(survey, design, store, options.threads);
     for (std::size_t i = 0; i < items.size(); ++i) {
+        auto starts = exploration.starts(*rows[i], items[i].problem, settings);
+        if (!starts) {
+            return false;
+        }
+        items[i].starts = std::move(starts->points);
+        why_none.push_back(starts->why_none.empty() ? "no start has an answer under the load of this station"
+                                                    : std::move(starts->why_none));
         const auto& station = rows[i]->station;
-        items[i].run = store.begin(run_header(studies[i], "survey",
-                                              fmt::format("station {} {} at {} m; {}; {} starts, distance {}; {}",
-                                                          station.name, station.lane, station.chainage_m, design.name,
-                                                          settings.starts, settings.start_distance, settings.method)));
+        items[i].run = store.begin(
+            run_header(studies[i], "survey",
+                       fmt::format("station {} at {} m; {} at {} kPa; {} starts, distance {}; {}",
+                                   pave::join(station.lane.empty() ? std::vector{station.name}
+                                                                   : std::vector{station.name, station.lane}),
+                                   station.chainage_m, design.name, survey.common_pressure, settings.starts,
+                                   settings.start_distance, settings.method)));
     }
 
+    run::Progress progress("survey", static_cast<std::int64_t>(items.size()), {"stations/min", 60.0});
     std::mutex mutex;
     std::size_t finished = 0;
-    const auto begin = std::chrono::steady_clock::now();
-    {
-        run::Progress progress("survey", static_cast<std::int64_t>(items.size()), {"stations/min", 60.0});
-        landscape::multistart_batch(
-            items, store, design, settings, options.threads,
-            [&](std::size_t i, const landscape::MultistartResult& result, const run::Tally& tally) {
-                progress.add(1, tally.computed > 0);
-                const std::scoped_lock lock(mutex);
-                ++finished;
-                survey.computed += tally.computed;
-                survey.stations_computed += tally.computed > 0 ? 1 : 0;
-                Row& row = *rows[i];
-                if (result.minima.empty()) {
-                    row.state = State::failed;
-                    row.reason =
-                        "not one explored point has an answer; the first says: " + result.explored.front().reason;
-                    return;
-                }
-                const landscape::Minimum& best = result.minima[0];
-                row.fit = StationFit{best, result.minima.size(), result.ends.size(),
-                                     rms_percent(items[i].problem, best.evaluation.responses)};
-            });
-    }
+    const auto keep = [&](std::size_t i, const std::vector<run::Endpoint>& ends, const run::Tally& tally) {
+        progress.add(1, tally.computed > 0);
+        const auto minima = landscape::distinct_minima(ends, items[i].problem);
+        const std::scoped_lock lock(mutex);
+        ++finished;
+        survey.computed += tally.computed;
+        survey.stations_computed += tally.computed > 0 ? 1 : 0;
+        Row& row = *rows[i];
+        if (minima.empty()) {
+            row.state = State::failed;
+            row.reason = why_none[i];
+            return;
+        }
+        row.fit = StationFit{minima[0], minima.size(), ends.size(),
+                             rms_percent(items[i].problem, minima[0].evaluation.responses)};
+    };
+    landscape::search_batch(items, store, *optimise::find_method(settings.method), settings.search, options.threads,
+                            keep);
+    survey.computed += exploration.tally().computed;
     survey.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return finished == items.size();
 }

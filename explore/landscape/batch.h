@@ -1,7 +1,7 @@
-// A multistart of each of many problems, in parallel over the problems.
+// Local searches of many problems, in parallel over the problems.
 #pragma once
 
-#include "landscape/multistart.h"
+#include "run/engine.h"
 
 #include <functional>
 
@@ -9,13 +9,15 @@ namespace explore::landscape {
 
 struct BatchItem {
     problem::Problem problem;
-    int run = 0; // of the store
+    int run = 0;                             // of the store
+    std::vector<std::vector<double>> starts; // points of the unit cube
 };
 
-// Calls `done` with the number of the item and its result, from any thread, in any order, once an item that was not
-// cut off. The results are those of multistart on each item alone. Threads left over by the last items help them.
-void multistart_batch(const std::vector<BatchItem>& items, run::Store& store, const search::Design& design,
-                      const MultistartSettings& settings, int threads,
-                      const std::function<void(std::size_t, const MultistartResult&, const run::Tally&)>& done);
+// Calls `done` with the number of an item and the ends of its searches, from any thread and in any order, for every
+// item that was not cut off by an interrupt. The ends are those of Engine::search on each item alone, for any number of
+// threads. Threads that the last items leave over help them.
+void search_batch(const std::vector<BatchItem>& items, run::Store& store, const optimise::Method& method,
+                  const optimise::SearchSettings& settings, int threads,
+                  const std::function<void(std::size_t, const std::vector<run::Endpoint>&, const run::Tally&)>& done);
 
 } // namespace explore::landscape
