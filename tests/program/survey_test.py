@@ -99,10 +99,10 @@ for s in results[1]["stations"]:
         continue
     fit = s["fit"]
     k1, subgrade, _ = truth[s["station"]]
-    # The forward run's own control of errors (path_tolerance 2e-3) bounds what can come back; data without noise.
-    check(abs(fit["parameters"]["base.k1"] / k1 - 1) < 0.01, f"{s['station']}: k1 {fit['parameters']['base.k1']}, not {k1}")
-    check(abs(fit["parameters"]["subgrade.modulus_MPa"] / subgrade - 1) < 0.005, f"{s['station']}: subgrade {fit['parameters']}")
-    check(fit["status"] == "converged" and fit["rms_percent"] < 0.2 and fit["on_bound"] == [], f"{s['station']}: {fit}")
+    # The same model and no noise: what is left is the tolerance of the search.
+    check(abs(fit["parameters"]["base.k1"] / k1 - 1) < 1e-4, f"{s['station']}: k1 {fit['parameters']['base.k1']}, not {k1}")
+    check(abs(fit["parameters"]["subgrade.modulus_MPa"] / subgrade - 1) < 1e-4, f"{s['station']}: subgrade {fit['parameters']}")
+    check(fit["status"] == "converged" and fit["rms_percent"] < 0.01 and fit["on_bound"] == [], f"{s['station']}: {fit}")
     relative = [r["model_um"] / r["measured_um"] - 1 for r in s["readings"]]
     rms = 100 * (sum(d * d for d in relative) / len(relative)) ** 0.5
     check(abs(rms - fit["rms_percent"]) < 1e-9, f"{s['station']}: the root mean square")
