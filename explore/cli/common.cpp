@@ -12,12 +12,16 @@ namespace explore::cli {
 
 using report::figure;
 
-void add_common(CLI::App& app, CommonOptions& options) {
-    app.add_option("STUDY", options.study, "study file (TOML)")->required();
-    app.add_option("--out", options.out, "folder for the results (default: output/<study name>)");
+void add_run_options(CLI::App& app, CommonOptions& options, const std::string& default_folder) {
+    app.add_option("--out", options.out, "folder for the results (default: " + default_folder + ")");
     app.add_option("--threads", options.threads, "number of threads (default: one a core)")->check(CLI::Range(1, 4096));
     app.add_option("--seed", options.seed, "fixes what is random")->capture_default_str();
     app.add_flag("--json", options.json, "print one JSON object and nothing else");
+}
+
+void add_common(CLI::App& app, CommonOptions& options) {
+    app.add_option("STUDY", options.study, "study file (TOML)")->required();
+    add_run_options(app, options, "output/<study name>");
 }
 
 run::RunHeader run_header(const study::Study& study, std::string command, std::string settings) {

@@ -21,6 +21,9 @@ struct CommonOptions {
     std::string folder(const study::Study& s) const { return out.empty() ? "output/" + s.stem() : out; }
 };
 
+// Adds --out, --threads, --seed, --json. default_folder: where results go without --out, in words.
+void add_run_options(CLI::App& app, CommonOptions& options, const std::string& default_folder);
+
 // Adds STUDY, --out, --threads, --seed, --json.
 void add_common(CLI::App& app, CommonOptions& options);
 
@@ -30,6 +33,7 @@ void add_forward(CLI::App& app, Action& action);
 void add_map(CLI::App& app, Action& action);
 void add_fit(CLI::App& app, Action& action);
 void add_twin(CLI::App& app, Action& action);
+void add_survey(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
 
 // Header of a run of this study for the store.

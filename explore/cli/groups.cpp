@@ -19,9 +19,8 @@ std::vector<double> group_rms(const study::Study& study, const problem::Evaluati
 }
 
 std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const problem::Problem& problem,
-                                               const search::Design& design,
-                                               const landscape::MultistartResult& joint, run::Store& store,
-                                               const std::string& settings_words,
+                                               const search::Design& design, const landscape::MultistartResult& joint,
+                                               run::Store& store, const std::string& settings_words,
                                                landscape::MultistartSettings settings, int threads) {
     std::vector<GroupFit> fits;
     const auto fitted = std::count_if(study.groups.begin(), study.groups.end(),
@@ -45,7 +44,8 @@ std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const 
         }
         const int id = store.begin(run_header(study, "fit", settings_words + "; " + group.name + " alone"));
         run::Engine engine(own, &store, id, {.threads = threads, .show_progress = true});
-        const auto result = landscape::refine(engine, own, design, std::move(explored), {joint.minima[0].unit}, settings);
+        const auto result =
+            landscape::refine(engine, own, design, std::move(explored), {joint.minima[0].unit}, settings);
         if (!result) {
             return std::nullopt;
         }
@@ -56,7 +56,8 @@ std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const 
 }
 
 std::string group_text(const study::Study& study, const GroupFit& joint, const std::vector<GroupFit>& alone) {
-    std::string text = "\nGroups of readings: root mean square residual of each, at the best fit of all and of each alone\n";
+    std::string text =
+        "\nGroups of readings: root mean square residual of each, at the best fit of all and of each alone\n";
     std::vector<std::string> header{"group", "readings", "weight", "all"};
     for (const GroupFit& fit : alone) {
         header.push_back(fit.fitted + " alone");

@@ -19,9 +19,8 @@ std::vector<double> group_rms(const study::Study& study, const problem::Evaluati
 // Fits each group that is not held out alone, from the points explored for all of them and from the joint answer.
 // Empty when there are fewer than two. Nothing: interrupted.
 std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const problem::Problem& problem,
-                                               const search::Design& design,
-                                               const landscape::MultistartResult& joint, run::Store& store,
-                                               const std::string& settings_words,
+                                               const search::Design& design, const landscape::MultistartResult& joint,
+                                               run::Store& store, const std::string& settings_words,
                                                landscape::MultistartSettings settings, int threads);
 
 std::string group_text(const study::Study& study, const GroupFit& joint, const std::vector<GroupFit>& alone);

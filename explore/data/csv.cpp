@@ -1,8 +1,8 @@
 #include "data/csv.h"
 
-#include "base/error.h"
-
 #include <cerrno>
+#include <charconv>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -85,6 +85,29 @@ std::string csv_cell(std::string_view text) {
         }
     }
     return cell + "\"";
+}
+
+std::string_view trimmed(std::string_view cell) {
+    const auto first = cell.find_first_not_of(" \t");
+    const auto last = cell.find_last_not_of(" \t");
+    return first == std::string_view::npos ? std::string_view{} : cell.substr(first, last - first + 1);
+}
+
+double any_number(std::string_view cell, const pave::Place& place) {
+    double result = 0.0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), result);
+    if (error != std::errc() || end != cell.data() + cell.size()) {
+        throw pave::Error(place, "not a number", "\"" + std::string(cell) + "\"", "a finite decimal number");
+    }
+    return result;
+}
+
+double finite_number(std::string_view cell, const pave::Place& place) {
+    const double result = any_number(cell, place);
+    if (!std::isfinite(result)) {
+        throw pave::Error(place, "not a number", "\"" + std::string(cell) + "\"", "a finite decimal number");
+    }
+    return result;
 }
 
 std::string read_file(const std::string& file, std::string_view what) {

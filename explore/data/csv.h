@@ -1,6 +1,8 @@
 // RFC 4180 with comment lines.
 #pragma once
 
+#include "base/error.h"
+
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +20,13 @@ std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file);
 
 // A cell as RFC 4180 wants it: quoted when it holds a separator, a quote or a line break.
 std::string csv_cell(std::string_view text);
+
+// A cell without the blanks around it.
+std::string_view trimmed(std::string_view cell);
+
+// A cell that must be a number. Throws pave::Error at `place`. The second also takes nan and inf for what they say.
+double finite_number(std::string_view cell, const pave::Place& place);
+double any_number(std::string_view cell, const pave::Place& place);
 
 // The whole of a file. Throws pave::Error when it cannot be read. what: "measurement file".
 std::string read_file(const std::string& file, std::string_view what);

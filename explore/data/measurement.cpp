@@ -1,12 +1,9 @@
 #include "data/measurement.h"
 
-#include "base/error.h"
 #include "data/csv.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 
 namespace explore::data {
 namespace {
@@ -14,21 +11,6 @@ namespace {
 enum Column : std::size_t { load, quantity, x_mm, y_mm, depth_mm, gauge_mm, value, unit, sigma, columns };
 constexpr std::array<std::string_view, columns> names = {"load",     "quantity", "x_mm", "y_mm", "depth_mm",
                                                          "gauge_mm", "value",    "unit", "sigma"};
-
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t");
-    const auto last = text.find_last_not_of(" \t");
-    return first == std::string_view::npos ? std::string_view{} : text.substr(first, last - first + 1);
-}
-
-double number(std::string_view text, const pave::Place& place) {
-    double result = 0.0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), result);
-    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(result)) {
-        throw pave::Error(place, "not a number", "\"" + std::string(text) + "\"", "a finite decimal number");
-    }
-    return result;
-}
 
 } // namespace
 
@@ -79,7 +61,7 @@ std::vector<Measurement> read_measurements(const std::string& file) {
         const auto place = [&](Column c) {
             return pave::Place{.file = file, .line = row.line, .key = std::string(names[c])};
         };
-        const auto cell_number = [&](Column c) { return number(cell(c), place(c)); };
+        const auto cell_number = [&](Column c) { return finite_number(cell(c), place(c)); };
         Measurement m;
         m.file = file;
         m.line = row.line;

@@ -1,16 +1,13 @@
 #include "run/engine.h"
 
-#include "run/blas.h"
-#include "run/interrupt.h"
+#include "run/parallel.h"
 #include "run/progress.h"
 
 #include <algorithm>
 #include <atomic>
 #include <exception>
-#include <fmt/format.h>
 #include <limits>
 #include <new>
-#include <oneapi/tbb.h>
 
 namespace explore::run {
 namespace {
@@ -61,44 +58,10 @@ struct Engine::Implementation {
     std::map<RunNumber, Evaluation> known(RunNumber first, RunNumber last) const {
         return store != nullptr ? store->get(run, first, last) : std::map<RunNumber, Evaluation>{};
     }
-
-    // Calls body(i) for i in [0, n) in parallel; the first exception of a body (the store failed) comes out here, after
-    // all tasks have ended.
-    template <class Body>
-    void parallel(std::size_t n, const Body& body) {
-        std::exception_ptr failure;
-        std::mutex mutex;
-        std::atomic<bool> failed{false};
-        arena.execute([&] {
-            tbb::parallel_for(
-                tbb::blocked_range<std::size_t>(0, n, 1),
-                [&](const tbb::blocked_range<std::size_t>& range) {
-                    for (std::size_t i = range.begin(); i < range.end() && !failed && !interrupted(); ++i) {
-                        try {
-                            body(i);
-                        } catch (...) {
-                            const std::scoped_lock lock(mutex);
-                            failed = true;
-                            failure = failure ? failure : std::current_exception();
-                        }
-                    }
-                },
-                tbb::simple_partitioner());
-        });
-        if (failure) {
-            std::rethrow_exception(failure);
-        }
-    }
 };
 
 Engine::Engine(const problem::Problem& problem, Store* store, int run, EngineSettings settings) {
-    int threads = settings.threads > 0 ? settings.threads : tbb::this_task_arena::max_concurrency();
-    if (!prepare_blas() && threads > 1) {
-        fmt::print(stderr, "warning: the BLAS of this machine is a build of OpenBLAS without threads, which cannot be "
-                           "used by two tasks at once; going on with one thread (package libopenblas0-pthread mends "
-                           "this)\n");
-        threads = 1;
-    }
+    const int threads = usable_threads(settings.threads);
     implementation_ = std::unique_ptr<Implementation>(
         new Implementation{problem,
                            store,
@@ -135,7 +98,7 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
     {
         Progress progress("explore", m.settings.show_progress ? static_cast<std::int64_t>(n) : -1);
         progress.add(static_cast<std::int64_t>(n - missing.size()), false);
-        m.parallel(missing.size(), [&](std::size_t k) {
+        for_each_index(m.arena, missing.size(), [&](std::size_t k) {
             const std::size_t i = missing[k];
             evaluations[i] = m.evaluate(design.points[i], false);
             m.keep({-1, static_cast<int>(i)}, evaluations[i]);
@@ -160,7 +123,7 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
     std::atomic<std::int64_t> kept{0};
     {
         Progress progress("search", m.settings.show_progress ? 0 : -1);
-        m.parallel(starts.size(), [&](std::size_t s) {
+        for_each_index(m.arena, starts.size(), [&](std::size_t s) {
             // A search that was cut off is replayed: the method asks for the same points again and is answered from
             // the store until it gets to new ones.
             const int start = static_cast<int>(s);

@@ -16,9 +16,10 @@ std::string duration_words(double seconds) {
                         : fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }
 
-Progress::Progress(std::string what, std::int64_t total)
+Progress::Progress(std::string what, std::int64_t total, ProgressRate rate)
     : what_(std::move(what)),
       total_(total),
+      rate_(std::move(rate)),
       visible_(total >= 0 && isatty(STDERR_FILENO) == 1),
       start_(std::chrono::steady_clock::now()) {}
 
@@ -54,7 +55,7 @@ void Progress::draw(bool last) {
     } else {
         line += fmt::format("{}", done_);
     }
-    line += fmt::format("  {:.1f} runs/s", rate);
+    line += fmt::format("  {:.1f} {}", rate * rate_.seconds, rate_.unit);
     if (last) {
         line += ", " + duration_words(seconds);
     } else if (total_ > 0 && rate > 0.0) {

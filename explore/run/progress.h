@@ -8,10 +8,15 @@
 
 namespace explore::run {
 
+struct ProgressRate {
+    std::string unit = "runs/s";
+    double seconds = 1.0; // that it counts over
+};
+
 class Progress {
 public:
     // total = 0: unknown, no bar and no time left; negative: show nothing.
-    Progress(std::string what, std::int64_t total);
+    Progress(std::string what, std::int64_t total, ProgressRate rate = {});
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
@@ -27,6 +32,7 @@ private:
     std::string what_;
     std::string note_;
     std::int64_t total_;
+    ProgressRate rate_;
     std::int64_t done_ = 0;
     std::int64_t computed_ = 0;
     bool visible_;

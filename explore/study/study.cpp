@@ -199,12 +199,13 @@ void read_parameter(const toml::table& table, Study& study) {
 // Sorts the measurements into groups. A name in held_out or weights is that of a group or of a load (all its groups).
 void set_groups(Study& study, const pave::Place& place, const std::vector<std::string>& held_out,
                 const toml::table* weights) {
+    study.groups.clear();
     std::vector<std::string> names;
     for (std::size_t i = 0; i < study.measurements.size(); ++i) {
         const auto& m = study.measurements[i];
         const std::string name = m.load + "." + m.quantity;
-        auto group = std::find_if(study.groups.begin(), study.groups.end(),
-                                  [&](const Group& g) { return g.name == name; });
+        auto group =
+            std::find_if(study.groups.begin(), study.groups.end(), [&](const Group& g) { return g.name == name; });
         if (group == study.groups.end()) {
             study.groups.push_back({.name = name, .rows = {}});
             group = study.groups.end() - 1;
@@ -238,16 +239,23 @@ void set_groups(Study& study, const pave::Place& place, const std::vector<std::s
             each(name, reader.place(name), [&](Group& group) { group.weight = weight; });
         }
     }
-    if (std::all_of(study.groups.begin(), study.groups.end(), [](const Group& g) { return g.held_out; })) {
+    if (!study.groups.empty() &&
+        std::all_of(study.groups.begin(), study.groups.end(), [](const Group& g) { return g.held_out; })) {
         throw pave::Error(place, "every reading is held out: nothing is left to fit", pave::join(held_out),
                           "at least one group that is fitted");
     }
 }
 
-void read_data(const toml::table& table, Study& study) {
+void read_data(const toml::table& table, Study& study, Readings readings) {
     TableReader reader(table, study.file, "[data]");
     std::vector<std::string> misfits(std::begin(problem::misfit_names), std::end(problem::misfit_names));
-    study.data.files = reader.texts("files");
+    if (reader.has("files")) {
+        study.data.files = reader.texts("files");
+        if (study.data.files.empty()) {
+            throw pave::Error(reader.place("files"), "the list of measurement files is empty", "[]",
+                              "at least one file");
+        }
+    }
     study.data.misfit = static_cast<problem::MisfitKind>(reader.choice("misfit", misfits, 0));
     study.data.log_floor = reader.number("log_floor", 0.0, 1.0, true, 0.01);
     if (reader.has("noise_relative")) {
@@ -256,13 +264,13 @@ void read_data(const toml::table& table, Study& study) {
     if (reader.has("noise_floor")) {
         study.data.noise_floor = reader.number("noise_floor", 0.0, 10.0, true);
     }
-    if (study.data.files.empty()) {
-        throw pave::Error(reader.place("files"), "the list of measurement files is empty", "[]", "at least one file");
-    }
     const std::vector<std::string> held_out =
         reader.has("held_out") ? reader.texts("held_out") : std::vector<std::string>{};
     const toml::table* weights = reader.table("weights");
     reader.done();
+    if (readings == Readings::elsewhere) {
+        return;
+    }
     const auto folder = std::filesystem::path(study.file).parent_path();
     for (const std::string& file : study.data.files) {
         const std::string path = (folder / file).string();
@@ -324,21 +332,23 @@ void set_noise(Study& study) {
     study.noise = NoiseSource::estimated;
 }
 
+std::string hash_of(std::string text, const std::vector<data::Measurement>& measurements) {
+    for (const auto& m : measurements) {
+        text += fmt::format("\n{},{},{},{},{},{},{},{},{}", m.load, m.quantity, m.x_mm, m.y_mm, m.depth_mm, m.gauge_mm,
+                            m.value, m.unit.name, m.sigma.value_or(0.0));
+    }
+    const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
+    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
 std::string hash_of(toml::table table, const Study& study) {
     table.erase("title");
     std::ostringstream text;
     text << toml::default_formatter(table);
-    for (const auto& m : study.measurements) {
-        text << fmt::format("\n{},{},{},{},{},{},{},{},{}", m.load, m.quantity, m.x_mm, m.y_mm, m.depth_mm, m.gauge_mm,
-                            m.value, m.unit.name, m.sigma.value_or(0.0));
-    }
-    const std::string all = text.str();
-    const XXH128_hash_t hash = XXH3_128bits(all.data(), all.size());
-    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+    return hash_of(text.str(), study.measurements);
 }
 
-problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows,
-                          const std::vector<double>& factor) {
+problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows, const std::vector<double>& factor) {
     std::vector<problem::Misfit::Term> terms;
     const auto largest = largest_of_group(study);
     for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -362,6 +372,9 @@ problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& ro
     }
     return {study.data.misfit, std::move(terms)};
 }
+
+// Unless stated, the wall stands where the sensors and the depth want it: set when all of them are known.
+constexpr double not_stated = 1e9;
 
 class PavementFunction final : public problem::ForwardFunction {
 public:
@@ -412,7 +425,7 @@ double Study::response_to_si(std::size_t i) const {
     return i < measurements.size() ? measurements[i].unit.to_si : info(model.sensors[i].quantity).to_si;
 }
 
-Study load_study(const std::string& file) {
+Study load_study(const std::string& file, Readings readings) {
     Study study;
     study.file = file;
     const std::string text = data::read_file(file, "study");
@@ -458,8 +471,6 @@ Study load_study(const std::string& file) {
             r.number("equilibrium_tolerance", 1e-12, 1e-4, false, settings.solver.equilibrium_tolerance);
         r.done();
     }
-    // Unless stated, the wall stands where the sensors and the depth want it: set when all of them are known.
-    constexpr double not_stated = 1e9;
     study.model.settings.extent = not_stated;
     if (const auto* mesh = reader.table("mesh")) {
         TableReader r(*mesh, file, "[mesh]");
@@ -468,25 +479,46 @@ Study load_study(const std::string& file) {
         r.done();
     }
     if (const auto* data = reader.table("data")) {
-        read_data(*data, study);
+        read_data(*data, study, readings);
     }
     set_noise(study);
     for (const auto* output : reader.tables("outputs")) {
         study.outputs.push_back(read_output(*output, file, study.model));
         study.model.sensors.push_back(study.outputs.back().sensor);
     }
-    if (study.model.settings.extent == not_stated) {
+    study.extent_is_stated = study.model.settings.extent != not_stated;
+    if (!study.extent_is_stated) {
         study.model.settings.extent = study.model.default_extent();
     }
     for (const auto* parameter : reader.tables("parameters")) {
         read_parameter(*parameter, study);
     }
     reader.done();
-    if (study.model.sensors.empty()) {
+    if (readings == Readings::own && study.model.sensors.empty()) {
         throw pave::Error({.file = file}, "the study asks for nothing", "neither measurements nor outputs",
                           "[data] files, or [[outputs]]");
     }
     study.hash = hash_of(table, study);
+    return study;
+}
+
+Study with_measurements(Study study, std::vector<data::Measurement> measurements) {
+    study.model.sensors.clear();
+    study.outputs.clear();
+    study.sigma.clear();
+    if (!study.extent_is_stated) {
+        study.model.settings.extent = not_stated;
+    }
+    for (const auto& m : measurements) {
+        study.model.sensors.push_back(sensor_of(m, study.model));
+    }
+    study.measurements = std::move(measurements);
+    set_groups(study, {}, {}, nullptr);
+    set_noise(study);
+    if (!study.extent_is_stated) {
+        study.model.settings.extent = study.model.default_extent();
+    }
+    study.hash = hash_of(study.hash, study.measurements);
     return study;
 }
 

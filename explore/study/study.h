@@ -50,7 +50,8 @@ struct Study {
     NoiseSource noise = NoiseSource::estimated;
     // SI, one a measurement; empty when the noise is to be estimated (misfit "weighted" then weighs by |measured|).
     std::vector<double> sigma;
-    std::string hash; // of everything that changes a result: model, parameters, data
+    bool extent_is_stated = false; // else the wall stands at the model's default_extent()
+    std::string hash;              // of everything that changes a result: model, parameters, data
 
     // Name without folder and ending: the default folder of its results.
     std::string stem() const;
@@ -61,7 +62,13 @@ struct Study {
 };
 
 // Throws pave::Error for anything wrong in the study or its data: file, line, key, found, allowed.
-Study load_study(const std::string& file);
+// Readings::elsewhere: the data files are not read; with_measurements brings the readings.
+enum class Readings { own, elsewhere };
+Study load_study(const std::string& file, Readings readings = Readings::own);
+
+// The study with these measurements in place of its own, and without outputs. Throws pave::Error for a measurement that
+// does not fit the model.
+Study with_measurements(Study study, std::vector<data::Measurement> measurements);
 
 // The problem the explorer works on. Throws pave::Error when the study has no parameters or no measurements.
 // The readings that are not held out, weighed.

@@ -24,7 +24,8 @@ void product(const float* a, int rows, int columns, const float* x, float* t) {
         const Row x2 = Eigen::Map<const Row>(x + (j + 2) * C);
         const Row x3 = Eigen::Map<const Row>(x + (j + 3) * C);
         for (int i = 0; i < rows; ++i) {
-            Eigen::Map<Row>(t + static_cast<std::ptrdiff_t>(i) * C) += a0[i] * x0 + a1[i] * x1 + a2[i] * x2 + a3[i] * x3;
+            Eigen::Map<Row>(t + static_cast<std::ptrdiff_t>(i) * C) +=
+                a0[i] * x0 + a1[i] * x1 + a2[i] * x2 + a3[i] * x3;
         }
     }
     for (; j < columns; ++j) {

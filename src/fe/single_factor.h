@@ -31,8 +31,8 @@ public:
     void solve(Block<C>& z);
 
 private:
-    std::vector<float> x_; // permuted right-hand sides
-    std::vector<float> t_; // of the rows below one supernode
+    std::vector<float> x_;   // permuted right-hand sides
+    std::vector<float> t_;   // of the rows below one supernode
     std::vector<float> sum_; // of the columns of one supernode
 };
 

@@ -94,8 +94,7 @@ void SymmetricSystem::multiply(const Block<C>& x, Block<C>& y) const {
     }
 }
 
-bool SymmetricSystem::solve(Eigen::Ref<Eigen::MatrixXd> x,
-                            std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses) {
+bool SymmetricSystem::solve(Eigen::Ref<Eigen::MatrixXd> x, std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses) {
     if (route_ == Route::direct) {
         cholesky_.solve(x.data(), static_cast<int>(x.cols()));
         return true;
@@ -184,9 +183,7 @@ bool SymmetricSystem::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Eigen::Ind
     precondition<C>(z);
     Block<C> p = z;
     Lanes<C> rho = dot<C>(r, z);
-    const auto wanting = [&]() -> Eigen::Array<bool, 1, C> {
-        return !(rho <= tolerance_ * tolerance_ * dot<C>(x, b));
-    };
+    const auto wanting = [&]() -> Eigen::Array<bool, 1, C> { return !(rho <= tolerance_ * tolerance_ * dot<C>(x, b)); };
     auto active = wanting();
     int steps = 0;
     while (active.any()) {

@@ -1,0 +1,201 @@
+"""A road whose moduli are known: they come back, nonsense at one station stops nothing, and neither the number of threads
+nor an interrupt changes a bit."""
+import csv
+import io
+import json
+import signal
+import sqlite3
+import time
+
+from support import *
+
+folder = workspace()
+OFFSETS = (0, 200, 300, 450, 600, 900)
+HEADER = "station,chainage_m,drop,radius_mm,pressure_kPa," + ",".join(f"D{o}_um" for o in OFFSETS)
+SECTION = STUDY[:STUDY.index("[data]")].replace("thickness_mm = 40", "thickness_mm = 80")
+SURVEY = SECTION + """[data]
+misfit = "relative"
+
+[[parameters]]
+name = "base.k1"
+min = 300
+max = 10000
+scale = "log"
+
+[[parameters]]
+name = "subgrade.modulus_MPa"
+min = 20
+max = 300
+scale = "log"
+"""
+
+
+def bowl(k1, subgrade, pressure):
+    """Deflections in um, by the program's own forward run."""
+    text = SECTION
+    for old, new in (("k1 = 2000", f"k1 = {k1}"), ("modulus_MPa = 45", f"modulus_MPa = {subgrade}"),
+                     ("pressure_kPa = 600", f"pressure_kPa = {pressure}")):
+        check(text.count(old) == 1, f"the section holds '{old}' once")
+        text = text.replace(old, new)
+    for offset in OFFSETS:
+        text += f'[[outputs]]\nname = "D{offset}"\nload = "fwd"\nquantity = "deflection"\nx_mm = {offset}\n'
+    done = run("forward", write_study(folder, text, None, "truth"), "--json")
+    check(done.returncode == 0, f"forward: {done.stderr}")
+    return [1e3 * r["value"] for r in json.loads(done.stdout)["responses"]]
+
+
+# The last stations first: the report goes along the road.
+truth = {"C": (4000, 60, 560), "B": (800, 200, 580), "A": (2500, 45, 600)}
+rows = []
+for name, (k1, subgrade, pressure) in truth.items():
+    deflections = bowl(k1, subgrade, pressure)
+    rows.append([name, 100 * "ABC".index(name), 1, 150, pressure, *deflections])
+rows.append(["nonsense", 50, 1, 150, 600, 500, 300, 200, 250, 100, 50])
+road = folder / "road.csv"
+road.write_text("# made by forward\n" + HEADER + "\n" + "\n".join(",".join(map(str, row)) for row in rows) + "\n")
+study = write_study(folder, SURVEY, None, "survey")
+
+
+def call(*arguments):
+    done = run("survey", *arguments, "--json")
+    check(done.returncode == 0, f"survey: {done.stderr}")
+    check(done.stderr == "", f"survey: standard error is silent when piped: {done.stderr}")
+    return json.loads(done.stdout)
+
+
+# Without a study: ratios alone.
+result = call(road, "--out", folder / "ratios")
+stations = {s["station"]: s for s in result["stations"]}
+check(list(stations) == ["A", "nonsense", "B", "C"], "stations stand along the road")
+check(result["counts"] == {"stations": 4, "rejected": 1, "pass": 2, "fail": 1, "fitted": 0, "failed": 0}, f"counts: {result['counts']}")
+check(stations["nonsense"]["status"] == "rejected" and "rises from 200 um at 300 mm" in stations["nonsense"]["reason"],
+      "nonsense has its reason")
+for row in rows[:3]:
+    s = stations[row[0]]
+    interpolated = (row[6] * row[7]) ** 0.5  # half way between 200 and 300 mm on a logarithmic scale
+    check(abs(s["deflection_ratio"] - interpolated / row[5]) < 1e-12, f"{row[0]}: the ratio")
+    check(s["D250_is_interpolated"] and s["pass"] == (interpolated / row[5] >= 0.6), f"{row[0]}: the verdict")
+    check(abs(s["D0_um_at_common_pressure"] - row[5] * 580 / row[4]) < 1e-9, f"{row[0]}: D0 at the median pressure")
+    check("fit" not in s, f"{row[0]}: nothing was fitted")
+check(not stations["B"]["pass"], "the weak station fails")
+check("D250/D0" in result["deflection_ratio"]["definition"] and result["deflection_ratio"]["limit"] == 0.6, "the definition is said")
+check(not (folder / "ratios" / "run.sqlite").exists(), "no store without a computation")
+check("--study" not in run("survey", road, "--out", folder / "ratios").stdout, "a table for people")
+
+# With a study: the moduli come back, with the same bits for one and two threads.
+results = {}
+for threads in (1, 2):
+    out = folder / f"threads-{threads}"
+    results[threads] = call(road, "--study", study, "--threads", threads, "--out", out)
+    check(json.loads((out / "survey.json").read_text()) == results[threads], "the same in the folder of the run")
+    results[threads].pop("run")
+check(results[1] == results[2], "one and two threads differ")
+table = (folder / "threads-1" / "survey.csv").read_text()
+check(table == (folder / "threads-2" / "survey.csv").read_text(), "the tables of one and two threads differ")
+check(results[1]["counts"]["fitted"] == 3 and results[1]["counts"]["failed"] == 0, "every sound station is fitted")
+for s in results[1]["stations"]:
+    if s["station"] == "nonsense":
+        check("fit" not in s, "nonsense is not fitted")
+        continue
+    fit = s["fit"]
+    k1, subgrade, _ = truth[s["station"]]
+    # The same model and no noise: what is left is the tolerance of the search.
+    check(abs(fit["parameters"]["base.k1"] / k1 - 1) < 1e-4, f"{s['station']}: k1 {fit['parameters']['base.k1']}, not {k1}")
+    check(abs(fit["parameters"]["subgrade.modulus_MPa"] / subgrade - 1) < 1e-4, f"{s['station']}: subgrade {fit['parameters']}")
+    check(fit["status"] == "converged" and fit["rms_percent"] < 0.01 and fit["on_bound"] == [], f"{s['station']}: {fit}")
+    relative = [r["model_um"] / r["measured_um"] - 1 for r in s["readings"]]
+    rms = 100 * (sum(d * d for d in relative) / len(relative)) ** 0.5
+    check(abs(rms - fit["rms_percent"]) < 1e-9, f"{s['station']}: the root mean square")
+cells = list(csv.DictReader(io.StringIO(table)))
+check([c["station"] for c in cells] == ["A", "nonsense", "B", "C"], "the table: one line a station")
+check([c["verdict"] for c in cells] == ["pass", "", "fail", "pass"], "the table: verdicts")
+for c, s in zip(cells, results[1]["stations"]):
+    check(None not in c and None not in c.values(), f"the table: {c['station']} has as many cells as the header")
+    check(c["base.k1"] == ("" if "fit" not in s else repr(s["fit"]["parameters"]["base.k1"])), "the table: the bits of the JSON")
+text = run("survey", road, "--study", study, "--out", folder / "threads-1").stdout
+for words in ("D250/D0", "Austroads", "~0.", "pass", "fail", "rejected: the deflection rises", "base.k1", "RMS %", "Along the road", "0 runs"):
+    check(words in text, f"'{words}' in the report")
+check("\x1b" not in text, "no terminal codes when piped")
+
+# A bound between the truth and the data is named.
+bounded = write_study(folder, SURVEY.replace("max = 300\n", "max = 100\n"), None, "bounded")
+result = call(road, "--study", bounded, "--out", folder / "bounded")
+bounds = {s["station"]: s["fit"]["on_bound"] for s in result["stations"] if "fit" in s}
+check(bounds["B"] == ["subgrade.modulus_MPa at its upper bound"] and bounds["C"] == [], f"bounds: {bounds}")
+
+# Cut off and continued: the same result, and what was computed is not computed again.
+out = folder / "interrupted"
+
+
+def evaluations():
+    if not (out / "run.sqlite").exists():
+        return 0
+    database = sqlite3.connect(f"file:{out / 'run.sqlite'}?mode=ro", uri=True, timeout=10)
+    try:
+        return database.execute("SELECT count(*) FROM evaluation").fetchone()[0]
+    except sqlite3.OperationalError:
+        return 0
+    finally:
+        database.close()
+
+
+for least in (100, 262):  # while exploring, while searching
+    process = subprocess.Popen([PROGRAM, "survey", road, "--study", study, "--out", out], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True)
+    while evaluations() < least and process.poll() is None:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    message = process.communicate()[1]
+    check(process.returncode == 130, f"interrupted: exit status {process.returncode}")
+    check("kept" in message, f"the interrupt says what is kept: {message}")
+    check(not (out / "survey.json").exists(), "no result of half a road")
+result = call(road, "--study", study, "--out", out)
+result.pop("run")
+check(result == results[1], "the interrupted and continued survey differs")
+
+# A station whose model has no answer is said, and the others are fitted.
+far = folder / "far.csv"
+far.write_text(HEADER + ",D3500_um\n" + "\n".join(",".join(map(str, row)) + ("," if row[0] == "A" else ",1") for row in rows[1:3]) + "\n")
+result = call(far, "--study", study, "--out", folder / "far")
+stations = {s["station"]: s for s in result["stations"]}
+check(stations["B"]["status"] == "failed" and "outside the mesh" in stations["B"]["reason"], f"B: {stations['B']}")
+check(stations["A"]["status"] == "ok" and "fit" in stations["A"], "A is fitted all the same")
+impossible = write_study(folder, SURVEY.replace('"base.k1"\nmin = 300\nmax = 10000', '"base.n"\nmin = 3.5\nmax = 4.5'), None, "impossible")
+done = run("survey", road, "--study", impossible, "--out", folder / "impossible", "--json")
+check(done.returncode == 1, f"no station has an answer: exit status {done.returncode}")
+reasons = [s["reason"] for s in json.loads(done.stdout)["stations"] if s["status"] == "failed"]
+check(len(reasons) == 3 and all("not one explored point has an answer" in r and "must be positive" in r for r in reasons), f"reasons: {reasons}")
+check(run("survey", far, road, "--out", folder / "both").stdout.startswith("6 stations"), "several files make one road")
+
+
+# Wrong input: one message, exit status 2, nothing written.
+def expect(label, words, *arguments):
+    done = run("survey", *arguments, "--out", folder / "wrong")
+    message = done.stderr.strip()
+    print(f"{label}\n    {message.replace(str(folder), '...')}")
+    check(done.returncode == 2, f"{label}: exit status {done.returncode}")
+    check(len(message.splitlines()) == 1 and done.stdout == "", f"{label}: one message")
+    check(not (folder / "wrong").exists(), f"{label}: something was written")
+    for word in words:
+        check(word in message, f"{label}: '{word}' is missing")
+
+
+def file(name, text):
+    (folder / name).write_text(text)
+    return folder / name
+
+
+expect("no such file", ["nowhere.csv", "FWD file"], folder / "nowhere.csv")
+expect("another format", ["known format", "chainage_m"], study)
+expect("not a number", ["letters.csv:2", "D0_um", "many"], file("letters.csv", HEADER + "\nA,0,1,150,600,many,1,1,1,1,1\n"))
+expect("no plate", ["plate", "0 loads"], road, "--study",
+       write_study(folder, SURVEY.replace('type = "plate"\nradius_mm = 150', 'type = "wheel"\npatch = "circle"\nforce_kN = 40'), None, "wheel"))
+expect("a free load", ["fwd.pressure_kPa", "measured"], road, "--study",
+       write_study(folder, SURVEY.replace('"base.k1"\nmin = 300', '"fwd.pressure_kPa"\nmin = 300'), None, "free-load"))
+expect("no parameters", ["parameters"], road, "--study", write_study(folder, SURVEY[:SURVEY.index("[[parameters]]")], None, "fixed"))
+check(run("survey").returncode == 2, "no file")
+only = file("only.csv", HEADER + "\n" + ",".join(map(str, rows[3])) + "\n")
+check(run("survey", only, "--out", folder / "only").returncode == 1, "nothing but nonsense: exit status 1")
+check("Example:" in run("survey", "--help").stdout, "survey --help holds an example")
+
+finish()
