@@ -4,6 +4,7 @@
 #include "report/table.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace explore::cli {
@@ -67,7 +68,8 @@ int export_run(const std::string& folder, const std::string& format, const std::
         }
         row += e.converged() ? fmt::format(",{}", e.misfit) : ",";
         for (std::size_t i = 0; i < header.responses.size(); ++i) {
-            row += e.converged() ? fmt::format(",{}", e.responses[i] / header.response_to_si[i]) : ",";
+            const bool known = e.converged() && !std::isnan(e.responses[i]); // of a load that was not computed
+            row += known ? fmt::format(",{}", e.responses[i] / header.response_to_si[i]) : ",";
         }
         fmt::print("{},{}\n", row, data::csv_cell(e.reason));
     });

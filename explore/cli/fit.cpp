@@ -185,7 +185,7 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
 
 int fit(FitOptions options) {
     const study::Study study = study::load_study(options.common.study);
-    const problem::Problem problem = study::make_problem(study);
+    const problem::Problem problem = study::make_problem(study, study::Scope::fitted);
     const search::Design design = make_design(options, study);
     const auto& search_settings = options.multistart.search;
     const std::string settings =
@@ -196,7 +196,7 @@ int fit(FitOptions options) {
     run::Store store(folder, true);
     const int id = store.begin(run_header(study, "fit", settings));
     run::Engine engine(problem, &store, id, {.threads = options.common.threads, .show_progress = true});
-    const auto result = landscape::multistart(engine, problem, design, options.multistart);
+    auto result = landscape::multistart(engine, problem, design, options.multistart);
     if (!result) {
         return report_interrupt(folder);
     }
@@ -210,11 +210,14 @@ int fit(FitOptions options) {
         fmt::print(stderr, "pavescape: {}\n", reason);
         return computation_failed;
     }
+    const Predictor predictor(study);
+    predictor.complete(result->minima[0].evaluation);
     const Minimum& best = result->minima[0];
     const GroupFit joint{"all", best.evaluation, group_rms(study, best.evaluation)};
     std::optional<std::vector<GroupFit>> alone = std::vector<GroupFit>{};
     if (!options.joint_only) {
-        alone = fit_alone(study, problem, design, *result, store, settings, options.multistart, options.common.threads);
+        alone =
+            fit_alone(study, predictor, design, *result, store, settings, options.multistart, options.common.threads);
         if (!alone) {
             return report_interrupt(folder);
         }

@@ -9,6 +9,24 @@ namespace explore::cli {
 
 using report::figure;
 
+Predictor::Predictor(const study::Study& study) : problem_(study::make_problem(study)) {}
+
+void Predictor::complete(problem::Evaluation& evaluation) const {
+    const bool complete = std::none_of(evaluation.responses.begin(), evaluation.responses.end(),
+                                       [](double value) { return std::isnan(value); });
+    if (complete) {
+        return;
+    }
+    const auto workspace = problem_.function->make_workspace();
+    auto outcome = problem_.function->evaluate(evaluation.parameters, false, *workspace);
+    if (outcome) {
+        evaluation.responses = outcome->responses;
+        evaluation.warnings = outcome->warnings;
+    } else {
+        evaluation.warnings.push_back("not all loads have an answer here: " + outcome.failure().reason);
+    }
+}
+
 std::vector<double> group_rms(const study::Study& study, const problem::Evaluation& evaluation) {
     std::vector<double> rms;
     for (const auto& group : study.groups) {
@@ -18,7 +36,7 @@ std::vector<double> group_rms(const study::Study& study, const problem::Evaluati
     return rms;
 }
 
-std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const problem::Problem& problem,
+std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const Predictor& predictor,
                                                const search::Design& design, const landscape::MultistartResult& joint,
                                                run::Store& store, const std::string& settings_words,
                                                landscape::MultistartSettings settings, int threads) {
@@ -34,8 +52,7 @@ std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const 
         if (group.held_out) {
             continue;
         }
-        problem::Problem own = problem;
-        own.misfit = study::misfit_of(study, group.rows);
+        const problem::Problem own = study::make_problem(study, group);
         std::vector<problem::Evaluation> explored = joint.explored;
         for (auto& evaluation : explored) {
             if (evaluation.converged()) {
@@ -44,12 +61,12 @@ std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const 
         }
         const int id = store.begin(run_header(study, "fit", settings_words + "; " + group.name + " alone"));
         run::Engine engine(own, &store, id, {.threads = threads, .show_progress = true});
-        const auto result =
-            landscape::refine(engine, own, design, std::move(explored), {joint.minima[0].unit}, settings);
+        auto result = landscape::refine(engine, own, design, std::move(explored), {joint.minima[0].unit}, settings);
         if (!result) {
             return std::nullopt;
         }
-        const auto& best = result->minima[0].evaluation;
+        auto& best = result->minima[0].evaluation;
+        predictor.complete(best);
         fits.push_back({group.name, best, group_rms(study, best)});
     }
     return fits;

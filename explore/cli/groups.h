@@ -6,6 +6,17 @@
 
 namespace explore::cli {
 
+// What a fit leaves out at every point and a report needs at a few: the loads that are held out or only asked for.
+class Predictor {
+public:
+    explicit Predictor(const study::Study& study);
+    // Fills in the responses and warnings of all loads; leaves those that have no answer as they are, with a warning.
+    void complete(problem::Evaluation& evaluation) const;
+
+private:
+    problem::Problem problem_;
+};
+
 // A fit of all fitted groups together, or of one alone.
 struct GroupFit {
     std::string fitted; // "all" or the name of a group
@@ -18,7 +29,7 @@ std::vector<double> group_rms(const study::Study& study, const problem::Evaluati
 
 // Fits each group that is not held out alone, from the points explored for all of them and from the joint answer.
 // Empty when there are fewer than two. Nothing: interrupted.
-std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const problem::Problem& problem,
+std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const Predictor& predictor,
                                                const search::Design& design, const landscape::MultistartResult& joint,
                                                run::Store& store, const std::string& settings_words,
                                                landscape::MultistartSettings settings, int threads);

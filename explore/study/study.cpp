@@ -378,7 +378,9 @@ constexpr double not_stated = 1e9;
 
 class PavementFunction final : public problem::ForwardFunction {
 public:
-    PavementFunction(const Study& study) : model_(study.model), parameters_(study.parameters) {}
+    PavementFunction(const Study& study, const std::vector<bool>& loads)
+        : model_(study.model, loads),
+          parameters_(study.parameters) {}
 
     std::unique_ptr<Workspace> make_workspace() const override {
         auto workspace = std::make_unique<Own>();
@@ -522,7 +524,7 @@ Study with_measurements(Study study, std::vector<data::Measurement> measurements
     return study;
 }
 
-problem::Problem make_problem(const Study& study) {
+problem::Problem make_problem(const Study& study, Scope scope) {
     if (study.measurements.empty()) {
         throw pave::Error({.file = study.file, .key = "data"}, "this command needs measurements", {},
                           "[data] files = [...]");
@@ -537,13 +539,21 @@ problem::Problem make_problem(const Study& study) {
     }
     std::vector<std::size_t> rows;
     std::vector<double> factor;
+    std::vector<bool> loads(study.model.loads.size(), scope == Scope::everything);
     for (const Group& group : study.groups) {
         if (!group.held_out) {
+            loads[static_cast<std::size_t>(study.model.sensors[group.rows[0]].load)] = true;
             rows.insert(rows.end(), group.rows.begin(), group.rows.end());
             factor.insert(factor.end(), group.rows.size(), std::sqrt(group.weight));
         }
     }
-    return {study.space, std::make_shared<PavementFunction>(study), misfit_of(study, rows, factor)};
+    return {study.space, std::make_shared<PavementFunction>(study, loads), misfit_of(study, rows, factor)};
+}
+
+problem::Problem make_problem(const Study& study, const Group& group) {
+    std::vector<bool> loads(study.model.loads.size(), false);
+    loads[static_cast<std::size_t>(study.model.sensors[group.rows[0]].load)] = true;
+    return {study.space, std::make_shared<PavementFunction>(study, loads), misfit_of(study, group.rows)};
 }
 
 problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows) {

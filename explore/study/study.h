@@ -71,8 +71,14 @@ Study load_study(const std::string& file, Readings readings = Readings::own);
 Study with_measurements(Study study, std::vector<data::Measurement> measurements);
 
 // The problem the explorer works on. Throws pave::Error when the study has no parameters or no measurements.
-// The readings that are not held out, weighed.
-problem::Problem make_problem(const Study& study);
+// What a problem computes at every point: all responses, or those of the loads with readings that are fitted (the
+// others are then not numbers).
+enum class Scope { everything, fitted };
+
+// Its misfit: the readings that are not held out, weighed.
+problem::Problem make_problem(const Study& study, Scope scope = Scope::everything);
+// One group of readings alone, each with weight 1.
+problem::Problem make_problem(const Study& study, const Group& group);
 
 // The misfit of these measurements alone, each with weight 1.
 problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace pave::pavement {
 namespace {
@@ -57,14 +58,15 @@ void check_sensor(const Case& c, const Sensor& s, const Place& place) {
     }
 }
 
-ForwardModel::ForwardModel(Case nominal) : nominal_(std::move(nominal)) {
+ForwardModel::ForwardModel(Case nominal, const std::vector<bool>& loads) : nominal_(std::move(nominal)) {
     for (const Sensor& sensor : nominal_.sensors) {
         check_sensor(nominal_, sensor, {.key = "sensor"});
     }
     for (std::size_t l = 0; l < nominal_.loads.size(); ++l) {
         const bool is_read = std::any_of(nominal_.sensors.begin(), nominal_.sensors.end(),
                                          [&](const Sensor& s) { return s.load == static_cast<int>(l); });
-        models_.push_back(is_read ? make_load_model(nominal_, static_cast<int>(l)) : nullptr);
+        const bool wanted = is_read && (loads.empty() || loads[l]);
+        models_.push_back(wanted ? make_load_model(nominal_, static_cast<int>(l)) : nullptr);
     }
 }
 
@@ -132,7 +134,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
     const auto n = static_cast<Eigen::Index>(parameters.size());
 
     Response response;
-    response.values.resize(values.sensors.size());
+    response.values.assign(values.sensors.size(), std::numeric_limits<double>::quiet_NaN());
     response.jacobian = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(values.sensors.size()), n);
     double tension = 0.0;
     double unstable = 0.0;

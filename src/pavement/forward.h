@@ -11,7 +11,7 @@
 namespace pave::pavement {
 
 struct Response {
-    std::vector<double> values; // one a sensor, SI, signs of Quantity
+    std::vector<double> values; // one a sensor, SI, signs of Quantity; not a number: of a load left out
     Eigen::MatrixXd jacobian;   // sensors x parameters, SI per file unit of the parameter
     fe::Statistics statistics;  // sums over the loads; residual: the largest
     std::vector<std::string> warnings;
@@ -25,7 +25,8 @@ void check_sensor(const Case& c, const Sensor& sensor, const Place& place);
 class ForwardModel {
 public:
     // nominal: its geometry fixes the mesh; other thicknesses and radii move the lines of that mesh.
-    explicit ForwardModel(Case nominal);
+    // loads: which of them to compute; empty: all.
+    explicit ForwardModel(Case nominal, const std::vector<bool>& loads = {});
 
     // Meshes and factors of one thread. A workspace makes a run faster, never different.
     class Workspace;
