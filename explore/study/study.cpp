@@ -299,7 +299,13 @@ public:
                                                 Workspace& workspace) const override {
         Case c = model_.nominal();
         for (std::size_t k = 0; k < parameters_.size(); ++k) {
-            parameters_[k].in(c) = values[k] * parameters_[k].to_si;
+            const Parameter& p = parameters_[k];
+            if (!((p.low_is_open ? values[k] > p.low : values[k] >= p.low) && values[k] <= p.high)) {
+                return pave::Failure{pave::Status::invalid_parameters,
+                                     fmt::format("{} = {:g} is out of its range: {:g} {} value <= {:g}", p.path,
+                                                 values[k], p.low, p.low_is_open ? "<" : "<=", p.high)};
+            }
+            p.in(c) = values[k] * p.to_si;
         }
         static const std::vector<Parameter> none;
         auto outcome = model_.run(c, with_jacobian ? parameters_ : none, *static_cast<Own&>(workspace).own);
@@ -412,11 +418,7 @@ Study load_study(const std::string& file) {
     return study;
 }
 
-problem::Problem make_problem(const Study& study) {
-    if (study.measurements.empty()) {
-        throw pave::Error({.file = study.file, .key = "data"}, "this command needs measurements", {},
-                          "[data] files = [...]");
-    }
+problem::Problem make_prediction_problem(const Study& study) {
     if (study.parameters.empty()) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "this command needs parameters to change", {},
                           "at least one [[parameters]]");
@@ -425,6 +427,15 @@ problem::Problem make_problem(const Study& study) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "too many parameters",
                           fmt::format("{}", study.space.dimension()), "at most 40");
     }
+    return {study.space, std::make_shared<PavementFunction>(study), problem::Misfit(study.data.misfit, {}, {})};
+}
+
+problem::Problem make_problem(const Study& study) {
+    if (study.measurements.empty()) {
+        throw pave::Error({.file = study.file, .key = "data"}, "this command needs measurements", {},
+                          "[data] files = [...]");
+    }
+    problem::Problem problem = make_prediction_problem(study);
     std::vector<double> measured;
     std::vector<double> scale;
     const auto largest = largest_of_group(study);
@@ -445,8 +456,8 @@ problem::Problem make_problem(const Study& study) {
                 "another value, a sigma with misfit = \"weighted\", or a group with some reading that is not zero");
         }
     }
-    return {study.space, std::make_shared<PavementFunction>(study),
-            problem::Misfit(study.data.misfit, std::move(measured), std::move(scale))};
+    problem.misfit = problem::Misfit(study.data.misfit, std::move(measured), std::move(scale));
+    return problem;
 }
 
 } // namespace explore::study

@@ -57,4 +57,8 @@ Study load_study(const std::string& file);
 // The problem the explorer works on. Throws pave::Error when the study has no parameters or no measurements.
 problem::Problem make_problem(const Study& study);
 
+// The same with nothing to compare with: for what needs responses and no data. Throws pave::Error when the study has no
+// parameters.
+problem::Problem make_prediction_problem(const Study& study);
+
 } // namespace explore::study
