@@ -147,7 +147,8 @@ Json global_json(const problem::ParameterSpace& space, const Sensitivity& s) {
                            {"mean", g.mean / response.to_si},
                            {"standard_deviation", std::sqrt(g.variance) / response.to_si},
                            {"first_order", std::move(first)},
-                           {"total", std::move(total)}});
+                           {"total", std::move(total)},
+                           {"interactions", estimate_json(g.interactions)}});
     }
     const auto rows = static_cast<double>(std::max<std::size_t>(s.global.rows, 1));
     return {{"rows", s.global.rows},
@@ -182,20 +183,18 @@ std::vector<std::string> findings(const problem::ParameterSpace& space, const Se
         }
         const auto order = ranked(g);
         std::vector<std::string> parts;
-        double alone = 0.0;
         for (const std::size_t k : order) {
-            alone += g.first[k].value;
             widest = std::max(widest, (g.total[k].high - g.total[k].low) / 2.0);
             matters[k] = matters[k] || g.total[k].high >= negligible;
             if (parts.empty() || (parts.size() < 3 && g.total[k].value >= negligible)) {
-                parts.push_back(fmt::format("{} ({:.0f} % of its variance alone, {:.0f} % with interactions)",
-                                            space.axes[k].name, 100.0 * std::max(0.0, g.first[k].value),
-                                            100.0 * g.total[k].value));
+                parts.push_back(fmt::format("{} ({:.0f} %{})", space.axes[k].name, 100.0 * g.total[k].value,
+                                            parts.empty() ? " of its variance" : ""));
             }
         }
         std::string sentence = name + " is governed by " + pave::join(parts, ", then ");
-        if (1.0 - alone >= negligible) {
-            sentence += fmt::format("; {:.0f} % come from parameters acting together", 100.0 * (1.0 - alone));
+        if (g.interactions.low >= negligible) {
+            sentence += fmt::format("; {:.0f} % come from parameters acting together, counted here for each of them",
+                                    100.0 * g.interactions.value);
         }
         if (order.size() > 1 && g.total[order[1]].high > g.total[order[0]].low) {
             sentence += fmt::format("; the sample does not settle which of {} and {} comes first",
@@ -274,7 +273,8 @@ void print_curves(const problem::ParameterSpace& space, const Sensitivity& s) {
             table.add(std::move(row));
         }
     }
-    fmt::print("\nChange of the response in % when one parameter is changed by so much, the others held\n{}",
+    fmt::print("\nChange of the response in % when one parameter is changed by so much, the others held\n"
+               "  percentages of the study's own value: + takes a negative one further from zero\n{}",
                table.text());
     for (const Curve& curve : s.curves) {
         for (std::size_t p = 0; p < curve.points.size(); ++p) {

@@ -88,6 +88,11 @@ SobolIndices indices_of(Rows y, const pave::RandomStream& random) {
         indices.first.push_back(with_interval(whole.first[i], std::move(first)));
         indices.total.push_back(with_interval(whole.total[i], std::move(total)));
     }
+    std::vector<double> interactions;
+    for (const Shares& s : replicates) {
+        interactions.push_back(1.0 - s.first.sum());
+    }
+    indices.interactions = with_interval(1.0 - whole.first.sum(), std::move(interactions));
     return indices;
 }
 

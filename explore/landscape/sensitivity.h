@@ -21,12 +21,14 @@ struct Estimate {
 
 // Of one response y over the box, its parameters independent and uniform in unit coordinates:
 //   first[i] = Var(E[y | parameter i]) / Var(y): the share of the variance that parameter i makes alone;
-//   total[i] = E[Var(y | all but i)] / Var(y): that share with every interaction that parameter i has part in.
+//   total[i] = E[Var(y | all but i)] / Var(y): that share with every interaction that parameter i has part in;
+//   interactions = 1 - sum first[i]: the share that no parameter makes alone.
 // Not numbers when the response does not vary.
 struct SobolIndices {
     double mean = 0.0;     // SI
     double variance = 0.0; // SI squared
     std::vector<Estimate> first, total;
+    Estimate interactions;
 };
 
 struct GlobalSensitivity {
