@@ -1,6 +1,6 @@
 // pavescape sensitivity: how much each parameter moves each response, near the study's own values and over the box.
 #include "landscape/sensitivity.h"
-#include "base/units.h"
+#include "base/error.h"
 #include "cli/common.h"
 #include "report/table.h"
 #include "run/engine.h"

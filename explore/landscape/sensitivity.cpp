@@ -89,9 +89,8 @@ SobolIndices indices_of(Rows y, const pave::RandomStream& random) {
         indices.total.push_back(with_interval(whole.total[i], std::move(total)));
     }
     std::vector<double> interactions;
-    for (const Shares& s : replicates) {
-        interactions.push_back(1.0 - s.first.sum());
-    }
+    std::transform(replicates.begin(), replicates.end(), std::back_inserter(interactions),
+                   [](const Shares& s) { return 1.0 - s.first.sum(); });
     indices.interactions = with_interval(1.0 - whole.first.sum(), std::move(interactions));
     return indices;
 }

@@ -104,6 +104,8 @@ check(done.returncode == 0, f"with data: {done.stderr}")
 for words in ("fwd.deflection@300,0,0", "positive in compression", "What this means", "is governed by", "95 % interval"):
     check(words in done.stdout, f"'{words}' in the report")
 
+check("Example:" in run("sensitivity", "--help").stdout, "help holds an example")
+
 # Wrong input: exit status 2, one message. No answer at the study's own values: 1.
 for arguments, words in (((study, "--parameter", "base.k"), "base.k1"), ((study, "--range", 101), "--range"), ((study, "--points", 1), "--points"),
                          ((study, "--samples", -1), "--samples")):
