@@ -32,6 +32,7 @@ using Action = std::function<int()>;
 void add_forward(CLI::App& app, Action& action);
 void add_map(CLI::App& app, Action& action);
 void add_fit(CLI::App& app, Action& action);
+void add_sensitivity(CLI::App& app, Action& action);
 void add_twin(CLI::App& app, Action& action);
 void add_survey(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);

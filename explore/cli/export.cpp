@@ -66,7 +66,7 @@ int export_run(const std::string& folder, const std::string& format, const std::
         for (const double value : e.parameters) {
             row += fmt::format(",{}", value);
         }
-        row += e.converged() ? fmt::format(",{}", e.misfit) : ",";
+        row += std::isnan(e.misfit) ? "," : fmt::format(",{}", e.misfit);
         for (std::size_t i = 0; i < header.responses.size(); ++i) {
             const bool known = e.converged() && !std::isnan(e.responses[i]); // of a load that was not computed
             row += known ? fmt::format(",{}", e.responses[i] / header.response_to_si[i]) : ",";
@@ -84,7 +84,9 @@ void add_export(CLI::App& app, Action& action) {
     auto format = std::make_shared<std::string>("csv");
     command->add_option("RUN", *folder, "folder of the run")->required();
     auto wanted = std::make_shared<std::string>();
-    command->add_option("--command", *wanted, "of the runs in the folder the last one of this command: map or fit");
+    command->add_option("--command", *wanted,
+                        "of the runs in the folder the last one of this command: map, fit, "
+                        "sensitivity or sensitivity-curves");
     command->add_option("--format", *format, "csv or json")
         ->check(CLI::IsMember({"csv", "json"}))
         ->capture_default_str();

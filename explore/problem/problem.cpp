@@ -16,7 +16,9 @@ Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
     e.responses = std::move(prediction.responses);
     e.jacobian = std::move(prediction.jacobian);
     e.warnings = std::move(prediction.warnings);
-    e.misfit = misfit.residuals(e.responses).norm();
+    if (misfit.size() > 0) {
+        e.misfit = misfit.residuals(e.responses).norm();
+    }
     return e;
 }
 

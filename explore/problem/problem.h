@@ -9,7 +9,8 @@
 
 namespace explore::problem {
 
-// One evaluated point. Only `converged` has responses; the misfit of the others is not a number on purpose.
+// One evaluated point. Only `converged` has responses; the misfit of the others, and where there is nothing to compare
+// with, is not a number on purpose.
 struct Evaluation {
     std::vector<double> parameters; // physical
     pave::Status status = pave::Status::failed;

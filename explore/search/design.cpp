@@ -8,6 +8,26 @@
 #include <memory>
 
 namespace explore::search {
+namespace {
+
+std::vector<std::vector<double>> shifted_sobol(unsigned dimension, int count, std::uint64_t seed) {
+    const std::unique_ptr<gsl_qrng, decltype(&gsl_qrng_free)> generator(gsl_qrng_alloc(gsl_qrng_sobol, dimension),
+                                                                        &gsl_qrng_free);
+    const pave::RandomStream shift(seed, 0);
+    std::vector<std::vector<double>> points;
+    for (int k = 0; k < count; ++k) {
+        std::vector<double> point(dimension);
+        gsl_qrng_get(generator.get(), point.data());
+        for (unsigned a = 0; a < dimension; ++a) {
+            point[a] += shift.uniform(a);
+            point[a] -= std::floor(point[a]);
+        }
+        points.push_back(std::move(point));
+    }
+    return points;
+}
+
+} // namespace
 
 std::int64_t full_grid_size(const problem::ParameterSpace& space, int points_per_axis) {
     std::int64_t size = 1;
@@ -41,20 +61,36 @@ Design full_grid(const problem::ParameterSpace& space, int points_per_axis) {
 }
 
 Design sobol(const problem::ParameterSpace& space, int count, std::uint64_t seed) {
+    return {fmt::format("sobol {} (seed {})", count, seed),
+            shifted_sobol(static_cast<unsigned>(space.dimension()), count, seed)};
+}
+
+Design one_at_a_time(int dimension, const std::vector<std::size_t>& axes, int points) {
     Design design;
-    design.name = fmt::format("sobol {} (seed {})", count, seed);
-    const auto dimension = static_cast<unsigned>(space.dimension());
-    const std::unique_ptr<gsl_qrng, decltype(&gsl_qrng_free)> generator(gsl_qrng_alloc(gsl_qrng_sobol, dimension),
-                                                                        &gsl_qrng_free);
-    const pave::RandomStream shift(seed, 0);
-    for (int k = 0; k < count; ++k) {
-        std::vector<double> point(dimension);
-        gsl_qrng_get(generator.get(), point.data());
-        for (unsigned a = 0; a < dimension; ++a) {
-            point[a] += shift.uniform(a);
-            point[a] -= std::floor(point[a]);
+    design.name = fmt::format("one at a time, {} points", points);
+    for (const std::size_t a : axes) {
+        for (int k = 0; k < points; ++k) {
+            std::vector<double> point(static_cast<std::size_t>(dimension), 0.5);
+            point[a] = static_cast<double>(k) / static_cast<double>(points - 1);
+            design.points.push_back(std::move(point));
         }
-        design.points.push_back(std::move(point));
+    }
+    return design;
+}
+
+Design radial(int dimension, int rows, std::uint64_t seed) {
+    const auto d = static_cast<std::size_t>(dimension);
+    Design design;
+    design.name = fmt::format("radial {} x {} (seed {})", rows, dimension + 2, seed);
+    for (const auto& both : shifted_sobol(2 * static_cast<unsigned>(dimension), rows, seed)) {
+        const auto middle = both.begin() + dimension;
+        const std::vector<double> a(both.begin(), middle);
+        design.points.push_back(a);
+        design.points.emplace_back(middle, both.end());
+        for (std::size_t i = 0; i < d; ++i) {
+            design.points.push_back(a);
+            design.points.back()[i] = both[d + i];
+        }
     }
     return design;
 }

@@ -25,4 +25,14 @@ std::int64_t full_grid_size(const problem::ParameterSpace& space, int points_per
 // seed (Cranley and Patterson).
 Design sobol(const problem::ParameterSpace& space, int count, std::uint64_t seed);
 
+// For each of `axes` in turn: `points` equally spaced values of that coordinate, the others in the middle of the cube.
+Design one_at_a_time(int dimension, const std::vector<std::size_t>& axes, int points);
+
+// The radial design of Saltelli et al. (2010, doi 10.1016/j.cpc.2009.09.018, section 4): two samples A and B, and A
+// with one column at a time taken from B. Row j of the design is the points j (d + 2) + 0: A_j, + 1: B_j, + 2 + i: A_j
+// with coordinate i of B_j. A and B are the halves of one shifted Sobol sequence in 2 d dimensions, so d is at most
+// `most_radial_dimensions`. A design of more rows begins with the rows of a smaller one.
+inline constexpr int most_radial_dimensions = 20;
+Design radial(int dimension, int rows, std::uint64_t seed);
+
 } // namespace explore::search

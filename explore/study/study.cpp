@@ -392,7 +392,13 @@ public:
                                                 Workspace& workspace) const override {
         Case c = model_.nominal();
         for (std::size_t k = 0; k < parameters_.size(); ++k) {
-            parameters_[k].in(c) = values[k] * parameters_[k].to_si;
+            const Parameter& p = parameters_[k];
+            if (!((p.low_is_open ? values[k] > p.low : values[k] >= p.low) && values[k] <= p.high)) {
+                return pave::Failure{pave::Status::invalid_parameters,
+                                     fmt::format("{} = {:g} is out of its range: {:g} {} value <= {:g}", p.path,
+                                                 values[k], p.low, p.low_is_open ? "<" : "<=", p.high)};
+            }
+            p.in(c) = values[k] * p.to_si;
         }
         static const std::vector<Parameter> none;
         auto outcome = model_.run(c, with_jacobian ? parameters_ : none, *static_cast<Own&>(workspace).own);
@@ -524,11 +530,9 @@ Study with_measurements(Study study, std::vector<data::Measurement> measurements
     return study;
 }
 
-problem::Problem make_problem(const Study& study, Scope scope) {
-    if (study.measurements.empty()) {
-        throw pave::Error({.file = study.file, .key = "data"}, "this command needs measurements", {},
-                          "[data] files = [...]");
-    }
+namespace {
+
+problem::Problem problem_of(const Study& study, const std::vector<bool>& loads, problem::Misfit misfit) {
     if (study.parameters.empty()) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "this command needs parameters to change", {},
                           "at least one [[parameters]]");
@@ -536,6 +540,20 @@ problem::Problem make_problem(const Study& study, Scope scope) {
     if (study.space.dimension() > 40) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "too many parameters",
                           fmt::format("{}", study.space.dimension()), "at most 40");
+    }
+    return {study.space, std::make_shared<PavementFunction>(study, loads), std::move(misfit)};
+}
+
+} // namespace
+
+problem::Problem make_prediction_problem(const Study& study) {
+    return problem_of(study, {}, problem::Misfit(study.data.misfit, {}));
+}
+
+problem::Problem make_problem(const Study& study, Scope scope) {
+    if (study.measurements.empty()) {
+        throw pave::Error({.file = study.file, .key = "data"}, "this command needs measurements", {},
+                          "[data] files = [...]");
     }
     std::vector<std::size_t> rows;
     std::vector<double> factor;
@@ -547,13 +565,13 @@ problem::Problem make_problem(const Study& study, Scope scope) {
             factor.insert(factor.end(), group.rows.size(), std::sqrt(group.weight));
         }
     }
-    return {study.space, std::make_shared<PavementFunction>(study, loads), misfit_of(study, rows, factor)};
+    return problem_of(study, loads, misfit_of(study, rows, factor));
 }
 
 problem::Problem make_problem(const Study& study, const Group& group) {
     std::vector<bool> loads(study.model.loads.size(), false);
     loads[static_cast<std::size_t>(study.model.sensors[group.rows[0]].load)] = true;
-    return {study.space, std::make_shared<PavementFunction>(study, loads), misfit_of(study, group.rows)};
+    return problem_of(study, loads, misfit_of(study, group.rows));
 }
 
 problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows) {

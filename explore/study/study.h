@@ -83,4 +83,8 @@ problem::Problem make_problem(const Study& study, const Group& group);
 // The misfit of these measurements alone, each with weight 1.
 problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows);
 
+// The same with nothing to compare with: for what needs responses and no data. Throws pave::Error when the study has no
+// parameters.
+problem::Problem make_prediction_problem(const Study& study);
+
 } // namespace explore::study

@@ -1,3 +1,4 @@
+#include "fe/gmres.h"
 #include "fe/solver_work.h"
 
 #include <cmath>
@@ -72,7 +73,9 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
             return not_definite;
         }
     }
-    w.prepare_full();
+    if constexpr (Element::dim == 2) {
+        w.prepare_full();
+    }
 
     // A run of the continuation: which load, which smoothing of tension (factor on the laws' own is applied by caller).
     std::vector<LayerMaterial> eased = layers;
@@ -103,28 +106,94 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
         return true;
     };
 
-    // Factorises the consistent tangent at `state` for displacement x:
-    // E C + E s (gradient^T C) / gain at every active point.
-    const auto factorize_tangent = [&](const Eigen::VectorXd& x) {
-        w.start_full();
-        for (std::size_t a = 0; a < w.active.size(); ++a) {
-            const int e = w.active[a];
-            const auto& p = w.prepared_of(e);
-            const Vector xe = w.model->gather(e, x.data());
-            Eigen::Matrix<double, dofs, dofs> k = Eigen::Matrix<double, dofs, dofs>::Zero();
-            for (int g = 0; g < Element::gauss; ++g) {
-                const auto& point = state[static_cast<std::size_t>(a) * Element::gauss + g];
-                const auto b = Element::strain_operator(w.point(e, g));
-                const Stress s = p.unit * (b * xe);
-                const mechanics::Stiffness<Element::voigt> d =
-                    point.modulus * (p.unit + s * (point.gradient.transpose() * p.unit) / point.gain);
-                const typename Element::Operator db = w.point(e, g).weight * (d * b);
-                k.noalias() += b.transpose() * db;
+    // The consistent tangent at `state` for displacement x: E C + E s (gradient^T C) / gain at every active point. In two
+    // dimensions it is factorised; in three its products are formed from its symmetric part, which also preconditions,
+    // and the rest point by point.
+    std::vector<Stress> rest_left(Element::dim == 3 ? points : 0);
+    std::vector<Stress> rest_right(rest_left.size());
+    const auto set_tangent = [&](const Eigen::VectorXd& x) {
+        if constexpr (Element::dim == 3) {
+            Eigen::VectorXd now(points);
+            for (std::size_t a = 0; a < w.active.size(); ++a) {
+                const int e = w.active[a];
+                const auto& p = w.prepared_of(e);
+                const Vector xe = w.model->gather(e, x.data());
+                for (int g = 0; g < Element::gauss; ++g) {
+                    const std::size_t q = a * Element::gauss + g;
+                    const auto& point = state[q];
+                    const Stress s = p.unit * Element::strain(w.point(e, g), xe);
+                    now[static_cast<Eigen::Index>(q)] = point.modulus;
+                    rest_left[q] = (w.point(e, g).weight * point.modulus / point.gain) * s;
+                    rest_right[q] = p.unit * point.gradient;
+                }
             }
-            w.add_full(e, k);
+            w.assemble(now);
+            return w.system.set_matrix(w.values);
+        } else {
+            w.start_full();
+            for (std::size_t a = 0; a < w.active.size(); ++a) {
+                const int e = w.active[a];
+                const auto& p = w.prepared_of(e);
+                const Vector xe = w.model->gather(e, x.data());
+                Eigen::Matrix<double, dofs, dofs> k = Eigen::Matrix<double, dofs, dofs>::Zero();
+                for (int g = 0; g < Element::gauss; ++g) {
+                    const auto& point = state[static_cast<std::size_t>(a) * Element::gauss + g];
+                    const auto b = Element::strain_operator(w.point(e, g));
+                    const Stress s = p.unit * (b * xe);
+                    const mechanics::Stiffness<Element::voigt> d =
+                        point.modulus * (p.unit + s * (point.gradient.transpose() * p.unit) / point.gain);
+                    const typename Element::Operator db = w.point(e, g).weight * (d * b);
+                    k.noalias() += b.transpose() * db;
+                }
+                w.add_full(e, k);
+            }
+            ++statistics.factorizations;
+            return w.lu->factorize(w.full_values);
         }
-        ++statistics.factorizations;
-        return w.lu->factorize(w.full_values);
+    };
+    // x := tangent^-1 x for `count` vectors one after the other, to a tolerance where the solver is iterative.
+    const auto solve_tangent = [&](double* x, int columns, double tolerance) {
+        if constexpr (Element::dim == 3) {
+            const auto apply = [&](const Eigen::VectorXd& v) {
+                Eigen::VectorXd y = w.system.product(v);
+                for (std::size_t a = 0; a < w.active.size(); ++a) {
+                    const int e = w.active[a];
+                    const Vector ve = w.model->gather(e, v.data());
+                    Vector force = Vector::Zero();
+                    for (int g = 0; g < Element::gauss; ++g) {
+                        const std::size_t q = a * Element::gauss + g;
+                        Element::add_force(w.point(e, g), rest_left[q],
+                                           rest_right[q].dot(Element::strain(w.point(e, g), ve)), force);
+                    }
+                    w.model->scatter_add(e, force, y.data());
+                }
+                return y;
+            };
+            const auto precondition = [&](const Eigen::VectorXd& v) { return w.system.preconditioned(v); };
+            constexpr int patience = 60;
+            const Eigen::Index n = load.size();
+            for (int k = 0; k < columns; ++k) {
+                Eigen::Map<Eigen::VectorXd> column(x + k * n, n);
+                Eigen::VectorXd found = column;
+                int steps = gmres(found, apply, precondition, tolerance, patience);
+                if (steps < 0) { // once more with a factor of this very state
+                    if (!w.system.took_steps(steps)) {
+                        return false;
+                    }
+                    found = column;
+                    steps = gmres(found, apply, precondition, tolerance, 4 * patience);
+                    if (steps < 0) {
+                        return false;
+                    }
+                }
+                w.system.took_steps(steps);
+                column = found;
+            }
+            return true;
+        } else {
+            w.lu->solve(x, columns);
+            return true;
+        }
     };
 
     // Newton at one load. Keeps x and modulus of the last balanced state; false when it gets stuck.
@@ -141,12 +210,13 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
             if (norm <= settings.equilibrium_tolerance * factor * load_norm) {
                 return true;
             }
-            if (!factorize_tangent(x)) {
+            // Near enough for Newton's method to converge quadratically until the last step.
+            const double needed = settings.equilibrium_tolerance * factor * load_norm / norm;
+            Eigen::VectorXd direction = unbalanced;
+            if (!set_tangent(x) || !solve_tangent(direction.data(), 1, std::clamp(0.3 * needed, 1e-10, 1e-6))) {
                 return false;
             }
             ++statistics.newton_steps;
-            Eigen::VectorXd direction = unbalanced;
-            w.lu->solve(direction.data(), 1);
             double length = 1.0;
             Eigen::VectorXd trial;
             for (;; length *= 0.5) {
@@ -307,9 +377,8 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
             if (!w.system.solve(solution.d_displacement, {})) {
                 return not_definite;
             }
-        } else if (factorize_tangent(u)) {
-            w.lu->solve(solution.d_displacement.data(), count);
-        } else {
+        } else if (!set_tangent(u) ||
+                   !solve_tangent(solution.d_displacement.data(), count, settings.linear_tolerance)) {
             return Failure{Status::no_equilibrium, "the equilibrium found is a fold: its tangent is singular"};
         }
         for (std::size_t a = 0; a < w.active.size(); ++a) {

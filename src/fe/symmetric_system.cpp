@@ -94,6 +94,26 @@ void SymmetricSystem::multiply(const Block<C>& x, Block<C>& y) const {
     }
 }
 
+Eigen::VectorXd SymmetricSystem::product(const Eigen::VectorXd& x) const {
+    Block<1> y;
+    multiply<1>(x, y);
+    return y;
+}
+
+Eigen::VectorXd SymmetricSystem::preconditioned(Eigen::VectorXd x) {
+    precondition<1>(x);
+    return x;
+}
+
+bool SymmetricSystem::took_steps(int steps) {
+    if (steps < 0) {
+        return factorize();
+    }
+    iterations_ += steps;
+    factor_is_stale_ = steps > many_steps;
+    return true;
+}
+
 bool SymmetricSystem::solve(Eigen::Ref<Eigen::MatrixXd> x, std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses) {
     if (route_ == Route::direct) {
         cholesky_.solve(x.data(), static_cast<int>(x.cols()));

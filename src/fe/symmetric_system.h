@@ -29,6 +29,18 @@ public:
     // answer (the answers of earlier systems). False when K is found not to be positive definite.
     bool solve(Eigen::Ref<Eigen::MatrixXd> x, std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses);
 
+    // For solvers of systems near this one (iterative only): the product with the matrix of the moment, and with the
+    // inverse of the factor at hand.
+    Eigen::VectorXd product(const Eigen::VectorXd& x) const;
+    Eigen::VectorXd preconditioned(Eigen::VectorXd x);
+    // Says how many steps such a solver took with the factor; -1: too many, the matrix of the moment is factorised now.
+    // False when it is found not to be positive definite.
+    bool took_steps(int steps);
+
+    int factorizations() const { return factorizations_; } // since begin()
+    int iterations() const { return iterations_; }         // since begin(), all columns together count once
+
+private:
     // y := K x
     template <int C>
     void multiply(const Block<C>& x, Block<C>& y) const;
@@ -38,10 +50,6 @@ public:
         single_.solve<C>(x);
     }
 
-    int factorizations() const { return factorizations_; } // since begin()
-    int iterations() const { return iterations_; }         // since begin(), all columns together count once
-
-private:
     bool factorize();
     // C columns of x from `first` on, those beyond its end zero.
     template <int C>
