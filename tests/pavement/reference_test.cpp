@@ -84,3 +84,22 @@ TEST(Reference, IsApproachedWhenMeshAndToleranceAreTightened) {
         EXPECT_LT(last.deflection, 0.0015);
     }
 }
+
+// A dual wheel on linear layers, all with Poisson's ratio 0.35: CalculiX on a mesh of 12,460 unknowns of its own.
+TEST(Reference, CalculiXUnderAWheelOfADualIsMetWithinThreePerMille) {
+    Case c;
+    c.layers = {linear_layer("asphalt", 0.030, 3000e6, 0.35), linear_layer("base", 0.277, 300e6, 0.35),
+                linear_layer("subgrade", 1.193, 40e6, 0.35)};
+    Load dual;
+    dual.name = "dual";
+    dual.type = LoadType::dual_wheel;
+    dual.force = 40e3;
+    dual.pressure = 650e3;
+    dual.spacing = 0.34;
+    c.loads = {dual};
+    c.sensors = {deflection(0.17)};
+    c.settings.extent = 2.0;
+    const auto response = run(c);
+    ASSERT_TRUE(response) << response.failure().reason;
+    EXPECT_NEAR(response->values[0], 0.6813658e-3, 0.003 * 0.6813658e-3);
+}
