@@ -1,5 +1,5 @@
-// Generalised minimal residuals (Saad and Schultz 1986), preconditioned from the right: for systems that are not
-// symmetric and are given by their product with a vector.
+// Flexible generalised minimal residuals (Saad 1993): for systems that are not symmetric and are given by their product
+// with a vector. Flexible, because a preconditioner in single precision is not quite a linear map.
 #pragma once
 
 #include <Eigen/Dense>
@@ -8,15 +8,16 @@
 
 namespace pave::fe {
 
-// Solves A x = b in place of x = b, to |b - A x| <= tolerance |b|. apply(v) = A v, precondition(v) = M^-1 v, both return
-// a vector. Returns the number of steps, or -1 when `max_steps` were not enough.
+// Solves A x = b in place of x = b, to |b - A x| <= tolerance |b|. apply(v) = A v, precondition(v) = M^-1 v, both
+// return a vector. Returns the number of steps, or -1 when `max_steps` were not enough.
 int gmres(Eigen::VectorXd& x, const auto& apply, const auto& precondition, double tolerance, int max_steps) {
     const double norm = x.norm();
     if (norm == 0.0) {
         return 0;
     }
     std::vector<Eigen::VectorXd> basis{x / norm};
-    std::vector<Eigen::VectorXd> columns; // of the Hessenberg matrix, turned to upper triangular as they come
+    std::vector<Eigen::VectorXd> directions; // M^-1 basis
+    std::vector<Eigen::VectorXd> columns;    // of the Hessenberg matrix, turned to upper triangular as they come
     std::vector<double> cosine;
     std::vector<double> sine;
     std::vector<double> right{norm};
@@ -25,7 +26,8 @@ int gmres(Eigen::VectorXd& x, const auto& apply, const auto& precondition, doubl
         if (steps == max_steps) {
             return -1;
         }
-        Eigen::VectorXd v = apply(precondition(basis.back()));
+        directions.push_back(precondition(basis.back()));
+        Eigen::VectorXd v = apply(directions.back());
         Eigen::VectorXd h = Eigen::VectorXd::Zero(steps + 2);
         for (int pass = 0; pass < 2; ++pass) {
             for (int i = 0; i <= steps; ++i) {
@@ -64,11 +66,10 @@ int gmres(Eigen::VectorXd& x, const auto& apply, const auto& precondition, doubl
         }
         weight[i] = sum / columns[i][i];
     }
-    Eigen::VectorXd combined = Eigen::VectorXd::Zero(x.size());
+    x.setZero();
     for (int i = 0; i < steps; ++i) {
-        combined += weight[i] * basis[i];
+        x += weight[i] * directions[i];
     }
-    x = precondition(combined);
     return steps;
 }
 

@@ -106,9 +106,9 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
         return true;
     };
 
-    // The consistent tangent at `state` for displacement x: E C + E s (gradient^T C) / gain at every active point. In two
-    // dimensions it is factorised; in three its products are formed from its symmetric part, which also preconditions,
-    // and the rest point by point.
+    // The consistent tangent at `state` for displacement x: E C + E s (gradient^T C) / gain at every active point. In
+    // two dimensions it is factorised; in three its products are formed from its symmetric part, which also
+    // preconditions, and the rest point by point.
     std::vector<Stress> rest_left(Element::dim == 3 ? points : 0);
     std::vector<Stress> rest_right(rest_left.size());
     const auto set_tangent = [&](const Eigen::VectorXd& x) {

@@ -23,6 +23,7 @@ SolidMesh solid_mesh(const SolidDemand& demand) {
     const double fine = 1.0 / demand.refine;
     // Half the size of the patch, the length scale of everything below it.
     const double half =
+        (demand.is_round ? 0.65 : 1.0) *
         std::min((demand.x_outer - demand.x_inner) / (demand.x_inner > 0.0 ? 2.0 : 1.0), demand.y_outer);
 
     std::vector<double> bottoms(demand.thickness.size());
@@ -30,13 +31,16 @@ SolidMesh solid_mesh(const SolidDemand& demand) {
     const double depth = bottoms.back();
 
     const auto lateral = [&](const std::vector<double>& edges, const std::vector<double>& gauges,
-                             const std::vector<double>& surface) {
+                             const std::vector<double>& points, const std::vector<double>& surface) {
         std::vector<Feature> features{{0.0, half * fine}};
         for (const double x : edges) {
             features.push_back({x, 0.65 * half * fine});
         }
         for (const double x : gauges) {
             features.push_back({x, 0.8 * half * fine});
+        }
+        for (const double x : points) {
+            features.push_back({x, 0.5 * half * fine});
         }
         for (const double x : surface) {
             features.push_back({x, std::max(half, 0.33 * x) * fine});
@@ -51,6 +55,9 @@ SolidMesh solid_mesh(const SolidDemand& demand) {
     for (const double z : demand.gauge_depths) {
         z_features.push_back({z, std::max(0.8 * half, 0.27 * z) * fine});
     }
+    for (const double z : demand.point_depths) {
+        z_features.push_back({z, std::max(0.25 * half, 0.15 * z) * fine});
+    }
     std::vector<double> z_breaks{0.0};
     z_breaks.insert(z_breaks.end(), bottoms.begin(), bottoms.end());
 
@@ -62,8 +69,9 @@ SolidMesh solid_mesh(const SolidDemand& demand) {
         x_edges.push_back(demand.x_inner);
     }
     return solid_mesh(
-        graded_lines(breaks[0], lateral(x_edges, demand.gauge_x, demand.surface_x), lateral_grading),
-        graded_lines(breaks[1], lateral({demand.y_outer}, demand.gauge_y, demand.surface_y), lateral_grading),
+        graded_lines(breaks[0], lateral(x_edges, demand.gauge_x, demand.point_x, demand.surface_x), lateral_grading),
+        graded_lines(breaks[1], lateral({demand.y_outer}, demand.gauge_y, demand.point_y, demand.surface_y),
+                     lateral_grading),
         graded_lines(z_breaks, z_features, z_grading), bottoms);
 }
 

@@ -32,10 +32,13 @@ struct SolidDemand {
     double x_inner = 0.0;                 // m
     double x_outer = 0.15;                // m
     double y_outer = 0.15;                // m
+    bool is_round = false;                // a circle: its edge crosses the cells, which must be smaller for it
     double extent = 4.0;                  // m: the smooth walls x = extent and y = extent
     double refine = 1.0;                  // cells are this many times smaller
-    std::vector<double> gauge_depths;     // m: depths where strains or stresses are read
+    std::vector<double> gauge_depths;     // m: depths where strains are read over a length
     std::vector<double> gauge_x, gauge_y; // m: where they are read
+    std::vector<double> point_depths;     // m: depths where strains or stresses are read at a point
+    std::vector<double> point_x, point_y; // m: where they are read
     std::vector<double> surface_x, surface_y;
 };
 

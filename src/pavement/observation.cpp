@@ -18,28 +18,33 @@ double local_of(const std::vector<double>& lines, int cell, double x) {
 }
 
 // Lagrange weights on the (at most four) Gauss positions nearest to x among the cells first .. last.
-// Position 2 c + k is the k-th of cell c.
-std::vector<std::pair<int, double>> interpolation(const std::vector<double>& lines, int first, int last, double x) {
-    const auto position = [&](int index) {
-        const int c = index / 2;
-        const double half = (lines[c + 1] - lines[c]) / 2.0;
-        return lines[c] + half * (1.0 + (index % 2 == 0 ? -1.0 : 1.0) * std::numbers::inv_sqrt3);
-    };
+// Position 2 c + k is the k-th of cell c. even: what is read is even about the first line, so the positions beyond it
+// are those before it (a reading there is not extrapolated).
+std::vector<std::pair<int, double>> interpolation(const std::vector<double>& lines, int first, int last, double x,
+                                                  bool even) {
     const int begin = 2 * first;
     const int end = 2 * (last + 1);
+    const auto position = [&](int index) {
+        const int inside = index >= begin ? index : 2 * begin - 1 - index;
+        const int c = inside / 2;
+        const double half = (lines[c + 1] - lines[c]) / 2.0;
+        const double at = lines[c] + half * (1.0 + (inside % 2 == 0 ? -1.0 : 1.0) * std::numbers::inv_sqrt3);
+        return index >= begin ? at : 2.0 * lines[first] - at;
+    };
     int behind = begin;
     while (behind < end && position(behind) < x) {
         ++behind;
     }
-    const int count = std::min(4, end - begin);
-    const int start = std::clamp(behind - count / 2, begin, end - count);
+    const int lowest = even ? std::max(begin - 2, 2 * begin - end) : begin;
+    const int count = std::min(4, end - lowest);
+    const int start = std::clamp(behind - count / 2, lowest, end - count);
     std::vector<std::pair<int, double>> weights;
     for (int i = start; i < start + count; ++i) {
         double weight = 1.0;
         for (int j = start; j < start + count; ++j) {
             weight *= i == j ? 1.0 : (x - position(j)) / (position(i) - position(j));
         }
-        weights.emplace_back(i, weight);
+        weights.emplace_back(i >= begin ? i : 2 * begin - 1 - i, weight);
     }
     return weights;
 }
@@ -133,8 +138,8 @@ Observation<fe::AxisymmetricQ8> observe(const Sensor& sensor, const mesh::Axisym
     }
     static constexpr int gauss_number[2][2] = {{0, 3}, {1, 2}}; // [in r][in z]
     const auto [top, bottom] = cells_of_layer(mesh.z_lines, mesh.layer.data(), sensor.depth);
-    for (const auto& [i, in_r] : interpolation(mesh.r_lines, 0, mesh.r_cells() - 1, r)) {
-        for (const auto& [j, in_z] : interpolation(mesh.z_lines, top, bottom, sensor.depth)) {
+    for (const auto& [i, in_r] : interpolation(mesh.r_lines, 0, mesh.r_cells() - 1, r, true)) {
+        for (const auto& [j, in_z] : interpolation(mesh.z_lines, top, bottom, sensor.depth, false)) {
             const int element = i / 2 * mesh.z_cells() + j / 2;
             o.on_stress.emplace_back(element * Element::gauss + gauss_number[i % 2][j % 2], in_r * in_z);
         }
@@ -165,9 +170,9 @@ Observation<fe::Hex20> observe(const Sensor& sensor, const mesh::SolidMesh& mesh
     default: o.direction[1] = -1.0; break;
     }
     const auto [top, bottom] = cells_of_layer(mesh.z_lines, mesh.layer.data(), sensor.depth);
-    for (const auto& [a, in_x] : interpolation(mesh.x_lines, 0, mesh.x_cells() - 1, x)) {
-        for (const auto& [b, in_y] : interpolation(mesh.y_lines, 0, mesh.y_cells() - 1, y)) {
-            for (const auto& [c, in_z] : interpolation(mesh.z_lines, top, bottom, sensor.depth)) {
+    for (const auto& [a, in_x] : interpolation(mesh.x_lines, 0, mesh.x_cells() - 1, x, true)) {
+        for (const auto& [b, in_y] : interpolation(mesh.y_lines, 0, mesh.y_cells() - 1, y, true)) {
+            for (const auto& [c, in_z] : interpolation(mesh.z_lines, top, bottom, sensor.depth, false)) {
                 o.on_stress.emplace_back(mesh.element(a / 2, b / 2, c / 2) * Element::gauss + 4 * (a % 2) +
                                              2 * (b % 2) + c % 2,
                                          in_x * in_y * in_z);

@@ -16,17 +16,26 @@ mesh::SolidDemand demand_of(const Case& c, int load) {
     demand.x_inner = footprint.inner();
     demand.x_outer = footprint.outer();
     demand.y_outer = footprint.half_y;
+    demand.is_round = footprint.shape == Patch::circle;
     demand.extent = c.settings.extent;
     demand.refine = c.settings.refine;
     for (const Sensor& sensor : c.sensors) {
         if (sensor.load != load) {
             continue;
         }
-        const bool deflection = sensor.quantity == Quantity::deflection;
-        (deflection ? demand.surface_x : demand.gauge_x).push_back(std::abs(sensor.x));
-        (deflection ? demand.surface_y : demand.gauge_y).push_back(std::abs(sensor.y));
-        if (!deflection) {
-            demand.gauge_depths.push_back(sensor.depth);
+        const auto add = [&](std::vector<double>& x, std::vector<double>& y, std::vector<double>* depths) {
+            x.push_back(std::abs(sensor.x));
+            y.push_back(std::abs(sensor.y));
+            if (depths != nullptr) {
+                depths->push_back(sensor.depth);
+            }
+        };
+        if (sensor.quantity == Quantity::deflection) {
+            add(demand.surface_x, demand.surface_y, nullptr);
+        } else if (sensor.gauge > 0.0) {
+            add(demand.gauge_x, demand.gauge_y, &demand.gauge_depths);
+        } else {
+            add(demand.point_x, demand.point_y, &demand.point_depths);
         }
     }
     return demand;

@@ -42,11 +42,29 @@ Case random_case(std::uint64_t stream, Integration integration) {
     return c;
 }
 
-void check_jacobian(Integration integration, int cases, const std::vector<std::string>& paths) {
+// The same section under a dual wheel, on a coarse mesh with its linear systems solved to rounding.
+Case random_dual_case(std::uint64_t stream, Integration integration) {
+    Case c = random_case(stream, integration);
+    c.loads = {dual_wheel()};
+    c.sensors = {deflection(0.17),
+                 deflection(0.0),
+                 strain_zz(0.1875, 0.075, 0.17),
+                 strain_zz(0.4125, 0.075, 0.17),
+                 {0, Quantity::stress_zz, 0.17, 0.0, 0.2, 0.0},
+                 {0, Quantity::strain_yy, 0.0, 0.1, 0.03, 0.0}};
+    c.settings.extent = 2.0;
+    c.settings.refine = 0.4;
+    c.settings.solver.linear_tolerance = 1e-12;
+    c.settings.solver.equilibrium_tolerance = 1e-11;
+    return c;
+}
+
+void check_jacobian(Case (*make)(std::uint64_t, Integration), Integration integration, int cases,
+                    const std::vector<std::string>& paths) {
     int checked = 0;
     std::size_t compared = 0;
     for (int k = 0; k < cases; ++k) {
-        const Case c = random_case(k, integration);
+        const Case c = make(k, integration);
         const ForwardModel model(c);
         const auto workspace = model.make_workspace();
         std::vector<Parameter> parameters;
@@ -102,11 +120,21 @@ void check_jacobian(Integration integration, int cases, const std::vector<std::s
 } // namespace
 
 TEST(Jacobian, OfTheLoadPathAgreesWithCentralDifferences) {
-    check_jacobian(Integration::incremental, 10, every_smooth_parameter);
+    check_jacobian(random_case, Integration::incremental, 10, every_smooth_parameter);
 }
 
 TEST(Jacobian, OfTheSecantEquilibriumAgreesWithCentralDifferences) {
-    check_jacobian(Integration::secant, 10, every_smooth_parameter);
+    check_jacobian(random_case, Integration::secant, 10, every_smooth_parameter);
+}
+
+TEST(Jacobian, OfTheLoadPathInThreeDimensionsAgreesWithCentralDifferences) {
+    check_jacobian(random_dual_case, Integration::incremental, 2,
+                   {"base.k1", "base.k2", "base.n", "base.residual_stress_kPa", "subgrade.modulus_MPa"});
+}
+
+TEST(Jacobian, OfTheSecantEquilibriumInThreeDimensionsAgreesWithCentralDifferences) {
+    check_jacobian(random_dual_case, Integration::secant, 2,
+                   {"base.k1", "base.k3", "base.n", "base.poisson_31", "subgrade.poisson"});
 }
 
 TEST(Jacobian, OfThicknessAndPlateRadiusIsThatOfAMovedMesh) {

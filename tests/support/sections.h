@@ -42,6 +42,18 @@ inline Load plate(double radius = 0.15, double pressure = 595e3) {
     return load;
 }
 
+inline Load dual_wheel(double force = 40e3, double pressure = 650e3, Patch patch = Patch::rectangle,
+                       double spacing = 0.34) {
+    Load load;
+    load.name = "dual";
+    load.type = LoadType::dual_wheel;
+    load.patch = patch;
+    load.force = force;
+    load.pressure = pressure;
+    load.spacing = spacing;
+    return load;
+}
+
 inline Sensor deflection(double x) {
     return {0, Quantity::deflection, x, 0.0, 0.0, 0.0};
 }
