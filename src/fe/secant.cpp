@@ -73,9 +73,6 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
             return not_definite;
         }
     }
-    if constexpr (Element::dim == 2) {
-        w.prepare_full();
-    }
 
     // A run of the continuation: which load, which smoothing of tension (factor on the laws' own is applied by caller).
     std::vector<LayerMaterial> eased = layers;
@@ -106,94 +103,98 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
         return true;
     };
 
-    // The consistent tangent at `state` for displacement x: E C + E s (gradient^T C) / gain at every active point. In
-    // two dimensions it is factorised; in three its products are formed from its symmetric part, which also
-    // preconditions, and the rest point by point.
-    std::vector<Stress> rest_left(Element::dim == 3 ? points : 0);
-    std::vector<Stress> rest_right(rest_left.size());
-    const auto set_tangent = [&](const Eigen::VectorXd& x) {
-        if constexpr (Element::dim == 3) {
-            Eigen::VectorXd now(points);
+    // The consistent tangent at `state` for displacement x: E C + E s (gradient^T C) / gain at every active point.
+    const auto factorize_tangent = [&](const Eigen::VectorXd& x) {
+        w.prepare_full();
+        w.start_full();
+        for (std::size_t a = 0; a < w.active.size(); ++a) {
+            const int e = w.active[a];
+            const auto& p = w.prepared_of(e);
+            const Vector xe = w.model->gather(e, x.data());
+            Eigen::Matrix<double, dofs, dofs> k = Eigen::Matrix<double, dofs, dofs>::Zero();
+            for (int g = 0; g < Element::gauss; ++g) {
+                const auto& point = state[static_cast<std::size_t>(a) * Element::gauss + g];
+                const auto b = Element::strain_operator(w.point(e, g));
+                const Stress s = p.unit * (b * xe);
+                const mechanics::Stiffness<Element::voigt> d =
+                    point.modulus * (p.unit + s * (point.gradient.transpose() * p.unit) / point.gain);
+                const typename Element::Operator db = w.point(e, g).weight * (d * b);
+                k.noalias() += b.transpose() * db;
+            }
+            w.add_full(e, k);
+        }
+        ++statistics.factorizations;
+        return w.lu->factorize(w.full_values);
+    };
+    // The same without forming it: its symmetric part, which also preconditions, and the rest point by point. False
+    // where that does not get there, as happens near a fold.
+    std::vector<Stress> rest_left(points);
+    std::vector<Stress> rest_right(points);
+    const auto solve_iteratively = [&](const Eigen::VectorXd& x, double* columns, int number, double tolerance) {
+        Eigen::VectorXd now(points);
+        for (std::size_t a = 0; a < w.active.size(); ++a) {
+            const int e = w.active[a];
+            const auto& p = w.prepared_of(e);
+            const Vector xe = w.model->gather(e, x.data());
+            for (int g = 0; g < Element::gauss; ++g) {
+                const std::size_t q = a * Element::gauss + g;
+                const auto& point = state[q];
+                const Stress s = p.unit * Element::strain(w.point(e, g), xe);
+                now[static_cast<Eigen::Index>(q)] = point.modulus;
+                rest_left[q] = (w.point(e, g).weight * point.modulus / point.gain) * s;
+                rest_right[q] = p.unit * point.gradient;
+            }
+        }
+        w.assemble(now);
+        if (!w.system.set_matrix(w.values)) {
+            return false;
+        }
+        const auto apply = [&](const Eigen::VectorXd& v) {
+            Eigen::VectorXd y = w.system.product(v);
             for (std::size_t a = 0; a < w.active.size(); ++a) {
                 const int e = w.active[a];
-                const auto& p = w.prepared_of(e);
-                const Vector xe = w.model->gather(e, x.data());
+                const Vector ve = w.model->gather(e, v.data());
+                Vector force = Vector::Zero();
                 for (int g = 0; g < Element::gauss; ++g) {
                     const std::size_t q = a * Element::gauss + g;
-                    const auto& point = state[q];
-                    const Stress s = p.unit * Element::strain(w.point(e, g), xe);
-                    now[static_cast<Eigen::Index>(q)] = point.modulus;
-                    rest_left[q] = (w.point(e, g).weight * point.modulus / point.gain) * s;
-                    rest_right[q] = p.unit * point.gradient;
+                    Element::add_force(w.point(e, g), rest_left[q],
+                                       rest_right[q].dot(Element::strain(w.point(e, g), ve)), force);
                 }
+                w.model->scatter_add(e, force, y.data());
             }
-            w.assemble(now);
-            return w.system.set_matrix(w.values);
-        } else {
-            w.start_full();
-            for (std::size_t a = 0; a < w.active.size(); ++a) {
-                const int e = w.active[a];
-                const auto& p = w.prepared_of(e);
-                const Vector xe = w.model->gather(e, x.data());
-                Eigen::Matrix<double, dofs, dofs> k = Eigen::Matrix<double, dofs, dofs>::Zero();
-                for (int g = 0; g < Element::gauss; ++g) {
-                    const auto& point = state[static_cast<std::size_t>(a) * Element::gauss + g];
-                    const auto b = Element::strain_operator(w.point(e, g));
-                    const Stress s = p.unit * (b * xe);
-                    const mechanics::Stiffness<Element::voigt> d =
-                        point.modulus * (p.unit + s * (point.gradient.transpose() * p.unit) / point.gain);
-                    const typename Element::Operator db = w.point(e, g).weight * (d * b);
-                    k.noalias() += b.transpose() * db;
-                }
-                w.add_full(e, k);
+            return y;
+        };
+        const auto precondition = [&](const Eigen::VectorXd& v) { return w.system.preconditioned(v); };
+        constexpr int patience = 60;
+        Eigen::Map<Eigen::MatrixXd> all(columns, load.size(), number);
+        Eigen::MatrixXd answers(load.size(), number);
+        for (int k = 0; k < number; ++k) {
+            const Eigen::VectorXd column = all.col(k);
+            Eigen::VectorXd found = column;
+            int steps = gmres(found, apply, precondition, tolerance, patience);
+            if (steps < 0) { // once more with a factor of this very state
+                found = column;
+                steps = w.system.took_steps(steps) ? gmres(found, apply, precondition, tolerance, patience) : -1;
             }
-            ++statistics.factorizations;
-            return w.lu->factorize(w.full_values);
+            if (steps < 0) {
+                return false;
+            }
+            w.system.took_steps(steps);
+            answers.col(k) = found;
         }
+        all = answers;
+        return true;
     };
-    // x := tangent^-1 x for `count` vectors one after the other, to a tolerance where the solver is iterative.
-    const auto solve_tangent = [&](double* x, int columns, double tolerance) {
-        if constexpr (Element::dim == 3) {
-            const auto apply = [&](const Eigen::VectorXd& v) {
-                Eigen::VectorXd y = w.system.product(v);
-                for (std::size_t a = 0; a < w.active.size(); ++a) {
-                    const int e = w.active[a];
-                    const Vector ve = w.model->gather(e, v.data());
-                    Vector force = Vector::Zero();
-                    for (int g = 0; g < Element::gauss; ++g) {
-                        const std::size_t q = a * Element::gauss + g;
-                        Element::add_force(w.point(e, g), rest_left[q],
-                                           rest_right[q].dot(Element::strain(w.point(e, g), ve)), force);
-                    }
-                    w.model->scatter_add(e, force, y.data());
-                }
-                return y;
-            };
-            const auto precondition = [&](const Eigen::VectorXd& v) { return w.system.preconditioned(v); };
-            constexpr int patience = 60;
-            const Eigen::Index n = load.size();
-            for (int k = 0; k < columns; ++k) {
-                Eigen::Map<Eigen::VectorXd> column(x + k * n, n);
-                Eigen::VectorXd found = column;
-                int steps = gmres(found, apply, precondition, tolerance, patience);
-                if (steps < 0) { // once more with a factor of this very state
-                    if (!w.system.took_steps(steps)) {
-                        return false;
-                    }
-                    found = column;
-                    steps = gmres(found, apply, precondition, tolerance, 4 * patience);
-                    if (steps < 0) {
-                        return false;
-                    }
-                }
-                w.system.took_steps(steps);
-                column = found;
-            }
-            return true;
-        } else {
-            w.lu->solve(x, columns);
+    // columns := tangent^-1 columns.
+    const auto solve_tangent = [&](const Eigen::VectorXd& x, double* columns, int number, double tolerance) {
+        if (Element::dim == 3 && solve_iteratively(x, columns, number, tolerance)) {
             return true;
         }
+        if (!factorize_tangent(x)) {
+            return false;
+        }
+        w.lu->solve(columns, number);
+        return true;
     };
 
     // Newton at one load. Keeps x and modulus of the last balanced state; false when it gets stuck.
@@ -213,7 +214,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
             // Near enough for Newton's method to converge quadratically until the last step.
             const double needed = settings.equilibrium_tolerance * factor * load_norm / norm;
             Eigen::VectorXd direction = unbalanced;
-            if (!set_tangent(x) || !solve_tangent(direction.data(), 1, std::clamp(0.3 * needed, 1e-10, 1e-6))) {
+            if (!solve_tangent(x, direction.data(), 1, std::clamp(0.3 * needed, 1e-10, 1e-6))) {
                 return false;
             }
             ++statistics.newton_steps;
@@ -377,8 +378,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
             if (!w.system.solve(solution.d_displacement, {})) {
                 return not_definite;
             }
-        } else if (!set_tangent(u) ||
-                   !solve_tangent(solution.d_displacement.data(), count, settings.linear_tolerance)) {
+        } else if (!solve_tangent(u, solution.d_displacement.data(), count, settings.linear_tolerance)) {
             return Failure{Status::no_equilibrium, "the equilibrium found is a fold: its tangent is singular"};
         }
         for (std::size_t a = 0; a < w.active.size(); ++a) {

@@ -105,3 +105,14 @@ TEST(NearestName, FindsASlipAndNothingFarOff) {
     EXPECT_EQ(pave::nearest_name("thicknes_mm", names), "thickness_mm");
     EXPECT_EQ(pave::nearest_name("zzz", names), "");
 }
+
+TEST(Misfit, ComparesTheResponsesItNamesAndWeighsThem) {
+    const problem::Misfit misfit(problem::MisfitKind::relative, {{3, 2.0, 2.0}, {1, 4.0, 4.0, 0.5}});
+    const std::vector<double> responses{std::nan(""), 5.0, std::nan(""), 3.0};
+    const auto r = misfit.residuals(responses);
+    EXPECT_DOUBLE_EQ(r[0], 0.5);
+    EXPECT_DOUBLE_EQ(r[1], 0.125);
+    const auto d = misfit.slopes(responses);
+    EXPECT_DOUBLE_EQ(d[0], 0.5);
+    EXPECT_DOUBLE_EQ(d[1], 0.125);
+}
