@@ -32,7 +32,7 @@ constexpr int searches = 4;          // at each station: one bowl tells few para
 
 constexpr const char* ratio_words =
     "deflection ratio: D250/D0, the deflection 250 mm from the load centre over the one "
-    "at the centre (Austroads Guide to Pavement Technology Part 5)";
+    "at the centre (as cited from the Austroads Guide to Pavement Technology Part 5)";
 constexpr const char* interpolation_words = "interpolated linearly in ln(deflection) between the nearest sensors";
 
 enum class State { ok, rejected, failed };
