@@ -1,7 +1,6 @@
 """The same bits for any number of threads, and for a run that is killed half way and continued; nothing is repeated."""
 import json
 import signal
-import sqlite3
 import time
 
 from support import *
@@ -14,18 +13,6 @@ def export(out):
     done = run("export", out)
     check(done.returncode == 0, f"export {out}: {done.stderr}")
     return done.stdout
-
-
-def evaluations(out):
-    if not (out / "run.sqlite").exists():
-        return 0
-    database = sqlite3.connect(f"file:{out / 'run.sqlite'}?mode=ro", uri=True, timeout=10)
-    try:
-        return database.execute("SELECT count(*) FROM evaluation").fetchone()[0]
-    except sqlite3.OperationalError:
-        return 0
-    finally:
-        database.close()
 
 
 commands = {"map": ("map", study, "--design", "sobol", "--points", 300),

@@ -2,6 +2,7 @@
 import os
 import pathlib
 import shutil
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -33,6 +34,19 @@ def workspace():
     folder = pathlib.Path(tempfile.mkdtemp(prefix="pavescape-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return folder
+
+
+def evaluations(out):
+    """How many evaluations the store of a run folder holds."""
+    if not (out / "run.sqlite").exists():
+        return 0
+    database = sqlite3.connect(f"file:{out / 'run.sqlite'}?mode=ro", uri=True, timeout=10)
+    try:
+        return database.execute("SELECT count(*) FROM evaluation").fetchone()[0]
+    except sqlite3.OperationalError:
+        return 0
+    finally:
+        database.close()
 
 
 STUDY = """schema = 1

@@ -4,7 +4,6 @@ import csv
 import io
 import json
 import signal
-import sqlite3
 import time
 
 from support import *
@@ -125,24 +124,10 @@ check(bounds["B"] == ["subgrade.modulus_MPa at its upper bound"] and bounds["C"]
 
 # Cut off and continued: the same result, and what was computed is not computed again.
 out = folder / "interrupted"
-
-
-def evaluations():
-    if not (out / "run.sqlite").exists():
-        return 0
-    database = sqlite3.connect(f"file:{out / 'run.sqlite'}?mode=ro", uri=True, timeout=10)
-    try:
-        return database.execute("SELECT count(*) FROM evaluation").fetchone()[0]
-    except sqlite3.OperationalError:
-        return 0
-    finally:
-        database.close()
-
-
 for least in (100, 262):  # while exploring, while searching
     process = subprocess.Popen([PROGRAM, "survey", road, "--study", study, "--out", out], stdout=subprocess.DEVNULL,
                                stderr=subprocess.PIPE, text=True)
-    while evaluations() < least and process.poll() is None:
+    while evaluations(out) < least and process.poll() is None:
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     message = process.communicate()[1]
