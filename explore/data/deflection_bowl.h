@@ -7,8 +7,9 @@
 // Deflection ratio: D250/D0, the deflection 250 mm from the centre of the load over the one at the centre. The
 // definition, and its reading (below 0.6 points to a weak pavement, 0.6 to 0.7 to a sound unbound one, above 0.8 to a
 // bound one), are those commonly cited from Austroads (Guide to Pavement Technology Part 5, pavement evaluation and
-// treatment design); the guide itself was not at hand. The limit of 0.6 is also that of figure 1 of Kathirgamanathan and
-// Vignarajah. A station passes at 0.6 or more. The ratio hardly depends on the pressure, which scales both deflections.
+// treatment design); the guide itself was not at hand. The limit of 0.6 is also that of figure 1 of Kathirgamanathan
+// and Vignarajah. A station passes at 0.6 or more. The ratio hardly depends on the pressure, which scales both
+// deflections.
 //
 // Without a sensor at 250 mm, its deflection is interpolated linearly in ln(deflection) between the two nearest
 // sensors: outside the plate a bowl falls off about exponentially, and two positive, falling readings give a value

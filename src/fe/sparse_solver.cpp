@@ -1,5 +1,6 @@
 #include "fe/sparse_solver.h"
 
+#include <atomic>
 #include <cholmod.h>
 #include <cstring>
 #include <dlfcn.h>
@@ -61,7 +62,16 @@ cholmod_sparse matrix_of(const Pattern& lower) {
 
 } // namespace
 
+namespace {
+std::atomic<int> analyses{0};
+}
+
+int CholeskyAnalysis::made() {
+    return analyses;
+}
+
 CholeskyAnalysis::CholeskyAnalysis(const Pattern& lower) : implementation_(std::make_unique<Implementation>()) {
+    ++analyses;
     auto& m = *implementation_;
     start(m.common);
     cholmod_sparse matrix = matrix_of(lower);

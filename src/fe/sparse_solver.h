@@ -24,6 +24,9 @@ public:
     CholeskyAnalysis(const CholeskyAnalysis&) = delete;
     CholeskyAnalysis& operator=(const CholeskyAnalysis&) = delete;
 
+    // How many this process has made: one a mesh, whatever the number of threads and runs.
+    static int made();
+
 private:
     friend class SparseCholesky;
     struct Implementation;

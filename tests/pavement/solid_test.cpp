@@ -196,3 +196,28 @@ TEST(SolidModel, ReadsASensorOnAnySideOfTheLoadAlike) {
         EXPECT_EQ(response->values[i], response->values[i % 2]);
     }
 }
+
+TEST(SolidModel, AnalysesItsMatrixOnceForAllThreadsAndGeometries) {
+    Case c = captif(3000, 40, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4});
+    c.loads = {dual_wheel()};
+    c.settings.refine = 0.3;
+    c.sensors = {deflection(0.17), strain_zz(0.2, 0.075, 0.17)};
+    const int before = fe::CholeskyAnalysis::made();
+    const ForwardModel model(c);
+    const auto first = model.make_workspace();
+    const auto second = model.make_workspace();
+    const auto here = model.run(c, {}, *first);
+    Case thicker = c;
+    thicker.layers[1].thickness = 0.3;
+    ASSERT_TRUE(model.run(thicker, {}, *first)); // another geometry on the same structure
+    Case softer = c;
+    softer.layers[1].parameters[1] = 1000.0;
+    ASSERT_TRUE(model.run(softer, {}, *second));
+    const auto again = model.run(c, {}, *first);
+    const auto there = model.run(c, {}, *second);
+    EXPECT_EQ(fe::CholeskyAnalysis::made() - before, 1);
+    // And what ran before changes no bit.
+    ASSERT_TRUE(here && again && there);
+    EXPECT_EQ(here->values, again->values);
+    EXPECT_EQ(here->values, there->values);
+}
