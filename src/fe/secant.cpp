@@ -404,12 +404,11 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
     return solution;
 }
 
-#define PAVE_SECANT(ELEMENT)                                                                                           \
-    template Outcome<Solution<ELEMENT>> Solver<ELEMENT>::secant(const std::vector<LayerMaterial>&,                     \
-                                                                const Eigen::VectorXd&, const std::vector<Variation>&, \
-                                                                const SolverSettings&)
-PAVE_SECANT(AxisymmetricQ8);
-PAVE_SECANT(Hex20);
-#undef PAVE_SECANT
+using Layers = std::vector<LayerMaterial>;
+using Variations = std::vector<Variation>;
+template Outcome<Solution<AxisymmetricQ8>> Solver<AxisymmetricQ8>::secant(const Layers&, const Eigen::VectorXd&,
+                                                                          const Variations&, const SolverSettings&);
+template Outcome<Solution<Hex20>> Solver<Hex20>::secant(const Layers&, const Eigen::VectorXd&, const Variations&,
+                                                        const SolverSettings&);
 
 } // namespace pave::fe
