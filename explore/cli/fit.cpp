@@ -213,7 +213,7 @@ int fit(FitOptions options) {
     const Predictor predictor(study);
     predictor.complete(result->minima[0].evaluation);
     const Minimum& best = result->minima[0];
-    const GroupFit joint{"all", best.evaluation, group_rms(study, best.evaluation)};
+    const GroupFit joint{"all", best.evaluation, report::minimum_json(problem, best), group_rms(study, best.evaluation)};
     std::optional<std::vector<GroupFit>> alone = std::vector<GroupFit>{};
     if (!options.joint_only) {
         alone =
@@ -252,7 +252,7 @@ int fit(FitOptions options) {
                          {"responses", report::responses_json(study, best.evaluation.responses)},
                          {"warnings", best.evaluation.warnings},
                          {"run", folder}};
-    json.update(group_json(study, problem.space, joint, *alone));
+    json.update(group_json(study, joint, *alone));
     json["best"]["status"] = std::string(to_string(best.evaluation.status));
     for (const Minimum& m : result->minima) {
         json["minima"].push_back(report::minimum_json(problem, m));

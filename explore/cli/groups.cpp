@@ -65,9 +65,10 @@ std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const 
         if (!result) {
             return std::nullopt;
         }
+        const report::Json minimum = report::minimum_json(own, result->minima[0]);
         auto& best = result->minima[0].evaluation;
         predictor.complete(best);
-        fits.push_back({group.name, best, group_rms(study, best)});
+        fits.push_back({group.name, best, minimum, group_rms(study, best)});
     }
     return fits;
 }
@@ -114,17 +115,16 @@ std::string group_text(const study::Study& study, const GroupFit& joint, const s
     return text;
 }
 
-report::Json group_json(const study::Study& study, const problem::ParameterSpace& space, const GroupFit& joint,
-                        const std::vector<GroupFit>& alone) {
+report::Json group_json(const study::Study& study, const GroupFit& joint, const std::vector<GroupFit>& alone) {
     const auto fit_json = [&](const GroupFit& fit) {
         report::Json rms = report::Json::object();
         for (std::size_t g = 0; g < study.groups.size(); ++g) {
             rms[study.groups[g].name] = fit.rms[g];
         }
-        return report::Json{{"fitted", fit.fitted},
-                            {"misfit", fit.best.misfit},
-                            {"parameters", report::parameters_json(space, fit.best.parameters)},
-                            {"rms", std::move(rms)}};
+        report::Json json = {{"fitted", fit.fitted}};
+        json.update(fit.minimum);
+        json["rms"] = std::move(rms);
+        return json;
     };
     report::Json groups = report::Json::array();
     for (std::size_t g = 0; g < study.groups.size(); ++g) {

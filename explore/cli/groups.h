@@ -21,6 +21,7 @@ private:
 struct GroupFit {
     std::string fitted; // "all" or the name of a group
     problem::Evaluation best;
+    report::Json minimum; // what report::minimum_json says of it
     std::vector<double> rms; // of the residuals of every group of the study, each reading with weight 1
 };
 
@@ -35,7 +36,6 @@ std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const 
                                                landscape::MultistartSettings settings, int threads);
 
 std::string group_text(const study::Study& study, const GroupFit& joint, const std::vector<GroupFit>& alone);
-report::Json group_json(const study::Study& study, const problem::ParameterSpace& space, const GroupFit& joint,
-                        const std::vector<GroupFit>& alone);
+report::Json group_json(const study::Study& study, const GroupFit& joint, const std::vector<GroupFit>& alone);
 
 } // namespace explore::cli
