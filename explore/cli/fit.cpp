@@ -213,7 +213,8 @@ int fit(FitOptions options) {
     const Predictor predictor(study);
     predictor.complete(result->minima[0].evaluation);
     const Minimum& best = result->minima[0];
-    const GroupFit joint{"all", best.evaluation, report::minimum_json(problem, best), group_rms(study, best.evaluation)};
+    const GroupFit joint{"all", best.evaluation, report::minimum_json(problem, best),
+                         group_rms(study, best.evaluation)};
     std::optional<std::vector<GroupFit>> alone = std::vector<GroupFit>{};
     if (!options.joint_only) {
         alone =

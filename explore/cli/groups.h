@@ -21,7 +21,7 @@ private:
 struct GroupFit {
     std::string fitted; // "all" or the name of a group
     problem::Evaluation best;
-    report::Json minimum; // what report::minimum_json says of it
+    report::Json minimum;    // what report::minimum_json says of it
     std::vector<double> rms; // of the residuals of every group of the study, each reading with weight 1
 };
 
