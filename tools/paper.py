@@ -240,7 +240,7 @@ def ratios(survey):
     """What a survey found, in words."""
     known = [s["deflection_ratio"] for s in survey["stations"] if s.get("deflection_ratio") is not None]
     return (f"{len(known)} of {len(survey['stations'])} stations have a ratio, from {three(min(known))} to {three(max(known))}; "
-            f"{sum(x < 0.6 for x in known)} fall below the limit")
+            f"below the limit: {sum(x < 0.6 for x in known)}")
 
 
 def page(f, r):
