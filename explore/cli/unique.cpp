@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <fmt/format.h>
 
 namespace explore::cli {
@@ -71,6 +72,15 @@ std::string end_words(WalkEnd end, const std::vector<std::string>& bounds) {
     case WalkEnd::limit: return "the limit of steps";
     }
     return "";
+}
+
+// The same for a table: "base.k2 max".
+std::string short_words(WalkEnd end, std::vector<std::string> bounds) {
+    for (std::string& bound : bounds) {
+        const auto at = bound.find(" at its ");
+        bound = bound.substr(0, at) + (bound.find("upper", at) != std::string::npos ? " max" : " min");
+    }
+    return end_words(end, bounds);
 }
 
 // Bounds among them that are not the parameter's own.
@@ -200,6 +210,26 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
     if (!u.directions.dead.empty()) {
         say(fmt::format("No reading sees {} here: crossing the whole range moves nothing beyond the noise.",
                         listed(names_of(space, u.directions.dead))));
+    }
+    std::vector<std::string> wide;
+    for (std::size_t k = 0; k < u.parameters.size(); ++k) {
+        const Range& r = u.parameters[k];
+        const problem::Axis& axis = space.axes[k];
+        constexpr double half = 0.5;
+        if (axis.unit(r.high) - axis.unit(r.low) > half) {
+            wide.push_back(fmt::format("{} anywhere from {} to {}", axis.name, figure(r.low), figure(r.high)));
+        }
+    }
+    if (!wide.empty()) {
+        say(fmt::format("The data accept {}, if the others follow.", listed(wide)));
+    }
+    for (std::size_t o = 0; o < u.outputs.size(); ++o) {
+        const Range& r = u.outputs[o];
+        const std::size_t i = study.measurements.size() + o;
+        const double si = study.response_to_si(i);
+        say(fmt::format("Over the sets the data accept, {} runs from {} to {} {} (best fit: {}).",
+                        study.outputs[o].name, figure(r.low / si), figure(r.high / si), study.response_unit(i),
+                        figure(u.minima[0].evaluation.responses[i] / si)));
     }
     if (u.traces.size() == 2) {
         std::vector<std::string> reach;
@@ -527,9 +557,15 @@ int unique(const UniqueOptions& options) {
         return done;
     }
 
+    const double cpu = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+    const double forward_cpu = engine.tally().forward_cpu_seconds + everything_engine.tally().forward_cpu_seconds;
     fmt::print("{}\n  {} explored, {}; {} computed in {}, {} kept from before\n", study_summary(study), u.sample.name,
                counted(u.ends.size(), "search", "searches"), counted(static_cast<std::size_t>(computed), "run", "runs"),
                run::duration_words(seconds), kept);
+    if (computed > 0) {
+        fmt::print("    {:.1f} % of the processor time outside forward runs\n",
+                   100.0 * std::max(0.0, 1.0 - forward_cpu / cpu));
+    }
     for (std::size_t kind = 0; kind < std::size(landscape::end_kind_names); ++kind) {
         const auto count = std::count_if(u.ends.begin(), u.ends.end(),
                                          [&](const auto& e) { return static_cast<std::size_t>(e.kind) == kind; });
@@ -550,7 +586,7 @@ int unique(const UniqueOptions& options) {
             const auto stopped = [&](WalkEnd end, const std::vector<std::string>& bounds) {
                 const auto others = of_others(bounds, name);
                 return end == WalkEnd::bound && others.size() < bounds.size() ? std::string("its bound")
-                                                                              : end_words(end, others);
+                                                                              : short_words(end, others);
             };
             table.add({name, figure(u.minima[0].evaluation.parameters[k]), figure(r.low), figure(r.high), "",
                        std::string(landscape::profile_kind_names[static_cast<int>(kind_of(r))]),
@@ -563,7 +599,7 @@ int unique(const UniqueOptions& options) {
             table.add({study.outputs[o].name, figure(u.minima[0].evaluation.responses[i] / si), figure(r.low / si),
                        figure(r.high / si), std::string(study.response_unit(i)),
                        std::string(landscape::profile_kind_names[static_cast<int>(kind_of(r))]),
-                       end_words(r.low_end, r.low_bounds), end_words(r.high_end, r.high_bounds)});
+                       short_words(r.low_end, r.low_bounds), short_words(r.high_end, r.high_bounds)});
         }
         fmt::print("{}", table.text());
     }

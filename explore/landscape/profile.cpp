@@ -233,6 +233,8 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
             }
             const double share = (wall - root(here.rise)) / std::max(root(found->rise) - root(here.rise), 1e-12);
             branch.limit = here.value + std::clamp(share, 0.0, 1.0) * (found->value - here.value);
+            branch.limit_unit =
+                clamped(here.unit, std::clamp(share, 0.0, 1.0) * (vector_of(found->unit) - vector_of(here.unit)));
             branch.on_bound = bounds_met(problem.space, found->unit);
             branch.points.push_back(std::move(*found));
             branch.end = WalkEnd::threshold;
@@ -249,6 +251,7 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
         branch.points.push_back(std::move(*found));
     }
     branch.on_bound = bounds_met(problem.space, here.unit);
+    branch.limit_unit = here.unit;
     return branch;
 }
 
@@ -338,6 +341,7 @@ Branch trace_valley(run::Chain& chain, const problem::Problem& problem, const Ac
     }
     branch.limit = travelled;
     branch.on_bound = bounds_met(problem.space, here.unit);
+    branch.limit_unit = here.unit;
     return branch;
 }
 

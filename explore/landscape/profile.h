@@ -35,6 +35,7 @@ struct Branch {
     std::vector<ProfilePoint> points; // outwards; the minimum is not among them
     WalkEnd end = WalkEnd::limit;
     double limit = 0.0;                // value of the quantity where the walk ended; at `threshold` interpolated
+    std::vector<double> limit_unit;    // and the point there
     std::vector<std::string> on_bound; // parameters on a bound there
 };
 

@@ -343,23 +343,17 @@ private:
             for (std::size_t a = 0; a < alternatives; ++a) {
                 for (const int side : {0, 1}) {
                     Branch& branch = branches[2 * (q * alternatives + a) + static_cast<std::size_t>(side)];
-                    const problem::Evaluation& last =
-                        branch.points.empty() ? minimum(a).evaluation : branch.points.back().evaluation;
-                    const double rise =
-                        branch.points.empty() ? acceptance.rise(last.misfit, best_misfit) : branch.points.back().rise;
                     if (side == 0 && branch.limit < range.low) {
                         range.low = branch.limit;
                         range.low_end = branch.end;
                         range.low_bounds = branch.on_bound;
-                        range.low_set = last.parameters;
-                        range.low_rise = rise;
+                        range.low_set = problem.space.physical(branch.limit_unit);
                     }
                     if (side == 1 && branch.limit > range.high) {
                         range.high = branch.limit;
                         range.high_end = branch.end;
                         range.high_bounds = branch.on_bound;
-                        range.high_set = last.parameters;
-                        range.high_rise = rise;
+                        range.high_set = problem.space.physical(branch.limit_unit);
                     }
                     range.branches.push_back(std::move(branch));
                 }

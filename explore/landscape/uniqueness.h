@@ -53,7 +53,6 @@ struct Range {
     WalkEnd low_end = WalkEnd::limit, high_end = WalkEnd::limit;
     std::vector<std::string> low_bounds, high_bounds; // parameters that lie on a bound at the ends
     std::vector<double> low_set, high_set;            // parameters of the sets at the ends, physical
-    double low_rise = 0.0, high_rise = 0.0;           // of chi2 there
 };
 
 enum class ProfileKind { bounded, one_sided, flat, incomplete };
@@ -78,7 +77,7 @@ inline constexpr std::string_view verdict_names[] = {"unique", "non-unique", "un
 
 struct Uniqueness {
     Verdict verdict = Verdict::undecided;
-    bool alternatives = false;        // minima apart that the data accept
+    bool alternatives = false; // minima apart that the data accept
     // A continuous set that reaches over more than half of a parameter's range, or over a fifth between bounds.
     bool valley = false;
     std::vector<std::string> missing; // why undecided

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <ctime>
 #include <exception>
 #include <fmt/format.h>
 #include <limits>
@@ -20,6 +21,12 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+std::int64_t thread_cpu_ns() {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return std::int64_t{1'000'000'000} * t.tv_sec + t.tv_nsec;
+}
+
 } // namespace
 
 struct Engine::Implementation {
@@ -31,15 +38,19 @@ struct Engine::Implementation {
     tbb::task_arena arena;
     tbb::enumerable_thread_specific<std::unique_ptr<problem::ForwardFunction::Workspace>> workspaces;
     std::atomic<std::int64_t> computed{0};
+    std::atomic<std::int64_t> forward_ns{0};
 
     // One evaluation on the workspace of this thread. Running out of memory is an answer for this point, not the end.
     Evaluation evaluate(std::span<const double> unit, bool with_jacobian) {
         auto& workspace = workspaces.local();
         try {
+            const std::int64_t begin = thread_cpu_ns();
             if (workspace == nullptr) {
                 workspace = problem.function->make_workspace();
             }
-            return problem.evaluate(unit, with_jacobian, *workspace);
+            Evaluation e = problem.evaluate(unit, with_jacobian, *workspace);
+            forward_ns += thread_cpu_ns() - begin;
+            return e;
         } catch (const std::bad_alloc&) {
             workspace.reset();
             Evaluation e;
@@ -70,6 +81,7 @@ Engine::Engine(const problem::Problem& problem, Store* store, int run, EngineSet
                            settings,
                            tbb::global_control(tbb::global_control::max_allowed_parallelism, threads),
                            tbb::task_arena(threads),
+                           {},
                            {},
                            {}});
 }
@@ -107,6 +119,7 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
         });
     }
     tally_.computed = m.computed;
+    tally_.forward_cpu_seconds = 1e-9 * static_cast<double>(m.forward_ns);
     tally_.seconds += seconds_since(begin);
     if (interrupted()) {
         return std::nullopt;
@@ -190,6 +203,7 @@ bool Engine::run_chains(const std::string& what, int first, std::size_t count, b
         });
     }
     tally_.computed = m.computed;
+    tally_.forward_cpu_seconds = 1e-9 * static_cast<double>(m.forward_ns);
     tally_.kept += kept;
     tally_.seconds += seconds_since(begin);
     return !interrupted();

@@ -27,6 +27,7 @@ struct Tally {
     std::int64_t computed = 0; // by this process
     std::int64_t kept = 0;     // were in the store
     double seconds = 0.0;
+    double forward_cpu_seconds = 0.0; // processor time of the forward runs, all threads
 };
 
 // Evaluations with derivatives that follow from each other: what a chain asks for next depends on what it was answered.

@@ -1,8 +1,7 @@
 """Twin experiments on `pavescape unique`: COUNT sections and layouts drawn from seeds, of each kind.
 
-deficient: fewer readings than parameters, so that the Jacobian has a null vector. The verdict must be non-unique, the flat
-           direction that null vector (its own singular value decomposition here, of `forward --jacobian` at the best
-           parameters), and every combination said to be fixed must not change along it.
+deficient: two readings for three parameters, so that the Jacobian has a null vector. The verdict must be non-unique, the
+           flat direction that null vector (the cross product of the rows of `forward --jacobian` at the best parameters), and every combination said to be fixed must not change along it.
 rich:      deflections, strains and stresses at 1 % noise. The verdict must be unique; the 95 % ranges of the parameters and
            outputs are counted against the truth.
 
@@ -11,8 +10,6 @@ python3 tests/program/unique_trials.py PROGRAM [COUNT] [FIRST_SEED]
 import json
 import math
 import random
-
-import numpy
 
 from support import *
 
@@ -74,7 +71,10 @@ def null_vector(folder, truth, best):
     for response, row in list(zip(done["responses"], done["jacobian"]["rows"]))[:-1]:
         rows.append([d / response["value"] * unit_slope(name, best[name])
                      for d, name in zip(row, done["jacobian"]["parameters"])])
-    return numpy.linalg.svd(numpy.array(rows))[2][-1], done["jacobian"]["parameters"]
+    (a, b, c), (d, e, f) = rows
+    cross = (b * f - c * e, c * d - a * f, a * e - b * d)
+    length = math.hypot(*cross)
+    return [x / length for x in cross], done["jacobian"]["parameters"]
 
 
 def deficient(seed):
