@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
     cli::add_map(app, action);
     cli::add_fit(app, action);
     cli::add_sensitivity(app, action);
+    cli::add_unique(app, action);
     cli::add_twin(app, action);
     cli::add_survey(app, action);
     cli::add_export(app, action);

@@ -16,14 +16,14 @@ Eigen::VectorXd difference(const std::vector<double>& a, const std::vector<doubl
     return d;
 }
 
-bool same_minimum(const Minimum& minimum, const run::Endpoint& end, const problem::Problem& problem) {
+bool same_minimum(const Minimum& minimum, const run::Endpoint& end, const problem::Problem& problem, double stated) {
     const Eigen::VectorXd d = difference(end.search.unit, minimum.unit);
     if (d.lpNorm<Eigen::Infinity>() < 0.01) {
         return true;
     }
     const auto data = static_cast<double>(problem.misfit.size());
     const double free = std::max(1.0, data - static_cast<double>(problem.space.dimension()));
-    const double noise = minimum.evaluation.misfit / std::sqrt(free);
+    const double noise = stated > 0.0 ? stated : minimum.evaluation.misfit / std::sqrt(free);
     const Eigen::VectorXd r =
         problem.misfit.residuals(end.evaluation.responses) - problem.misfit.residuals(minimum.evaluation.responses);
     return end.search.misfit - minimum.evaluation.misfit < 0.1 * noise && r.norm() < noise &&
@@ -32,7 +32,22 @@ bool same_minimum(const Minimum& minimum, const run::Endpoint& end, const proble
 
 } // namespace
 
-std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem) {
+bool is_at_bound(double unit) {
+    return unit < at_bound || unit > 1.0 - at_bound;
+}
+
+std::vector<std::string> bounds_met(const problem::ParameterSpace& space, const std::vector<double>& unit) {
+    std::vector<std::string> met;
+    for (std::size_t k = 0; k < unit.size(); ++k) {
+        if (is_at_bound(unit[k])) {
+            met.push_back(space.axes[k].name + (unit[k] < 0.5 ? " at its lower bound" : " at its upper bound"));
+        }
+    }
+    return met;
+}
+
+std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem,
+                                     double noise) {
     std::vector<const run::Endpoint*> order;
     for (const auto& end : ends) {
         if (!end.search.unit.empty()) {
@@ -44,7 +59,7 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, con
     std::vector<Minimum> minima;
     for (const run::Endpoint* end : order) {
         auto home = std::find_if(minima.begin(), minima.end(),
-                                 [&](const Minimum& m) { return same_minimum(m, *end, problem); });
+                                 [&](const Minimum& m) { return same_minimum(m, *end, problem, noise); });
         const auto& parameters = end->evaluation.parameters;
         if (home == minima.end()) {
             Minimum m;
@@ -52,12 +67,7 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, con
             m.unit = end->search.unit;
             m.lowest = m.highest = parameters;
             m.converged = end->search.converged;
-            for (std::size_t k = 0; k < m.unit.size(); ++k) {
-                if (m.unit[k] < at_bound || m.unit[k] > 1.0 - at_bound) {
-                    m.on_bound.push_back(problem.space.axes[k].name +
-                                         (m.unit[k] < 0.5 ? " at its lower bound" : " at its upper bound"));
-                }
-            }
+            m.on_bound = bounds_met(problem.space, m.unit);
             minima.push_back(std::move(m));
             home = minima.end() - 1;
         }
@@ -75,7 +85,7 @@ LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     const Eigen::MatrixXd j = problem.residual_jacobian(minimum.evaluation);
     std::vector<Eigen::Index> free;
     for (std::size_t k = 0; k < minimum.unit.size(); ++k) {
-        if (minimum.unit[k] >= at_bound && minimum.unit[k] <= 1.0 - at_bound) {
+        if (!is_at_bound(minimum.unit[k])) {
             free.push_back(static_cast<Eigen::Index>(k));
         }
     }

@@ -16,9 +16,14 @@ struct Minimum {
 
 // Two ends are one minimum when they lie within 1 % of the box of each other, or when the misfit tells them apart by
 // less than its own noise: the misfit differs by less than a tenth of one noise level and the linearised residuals
-// between them by less than one (s2 = f^2 / (data - parameters) of the best end is the noise variance). A flat valley
-// is then one minimum whose members spread. Sorted by misfit.
-std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem);
+// between them by less than one. A flat valley is then one minimum whose members spread. Sorted by misfit.
+// noise: standard deviation of a residual; 0: s with s2 = f^2 / (data - parameters) of the lower of the two.
+std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem,
+                                     double noise = 0.0);
+
+// Parameters of a point of the unit cube that lie on a bound: "base.n at its upper bound".
+std::vector<std::string> bounds_met(const problem::ParameterSpace& space, const std::vector<double>& unit);
+bool is_at_bound(double unit);
 
 // What the residuals say around a minimum, to first order.
 struct LocalAnalysis {

@@ -94,7 +94,7 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
     }
     double half = 0.5 * here.residuals.squaredNorm();
     result.unit = point;
-    double damping = 1e-3 * here.jacobian.colwise().squaredNorm().maxCoeff();
+    double damping = settings.damping * here.jacobian.colwise().squaredNorm().maxCoeff();
     double raise = 2.0;
     MatrixXd curvature = MatrixXd::Zero(n, n); // of the residuals: sum of r_i times its Hessian, a secant estimate
     bool with_curvature = false;
@@ -122,7 +122,7 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
         }
         const VectorXd step = bounded_step(h, gradient, low, high);
         const double foretold = -(gradient.dot(step) + 0.5 * step.dot(h * step));
-        if (foretold <= settings.misfit_tolerance * half) {
+        if (foretold <= std::max(settings.misfit_tolerance * half, settings.enough)) {
             result.converged = true;
             result.ended = "the misfit no longer changes";
             break;

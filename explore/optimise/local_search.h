@@ -35,6 +35,10 @@ struct SearchSettings {
     int max_evaluations = 80;
     double step_tolerance = 1e-5;   // of every unit coordinate
     double misfit_tolerance = 1e-7; // relative change of the sum of squares
+    // Gauss-Newton alone: change of half the sum of squares that does not matter, and the first damping as a share of
+    // the largest diagonal term of the normal matrix (little for a start that is close).
+    double enough = 0.0;
+    double damping = 1e-3;
 };
 
 struct SearchResult {

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <ctime>
 #include <exception>
+#include <fmt/format.h>
 #include <limits>
 #include <new>
 
@@ -19,6 +21,12 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+std::int64_t thread_cpu_ns() {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return std::int64_t{1'000'000'000} * t.tv_sec + t.tv_nsec;
+}
+
 } // namespace
 
 struct Engine::Implementation {
@@ -30,15 +38,19 @@ struct Engine::Implementation {
     tbb::task_arena arena;
     tbb::enumerable_thread_specific<std::unique_ptr<problem::ForwardFunction::Workspace>> workspaces;
     std::atomic<std::int64_t> computed{0};
+    std::atomic<std::int64_t> forward_ns{0};
 
     // One evaluation on the workspace of this thread. Running out of memory is an answer for this point, not the end.
     Evaluation evaluate(std::span<const double> unit, bool with_jacobian) {
         auto& workspace = workspaces.local();
         try {
+            const std::int64_t begin = thread_cpu_ns();
             if (workspace == nullptr) {
                 workspace = problem.function->make_workspace();
             }
-            return problem.evaluate(unit, with_jacobian, *workspace);
+            Evaluation e = problem.evaluate(unit, with_jacobian, *workspace);
+            forward_ns += thread_cpu_ns() - begin;
+            return e;
         } catch (const std::bad_alloc&) {
             workspace.reset();
             Evaluation e;
@@ -70,12 +82,13 @@ Engine::Engine(const problem::Problem& problem, Store* store, int run, EngineSet
                            tbb::global_control(tbb::global_control::max_allowed_parallelism, threads),
                            tbb::task_arena(threads),
                            {},
+                           {},
                            {}});
 }
 
 Engine::~Engine() = default;
 
-std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& design) {
+std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& design, bool with_jacobian) {
     Implementation& m = *implementation_;
     const auto begin = Clock::now();
     const std::size_t n = design.points.size();
@@ -100,12 +113,13 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
         progress.add(static_cast<std::int64_t>(n - missing.size()), false);
         for_each_index(m.arena, missing.size(), [&](std::size_t k) {
             const std::size_t i = missing[k];
-            evaluations[i] = m.evaluate(design.points[i], false);
+            evaluations[i] = m.evaluate(design.points[i], with_jacobian);
             m.keep({-1, static_cast<int>(i)}, evaluations[i]);
             progress.add(1, true);
         });
     }
     tally_.computed = m.computed;
+    tally_.forward_cpu_seconds = 1e-9 * static_cast<double>(m.forward_ns);
     tally_.seconds += seconds_since(begin);
     if (interrupted()) {
         return std::nullopt;
@@ -113,42 +127,106 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
     return evaluations;
 }
 
-std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vector<double>>& starts,
-                                                    const optimise::Method& method,
-                                                    const optimise::SearchSettings& settings) {
+namespace {
+
+// A chain that keeps what it computes under the start number it was given.
+class KeptChain final : public Chain {
+public:
+    using Compute = std::function<Evaluation(std::span<const double>)>;
+    KeptChain(const problem::Problem& problem, Store* store, int run, int start, Compute compute, Progress& progress)
+        : problem_(problem),
+          store_(store),
+          run_(run),
+          start_(start),
+          compute_(std::move(compute)),
+          progress_(progress) {
+        if (store != nullptr) {
+            known_ = store->get(run, {start, 0}, {start, std::numeric_limits<int>::max()});
+        }
+    }
+
+    Evaluation at(std::span<const double> unit) override {
+        if (interrupted()) {
+            throw Interrupted();
+        }
+        const RunNumber number{start_, number_++};
+        const auto old = known_.find(number);
+        const bool have = old != known_.end() && old->second.parameters == problem_.space.physical(unit);
+        Evaluation e = have ? std::move(old->second) : compute_(unit);
+        if (!have && store_ != nullptr) {
+            store_->put(run_, number, e);
+        }
+        (have ? kept : computed)++;
+        progress_.add(1, !have);
+        return e;
+    }
+
+    std::int64_t kept = 0, computed = 0;
+
+private:
+    const problem::Problem& problem_;
+    Store* store_;
+    int run_;
+    int start_;
+    Compute compute_;
+    Progress& progress_;
+    std::map<RunNumber, Evaluation> known_;
+    int number_ = 0;
+};
+
+} // namespace
+
+bool Engine::chains(const std::string& what, int first, std::size_t count,
+                    const std::function<void(std::size_t i, Chain& chain)>& body) {
+    return run_chains(what, first, count, true, body);
+}
+
+bool Engine::run_chains(const std::string& what, int first, std::size_t count, bool with_jacobian,
+                        const std::function<void(std::size_t i, Chain& chain)>& body) {
     Implementation& m = *implementation_;
     const auto begin = Clock::now();
-    std::vector<Endpoint> ends(starts.size());
-    std::atomic<int> finished{0};
+    std::atomic<std::size_t> finished{0};
     std::atomic<std::int64_t> kept{0};
     {
-        Progress progress("search", m.settings.show_progress ? 0 : -1);
-        for_each_index(m.arena, starts.size(), [&](std::size_t s) {
-            // A search that was cut off is replayed: the method asks for the same points again and is answered from
-            // the store until it gets to new ones.
-            const int start = static_cast<int>(s);
-            auto known = m.known({start, 0}, {start, std::numeric_limits<int>::max()});
-            int number = 0;
+        Progress progress(what, m.settings.show_progress ? 0 : -1);
+        for_each_index(m.arena, count, [&](std::size_t i) {
+            KeptChain chain(
+                m.problem, m.store, m.run, first + static_cast<int>(i),
+                [&](std::span<const double> unit) { return m.evaluate(unit, with_jacobian); }, progress);
+            try {
+                body(i, chain);
+            } catch (const Interrupted&) { // the program's own flag tells
+            }
+            m.computed += chain.computed;
+            kept += chain.kept;
+            progress.note(fmt::format("{} of {}", ++finished, count));
+        });
+    }
+    tally_.computed = m.computed;
+    tally_.forward_cpu_seconds = 1e-9 * static_cast<double>(m.forward_ns);
+    tally_.kept += kept;
+    tally_.seconds += seconds_since(begin);
+    return !interrupted();
+}
+
+std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vector<double>>& starts,
+                                                    const optimise::Method& method,
+                                                    const optimise::SearchSettings& settings, int first) {
+    Implementation& m = *implementation_;
+    std::vector<Endpoint> ends(starts.size());
+    const bool finished =
+        run_chains("search", first, starts.size(), method.uses_gradient, [&](std::size_t s, Chain& chain) {
             Endpoint& end = ends[s];
-            end.start = start;
+            end.start = first + static_cast<int>(s);
             end.from = starts[s];
             double best = std::numeric_limits<double>::infinity();
             std::exception_ptr failure;
             const optimise::Objective objective = [&](std::span<const double> unit, optimise::Sample& sample) {
-                if (interrupted() || failure) {
+                if (failure) {
                     return optimise::Answer::stop;
                 }
                 try {
-                    const RunNumber at{start, number++};
-                    const auto old = known.find(at);
-                    const bool have = old != known.end() && old->second.parameters == m.problem.space.physical(unit);
-                    Evaluation e = have ? std::move(old->second) : m.evaluate(unit, method.uses_gradient);
-                    if (have) {
-                        ++kept;
-                    } else {
-                        m.keep(at, e);
-                    }
-                    progress.add(1, !have);
+                    Evaluation e = chain.at(unit);
                     if (!e.converged()) {
                         return optimise::Answer::no_answer;
                     }
@@ -161,7 +239,7 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
                         end.evaluation = std::move(e);
                     }
                     return optimise::Answer::computed;
-                } catch (...) { // the store failed: no exception crosses the optimiser
+                } catch (...) { // interrupted, or the store failed: no exception crosses the optimiser
                     failure = std::current_exception();
                     return optimise::Answer::stop;
                 }
@@ -170,16 +248,11 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
             if (failure) {
                 std::rethrow_exception(failure);
             }
-            if (!method.uses_gradient && !end.search.unit.empty() && !interrupted()) {
+            if (!method.uses_gradient && !end.search.unit.empty()) {
                 end.evaluation = m.evaluate(end.search.unit, true);
             }
-            progress.note("searches " + std::to_string(++finished) + "/" + std::to_string(starts.size()));
         });
-    }
-    tally_.computed = m.computed;
-    tally_.kept += kept;
-    tally_.seconds += seconds_since(begin);
-    if (interrupted()) {
+    if (!finished) {
         return std::nullopt;
     }
     return ends;

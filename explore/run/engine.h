@@ -27,7 +27,22 @@ struct Tally {
     std::int64_t computed = 0; // by this process
     std::int64_t kept = 0;     // were in the store
     double seconds = 0.0;
+    double forward_cpu_seconds = 0.0; // processor time of the forward runs, all threads
 };
+
+// Evaluations with derivatives that follow from each other: what a chain asks for next depends on what it was answered.
+// A chain that was cut off is replayed: it asks for the same points again and is answered from the store until it gets
+// to new ones.
+class Chain {
+public:
+    virtual ~Chain() = default;
+    // Throws Interrupted, and pave::Error when the store fails.
+    virtual problem::Evaluation at(std::span<const double> unit) = 0;
+};
+struct Interrupted {};
+
+// The ranges of start numbers of a run that different kinds of chains keep their evaluations under.
+inline constexpr int chain_range = 100'000;
 
 class Engine {
 public:
@@ -36,12 +51,17 @@ public:
     ~Engine();
 
     // Evaluations of the design's points, in run order. Nothing: interrupted (what was finished is in the store).
-    std::optional<std::vector<problem::Evaluation>> evaluate(const search::Design& design);
+    std::optional<std::vector<problem::Evaluation>> evaluate(const search::Design& design, bool with_jacobian = false);
 
-    // Local searches from these points of the unit cube. Nothing: interrupted.
+    // Local searches from these points of the unit cube; search i is kept as start first + i. Nothing: interrupted.
     std::optional<std::vector<Endpoint>> search(const std::vector<std::vector<double>>& starts,
                                                 const optimise::Method& method,
-                                                const optimise::SearchSettings& settings);
+                                                const optimise::SearchSettings& settings, int first = 0);
+
+    // body(i, chain) for i in [0, count), in parallel; what chain i asks for is kept as start first + i. False:
+    // interrupted.
+    bool chains(const std::string& what, int first, std::size_t count,
+                const std::function<void(std::size_t i, Chain& chain)>& body);
 
     // One evaluation with derivatives, not kept.
     problem::Evaluation evaluate_one(std::span<const double> unit);
@@ -49,6 +69,9 @@ public:
     const Tally& tally() const { return tally_; }
 
 private:
+    bool run_chains(const std::string& what, int first, std::size_t count, bool with_jacobian,
+                    const std::function<void(std::size_t i, Chain& chain)>& body);
+
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
     Tally tally_;

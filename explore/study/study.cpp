@@ -568,6 +568,26 @@ problem::Problem make_problem(const Study& study, Scope scope) {
     return problem_of(study, loads, misfit_of(study, rows, factor));
 }
 
+problem::Problem make_noise_problem(const Study& study, Scope scope) {
+    problem::Problem p = make_problem(study, scope);
+    if (study.noise == NoiseSource::estimated) {
+        return p;
+    }
+    std::vector<double> measured(study.responses(), 0.0);
+    for (std::size_t i = 0; i < study.measurements.size(); ++i) {
+        measured[i] = study.measurements[i].value * study.measurements[i].unit.to_si;
+    }
+    std::vector<problem::Misfit::Term> terms(p.misfit.terms().begin(), p.misfit.terms().end());
+    const Eigen::VectorXd slopes = p.misfit.slopes(measured);
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+        // factor^2 is the weight; d(residual)/d(reading) = factor * slope of the residual alone.
+        const double weight = terms[i].factor * terms[i].factor;
+        terms[i].factor = weight / (slopes[static_cast<Eigen::Index>(i)] * study.sigma[terms[i].response]);
+    }
+    p.misfit = problem::Misfit(p.misfit.kind(), std::move(terms));
+    return p;
+}
+
 problem::Problem make_problem(const Study& study, const Group& group) {
     std::vector<bool> loads(study.model.loads.size(), false);
     loads[static_cast<std::size_t>(study.model.sensors[group.rows[0]].load)] = true;

@@ -80,6 +80,10 @@ problem::Problem make_problem(const Study& study, Scope scope = Scope::everythin
 // One group of readings alone, each with weight 1.
 problem::Problem make_problem(const Study& study, const Group& group);
 
+// The fitted readings with every residual in units of its noise at the measured value: what statements of probability
+// need. Weights count as variances. The same as make_problem where the noise is not stated.
+problem::Problem make_noise_problem(const Study& study, Scope scope);
+
 // The misfit of these measurements alone, each with weight 1.
 problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows);
 

@@ -1,0 +1,36 @@
+#include "landscape/acceptance.h"
+
+#include <cmath>
+#include <gsl/gsl_cdf.h>
+
+namespace explore::landscape {
+
+double Acceptance::noise() const {
+    return std::sqrt(variance);
+}
+
+std::optional<Acceptance> acceptance_of(const problem::Problem& problem, const Minimum& best, bool noise_is_stated) {
+    constexpr double level = 0.95;
+    constexpr double contradicted = 0.01;
+    Acceptance a;
+    a.noise_is_stated = noise_is_stated;
+    a.degrees_of_freedom = static_cast<int>(problem.misfit.size() + best.on_bound.size()) - problem.space.dimension();
+    const double sum = best.evaluation.misfit * best.evaluation.misfit;
+    const double dof = a.degrees_of_freedom;
+    if (noise_is_stated) {
+        a.chi2 = sum;
+        a.p_value = a.degrees_of_freedom > 0 ? gsl_cdf_chisq_Q(sum, dof) : 1.0;
+        a.widened = a.p_value < contradicted;
+    } else if (a.degrees_of_freedom <= 0) {
+        return std::nullopt;
+    }
+    if (noise_is_stated && !a.widened) {
+        a.threshold = gsl_cdf_chisq_Pinv(level, 1.0);
+    } else {
+        a.variance = std::max(sum / dof, 1e-24);
+        a.threshold = gsl_cdf_fdist_Pinv(level, 1.0, dof);
+    }
+    return a;
+}
+
+} // namespace explore::landscape

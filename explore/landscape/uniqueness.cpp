@@ -1,0 +1,520 @@
+#include "landscape/uniqueness.h"
+
+#include "base/random.h"
+#include "landscape/multistart.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace explore::landscape {
+namespace {
+
+using Eigen::VectorXd;
+
+// Which start numbers the chains of each part are kept under.
+enum Part { searches, verification, polishing, passes, traces, profiles, predictions, groups, parts };
+int first_of(Part part, int round = 0) {
+    return (round * parts + part) * run::chain_range;
+}
+
+constexpr std::string_view search_method = "gauss-newton";
+
+class Analysis {
+public:
+    Analysis(const UniquenessTask& task, const UniquenessSettings& settings) : task_(task), settings_(settings) {}
+
+    std::optional<Uniqueness> run() {
+        if (!explore() || !search()) {
+            return std::nullopt;
+        }
+        if (result_.minima.empty()) {
+            result_.missing.emplace_back("not one explored point has an answer");
+            return std::move(result_);
+        }
+        constexpr int most_rounds = 4; // a walk that finds a better minimum begins a new round
+        for (int round = 0; round < most_rounds; ++round) {
+            result_.acceptance = acceptance_of(task_.fitted, result_.minima[0], task_.noise_is_stated);
+            if (!result_.acceptance) {
+                result_.missing.emplace_back(
+                    "the noise of the readings: none is stated, and there are not more readings "
+                    "than parameters to estimate it from");
+                break;
+            }
+            std::vector<std::vector<double>> better;
+            if (!around_minimum(round, better)) {
+                return std::nullopt;
+            }
+            if (better.empty()) {
+                break;
+            }
+            if (round + 1 == most_rounds) {
+                result_.missing.emplace_back("the best minimum: walks from the minima kept finding lower ones");
+                break;
+            }
+            if (!polish(better, round)) {
+                return std::nullopt;
+            }
+        }
+        if (result_.acceptance && task_.groups.size() > 1 && !compare_groups()) {
+            return std::nullopt;
+        }
+        classify();
+        project();
+        judge();
+        return std::move(result_);
+    }
+
+private:
+    optimise::SearchSettings search_settings() const {
+        optimise::SearchSettings s;
+        s.max_evaluations = settings_.max_evaluations;
+        return s;
+    }
+
+    bool explore() {
+        result_.sample = search::sobol(task_.fitted.space, settings_.explore, task_.seed);
+        auto explored = task_.fitted_engine.evaluate(result_.sample, true);
+        if (!explored) {
+            return false;
+        }
+        result_.explored = std::move(*explored);
+        return true;
+    }
+
+    // Searches from the sample's own minima, then from independent starts until enough of them found nothing new.
+    bool search() {
+        const int dimension = task_.fitted.space.dimension();
+        const int neighbours = 2 * dimension;
+        std::vector<double> misfit;
+        std::vector<VectorXd> gradients;
+        for (const auto& e : result_.explored) {
+            misfit.push_back(e.misfit);
+            gradients.push_back(e.converged() ? VectorXd(task_.fitted.residual_jacobian(e).transpose() *
+                                                         task_.fitted.misfit.residuals(e.responses))
+                                              : VectorXd());
+        }
+        result_.tree = merge_tree(result_.sample.points, misfit, neighbours);
+        auto from = unlinked_points(result_.sample.points, misfit, gradients, neighbours);
+        if (from.empty()) {
+            return true;
+        }
+        const auto most = static_cast<std::size_t>(std::max(1, settings_.max_searches - settings_.verify));
+        from.resize(std::min(from.size(), most));
+        std::vector<std::vector<double>> starts;
+        for (const std::size_t i : from) {
+            starts.push_back(result_.sample.points[i]);
+        }
+        const auto& method = *optimise::find_method(search_method);
+        auto ends = task_.fitted_engine.search(starts, method, search_settings(), first_of(searches));
+        if (!ends) {
+            return false;
+        }
+        ends_ = std::move(*ends);
+        const pave::RandomStream random(task_.seed, 0x5eedULL);
+        int drawn = 0;
+        while (true) {
+            group();
+            result_.unseen = count_unseen();
+            const int left = settings_.max_searches - static_cast<int>(ends_.size());
+            const int wanted = std::min(settings_.verify - result_.unseen.since_new, left);
+            if (wanted <= 0) {
+                return true;
+            }
+            starts.clear();
+            for (int i = 0; i < wanted; ++i) {
+                std::vector<double> unit;
+                for (int k = 0; k < dimension; ++k) {
+                    unit.push_back(random.uniform(static_cast<std::uint64_t>((drawn + i) * dimension + k)));
+                }
+                starts.push_back(std::move(unit));
+            }
+            auto more = task_.fitted_engine.search(starts, method, search_settings(), first_of(verification) + drawn);
+            if (!more) {
+                return false;
+            }
+            drawn += wanted;
+            std::move(more->begin(), more->end(), std::back_inserter(ends_));
+        }
+    }
+
+    void group() {
+        result_.minima = distinct_minima(ends_, task_.fitted, task_.noise_is_stated ? 1.0 : 0.0);
+        home_.clear();
+        for (std::size_t m = 0; m < result_.minima.size(); ++m) {
+            for (const int start : result_.minima[m].members) {
+                home_[start] = static_cast<int>(m);
+            }
+        }
+    }
+
+    Unseen count_unseen() const {
+        // Number the minima so that those known from the sample come first.
+        std::vector<int> number(result_.minima.size(), -1);
+        int known = 0;
+        for (std::size_t m = 0; m < result_.minima.size(); ++m) {
+            const auto& members = result_.minima[m].members;
+            if (std::any_of(members.begin(), members.end(), [](int s) { return s < run::chain_range; })) {
+                number[m] = known++;
+            }
+        }
+        int next = known;
+        std::vector<int> found;
+        for (const auto& end : ends_) {
+            if (end.start < run::chain_range || end.start >= first_of(polishing)) {
+                continue;
+            }
+            const auto home = home_.find(end.start);
+            if (home == home_.end() || !end.search.converged) {
+                found.push_back(-1);
+                continue;
+            }
+            int& n = number[static_cast<std::size_t>(home->second)];
+            n = n < 0 ? next++ : n;
+            found.push_back(n);
+        }
+        return unseen(found, known);
+    }
+
+    bool polish(const std::vector<std::vector<double>>& from, int round) {
+        auto ends = task_.fitted_engine.search(from, *optimise::find_method(search_method), search_settings(),
+                                               first_of(polishing, round));
+        if (!ends) {
+            return false;
+        }
+        std::move(ends->begin(), ends->end(), std::back_inserter(ends_));
+        group();
+        return true;
+    }
+
+    // Directions, passes, traces, profiles and predictions at the minima that the data accept.
+    bool around_minimum(int round, std::vector<std::vector<double>>& better) {
+        const Acceptance& acceptance = *result_.acceptance;
+        const problem::Problem& problem = task_.fitted;
+        const double best_misfit = result_.minima[0].evaluation.misfit;
+        result_.directions = directions(problem, acceptance, result_.minima[0]);
+        result_.accepted.clear();
+        constexpr std::size_t most_accepted = 6;
+        for (std::size_t m = 0; m < result_.minima.size() && result_.accepted.size() < most_accepted; ++m) {
+            if (acceptance.rise(result_.minima[m].evaluation.misfit, best_misfit) < acceptance.threshold) {
+                result_.accepted.push_back(m);
+            }
+        }
+        if (!find_passes(round, best_misfit)) {
+            return false;
+        }
+
+        result_.traces.clear();
+        if (!result_.directions.flat.empty()) {
+            result_.traces.resize(2);
+            const bool finished =
+                task_.fitted_engine.chains("valley", first_of(traces, round), 2, [&](std::size_t i, run::Chain& chain) {
+                    const VectorXd v = result_.directions.vectors.back();
+                    result_.traces[i] =
+                        trace_valley(chain, problem, acceptance, result_.minima[0], i == 0 ? VectorXd(-v) : v);
+                });
+            if (!finished) {
+                return false;
+            }
+        }
+
+        const auto d = static_cast<std::size_t>(problem.space.dimension());
+        std::vector<Quantity> quantities;
+        for (std::size_t k = 0; k < d; ++k) {
+            quantities.push_back(coordinate(k));
+        }
+        std::vector<Quantity> predicted;
+        for (const std::size_t i : task_.outputs) {
+            predicted.push_back(response(task_.everything.space, i));
+        }
+        auto walked = walk_all(task_.fitted_engine, problem, quantities, "profile", first_of(profiles, round), nullptr);
+        if (!walked) {
+            return false;
+        }
+        result_.parameters = std::move(*walked);
+        for (std::size_t k = 0; k < d; ++k) {
+            Range& range = result_.parameters[k];
+            range.low = problem.space.axes[k].physical(range.low);
+            range.high = problem.space.axes[k].physical(range.high);
+        }
+        result_.outputs.clear();
+        if (!predicted.empty()) {
+            // The minima once more, with every response.
+            std::vector<Minimum> complete;
+            for (const std::size_t m : result_.alternative_of) {
+                Minimum minimum = result_.minima[m];
+                minimum.evaluation = task_.everything_engine.evaluate_one(minimum.unit);
+                complete.push_back(std::move(minimum));
+            }
+            if (std::all_of(complete.begin(), complete.end(), [](const auto& m) { return m.evaluation.converged(); })) {
+                auto ranges = walk_all(task_.everything_engine, task_.everything, predicted, "outputs",
+                                       first_of(predictions, round), &complete);
+                if (!ranges) {
+                    return false;
+                }
+                result_.outputs = std::move(*ranges);
+                result_.minima[0].evaluation = complete[0].evaluation;
+            } else {
+                result_.missing.emplace_back("the outputs: the model of a load that is only predicted has no answer at "
+                                             "the best minimum");
+            }
+        }
+        const auto collect = [&](const Branch& branch) {
+            if (branch.end == WalkEnd::better) {
+                better.push_back(branch.points.back().unit);
+            }
+        };
+        std::for_each(result_.traces.begin(), result_.traces.end(), collect);
+        for (const auto* list : {&result_.parameters, &result_.outputs}) {
+            for (const Range& range : *list) {
+                std::for_each(range.branches.begin(), range.branches.end(), collect);
+            }
+        }
+        return true;
+    }
+
+    bool find_passes(int round, double best_misfit) {
+        const Acceptance& acceptance = *result_.acceptance;
+        const auto& accepted = result_.accepted;
+        result_.passes.clear();
+        for (std::size_t i = 0; i < accepted.size(); ++i) {
+            for (std::size_t j = i + 1; j < accepted.size(); ++j) {
+                result_.passes.push_back({accepted[i], accepted[j], {}});
+            }
+        }
+        const std::size_t n = result_.passes.size();
+        std::vector<std::vector<ProfilePoint>> ways(2 * n);
+        bool finished = n == 0 || task_.fitted_engine.chains(
+                                      "passes", first_of(passes, round), 2 * n, [&](std::size_t i, run::Chain& chain) {
+                                          const auto& p = result_.passes[i / 2];
+                                          const auto& a = result_.minima[i % 2 == 0 ? p.a : p.b];
+                                          const auto& b = result_.minima[i % 2 == 0 ? p.b : p.a];
+                                          ways[i] = approach(chain, task_.fitted, acceptance, a, b, best_misfit);
+                                      });
+        finished = finished &&
+                   (n == 0 || task_.fitted_engine.chains("passes", first_of(passes, round) + static_cast<int>(2 * n), n,
+                                                         [&](std::size_t i, run::Chain& chain) {
+                                                             result_.passes[i].pass =
+                                                                 pass_between(chain, acceptance, ways[2 * i],
+                                                                              ways[2 * i + 1], best_misfit);
+                                                         }));
+        // Minima that an acceptable way joins are one answer.
+        std::vector<std::size_t> part(result_.minima.size());
+        std::iota(part.begin(), part.end(), 0);
+        for (std::size_t again = 0; again < accepted.size(); ++again) {
+            for (const auto& p : result_.passes) {
+                if (p.pass.rise < acceptance.threshold) {
+                    part[p.a] = part[p.b] = std::min(part[p.a], part[p.b]);
+                }
+            }
+        }
+        result_.alternative_of.clear();
+        for (const std::size_t m : accepted) {
+            if (part[m] == m) {
+                result_.alternative_of.push_back(m);
+            }
+        }
+        return finished;
+    }
+
+    // Down and up from every alternative, for every quantity. minima: in place of the alternatives themselves.
+    std::optional<std::vector<Range>> walk_all(run::Engine& engine, const problem::Problem& problem,
+                                               const std::vector<Quantity>& quantities, const std::string& what,
+                                               int first, const std::vector<Minimum>* minima) {
+        const Acceptance& acceptance = *result_.acceptance;
+        const double best_misfit = result_.minima[0].evaluation.misfit;
+        const std::size_t alternatives = result_.alternative_of.size();
+        const auto minimum = [&](std::size_t a) -> const Minimum& {
+            return minima != nullptr ? (*minima)[a] : result_.minima[result_.alternative_of[a]];
+        };
+        std::vector<Branch> branches(2 * alternatives * quantities.size());
+        if (!engine.chains(what, first, branches.size(), [&](std::size_t i, run::Chain& chain) {
+                branches[i] = walk(chain, problem, acceptance, minimum((i / 2) % alternatives), best_misfit,
+                                   quantities[i / (2 * alternatives)], i % 2 == 0 ? -1 : 1);
+            })) {
+            return std::nullopt;
+        }
+        std::vector<Range> ranges(quantities.size());
+        for (std::size_t q = 0; q < quantities.size(); ++q) {
+            Range& range = ranges[q];
+            range.low = std::numeric_limits<double>::infinity();
+            range.high = -range.low;
+            for (std::size_t a = 0; a < alternatives; ++a) {
+                for (const int side : {0, 1}) {
+                    Branch& branch = branches[2 * (q * alternatives + a) + static_cast<std::size_t>(side)];
+                    if (side == 0 && branch.limit < range.low) {
+                        range.low = branch.limit;
+                        range.low_end = branch.end;
+                        range.low_bounds = branch.on_bound;
+                        range.low_set = problem.space.physical(branch.limit_unit);
+                    }
+                    if (side == 1 && branch.limit > range.high) {
+                        range.high = branch.limit;
+                        range.high_end = branch.end;
+                        range.high_bounds = branch.on_bound;
+                        range.high_set = problem.space.physical(branch.limit_unit);
+                    }
+                    range.branches.push_back(std::move(branch));
+                }
+            }
+        }
+        return ranges;
+    }
+
+    bool compare_groups() {
+        std::vector<std::vector<double>> starts{result_.minima[0].unit};
+        const auto lowest = run::distinct_starts(result_.sample, result_.explored, 3, 0.25);
+        for (const std::size_t i : lowest) {
+            starts.push_back(result_.sample.points[i]);
+        }
+        result_.conflict = conflict_of(task_.fitted_engine, task_.fitted, *result_.acceptance, result_.minima[0],
+                                       task_.groups, starts, first_of(groups, 99));
+        return result_.conflict.has_value();
+    }
+
+    void classify() {
+        for (const auto& end : ends_) {
+            ClassifiedEnd c;
+            c.start = end.start;
+            c.evaluations = end.search.evaluations;
+            const auto home = home_.find(end.start);
+            c.minimum = home == home_.end() ? -1 : home->second;
+            if (end.search.unit.empty() || !end.search.converged) {
+                c.why = end.search.ended;
+                result_.ends.push_back(std::move(c));
+                continue;
+            }
+            const auto met = bounds_met(task_.fitted.space, end.search.unit);
+            for (const auto& bound : met) {
+                c.why += (c.why.empty() ? "" : ", ") + bound;
+            }
+            bool flat = false;
+            if (result_.acceptance) {
+                Minimum here;
+                here.unit = end.search.unit;
+                here.evaluation = end.evaluation;
+                here.on_bound = met;
+                flat = !directions(task_.fitted, *result_.acceptance, here).flat.empty();
+            }
+            c.kind = flat ? EndKind::valley : met.empty() ? EndKind::interior : EndKind::bound;
+            result_.ends.push_back(std::move(c));
+        }
+    }
+
+    // Everything that was computed along the way, by cells of every pair of parameters.
+    void project() {
+        constexpr int cells = 16;
+        std::vector<std::pair<std::vector<double>, double>> points;
+        const auto add = [&](const std::vector<double>& unit, const problem::Evaluation& e) {
+            points.emplace_back(unit, e.misfit);
+        };
+        for (std::size_t i = 0; i < result_.explored.size(); ++i) {
+            add(result_.sample.points[i], result_.explored[i]);
+        }
+        for (const auto& end : ends_) {
+            if (!end.search.unit.empty()) {
+                add(end.search.unit, end.evaluation);
+            }
+        }
+        const auto add_branch = [&](const Branch& branch) {
+            for (const auto& p : branch.points) {
+                add(p.unit, p.evaluation);
+            }
+        };
+        std::for_each(result_.traces.begin(), result_.traces.end(), add_branch);
+        for (const Range& range : result_.parameters) {
+            std::for_each(range.branches.begin(), range.branches.end(), add_branch);
+        }
+        const auto d = static_cast<std::size_t>(task_.fitted.space.dimension());
+        for (std::size_t x = 0; x < d; ++x) {
+            for (std::size_t y = x + 1; y < d; ++y) {
+                Projection p{x, y, cells, {}};
+                p.misfit.assign(cells * cells, std::numeric_limits<double>::quiet_NaN());
+                const auto cell = [](double unit) { return std::min(cells - 1, static_cast<int>(unit * cells)); };
+                for (const auto& [unit, misfit] : points) {
+                    double& value = p.misfit[static_cast<std::size_t>(cell(unit[x]) + cells * cell(unit[y]))];
+                    if (!std::isnan(misfit) && !(value <= misfit)) {
+                        value = misfit;
+                    }
+                }
+                result_.projections.push_back(std::move(p));
+            }
+        }
+    }
+
+    void judge() {
+        if (!result_.acceptance) {
+            return;
+        }
+        result_.alternatives = result_.alternative_of.size() > 1;
+        // A set the data accept that reaches over more than half of what the study allows for a parameter, or over a
+        // fifth when it is the box that ends it on both sides.
+        constexpr double wide = 0.5;
+        constexpr double cut_off = 0.2;
+        bool incomplete = false;
+        for (std::size_t k = 0; k < result_.parameters.size(); ++k) {
+            const problem::Axis& axis = task_.fitted.space.axes[k];
+            const Range& range = result_.parameters[k];
+            const double reach = axis.unit(range.high) - axis.unit(range.low);
+            const bool flat = kind_of(range) == ProfileKind::flat;
+            result_.valley = result_.valley || reach > (flat ? cut_off : wide);
+            incomplete = incomplete || kind_of(range) == ProfileKind::incomplete;
+        }
+        for (std::size_t k = 0; k < static_cast<std::size_t>(task_.fitted.space.dimension()); ++k) {
+            double low = 1.0;
+            double high = 0.0;
+            for (const Branch& trace : result_.traces) {
+                for (const auto& p : trace.points) {
+                    if (p.rise < result_.acceptance->threshold) {
+                        low = std::min(low, p.unit[k]);
+                        high = std::max(high, p.unit[k]);
+                    }
+                }
+            }
+            result_.valley = result_.valley || high - low > wide;
+        }
+        if (!result_.minima[0].converged) {
+            result_.missing.emplace_back("a finished search: the best one met its limit of evaluations");
+        }
+        const auto unfinished = std::count_if(result_.ends.begin(), result_.ends.end(),
+                                              [](const auto& e) { return e.kind == EndKind::unfinished; });
+        if (2 * static_cast<std::size_t>(unfinished) > result_.ends.size()) {
+            result_.missing.emplace_back("searches: more than half of them ended unfinished");
+        }
+        if (incomplete) {
+            result_.missing.emplace_back("a profile: points without an answer or the limit of steps stopped it");
+        }
+        if (result_.valley || result_.alternatives) {
+            result_.verdict = Verdict::non_unique;
+        } else {
+            result_.verdict = result_.missing.empty() ? Verdict::unique : Verdict::undecided;
+        }
+    }
+
+    const UniquenessTask& task_;
+    const UniquenessSettings& settings_;
+    Uniqueness result_;
+    std::vector<run::Endpoint> ends_;
+    std::map<int, int> home_; // minimum of a start
+};
+
+} // namespace
+
+ProfileKind kind_of(const Range& range) {
+    const auto incomplete = [](WalkEnd end) {
+        return end == WalkEnd::hole || end == WalkEnd::limit || end == WalkEnd::better;
+    };
+    if (incomplete(range.low_end) || incomplete(range.high_end)) {
+        return ProfileKind::incomplete;
+    }
+    const bool low = range.low_end == WalkEnd::threshold;
+    const bool high = range.high_end == WalkEnd::threshold;
+    return low && high ? ProfileKind::bounded : low || high ? ProfileKind::one_sided : ProfileKind::flat;
+}
+
+std::optional<Uniqueness> uniqueness(const UniquenessTask& task, const UniquenessSettings& settings) {
+    return Analysis(task, settings).run();
+}
+
+} // namespace explore::landscape

@@ -1,0 +1,109 @@
+#include "study/candidates.h"
+
+#include "base/units.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace explore::study {
+
+namespace unit = pave::unit;
+using pave::pavement::Load;
+using pave::pavement::LoadType;
+using pave::pavement::Quantity;
+
+namespace {
+
+constexpr double raised = 1.5; // pressure of a second drop
+
+std::vector<data::Measurement> readings(const Study& study, const Load& load, bool deflections_only) {
+    const auto& layers = study.model.layers;
+    const auto unit_of = [](std::string_view name) {
+        const auto all = data::units();
+        return *std::find_if(all.begin(), all.end(), [&](const data::Unit& u) { return u.name == name; });
+    };
+    std::vector<data::Measurement> list;
+    const auto add = [&](Quantity quantity, double x_mm, double depth_mm, double gauge_mm) {
+        const auto& about = info(quantity);
+        data::Measurement m{.load = load.name,
+                            .quantity = std::string(about.name),
+                            .x_mm = x_mm,
+                            .depth_mm = depth_mm,
+                            .gauge_mm = gauge_mm,
+                            .unit = unit_of(about.unit),
+                            .sigma = std::nullopt,
+                            .file = study.file};
+        const bool taken =
+            std::any_of(study.measurements.begin(), study.measurements.end(), [&](const data::Measurement& old) {
+                return old.load == m.load && old.quantity == m.quantity && std::abs(old.x_mm - m.x_mm) < 1.0 &&
+                       old.y_mm == 0.0 && std::abs(old.depth_mm - m.depth_mm) < 1.0;
+            });
+        if (!taken) {
+            list.push_back(std::move(m));
+        }
+    };
+    for (const double x : {0.0, 200.0, 300.0, 450.0, 600.0, 900.0, 1200.0, 1500.0, 1800.0}) {
+        add(Quantity::deflection, x, 0.0, 0.0);
+    }
+    if (deflections_only) {
+        return list;
+    }
+    constexpr double gauge = 75.0;
+    const double under = 0.5 * load.spacing / unit::mm; // the centre of a tyre
+    double top = 0.0;                                   // mm
+    for (std::size_t l = 0; l < layers.size(); ++l) {
+        const double thickness = layers[l].thickness / unit::mm;
+        const bool last = l + 1 == layers.size();
+        if (l == 0 && !last) {
+            add(Quantity::strain_xx, under, top + thickness - 1.0, 0.0);
+        } else if (thickness > gauge) {
+            add(Quantity::strain_zz, under, last ? top + 0.5 * gauge : top + 0.5 * thickness, gauge);
+        }
+        if (last && thickness > gauge) {
+            add(Quantity::stress_zz, under, top + 0.5 * gauge, 0.0);
+        }
+        top += thickness;
+    }
+    return list;
+}
+
+} // namespace
+
+Candidates candidates(const Study& study) {
+    Candidates result;
+    Study extended = study;
+    std::vector<data::Measurement> list;
+    for (const Load& load : study.model.loads) {
+        auto more = readings(study, load, false);
+        std::move(more.begin(), more.end(), std::back_inserter(list));
+    }
+    for (const Load& load : study.model.loads) {
+        if (load.type == LoadType::plate) {
+            Load second = load;
+            second.name = fmt::format("{} at {:g} times the pressure", load.name, raised);
+            second.pressure *= raised;
+            extended.model.loads.push_back(second);
+            auto more = readings(study, second, true);
+            std::move(more.begin(), more.end(), std::back_inserter(list));
+        }
+    }
+    for (const auto& m : list) {
+        std::string where = m.quantity == "deflection" ? "" : fmt::format(", {:g} mm deep", m.depth_mm);
+        result.names.push_back(fmt::format("{} at {:g} mm{} under {}", m.quantity, m.x_mm, where, m.load));
+    }
+    result.study = with_measurements(std::move(extended), std::move(list));
+    return result;
+}
+
+double candidate_noise(Quantity quantity, double value) {
+    switch (quantity) {
+    case Quantity::deflection: return std::hypot(0.02 * value, 2e-6);
+    case Quantity::strain_zz:
+    case Quantity::strain_xx:
+    case Quantity::strain_yy: return std::hypot(0.05 * value, 10e-6);
+    default: return std::hypot(0.10 * value, 2.0 * unit::kPa);
+    }
+}
+
+} // namespace explore::study
