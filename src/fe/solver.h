@@ -62,10 +62,13 @@ public:
     void move(const Model<Element>& model);
 
     // load: force on every free unknown [N] at load factor 1. d(load)/d(load_factor) = load.
+    // springs: stiffness of each spring of the model [Pa/m].
     Outcome<Solution<Element>> incremental(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
-                                           const std::vector<Variation>& variations, const SolverSettings& settings);
+                                           const std::vector<Variation>& variations, const SolverSettings& settings,
+                                           const std::vector<double>& springs = {});
     Outcome<Solution<Element>> secant(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
-                                      const std::vector<Variation>& variations, const SolverSettings& settings);
+                                      const std::vector<Variation>& variations, const SolverSettings& settings,
+                                      const std::vector<double>& springs = {});
 
 private:
     struct Work;
