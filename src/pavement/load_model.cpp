@@ -87,6 +87,9 @@ public:
                 return Failure{Status::failed, "the solution is not a finite number"};
             }
         }
+        if (load.inertia) {
+            return with_inertia(std::move(reading), values, layers, solved.value(), force, own);
+        }
         return reading;
     }
 
@@ -103,6 +106,47 @@ private:
             stiffness.push_back(*plate);
         }
         return stiffness;
+    }
+
+    struct Own;
+
+    // What a pulse of the load adds to what is measured under it.
+    Outcome<Reading> with_inertia(Reading reading, const Case& values, const std::vector<fe::LayerMaterial>& layers,
+                                  const fe::Solution<Element>& solved, const Eigen::VectorXd& force, Own& own) const {
+        std::vector<std::size_t> rows;
+        std::vector<fe::Functional> functionals;
+        for (std::size_t i = 0; i < values.sensors.size(); ++i) {
+            if (values.sensors[i].load != load_ || !values.sensors[i].measured) {
+                continue;
+            }
+            rows.push_back(i);
+            const auto& o = own.observations[i];
+            auto& functional = functionals.emplace_back(o.on_displacement);
+            for (const auto& [q, weight, direction] : o.on_stress) { // stress = E C strain
+                const int e = q / Element::gauss;
+                const auto& layer = layers[static_cast<std::size_t>(own.model->topology->layer[e])];
+                const mechanics::Stiffness<Element::voigt> unit =
+                    fe::local_stiffness(layer, fe::position_of(*own.model, e, q % Element::gauss))
+                        .template topLeftCorner<Element::voigt, Element::voigt>();
+                typename Element::Vector on_element = Element::Vector::Zero();
+                Element::add_force(own.model->points[q], solved.modulus[q] * (unit * direction), weight, on_element);
+                for (int k = 0; k < Element::dofs; ++k) {
+                    if (const int unknown = own.model->topology->unknowns[e][k]; unknown >= 0) {
+                        functional.emplace_back(unknown, on_element[k]);
+                    }
+                }
+            }
+        }
+        fe::Pulse pulse;
+        pulse.inertia = *values.loads[load_].inertia;
+        const auto excess = own.solver->inertial_excess(solved, force, pulse, functionals);
+        if (!excess) {
+            return excess.failure();
+        }
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            reading.values[rows[k]] += (*excess)[k];
+        }
+        return reading;
     }
 
     struct Own : Workspace {
