@@ -186,21 +186,27 @@ void read_effect(const toml::table& table, Study& study) {
     reader.rename("effect \"" + std::string(effect.name) + "\"");
     applied.size = reader.number("size", effect.low, effect.high, false, effect.null);
     Case& model = study.model;
-    if (effect.takes_layer && reader.has("layer")) {
-        std::vector<std::string> names;
-        for (const Layer& layer : model.layers) {
-            names.push_back(layer.name);
+    if (effect.takes_layer) {
+        applied.layer = reader.text("layer", "");
+        const auto names = names_of(model.layers);
+        if (!applied.layer.empty() && std::find(names.begin(), names.end(), applied.layer) == names.end()) {
+            throw pave::Error(reader.place("layer"), "this layer is not in the study", "\"" + applied.layer + "\"",
+                              pave::join(names));
         }
-        applied.layer = names[reader.choice("layer", names)];
     }
-    if (effect.takes_load && reader.has("load")) {
-        applied.load = find_load(model, reader.text("load"), reader.place("load"));
+    if (effect.takes_load) {
+        if (const std::string load = reader.text("load", ""); !load.empty()) {
+            applied.load = find_load(model, load, reader.place("load"));
+        }
     }
-    if (effect.takes_quantity && reader.has("quantity")) {
-        applied.quantity = find_quantity(reader.text("quantity"), reader.place("quantity"));
+    if (effect.takes_quantity) {
+        if (const std::string quantity = reader.text("quantity", ""); !quantity.empty()) {
+            applied.quantity = find_quantity(quantity, reader.place("quantity"));
+        }
     }
-    if (effect.takes_reading && reader.has("reading")) {
-        applied.reading = reader.integer("reading", 1, std::max(1, static_cast<int>(study.measurements.size()))) - 1;
+    if (effect.takes_reading) {
+        const int last = std::max(1, static_cast<int>(study.measurements.size()));
+        applied.reading = reader.integer("reading", 1, last, 1) - 1;
     }
     reader.done();
     for (const AppliedEffect& other : model.effects) {

@@ -55,6 +55,7 @@ struct Pulse {
     double duration = 0.03; // s
     double damping = 0.05;  // ratio to the critical one of the material at the frequency 1/duration
     double inertia = 1.0;   // on mass and damping; 0: the static answer
+    bool absorbs = true;    // the wall absorbs; else it is smooth, as for a load at rest
 };
 
 // A linear functional of the displacement: (free unknown, weight).

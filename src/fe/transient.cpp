@@ -115,7 +115,7 @@ Outcome<std::vector<double>> Solver<Element>::inertial_excess(const Solution<Ele
             add(mass, e, Element::shape(at), pulse.inertia * density * weight * Element::point(x, at).weight, 0);
         });
         if constexpr (Element::dim == 2) {
-            if (x.row(0).maxCoeff() < wall) {
+            if (!pulse.absorbs || x.row(0).maxCoeff() < wall) {
                 continue;
             }
             // The shear wave speed on average over the element.
@@ -155,7 +155,7 @@ Outcome<std::vector<double>> Solver<Element>::inertial_excess(const Solution<Ele
     Eigen::VectorXd acceleration = u;
     std::vector<double> peak(readings.size(), 0.0);
     std::vector<double> value(readings.size(), 0.0);
-    std::vector<double> slope(readings.size(), 0.0); // per step
+    std::vector<double> slope(readings.size(), 0.0);    // per step
     for (int n = 1; n <= 4 * steps_of_pulse / 3; ++n) { // the farthest sensors lag by some milliseconds
         const double sine = n < steps_of_pulse ? std::sin(std::numbers::pi * n / steps_of_pulse) : 0.0;
         Eigen::VectorXd next = sine * sine * load;
