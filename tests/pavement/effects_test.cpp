@@ -7,6 +7,12 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
+namespace pave::pavement {
+void PrintTo(const Effect* effect, std::ostream* stream) {
+    *stream << effect->name;
+}
+} // namespace pave::pavement
+
 using namespace test;
 
 namespace {
@@ -377,6 +383,34 @@ TEST(SensorsThatErr, AreReadWhereTheyAreAndTimesTheirGain) {
     // What is asked for and not measured has no instrument.
     c.sensors[0].measured = false;
     EXPECT_EQ(why_impossible(c, {.effect = find_effect("outlier")}), "no such reading");
+}
+
+TEST(EffectsOnNumbers, AreTheSectionWithThoseNumbers) {
+    const Case c = axisymmetric_case();
+    const auto differs = [&](std::string_view name, double size, const auto& change) {
+        Case changed = c;
+        change(changed);
+        return largest_change(values_of(with(c, name, size)), values_of(changed));
+    };
+    EXPECT_EQ(differs("base-thickness", 20.0,
+                      [](Case& s) {
+                          s.layers[1].thickness += 0.02;
+                          s.layers[2].thickness -= 0.02;
+                      }),
+              0.0);
+    EXPECT_EQ(differs("base-residual-stress", 15.0, [](Case& s) { s.layers[1].residual_stress += 15e3; }), 0.0);
+    EXPECT_LT(differs("base-tension", std::log(2.0), [](Case& s) { s.layers[1].parameters[8] /= 2.0; }), 1e-9);
+    // Without shear_ratio 1/G13 = 1/E1 + (1 + 2 nu31)/E3.
+    EXPECT_LT(differs("shear-ratio", 0.5, [](Case& s) { s.layers[1].parameters[7] = 0.5 / (1.0 / 0.4 + 1.7); }), 1e-9);
+    // The modulus under the second load only.
+    const auto plain = values_of(c);
+    const auto rate = values_of(with(c, "asphalt-modulus-rate", 0.5));
+    Case soft = c;
+    soft.layers[0].parameters[0] *= 0.5;
+    const auto everywhere = values_of(soft);
+    for (std::size_t i = 0; i < plain.size(); ++i) {
+        EXPECT_EQ(rate[i], c.sensors[i].load == 0 ? plain[i] : everywhere[i]);
+    }
 }
 
 // The mean over a normal distribution, by the trapezium rule over 6 standard deviations instead of Gauss-Hermite.
