@@ -316,7 +316,7 @@ Model<Element> build(const Mesh& mesh, const Model<Element>* like,
 
 template <class Element>
 Eigen::Vector3d position_of(const Model<Element>& model, int element, int gauss) {
-    const Eigen::Matrix<double, Element::dim, 1> at =
+    Eigen::Matrix<double, Element::dim, 1> at =
         model.coordinates[element] * Element::shape(Element::gauss_positions()[gauss]);
     if constexpr (Element::dim == 2) {
         return {at[0], 0.0, at[1]};

@@ -485,6 +485,35 @@ TEST(Inertia, IsSmallForASlowPulseAndLiftsTheFarDeflectionsOfAFastOne) {
     EXPECT_GT(full[4] / plain[4], full[0] / plain[0]);
 }
 
+// The solver's own derivatives, by interface springs and by fields, in three dimensions.
+TEST(Effects, HaveTheirDerivativesInThreeDimensions) {
+    for (const std::string_view name :
+         {"interface-slip-base-subgrade", "anisotropy-distribution", "subgrade-depth-gradient"}) {
+        const Effect& e = *find_effect(name);
+        const Case c = with(solid_case(), e, e.typical);
+        const ForwardModel model(c);
+        const auto workspace = model.make_workspace();
+        const auto exact = model.run(c, {find_parameter(c, std::string(name) + ".size", {})}, *workspace);
+        ASSERT_TRUE(exact) << exact.failure().reason;
+        const double h = 1e-3 * (e.high - e.low);
+        std::vector<std::vector<double>> sides;
+        for (const double offset : {-h, h}) {
+            Case moved = c;
+            moved.effects[0].size += offset;
+            sides.push_back(model.run(moved, {}, *workspace)->values);
+        }
+        double most = 0.0;
+        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+            most = std::max(most, std::abs((sides[1][i] - sides[0][i]) / (2.0 * h) / exact->values[i]));
+        }
+        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+            EXPECT_NEAR(exact->jacobian(static_cast<Eigen::Index>(i), 0) / exact->values[i],
+                        (sides[1][i] - sides[0][i]) / (2.0 * h) / exact->values[i], 1e-3 * most)
+                << name << " " << i;
+        }
+    }
+}
+
 TEST(Effects, OfTwoOnOneLayerComposeInEitherOrder) {
     const Case c = shared_axisymmetric_case();
     const auto weak = with(with(c, "weak-subgrade-top", 0.7), "subgrade-stress-dependence", -1.0);
