@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "pavement/effects/effect.h"
 #include "report/table.h"
 
 #include <filesystem>
@@ -70,6 +71,9 @@ std::string study_summary(const study::Study& study) {
         text += fmt::format("{} {:g} mm ({}) / ", layer.name, layer.thickness / pave::unit::mm, layer.law->name());
     }
     text += "rigid floor\n";
+    for (const auto& applied : study.model.effects) {
+        text += fmt::format("  with {} = {:g} [{}]\n", applied.effect->name, applied.size, applied.effect->unit);
+    }
     return text;
 }
 

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
     cli::add_sensitivity(app, action);
     cli::add_unique(app, action);
     cli::add_twin(app, action);
+    cli::add_effects(app, action);
     cli::add_survey(app, action);
     cli::add_export(app, action);
     std::vector<std::string> names;

@@ -2,14 +2,34 @@
 #include "base/random.h"
 #include "cli/common.h"
 #include "data/csv.h"
+#include "pavement/effects/effect.h"
 
+#include <charconv>
 #include <fmt/format.h>
 
 namespace explore::cli {
 namespace {
 
-int twin(const CommonOptions& options, double noise) {
-    const study::Study study = study::load_study(options.study);
+// "NAME=SIZE"
+study::Study with_effect(study::Study study, const std::string& text) {
+    const pave::Place place{.key = "--effect"};
+    const auto equals = text.find('=');
+    double size = 0.0;
+    const char* const end = text.data() + text.size();
+    const char* const begin = equals == std::string::npos ? end : text.data() + equals + 1;
+    const auto read = std::from_chars(begin, end, size);
+    if (read.ec != std::errc() || read.ptr != end) {
+        throw pave::Error(place, "an effect is its name and its size", "\"" + text + "\"",
+                          "NAME=SIZE, such as weak-subgrade-top=0.7; `pavescape effects` lists them");
+    }
+    return study::with_effect(std::move(study), text.substr(0, equals), size, place);
+}
+
+int twin(const CommonOptions& options, double noise, const std::vector<std::string>& effects) {
+    study::Study study = study::load_study(options.study);
+    for (const std::string& effect : effects) {
+        study = with_effect(std::move(study), effect);
+    }
     if (study.measurements.empty()) {
         throw pave::Error({.file = study.file, .key = "data"}, "a twin needs a layout of sensors", {},
                           "[data] files = [...]: their values are replaced, their places kept");
@@ -21,8 +41,12 @@ int twin(const CommonOptions& options, double noise) {
         return computation_failed;
     }
     const pave::RandomStream random(options.seed, 1);
-    std::string text = fmt::format("# Synthetic: {}, noise {:g} of each value, seed {}\n{}\n", study.title, noise,
-                                   options.seed, data::measurement_header());
+    std::string text =
+        fmt::format("# Synthetic: {}, noise {:g} of each value, seed {}\n", study.title, noise, options.seed);
+    for (const auto& applied : study.model.effects) {
+        text += fmt::format("# effect: {} = {} [{}]\n", applied.effect->name, applied.size, applied.effect->unit);
+    }
+    text += fmt::format("{}\n", data::measurement_header());
     report::Json rows = report::Json::array();
     for (std::size_t i = 0; i < study.measurements.size(); ++i) {
         const auto& m = study.measurements[i];
@@ -58,10 +82,17 @@ void add_twin(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("twin", "synthetic data from the study, in the layout of its measurements");
     auto options = std::make_shared<CommonOptions>();
     auto noise = std::make_shared<double>(0.0);
+    auto effects = std::make_shared<std::vector<std::string>>();
     add_common(*command, *options);
+    command
+        ->add_option(
+            "--effect", *effects,
+            "NAME=SIZE: the data come from a section with this effect (repeatable; `pavescape effects` lists them)")
+        ->expected(1)
+        ->take_all();
     command->add_option("--noise", *noise, "standard deviation as a share of each value")->check(CLI::Range(0.0, 10.0));
     command->footer("Example: pavescape twin grids/captif-p1-fwd.toml --noise 0.02 --seed 7");
-    command->callback([=, &action] { action = [=] { return twin(*options, *noise); }; });
+    command->callback([=, &action] { action = [=] { return twin(*options, *noise, *effects); }; });
 }
 
 } // namespace explore::cli

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "pavement/effects/effect.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -26,7 +27,15 @@ Study load_survey_study(const std::string& file) {
                               "parameters of layers");
         }
     }
-    loads = {*std::find_if(loads.begin(), loads.end(), is_plate)};
+    const auto plate = std::find_if(loads.begin(), loads.end(), is_plate);
+    for (auto& applied : study.model.effects) {
+        if (applied.load && loads.begin() + *applied.load != plate) {
+            throw pave::Error({.file = file, .key = std::string(applied.effect->name)},
+                              "a survey knows the load of its deflectometer only", "another load", plate->name);
+        }
+        applied.load.reset();
+    }
+    loads = {*plate};
     return study;
 }
 

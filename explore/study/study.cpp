@@ -3,6 +3,7 @@
 #include "base/units.h"
 #include "data/csv.h"
 #include "material/catalog.h"
+#include "pavement/effects/catalog.h"
 #include "study/table_reader.h"
 
 #include <algorithm>
@@ -154,9 +155,68 @@ Output read_output(const toml::table& table, const std::string& file, const Case
     output.sensor.y = unit::mm * reader.number("y_mm", -1e5, 1e5, false, 0.0);
     output.sensor.depth = unit::mm * reader.number("depth_mm", 0.0, 1e5, false, 0.0);
     output.sensor.gauge = unit::mm * reader.number("gauge_mm", 0.0, 1e4, false, 0.0);
+    output.sensor.measured = false;
     reader.done();
     check_sensor(model, output.sensor, reader.place(""));
     return output;
+}
+
+std::vector<std::string> effect_names() {
+    std::vector<std::string> names;
+    for (const Effect* effect : effects()) {
+        names.emplace_back(effect->name);
+    }
+    return names;
+}
+
+// Throws pave::Error where the study cannot have the effect.
+void check_effect(const Study& study, const AppliedEffect& applied, const pave::Place& place) {
+    if (const std::string why = why_impossible(study.model, applied); !why.empty()) {
+        throw pave::Error(place, "the study cannot have this effect: " + why,
+                          "\"" + std::string(applied.effect->name) + "\"",
+                          "what it acts on: " + std::string(applied.effect->acts_on));
+    }
+}
+
+void read_effect(const toml::table& table, Study& study) {
+    TableReader reader(table, study.file, "[[effects]]");
+    AppliedEffect applied;
+    applied.effect = effects()[reader.choice("name", effect_names())];
+    const Effect& effect = *applied.effect;
+    reader.rename("effect \"" + std::string(effect.name) + "\"");
+    applied.size = reader.number("size", effect.low, effect.high, false, effect.null);
+    Case& model = study.model;
+    if (effect.takes_layer) {
+        applied.layer = reader.text("layer", "");
+        const auto names = names_of(model.layers);
+        if (!applied.layer.empty() && std::find(names.begin(), names.end(), applied.layer) == names.end()) {
+            throw pave::Error(reader.place("layer"), "this layer is not in the study", "\"" + applied.layer + "\"",
+                              pave::join(names));
+        }
+    }
+    if (effect.takes_load) {
+        if (const std::string load = reader.text("load", ""); !load.empty()) {
+            applied.load = find_load(model, load, reader.place("load"));
+        }
+    }
+    if (effect.takes_quantity) {
+        if (const std::string quantity = reader.text("quantity", ""); !quantity.empty()) {
+            applied.quantity = find_quantity(quantity, reader.place("quantity"));
+        }
+    }
+    if (effect.takes_reading) {
+        const int last = std::max(1, static_cast<int>(study.measurements.size()));
+        applied.reading = reader.integer("reading", 1, last, 1) - 1;
+    }
+    reader.done();
+    for (const AppliedEffect& other : model.effects) {
+        if (other.effect == applied.effect) {
+            throw pave::Error(reader.place("name"), "this effect stands twice", "\"" + std::string(effect.name) + "\"",
+                              "each once");
+        }
+    }
+    check_effect(study, applied, reader.place("name"));
+    model.effects.push_back(std::move(applied));
 }
 
 void read_parameter(const toml::table& table, Study& study) {
@@ -192,6 +252,9 @@ void read_parameter(const toml::table& table, Study& study) {
         }
     }
     reader.done();
+    if (parameter.in_effect) {
+        study.model.effects[parameter.owner].present = true;
+    }
     study.parameters.push_back(parameter);
     study.space.axes.push_back(std::move(axis));
 }
@@ -498,6 +561,9 @@ Study load_study(const std::string& file, Readings readings) {
     if (!study.extent_is_stated) {
         study.model.settings.extent = study.model.default_extent();
     }
+    for (const auto* effect : reader.tables("effects")) {
+        read_effect(*effect, study);
+    }
     for (const auto* parameter : reader.tables("parameters")) {
         read_parameter(*parameter, study);
     }
@@ -527,6 +593,30 @@ Study with_measurements(Study study, std::vector<data::Measurement> measurements
         study.model.settings.extent = study.model.default_extent();
     }
     study.hash = hash_of(study.hash, study.measurements);
+    return study;
+}
+
+Study with_effect(Study study, const std::string& name, double size, const pave::Place& place) {
+    const Effect* effect = find_effect(name);
+    if (effect == nullptr) {
+        const auto names = effect_names();
+        const std::string near = pave::nearest_name(name, names);
+        throw pave::Error(place, near.empty() ? "unknown effect" : "unknown effect, did you mean \"" + near + "\"?",
+                          "\"" + name + "\"", pave::join(names));
+    }
+    if (!(size >= effect->low && size <= effect->high)) {
+        throw pave::Error(place, "size out of range", fmt::format("{} = {}", name, size),
+                          fmt::format("{} <= size <= {} [{}]", effect->low, effect->high, effect->unit));
+    }
+    auto& applied = study.model.effects;
+    auto own = std::find_if(applied.begin(), applied.end(), [&](const auto& a) { return a.effect == effect; });
+    if (own == applied.end()) {
+        AppliedEffect added;
+        added.effect = effect;
+        check_effect(study, added, place);
+        own = applied.insert(applied.end(), std::move(added));
+    }
+    own->size = size;
     return study;
 }
 

@@ -70,6 +70,11 @@ Study load_study(const std::string& file, Readings readings = Readings::own);
 // does not fit the model.
 Study with_measurements(Study study, std::vector<data::Measurement> measurements);
 
+// The study with an effect of this size (in the effect's unit): added, or in place of the size of its own entry of that
+// name. place: of whoever asks for it. Throws pave::Error for an unknown name, a size out of range, and an effect that
+// this study cannot have.
+Study with_effect(Study study, const std::string& name, double size, const pave::Place& place);
+
 // The problem the explorer works on. Throws pave::Error when the study has no parameters or no measurements.
 // What a problem computes at every point: all responses, or those of the loads with readings that are fitted (the
 // others are then not numbers).

@@ -32,11 +32,12 @@ constexpr int finest_level = 14;
 template <class Element>
 Outcome<Solution<Element>>
 Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
-                             const std::vector<Variation>& variations, const SolverSettings& settings) {
+                             const std::vector<Variation>& variations, const SolverSettings& settings,
+                             const std::vector<double>& springs) {
     using Stress = typename Element::Stress;
     using Vector = typename Element::Vector;
     Work& w = *work_;
-    w.prepare(layers, variations);
+    w.prepare(layers, variations, springs);
     w.system.begin(settings.linear_tolerance);
     const int points = w.points();
     const int count = w.count();
@@ -107,7 +108,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
             for (int g = 0; g < Element::gauss; ++g) {
                 const int q = static_cast<int>(a) * Element::gauss + g;
                 strain[g] = Element::strain(w.point(e, g), ue);
-                out.stress.col(q) = modulus[q] * (p.unit * strain[g]);
+                out.stress.col(q) = modulus[q] * (w.unit(e, g) * strain[g]);
             }
             for (int k = 0; k < count; ++k) {
                 Vector force = Vector::Zero();
@@ -116,7 +117,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
                     const Eigen::Index qk = static_cast<Eigen::Index>(q) * count + k;
                     Stress d = (modulus_rate[qk] / modulus[q]) * out.stress.col(q);
                     if (p.turns[k]) {
-                        d += modulus[q] * (p.unit_rate[k] * strain[g]);
+                        d += modulus[q] * (w.unit_rate(e, g, k) * strain[g]);
                     }
                     out.d_stress.col(qk) = d;
                     Element::add_force(w.point(e, g), d, -w.point(e, g).weight, force);
@@ -135,7 +136,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
                     for (int g = 0; g < Element::gauss; ++g) {
                         const int q = static_cast<int>(a) * Element::gauss + g;
                         out.d_stress.col(static_cast<Eigen::Index>(q) * count + k) +=
-                            modulus[q] * (w.prepared_of(e).unit * Element::strain(w.point(e, g), de));
+                            modulus[q] * (w.unit(e, g) * Element::strain(w.point(e, g), de));
                     }
                 }
             }
@@ -187,7 +188,6 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         double energy = 0.0;
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
-            const auto& p = w.prepared_of(e);
             const Vector wrong = w.model->gather(e, w.step_error.data());
             const Vector reached = w.model->gather(e, trial.u.data());
             for (int g = 0; g < Element::gauss; ++g) {
@@ -202,9 +202,11 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
                 const Stress strain = Element::strain(point, reached);
                 const double softness = point.weight / modulus[q];
                 const double stiffness = point.weight * modulus[q];
-                error += softness * difference.dot(p.compliance * difference) +
-                         stiffness * wrong_strain.dot(p.unit * wrong_strain);
-                energy += softness * stress.dot(p.compliance * stress) + stiffness * strain.dot(p.unit * strain);
+                const auto& unit = w.unit(e, g);
+                const auto& compliance = w.compliance(e, g);
+                error += softness * difference.dot(compliance * difference) +
+                         stiffness * wrong_strain.dot(unit * wrong_strain);
+                energy += softness * stress.dot(compliance * stress) + stiffness * strain.dot(unit * strain);
             }
         }
         const double relative = std::sqrt(error / energy);

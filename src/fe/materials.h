@@ -3,9 +3,24 @@
 
 #include "material/law.h"
 
+#include <array>
 #include <vector>
 
 namespace pave::fe {
+
+// What varies within a layer: its unit stiffness at a point is that of the law with p[parameter] replaced by
+// p + size (target - p) w, or without a parameter the law's own times 1 + size w, w the weight at that point.
+// parameter: one that the law's modulus does not depend on.
+struct Field {
+    using Shape = std::array<double, 3>; // numbers of the weight function
+    std::optional<std::size_t> parameter;
+    double target = 0.0; // SI
+    double size = 0.0;
+    double (*weight)(const Shape& shape, const Eigen::Vector3d& at) = nullptr; // at: x, y, z [m]
+    Shape shape{};
+
+    bool operator==(const Field&) const = default;
+};
 
 // One layer. Initial stress at depth z: vertical sv = top_stress + unit_weight (z - top), horizontal k0 sv + residual,
 // all compression positive [Pa].
@@ -18,6 +33,7 @@ struct LayerMaterial {
     double unit_weight = 0.0;       // N/m3
     double k0 = 0.0;
     double residual_stress = 0.0; // Pa
+    std::vector<Field> fields{};
 
     double vertical_stress(double z) const { return top_stress + unit_weight * (z - top); }
     double horizontal_stress(double z) const { return k0 * vertical_stress(z) + residual_stress; }
@@ -38,12 +54,21 @@ struct Variation {
         unit_weight,     // of the layer
         k0,              // of the layer
         residual_stress, // of the layer
-        load_factor      // a factor on the whole load
+        load_factor,     // a factor on the whole load
+        pressure_shape,  // of the load
+        field,           // size of fields[index] of the layer
+        spring           // stiffness of spring `index` of the model
     };
     Kind kind = Kind::law_parameter;
     int layer = 0;
     std::size_t index = 0;
+    Eigen::VectorXd load_rate{}; // pressure_shape: of the load on every free unknown [N]
 };
+
+// The unit stiffness of a layer with fields at a point, and its derivative by a quantity of layer number `at_layer`.
+mechanics::Stiffness<6> local_stiffness(const LayerMaterial& layer, const Eigen::Vector3d& at);
+mechanics::Stiffness<6> local_stiffness_rate(const LayerMaterial& layer, int at_layer, const Eigen::Vector3d& at,
+                                             const Variation& variation);
 
 // Derivative of the initial stress in layer `at` at depth z.
 template <int N>
@@ -61,8 +86,7 @@ mechanics::Voigt<N> initial_stress_rate(const std::vector<LayerMaterial>& layers
         break;
     case Variation::Kind::k0: horizontal = variation.layer == at ? layer.vertical_stress(z) : 0.0; break;
     case Variation::Kind::residual_stress: horizontal = variation.layer == at ? 1.0 : 0.0; break;
-    case Variation::Kind::law_parameter:
-    case Variation::Kind::load_factor: break;
+    default: break;
     }
     mechanics::Voigt<N> s = mechanics::Voigt<N>::Zero();
     s[0] = s[1] = -horizontal;

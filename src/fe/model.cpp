@@ -2,20 +2,28 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
+#include <numbers>
 
 namespace pave::fe {
 
 template <class Element>
 void Topology<Element>::build_pattern() {
     std::vector<std::vector<int>> columns(free_unknowns);
-    for (const auto& of_element : unknowns) {
-        for (const int i : of_element) {
-            for (const int j : of_element) {
+    const auto couple = [&columns](const auto& numbers) {
+        for (const int i : numbers) {
+            for (const int j : numbers) {
                 if (j >= 0 && i >= j) {
                     columns[j].push_back(i);
                 }
             }
         }
+    };
+    for (const auto& of_element : unknowns) {
+        couple(of_element);
+    }
+    for (const auto& of_springs : coupled) {
+        couple(of_springs);
     }
     lower.size = free_unknowns;
     lower.column_start.assign(1, 0);
@@ -47,11 +55,215 @@ void Topology<Element>::build_pattern() {
 
 namespace {
 
+// The faces of elements that springs act on. lower: local nodes of the lower face, upper: of the upper one, in the same
+// order. integrate(x, at) calls at(shape of the face's nodes, weight [m2]) at points that integrate products of two
+// shape functions: 3 Gauss points a direction.
+template <class Element>
+struct Face;
+
+constexpr std::pair<double, double> three_points[] = {
+    {-0.7745966692414834, 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {0.7745966692414834, 5.0 / 9.0}};
+
+template <>
+struct Face<AxisymmetricQ8> {
+    static constexpr int nodes = 3;
+    static constexpr int upper[nodes] = {0, 4, 1};
+    static constexpr int lower[nodes] = {3, 6, 2};
+    template <class F>
+    static void integrate(const AxisymmetricQ8::Coordinates& x, F at) {
+        const double half = (x(0, 1) - x(0, 0)) / 2.0;
+        for (const auto& [xi, weight] : three_points) {
+            const auto shape = AxisymmetricQ8::shape({xi, -1.0});
+            Eigen::Matrix<double, nodes, 1> n;
+            for (int i = 0; i < nodes; ++i) {
+                n[i] = shape[upper[i]];
+            }
+            at(n, 2.0 * std::numbers::pi * (x(0, 0) + half * (1.0 + xi)) * half * weight);
+        }
+    }
+};
+
+template <>
+struct Face<Hex20> {
+    static constexpr int nodes = 8;
+    static constexpr int upper[nodes] = {0, 1, 2, 3, 8, 9, 10, 11};
+    static constexpr int lower[nodes] = {4, 5, 6, 7, 12, 13, 14, 15};
+    template <class F>
+    static void integrate(const Hex20::Coordinates& x, F at) {
+        const double area = (x(0, 1) - x(0, 0)) * (x(1, 3) - x(1, 0)) / 4.0;
+        for (const auto& [xi, in_x] : three_points) {
+            for (const auto& [eta, in_y] : three_points) {
+                const auto shape = Hex20::shape({xi, eta, -1.0});
+                Eigen::Matrix<double, nodes, 1> n;
+                for (int i = 0; i < nodes; ++i) {
+                    n[i] = shape[upper[i]];
+                }
+                at(n, in_x * in_y * area);
+            }
+        }
+    }
+};
+
+// Whether an element is the last of its layer from above: cells of a column follow each other downwards.
+template <class Mesh>
+bool is_lowest_of(const Mesh& mesh, int element, int layer) {
+    return mesh.layer[element] == layer && mesh.layer[element + 1] == layer + 1;
+}
+
+// Gives the lower face of a layer horizontal unknowns of its own.
+template <class Mesh, class Element>
+void part_layer(const Mesh& mesh, int layer, Topology<Element>& topology) {
+    std::map<int, int> own; // of an unknown shared so far
+    for (int e = 0; e + 1 < topology.elements(); ++e) {
+        if (!is_lowest_of(mesh, e, layer)) {
+            continue;
+        }
+        for (const int node : Face<Element>::lower) {
+            for (int d = 0; d < Element::down; ++d) {
+                int& unknown = topology.unknowns[e][Element::dim * node + d];
+                if (unknown >= 0) {
+                    const auto [entry, is_new] = own.try_emplace(unknown, topology.free_unknowns);
+                    topology.free_unknowns += is_new ? 1 : 0;
+                    unknown = entry->second;
+                }
+            }
+        }
+    }
+}
+
+// Columns of cells under the plate; its edge is a line of the mesh.
+template <class Mesh>
+std::vector<int> elements_under(const Mesh& mesh, double radius) {
+    std::vector<int> elements;
+    if constexpr (requires { mesh.r_lines; }) {
+        for (int i = 0; i < mesh.r_cells() && mesh.r_lines[i + 1] <= radius * (1.0 + 1e-12); ++i) {
+            elements.push_back(i * mesh.z_cells());
+        }
+    }
+    return elements;
+}
+
+// The vertical unknowns of the surface under the plate.
+template <class Mesh, class Element>
+std::vector<int> unknowns_under(const Mesh& mesh, double radius, const Topology<Element>& topology) {
+    std::vector<int> unknowns;
+    for (const int e : elements_under(mesh, radius)) {
+        for (const int node : Face<Element>::upper) {
+            unknowns.push_back(topology.unknowns[e][Element::dim * node + Element::down]);
+        }
+    }
+    return unknowns;
+}
+
+template <class Mesh, class Element>
+std::vector<std::vector<int>> coupled_by(const Mesh& mesh, const Springs& springs, const Topology<Element>& topology) {
+    std::vector<std::vector<int>> coupled;
+    for (const int layer : springs.slipping_layers) {
+        for (int e = 0; e + 1 < topology.elements(); ++e) {
+            if (!is_lowest_of(mesh, e, layer)) {
+                continue;
+            }
+            for (int d = 0; d < Element::down; ++d) {
+                auto& group = coupled.emplace_back();
+                for (int i = 0; i < Face<Element>::nodes; ++i) {
+                    group.push_back(topology.unknowns[e][Element::dim * Face<Element>::lower[i] + d]);
+                    group.push_back(topology.unknowns[e + 1][Element::dim * Face<Element>::upper[i] + d]);
+                }
+            }
+        }
+    }
+    if (springs.plate_radius > 0.0) {
+        coupled.push_back(unknowns_under(mesh, springs.plate_radius, topology));
+    }
+    return coupled;
+}
+
+// Collects entries of a spring's matrix.
+class SpringBuilder {
+public:
+    void add(int i, int j, double value) {
+        if (i >= 0 && j >= 0 && i >= j) {
+            sum_[{i, j}] += value;
+        }
+    }
+    Spring on(const Pattern& lower) const {
+        Spring spring;
+        for (const auto& [at, value] : sum_) {
+            const auto first = lower.row.begin() + lower.column_start[at.second];
+            const auto last = lower.row.begin() + lower.column_start[at.second + 1];
+            spring.entries.push_back({at.first, at.second,
+                                      static_cast<int>(std::lower_bound(first, last, at.first) - lower.row.begin()),
+                                      value});
+        }
+        return spring;
+    }
+
+private:
+    std::map<std::pair<int, int>, double> sum_;
+};
+
+template <class Mesh, class Element>
+Spring interface_spring(const Mesh& mesh, int layer, const Model<Element>& model) {
+    SpringBuilder builder;
+    for (int e = 0; e + 1 < model.elements(); ++e) {
+        if (!is_lowest_of(mesh, e, layer)) {
+            continue;
+        }
+        Face<Element>::integrate(model.coordinates[e], [&](const auto& n, double weight) {
+            for (int d = 0; d < Element::down; ++d) {
+                for (int i = 0; i < Face<Element>::nodes; ++i) {
+                    for (int j = 0; j < Face<Element>::nodes; ++j) {
+                        const double value = weight * n[i] * n[j];
+                        const auto above = [&](int k) {
+                            return model.topology->unknowns[e][Element::dim * Face<Element>::lower[k] + d];
+                        };
+                        const auto below = [&](int k) {
+                            return model.topology->unknowns[e + 1][Element::dim * Face<Element>::upper[k] + d];
+                        };
+                        builder.add(above(i), above(j), value);
+                        builder.add(below(i), below(j), value);
+                        builder.add(above(i), below(j), -value);
+                        builder.add(below(i), above(j), -value);
+                    }
+                }
+            }
+        });
+    }
+    return builder.on(model.topology->lower);
+}
+
+template <class Mesh, class Element>
+Spring plate_spring(const Mesh& mesh, double radius, const Model<Element>& model) {
+    SpringBuilder builder;
+    std::map<int, double> area; // the integral of each shape function
+    double whole = 0.0;
+    for (const int e : elements_under(mesh, radius)) {
+        Face<Element>::integrate(model.coordinates[e], [&](const auto& n, double weight) {
+            whole += weight;
+            const auto unknown = [&](int k) {
+                return model.topology->unknowns[e][Element::dim * Face<Element>::upper[k] + Element::down];
+            };
+            for (int i = 0; i < Face<Element>::nodes; ++i) {
+                area[unknown(i)] += weight * n[i];
+                for (int j = 0; j < Face<Element>::nodes; ++j) {
+                    builder.add(unknown(i), unknown(j), weight * n[i] * n[j]);
+                }
+            }
+        });
+    }
+    for (const auto& [i, of_i] : area) {
+        for (const auto& [j, of_j] : area) {
+            builder.add(i, j, -of_i * of_j / whole);
+        }
+    }
+    return builder.on(model.topology->lower);
+}
+
 // number[node][d]: the unknown of displacement d of a node, or -1.
 template <class Element, class Mesh>
 Model<Element> build(const Mesh& mesh, const Model<Element>* like,
                      const std::vector<Eigen::Matrix<double, Element::dim, 1>>& nodes,
-                     const std::function<bool(std::size_t node, int direction)>& is_held) {
+                     const std::function<bool(std::size_t node, int direction)>& is_held, const Springs& springs) {
     Model<Element> model;
     if (like != nullptr) {
         model.topology = like->topology;
@@ -72,6 +284,10 @@ Model<Element> build(const Mesh& mesh, const Model<Element>* like,
             }
             topology->unknowns.push_back(unknowns);
         }
+        for (const int layer : springs.slipping_layers) {
+            part_layer(mesh, layer, *topology);
+        }
+        topology->coupled = coupled_by(mesh, springs, *topology);
         topology->build_pattern();
         model.topology = std::move(topology);
     }
@@ -87,35 +303,57 @@ Model<Element> build(const Mesh& mesh, const Model<Element>* like,
             model.depth.push_back(Element::depth(x, position));
         }
     }
+    for (const int layer : springs.slipping_layers) {
+        model.springs.push_back(interface_spring(mesh, layer, model));
+    }
+    if (springs.plate_radius > 0.0) {
+        model.springs.push_back(plate_spring(mesh, springs.plate_radius, model));
+    }
     return model;
 }
 
 } // namespace
 
-Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const Model<AxisymmetricQ8>* like) {
+template <class Element>
+Eigen::Vector3d position_of(const Model<Element>& model, int element, int gauss) {
+    Eigen::Matrix<double, Element::dim, 1> at =
+        model.coordinates[element] * Element::shape(Element::gauss_positions()[gauss]);
+    if constexpr (Element::dim == 2) {
+        return {at[0], 0.0, at[1]};
+    } else {
+        return at;
+    }
+}
+
+Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const Model<AxisymmetricQ8>* like,
+                                 const Springs& springs) {
     std::vector<Eigen::Vector2d> nodes;
     for (const auto& [r, z] : mesh.nodes) {
         nodes.emplace_back(r, z);
     }
-    return build<AxisymmetricQ8>(mesh, like, nodes, [&](std::size_t k, int d) {
+    const auto is_held = [&](std::size_t k, int d) {
         const auto [r, z] = mesh.nodes[k];
         return z == mesh.z_lines.back() || (d == 0 && (r == 0.0 || r == mesh.r_lines.back()));
-    });
+    };
+    return build<AxisymmetricQ8>(mesh, like, nodes, is_held, springs);
 }
 
-Model<Hex20> make_model(const mesh::SolidMesh& mesh, const Model<Hex20>* like) {
+Model<Hex20> make_model(const mesh::SolidMesh& mesh, const Model<Hex20>* like, const Springs& springs) {
     std::vector<Eigen::Vector3d> nodes;
     for (const auto& [x, y, z] : mesh.nodes) {
         nodes.emplace_back(x, y, z);
     }
-    return build<Hex20>(mesh, like, nodes, [&](std::size_t k, int d) {
+    const auto is_held = [&](std::size_t k, int d) {
         const auto [x, y, z] = mesh.nodes[k];
         return z == mesh.z_lines.back() || (d == 0 && (x == 0.0 || x == mesh.x_lines.back())) ||
                (d == 1 && (y == 0.0 || y == mesh.y_lines.back()));
-    });
+    };
+    return build<Hex20>(mesh, like, nodes, is_held, springs);
 }
 
 template struct Topology<AxisymmetricQ8>;
 template struct Topology<Hex20>;
+template Eigen::Vector3d position_of(const Model<AxisymmetricQ8>&, int, int);
+template Eigen::Vector3d position_of(const Model<Hex20>&, int, int);
 
 } // namespace pave::fe

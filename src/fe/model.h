@@ -21,14 +21,44 @@ struct Topology {
     int layers = 0;
     std::vector<std::array<int, Element::dofs>> unknowns; // of each element: free number or -1 (held at zero)
     std::vector<int> layer;                               // of each element
+    std::vector<std::vector<int>> coupled;                // unknowns that springs couple, as elements couple theirs
     Pattern lower;
     // Place of local entry (i, j), i >= j, row by row, in lower; -1 when i or j is held.
     std::vector<std::array<int, lower_entries>> scatter;
     std::shared_ptr<const CholeskyAnalysis> analysis; // of lower
 
     int elements() const { return static_cast<int>(layer.size()); }
-    // Fills lower, scatter and analysis from unknowns.
+    // Fills lower, scatter and analysis from unknowns and coupled.
     void build_pattern();
+};
+
+// Springs on the unknowns: the lower triangle of the matrix of a stiffness of 1 [Pa/m].
+struct Spring {
+    struct Entry {
+        int row, column;
+        int place; // in Topology::lower
+        double value;
+    };
+    std::vector<Entry> entries;
+
+    // y += factor * S x
+    void add_product(const double* x, double factor, double* y) const {
+        for (const Entry& entry : entries) {
+            y[entry.row] += factor * entry.value * x[entry.column];
+            if (entry.row != entry.column) {
+                y[entry.column] += factor * entry.value * x[entry.row];
+            }
+        }
+    }
+};
+
+// What a model holds besides the bonded section, in the order of Model::springs.
+struct Springs {
+    // Layers that may slip on the layer below: the horizontal displacements of the two faces are unknowns of their own,
+    // tied by the integral of |difference|^2 over the interface; the vertical ones are shared.
+    std::vector<int> slipping_layers{};
+    // Axisymmetric: under a plate of this radius on the surface [m] (0: none), the integral of (w - mean w)^2.
+    double plate_radius = 0.0;
 };
 
 template <class Element>
@@ -37,6 +67,7 @@ struct Model {
     std::vector<typename Element::Coordinates> coordinates; // of each element
     std::vector<typename Element::Point> points;            // Element::gauss of each element
     std::vector<double> depth;                              // of each Gauss point [m]
+    std::vector<Spring> springs;
 
     int elements() const { return topology->elements(); }
     int free_unknowns() const { return topology->free_unknowns; }
@@ -58,11 +89,16 @@ struct Model {
     }
 };
 
+// x, y, z of a Gauss point; r for x in an axisymmetric model [m].
+template <class Element>
+Eigen::Vector3d position_of(const Model<Element>& model, int element, int gauss);
+
 // u_r = 0 on the axis and on the smooth wall, u = 0 on the floor (rigid, rough). With `like`, a model of a mesh of the
 // same structure, its topology is shared.
-Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const Model<AxisymmetricQ8>* like = nullptr);
+Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const Model<AxisymmetricQ8>* like = nullptr,
+                                 const Springs& springs = {});
 
 // u_x = 0 on x = 0 and on the smooth wall, u_y likewise, u = 0 on the floor.
-Model<Hex20> make_model(const mesh::SolidMesh& mesh, const Model<Hex20>* like = nullptr);
+Model<Hex20> make_model(const mesh::SolidMesh& mesh, const Model<Hex20>* like = nullptr, const Springs& springs = {});
 
 } // namespace pave::fe

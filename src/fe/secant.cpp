@@ -45,14 +45,15 @@ bool solve_point(const LayerMaterial& layer, const mechanics::Voigt<N>& initial,
 } // namespace
 
 template <class Element>
-Outcome<Solution<Element>>
-Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
-                        const std::vector<Variation>& variations, const SolverSettings& settings) {
+Outcome<Solution<Element>> Solver<Element>::secant(const std::vector<LayerMaterial>& layers,
+                                                   const Eigen::VectorXd& load,
+                                                   const std::vector<Variation>& variations,
+                                                   const SolverSettings& settings, const std::vector<double>& springs) {
     using Stress = typename Element::Stress;
     using Vector = typename Element::Vector;
     constexpr int dofs = Element::dofs;
     Work& w = *work_;
-    w.prepare(layers, variations);
+    w.prepare(layers, variations, springs);
     w.system.begin(settings.linear_tolerance);
     const int points = w.points();
     const int count = w.count();
@@ -85,12 +86,11 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
         unbalanced = factor * load;
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
-            const auto& p = w.prepared_of(e);
             const Vector xe = w.model->gather(e, x.data());
             Vector force = Vector::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
                 const int q = static_cast<int>(a) * Element::gauss + g;
-                const Stress s = p.unit * Element::strain(w.point(e, g), xe);
+                const Stress s = w.unit(e, g) * Element::strain(w.point(e, g), xe);
                 if (!solve_point<Element::voigt>((*law_layers)[w.topology->layer[e]], w.initial[q], s, guess[q],
                                                  state[q])) {
                     return false;
@@ -109,15 +109,14 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
         w.start_full();
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
-            const auto& p = w.prepared_of(e);
             const Vector xe = w.model->gather(e, x.data());
             Eigen::Matrix<double, dofs, dofs> k = Eigen::Matrix<double, dofs, dofs>::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
                 const auto& point = state[static_cast<std::size_t>(a) * Element::gauss + g];
                 const auto b = Element::strain_operator(w.point(e, g));
-                const Stress s = p.unit * (b * xe);
+                const Stress s = w.unit(e, g) * (b * xe);
                 const mechanics::Stiffness<Element::voigt> d =
-                    point.modulus * (p.unit + s * (point.gradient.transpose() * p.unit) / point.gain);
+                    point.modulus * (w.unit(e, g) + s * (point.gradient.transpose() * w.unit(e, g)) / point.gain);
                 const typename Element::Operator db = w.point(e, g).weight * (d * b);
                 k.noalias() += b.transpose() * db;
             }
@@ -134,15 +133,14 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
         Eigen::VectorXd now(points);
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
-            const auto& p = w.prepared_of(e);
             const Vector xe = w.model->gather(e, x.data());
             for (int g = 0; g < Element::gauss; ++g) {
                 const std::size_t q = a * Element::gauss + g;
                 const auto& point = state[q];
-                const Stress s = p.unit * Element::strain(w.point(e, g), xe);
+                const Stress s = w.unit(e, g) * Element::strain(w.point(e, g), xe);
                 now[static_cast<Eigen::Index>(q)] = point.modulus;
                 rest_left[q] = (w.point(e, g).weight * point.modulus / point.gain) * s;
-                rest_right[q] = p.unit * point.gradient;
+                rest_right[q] = w.unit(e, g) * point.gradient;
             }
         }
         w.assemble(now);
@@ -251,7 +249,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
                 const int e = w.active[q / Element::gauss];
                 const LayerMaterial& layer = (*law_layers)[w.topology->layer[e]];
                 const Stress strain = Element::strain(w.point(e, q % Element::gauss), w.model->gather(e, x.data()));
-                const Stress total = w.initial[q] + e_guess[q] * (w.prepared_of(e).unit * strain);
+                const Stress total = w.initial[q] + e_guess[q] * (w.unit(e, q % Element::gauss) * strain);
                 const auto m = layer.law->modulus(layer.parameters, mechanics::invariants<Element::voigt>(total));
                 e_guess[q] = std::sqrt(e_guess[q] * m.value);
             }
@@ -347,7 +345,6 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
     // First the stress rates at held displacement, then what the displacement rates add.
     for (std::size_t a = 0; a < w.active.size(); ++a) {
         const int e = w.active[a];
-        const auto& p = w.prepared_of(e);
         const LayerMaterial& layer = w.layer_of(e);
         const Vector ue = w.model->gather(e, u.data());
         for (int g = 0; g < Element::gauss; ++g) {
@@ -355,11 +352,11 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
             const int to = e * Element::gauss + g;
             const auto& point = state[q];
             const Stress strain = Element::strain(w.point(e, g), ue);
-            const Stress s = p.unit * strain;
+            const Stress s = w.unit(e, g) * strain;
             solution.stress.col(to) = point.modulus * s;
             solution.modulus[to] = point.modulus;
             for (int k = 0; k < count; ++k) {
-                const Stress turned = point.modulus * (p.unit_rate[k] * strain);
+                const Stress turned = point.modulus * (w.unit_rate(e, g, k) * strain);
                 const double explicit_rate = w.explicit_modulus_rate(layer, w.topology->layer[e], point.at, k);
                 const double e_rate =
                     (explicit_rate +
@@ -383,14 +380,13 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
         }
         for (std::size_t a = 0; a < w.active.size(); ++a) {
             const int e = w.active[a];
-            const auto& p = w.prepared_of(e);
             const Vector ue = w.model->gather(e, u.data());
             for (int k = 0; k < count; ++k) {
                 const Vector de = w.model->gather(e, solution.d_displacement.col(k).data());
                 for (int g = 0; g < Element::gauss; ++g) {
                     const auto& point = state[static_cast<std::size_t>(a) * Element::gauss + g];
-                    const Stress s = p.unit * Element::strain(w.point(e, g), ue);
-                    const Stress ds = point.modulus * (p.unit * Element::strain(w.point(e, g), de));
+                    const Stress s = w.unit(e, g) * Element::strain(w.point(e, g), ue);
+                    const Stress ds = point.modulus * (w.unit(e, g) * Element::strain(w.point(e, g), de));
                     solution.d_stress.col(static_cast<Eigen::Index>(e * Element::gauss + g) * count + k) +=
                         ds + s * (point.gradient.dot(ds) / point.gain);
                 }
@@ -407,8 +403,9 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
 using Layers = std::vector<LayerMaterial>;
 using Variations = std::vector<Variation>;
 template Outcome<Solution<AxisymmetricQ8>> Solver<AxisymmetricQ8>::secant(const Layers&, const Eigen::VectorXd&,
-                                                                          const Variations&, const SolverSettings&);
+                                                                          const Variations&, const SolverSettings&,
+                                                                          const std::vector<double>&);
 template Outcome<Solution<Hex20>> Solver<Hex20>::secant(const Layers&, const Eigen::VectorXd&, const Variations&,
-                                                        const SolverSettings&);
+                                                        const SolverSettings&, const std::vector<double>&);
 
 } // namespace pave::fe

@@ -50,6 +50,17 @@ struct Solution {
     Statistics statistics;
 };
 
+// A load that rises and falls as sin^2(pi t / duration), 0 <= t <= duration.
+struct Pulse {
+    double duration = 0.03; // s
+    double damping = 0.05;  // ratio to the critical one of the material at the frequency 1/duration
+    double inertia = 1.0;   // on mass and damping; 0: the static answer
+    bool absorbs = true;    // the wall absorbs; else it is smooth, as for a load at rest
+};
+
+// A linear functional of the displacement: (free unknown, weight).
+using Functional = std::vector<std::pair<int, double>>;
+
 // Solves on one model; keeps its factors and buffers between calls (same input, same bits, whatever came before).
 // One object a thread. The model must outlive it.
 template <class Element>
@@ -62,10 +73,21 @@ public:
     void move(const Model<Element>& model);
 
     // load: force on every free unknown [N] at load factor 1. d(load)/d(load_factor) = load.
+    // springs: stiffness of each spring of the model [Pa/m].
     Outcome<Solution<Element>> incremental(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
-                                           const std::vector<Variation>& variations, const SolverSettings& settings);
+                                           const std::vector<Variation>& variations, const SolverSettings& settings,
+                                           const std::vector<double>& springs = {});
     Outcome<Solution<Element>> secant(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
-                                      const std::vector<Variation>& variations, const SolverSettings& settings);
+                                      const std::vector<Variation>& variations, const SolverSettings& settings,
+                                      const std::vector<double>& springs = {});
+
+    // What inertia adds to readings at the end of the run before this call, whose layers and springs must still exist:
+    // the extreme of each over time (that of the larger magnitude) under a pulse of the load, less its value under the
+    // same load at rest. Linear about that end, with the modulus reached there as stiffness, consistent mass (density =
+    // unit weight / g), damping in proportion to the stiffness and, on the smooth wall, dashpots that absorb shear
+    // waves (Lysmer and Kuhlemeyer 1969); the floor reflects. Integrated by Newmark's average acceleration.
+    Outcome<std::vector<double>> inertial_excess(const Solution<Element>& end, const Eigen::VectorXd& load,
+                                                 const Pulse& pulse, const std::vector<Functional>& readings);
 
 private:
     struct Work;

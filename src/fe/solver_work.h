@@ -21,6 +21,14 @@ struct PreparedLayer {
     std::vector<bool> turns;
 };
 
+// A Gauss point of a layer with fields, prepared for one run.
+template <int N>
+struct PreparedPoint {
+    mechanics::Stiffness<N> unit;       // C
+    mechanics::Stiffness<N> compliance; // C^-1
+    std::vector<mechanics::Stiffness<N>> unit_rate;
+};
+
 // The state along a load path, or its rate: displacement, load stress of the points of the active elements (a column
 // a point), and both by variation.
 template <class Element>
@@ -67,7 +75,11 @@ struct Solver<Element>::Work {
     // One run.
     const std::vector<LayerMaterial>* layers = nullptr;
     const std::vector<Variation>* variations = nullptr;
+    const std::vector<double>* springs = nullptr; // stiffness of each spring of the model
     std::vector<PreparedLayer<N>> prepared;
+    // Of the Gauss points of the model, where some layer has fields: index in prepared_points, or -1.
+    std::vector<int> prepared_point_of;
+    std::vector<PreparedPoint<N>> prepared_points;
     std::vector<int> active;          // stress-dependent elements
     std::vector<Stress> initial;      // initial stress at the points of the active elements, tension positive
     std::vector<Stress> initial_rate; // the same by variation: [point * variations + k]
@@ -80,7 +92,7 @@ struct Solver<Element>::Work {
     struct Held {
         bool valid = false;
         bool stress_dependent = false;
-        mechanics::Stiffness<N> unit = mechanics::Stiffness<N>::Zero();
+        std::vector<mechanics::Stiffness<N>> units; // the layer's own, then those of its points where it has fields
         std::vector<double> values;
     };
     std::vector<Held> held;
@@ -96,11 +108,30 @@ struct Solver<Element>::Work {
     const LayerMaterial& layer_of(int element) const { return (*layers)[topology->layer[element]]; }
     const PreparedLayer<N>& prepared_of(int element) const { return prepared[topology->layer[element]]; }
 
+    int prepared_point(int e, int g) const {
+        return prepared_point_of.empty() ? -1 : prepared_point_of[e * Element::gauss + g];
+    }
+    // C, its inverse and its derivative at a Gauss point.
+    const mechanics::Stiffness<N>& unit(int e, int g) const {
+        const int q = prepared_point(e, g);
+        return q < 0 ? prepared_of(e).unit : prepared_points[q].unit;
+    }
+    const mechanics::Stiffness<N>& compliance(int e, int g) const {
+        const int q = prepared_point(e, g);
+        return q < 0 ? prepared_of(e).compliance : prepared_points[q].compliance;
+    }
+    const mechanics::Stiffness<N>& unit_rate(int e, int g, int k) const {
+        const int q = prepared_point(e, g);
+        return q < 0 ? prepared_of(e).unit_rate[k] : prepared_points[q].unit_rate[k];
+    }
+
     static mechanics::Stiffness<N> cut(const mechanics::Stiffness<6>& c) { return c.template topLeftCorner<N, N>(); }
 
-    void prepare(const std::vector<LayerMaterial>& run_layers, const std::vector<Variation>& run_variations) {
+    void prepare(const std::vector<LayerMaterial>& run_layers, const std::vector<Variation>& run_variations,
+                 const std::vector<double>& run_springs) {
         layers = &run_layers;
         variations = &run_variations;
+        springs = &run_springs;
         prepared.assign(run_layers.size(), {});
         for (std::size_t l = 0; l < run_layers.size(); ++l) {
             const LayerMaterial& layer = run_layers[l];
@@ -118,6 +149,7 @@ struct Solver<Element>::Work {
                 p.turns.push_back(!p.unit_rate.back().isZero(0.0));
             }
         }
+        prepare_points();
         hold();
         std::fill(linear.begin(), linear.end(), 0.0);
         for (std::size_t l = 0; l < prepared.size(); ++l) {
@@ -125,6 +157,11 @@ struct Solver<Element>::Work {
                 for (std::size_t k = 0; k < linear.size(); ++k) {
                     linear[k] += prepared[l].modulus * held[l].values[k];
                 }
+            }
+        }
+        for (std::size_t i = 0; i < springs->size(); ++i) {
+            for (const Spring::Entry& entry : model->springs[i].entries) {
+                linear[entry.place] += (*springs)[i] * entry.value;
             }
         }
         initial.resize(points());
@@ -141,6 +178,48 @@ struct Solver<Element>::Work {
                 }
             }
         }
+    }
+
+    // C where it varies within a layer.
+    void prepare_points() {
+        prepared_point_of.clear();
+        prepared_points.clear();
+        if (std::all_of(layers->begin(), layers->end(), [](const LayerMaterial& l) { return l.fields.empty(); })) {
+            return;
+        }
+        prepared_point_of.assign(model->points.size(), -1);
+        for (int e = 0; e < model->elements(); ++e) {
+            if (layer_of(e).fields.empty()) {
+                continue;
+            }
+            PreparedLayer<N>& p = prepared[topology->layer[e]];
+            for (int g = 0; g < Element::gauss; ++g) {
+                const Eigen::Vector3d at = position_of(*model, e, g);
+                PreparedPoint<N> point;
+                point.unit = cut(local_stiffness(layer_of(e), at));
+                point.compliance = point.unit.inverse();
+                for (int k = 0; k < count(); ++k) {
+                    const Variation& v = (*variations)[k];
+                    point.unit_rate.push_back(cut(local_stiffness_rate(layer_of(e), topology->layer[e], at, v)));
+                    p.turns[k] = p.turns[k] || !point.unit_rate.back().isZero(0.0);
+                }
+                prepared_point_of[e * Element::gauss + g] = static_cast<int>(prepared_points.size());
+                prepared_points.push_back(std::move(point));
+            }
+        }
+    }
+
+    // What the stiffness of a layer for a modulus of 1 is made of.
+    std::vector<mechanics::Stiffness<N>> units_of(std::size_t l) const {
+        std::vector<mechanics::Stiffness<N>> units{prepared[l].unit};
+        if (!(*layers)[l].fields.empty()) {
+            for (int e = 0; e < model->elements(); ++e) {
+                for (int g = 0; topology->layer[e] == static_cast<int>(l) && g < Element::gauss; ++g) {
+                    units.push_back(unit(e, g));
+                }
+            }
+        }
+        return units;
     }
 
     // Brings `active` and what is held of each layer up to date.
@@ -163,10 +242,11 @@ struct Solver<Element>::Work {
         std::vector<bool> is_new(prepared.size());
         for (std::size_t l = 0; l < prepared.size(); ++l) {
             Held& h = held[l];
-            is_new[l] = !h.valid || h.unit != prepared[l].unit;
+            auto units = units_of(l);
+            is_new[l] = !h.valid || h.units != units;
             h.valid = true;
             h.stress_dependent = prepared[l].stress_dependent;
-            h.unit = prepared[l].unit;
+            h.units = std::move(units);
             if (is_new[l] && !h.stress_dependent) {
                 h.values.assign(linear.size(), 0.0);
                 for (int e = 0; e < model->elements(); ++e) {
@@ -196,7 +276,7 @@ struct Solver<Element>::Work {
     // B^T C B weight
     Eigen::Matrix<double, Element::dofs, Element::dofs> point_stiffness(int e, int g) const {
         const auto b = Element::strain_operator(point(e, g));
-        const typename Element::Operator cb = point(e, g).weight * (prepared_of(e).unit * b);
+        const typename Element::Operator cb = point(e, g).weight * (unit(e, g) * b);
         return b.transpose() * cb;
     }
 
@@ -232,15 +312,18 @@ struct Solver<Element>::Work {
         }
     }
 
-    // right(:, k) -= (dK/dp_k) u over the linear layers.
+    // right(:, k) -= (dK/dp_k) u over the linear layers and the springs.
     void subtract_linear_rates(const double* u, Eigen::MatrixXd& right) const {
         for (int k = 0; k < count(); ++k) {
             const Variation& v = (*variations)[k];
-            if (v.kind != Variation::Kind::law_parameter || prepared[v.layer].stress_dependent) {
+            if (v.kind == Variation::Kind::spring) {
+                model->springs[v.index].add_product(u, -1.0, right.col(k).data());
+            }
+            if ((v.kind != Variation::Kind::law_parameter && v.kind != Variation::Kind::field) ||
+                prepared[v.layer].stress_dependent) {
                 continue;
             }
             const PreparedLayer<N>& p = prepared[v.layer];
-            const mechanics::Stiffness<N> d = p.modulus_rate[k] * p.unit + p.modulus * p.unit_rate[k];
             for (int e = 0; e < model->elements(); ++e) {
                 if (topology->layer[e] != v.layer) {
                     continue;
@@ -248,6 +331,7 @@ struct Solver<Element>::Work {
                 const Vector ue = model->gather(e, u);
                 Vector force = Vector::Zero();
                 for (int g = 0; g < Element::gauss; ++g) {
+                    const mechanics::Stiffness<N> d = p.modulus_rate[k] * unit(e, g) + p.modulus * unit_rate(e, g, k);
                     Element::add_force(point(e, g), d * Element::strain(point(e, g), ue), -point(e, g).weight, force);
                 }
                 model->scatter_add(e, force, right.col(k).data());
@@ -363,19 +447,19 @@ struct Solver<Element>::Work {
                 if (!p.stress_dependent) {
                     const Stress strain = Element::strain(point(e, g), ue);
                     solution.modulus[q] = p.modulus;
-                    solution.stress.col(q) = p.modulus * (p.unit * strain);
+                    solution.stress.col(q) = p.modulus * (unit(e, g) * strain);
                     for (int k = 0; k < n; ++k) {
                         const Vector de = model->gather(e, solution.d_displacement.col(k).data());
                         solution.d_stress.col(static_cast<Eigen::Index>(q) * n + k) =
-                            p.modulus * (p.unit * Element::strain(point(e, g), de)) +
-                            (p.modulus_rate[k] * p.unit + p.modulus * p.unit_rate[k]) * strain;
+                            p.modulus * (unit(e, g) * Element::strain(point(e, g), de)) +
+                            (p.modulus_rate[k] * unit(e, g) + p.modulus * unit_rate(e, g, k)) * strain;
                     }
                 } else {
                     const Stress load_stress = solution.stress.col(q);
                     const Stress total = layer.template initial_stress<N>(model->depth[q]) + load_stress;
                     const auto at = mechanics::invariants<N>(total);
                     const auto m = layer.law->modulus(layer.parameters, at);
-                    const double w = point(e, g).weight * load_stress.dot(p.compliance * load_stress) / m.value;
+                    const double w = point(e, g).weight * load_stress.dot(compliance(e, g) * load_stress) / m.value;
                     energy += w;
                     s.tension_share += at.theta < 0.0 ? w : 0.0;
                     s.unstable_share += at.theta * m.d_theta + at.tau * m.d_tau >= m.value ? w : 0.0;
@@ -384,6 +468,9 @@ struct Solver<Element>::Work {
                 Element::add_force(point(e, g), solution.stress.col(q), -point(e, g).weight, force);
             }
             model->scatter_add(e, force, unbalanced.data());
+        }
+        for (std::size_t i = 0; i < springs->size(); ++i) {
+            model->springs[i].add_product(solution.displacement.data(), -(*springs)[i], unbalanced.data());
         }
         if (energy > 0.0) {
             s.tension_share /= energy;
@@ -408,8 +495,11 @@ struct Solver<Element>::Work {
     void set_load_rates(const Eigen::VectorXd& load, Eigen::MatrixXd& right) const {
         right.setZero(load.size(), count());
         for (int k = 0; k < count(); ++k) {
-            if ((*variations)[k].kind == Variation::Kind::load_factor) {
+            const Variation& v = (*variations)[k];
+            if (v.kind == Variation::Kind::load_factor) {
                 right.col(k) = load;
+            } else if (v.kind == Variation::Kind::pressure_shape) {
+                right.col(k) = v.load_rate;
             }
         }
     }

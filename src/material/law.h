@@ -51,6 +51,9 @@ public:
     // False: E depends on the parameters only, and the layer is linear elastic.
     virtual bool stress_dependent() const = 0;
 
+    // Index of the parameter that E is proportional to.
+    virtual std::size_t scale_parameter() const = 0;
+
     // E at a stress state. p: SI values in the order of parameters().
     virtual Modulus modulus(std::span<const double> p, mechanics::Invariants at) const = 0;
     // dE/dp[i] [SI] at the same state, i an index into parameters(); 0 where E does not depend on it.

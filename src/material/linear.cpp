@@ -20,6 +20,7 @@ public:
         return infos;
     }
     bool stress_dependent() const override { return false; }
+    std::size_t scale_parameter() const override { return modulus_MPa; }
 
     Modulus modulus(std::span<const double> p, mechanics::Invariants) const override {
         return {.value = p[modulus_MPa]};

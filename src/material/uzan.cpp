@@ -42,6 +42,7 @@ public:
         return infos;
     }
     bool stress_dependent() const override { return true; }
+    std::size_t scale_parameter() const override { return k1; }
 
     Modulus modulus(std::span<const double> p, mechanics::Invariants at) const override {
         const Floor floor(p, at);

@@ -51,11 +51,13 @@ Eigen::VectorXd Axisymmetric::unit_load(const Mesh& mesh, const fe::Model<Elemen
         const double half = (mesh.r_lines[i + 1] - mesh.r_lines[i]) / 2.0;
         const double middle = (mesh.r_lines[i + 1] + mesh.r_lines[i]) / 2.0;
         Element::Vector force = Element::Vector::Zero();
-        // Quadratic shape function times r: cubic, exact with three Gauss points.
+        // Quadratic shape function times r and the pressure: of degree five, exact with three Gauss points.
         const double g = std::sqrt(0.6);
         for (const auto& [xi, weight] : {std::pair{-g, 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {g, 5.0 / 9.0}}) {
             const auto shape = Element::shape({xi, -1.0});
-            const double factor = weight * half * 2.0 * std::numbers::pi * (middle + half * xi);
+            const double r = middle + half * xi;
+            const double pressure = 1.0 + on.pressure_shape * (2.0 * r * r / (radius * radius) - 1.0);
+            const double factor = weight * half * 2.0 * std::numbers::pi * r * pressure;
             for (int k = 0; k < Element::nodes; ++k) {
                 force[2 * k + 1] += factor * shape[k];
             }

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "pavement/effects/effect.h"
 #include "pavement/load_model.h"
 
 #include <algorithm>
@@ -15,6 +16,64 @@ namespace {
 std::string percent(double share) {
     return fmt::format("{:.0f} %", 100.0 * share);
 }
+
+// Why a load cannot meet this case (without effects), or "".
+std::string why_impossible(const Case& c, int load) {
+    for (const Layer& layer : c.layers) {
+        if (!(layer.thickness > 0.0)) {
+            return "layer \"" + layer.name + "\" has no thickness left";
+        }
+        if (const std::string why = layer.law->impossible(layer.parameters); !why.empty()) {
+            return "layer \"" + layer.name + "\": " + why;
+        }
+        for (const fe::Field& field : layer.fields) {
+            if (field.parameter) { // between these two it is possible where it is at both
+                auto there = layer.parameters;
+                there[*field.parameter] += field.size * (field.target - there[*field.parameter]);
+                if (const std::string why = layer.law->impossible(there); !why.empty()) {
+                    return "layer \"" + layer.name + "\" far from the load: " + why;
+                }
+            }
+        }
+    }
+    if (c.loads[load].patch == Patch::rectangle && c.loads[load].pressure_shape < -0.5) {
+        return "the pressure would pull at the corners of the patch";
+    }
+    for (const Sensor& sensor : c.sensors) {
+        if (sensor.load != load) {
+            continue;
+        }
+        double shallowest = sensor.depth - sensor.gauge / 2.0;
+        double farthest = std::hypot(sensor.x, sensor.y);
+        for (const Sensor::Share& share : sensor.shares) {
+            shallowest = std::min(shallowest, sensor.depth + share.dz - sensor.gauge / 2.0);
+            farthest = std::max(farthest, std::hypot(sensor.x + share.dx, sensor.y));
+        }
+        if (shallowest < -1e-9) {
+            return fmt::format("a sensor at {:g} mm depth reaches above the surface", sensor.depth / unit::mm);
+        }
+        if (c.loads[load].is_axisymmetric() && farthest > c.settings.extent) {
+            return "a sensor lies beyond the wall";
+        }
+    }
+    return {};
+}
+
+// Below the floor of the case.
+bool is_below(const Sensor& sensor, double depth) {
+    double deepest = sensor.depth + sensor.gauge / 2.0;
+    for (const Sensor::Share& share : sensor.shares) {
+        deepest = std::max(deepest, sensor.depth + share.dz + sensor.gauge / 2.0);
+    }
+    return deepest > depth * (1.0 + 1e-9);
+}
+
+// A difference quotient: runs at value + offset * step, their weights over the step.
+using Stencil = std::vector<std::pair<int, double>>;
+const Stencil central_2{{-1, -1.0 / 2}, {1, 1.0 / 2}};
+const Stencil central_4{{-2, 1.0 / 12}, {-1, -8.0 / 12}, {1, 8.0 / 12}, {2, -1.0 / 12}};
+const Stencil forward_4{{0, -25.0 / 12}, {1, 48.0 / 12}, {2, -36.0 / 12}, {3, 16.0 / 12}, {4, -3.0 / 12}};
+const Stencil backward_4{{0, 25.0 / 12}, {-1, -48.0 / 12}, {-2, 36.0 / 12}, {-3, -16.0 / 12}, {-4, 3.0 / 12}};
 
 } // namespace
 
@@ -66,7 +125,8 @@ ForwardModel::ForwardModel(Case nominal, const std::vector<bool>& loads) : nomin
         const bool is_read = std::any_of(nominal_.sensors.begin(), nominal_.sensors.end(),
                                          [&](const Sensor& s) { return s.load == static_cast<int>(l); });
         const bool wanted = is_read && (loads.empty() || loads[l]);
-        models_.push_back(wanted ? make_load_model(nominal_, static_cast<int>(l)) : nullptr);
+        const auto load = static_cast<int>(l);
+        models_.push_back(wanted ? make_load_model(with_effects(nominal_, load), load) : nullptr);
     }
 }
 
@@ -78,11 +138,20 @@ std::vector<int> ForwardModel::unknowns() const {
     return counts;
 }
 
+bool ForwardModel::is_exact(const Case& values, const Parameter& parameter) const {
+    for (std::size_t l = 0; l < models_.size(); ++l) {
+        if (models_[l] && !exact_derivative(values, parameter, static_cast<int>(l))) {
+            return false;
+        }
+    }
+    return true;
+}
+
 Outcome<Response> ForwardModel::run(const Case& values, const std::vector<Parameter>& parameters,
                                     Workspace& workspace) const {
     std::vector<Parameter> exact;
     std::copy_if(parameters.begin(), parameters.end(), std::back_inserter(exact),
-                 [](const Parameter& p) { return !p.changes_geometry(); });
+                 [&](const Parameter& p) { return is_exact(values, p); });
     Outcome<Response> outcome = run_exact(values, exact, workspace);
     if (!outcome || exact.size() == parameters.size()) {
         return outcome;
@@ -93,44 +162,50 @@ Outcome<Response> ForwardModel::run(const Case& values, const std::vector<Parame
     Eigen::Index next_exact = 0;
     for (std::size_t k = 0; k < parameters.size(); ++k) {
         const auto column = static_cast<Eigen::Index>(k);
-        if (!parameters[k].changes_geometry()) {
+        if (next_exact < static_cast<Eigen::Index>(exact.size()) &&
+            exact[static_cast<std::size_t>(next_exact)].path == parameters[k].path) {
             jacobian.col(column) = response.jacobian.col(next_exact++);
             continue;
         }
-        constexpr double relative_step = 1e-4;
-        const double value = parameters[k].get(values);
-        const double step = relative_step * std::abs(value);
-        Case low = values;
-        Case high = values;
-        parameters[k].in(low) = (value - step) * parameters[k].to_si;
-        parameters[k].in(high) = (value + step) * parameters[k].to_si;
-        const auto below = run_exact(low, {}, workspace);
-        const auto above = run_exact(high, {}, workspace);
-        if (!below || !above) {
-            return (below ? above : below).failure();
+        const auto quotient = difference_quotient(values, response, parameters[k], workspace);
+        if (!quotient) {
+            return quotient.failure();
         }
-        for (std::size_t i = 0; i < response.values.size(); ++i) {
-            jacobian(static_cast<Eigen::Index>(i), column) = (above->values[i] - below->values[i]) / (2.0 * step);
-        }
+        jacobian.col(column) = *quotient;
     }
     response.jacobian = std::move(jacobian);
     return response;
 }
 
+Outcome<Eigen::VectorXd> ForwardModel::difference_quotient(const Case& values, const Response& response,
+                                                           const Parameter& parameter, Workspace& workspace) const {
+    const double value = parameter.get(values);
+    // A size changes a response by a like amount all over its range, from a null at which it may be zero.
+    const double step =
+        parameter.in_effect ? 1e-3 * (parameter.high - parameter.low) : 1e-4 * (value == 0.0 ? 1.0 : std::abs(value));
+    const Stencil& stencil = !parameter.in_effect                  ? central_2
+                             : value - 2.0 * step < parameter.low  ? forward_4
+                             : value + 2.0 * step > parameter.high ? backward_4
+                                                                   : central_4;
+    Eigen::VectorXd quotient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(response.values.size()));
+    for (const auto& [offset, weight] : stencil) {
+        std::vector<double> there = response.values;
+        if (offset != 0) {
+            Case moved = values;
+            parameter.in(moved) = (value + offset * step) * parameter.to_si;
+            const auto outcome = run_exact(moved, {}, workspace);
+            if (!outcome) {
+                return outcome.failure();
+            }
+            there = outcome->values;
+        }
+        quotient += weight * Eigen::Map<const Eigen::VectorXd>(there.data(), quotient.size());
+    }
+    return Eigen::VectorXd(quotient / step);
+}
+
 Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<Parameter>& parameters,
                                           Workspace& workspace) const {
-    for (const Layer& layer : values.layers) {
-        if (const std::string why = layer.law->impossible(layer.parameters); !why.empty()) {
-            return Failure{Status::invalid_parameters, "layer \"" + layer.name + "\": " + why};
-        }
-    }
-    for (const Sensor& sensor : values.sensors) {
-        if (sensor.depth + sensor.gauge / 2.0 > values.depth() * (1.0 + 1e-9)) {
-            return Failure{Status::failed, fmt::format("a sensor at {:g} mm depth lies below the floor of this section",
-                                                       sensor.depth / unit::mm)};
-        }
-    }
-    const auto layers = materials_of(values);
     const auto n = static_cast<Eigen::Index>(parameters.size());
 
     Response response;
@@ -147,30 +222,56 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         if (!own) {
             own = models_[l]->make_workspace();
         }
-        // Derivatives this load knows: layers, and its own pressure.
+        const auto load = static_cast<int>(l);
+        const Case c = with_effects(values, load);
+        if (const std::string why = why_impossible(c, load); !why.empty()) {
+            return Failure{Status::invalid_parameters, why};
+        }
+        for (const Sensor& sensor : c.sensors) {
+            if (is_below(sensor, c.depth())) {
+                return Failure{Status::failed,
+                               fmt::format("a sensor at {:g} mm depth lies below the floor of this section",
+                                           sensor.depth / unit::mm)};
+            }
+        }
+        const auto layers = materials_of(c);
+        // Derivatives this load knows: each variation once, and who is made of it.
         std::vector<fe::Variation> variations;
-        std::vector<std::pair<Eigen::Index, double>> target; // column, factor
-        for (Eigen::Index k = 0; k < n; ++k) {
-            const Parameter& p = parameters[static_cast<std::size_t>(k)];
-            if (p.in_load && p.owner != static_cast<int>(l)) {
-                continue;
+        std::vector<Derivative> derivatives;
+        std::vector<std::vector<std::pair<Eigen::Index, double>>> shares; // of each parameter: variation, factor
+        for (const Parameter& p : parameters) {
+            derivatives.push_back(*exact_derivative(values, p, load));
+            auto& share = shares.emplace_back();
+            for (const auto& [variation, factor] : derivatives.back().terms) {
+                const auto known =
+                    std::find_if(variations.begin(), variations.end(), [&, &v = variation](const auto& k) {
+                        return k.kind == v.kind && k.layer == v.layer && k.index == v.index;
+                    });
+                share.emplace_back(known - variations.begin(), factor);
+                if (known == variations.end()) {
+                    variations.push_back(variation);
+                }
             }
-            const auto derivative = exact_derivative(values, p);
-            variations.push_back(derivative->variation);
-            target.emplace_back(k, derivative->factor);
         }
-        const auto reading = models_[l]->run(values, layers, variations, *own);
+        const auto reading = models_[l]->run(c, layers, variations, *own);
         if (!reading) {
-            return Failure{reading.status(), "load \"" + values.loads[l].name + "\": " + reading.failure().reason};
+            return Failure{reading.status(), "load \"" + c.loads[l].name + "\": " + reading.failure().reason};
         }
-        for (std::size_t i = 0; i < values.sensors.size(); ++i) {
-            if (values.sensors[i].load != static_cast<int>(l)) {
+        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+            if (c.sensors[i].load != load) {
                 continue;
             }
-            response.values[i] = reading->values[i];
-            for (std::size_t k = 0; k < target.size(); ++k) {
-                response.jacobian(static_cast<Eigen::Index>(i), target[k].first) =
-                    target[k].second * reading->derivatives(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
+            const auto row = static_cast<Eigen::Index>(i);
+            const double gain = c.sensors[i].gain;
+            response.values[i] = gain * reading->values[i];
+            for (std::size_t k = 0; k < parameters.size(); ++k) {
+                double& d = response.jacobian(row, static_cast<Eigen::Index>(k));
+                for (const auto& [variation, factor] : shares[k]) {
+                    d += gain * factor * reading->derivatives(row, variation);
+                }
+                if (!derivatives[k].gain_rates.empty()) {
+                    d += derivatives[k].gain_rates[i] * reading->values[i];
+                }
             }
         }
         const auto& s = reading->statistics;

@@ -37,7 +37,8 @@ public:
     WorkspacePointer make_workspace() const;
 
     // The response at `values`, a case that differs from the nominal one in numbers only; with its derivatives by
-    // `parameters` (exact but for geometry, which is by central differences). Pure: same input, same bits.
+    // `parameters`: exact, but by differences of runs for geometry, for effects that move sensors or layers, and for
+    // everything where inertia answers. Effects that are varied must be `present`. Pure: same input, same bits.
     Outcome<Response> run(const Case& values, const std::vector<Parameter>& parameters, Workspace& workspace) const;
 
     const Case& nominal() const { return nominal_; }
@@ -45,6 +46,10 @@ public:
     std::vector<int> unknowns() const;
 
 private:
+    bool is_exact(const Case& values, const Parameter& parameter) const;
+    // response: at `values`.
+    Outcome<Eigen::VectorXd> difference_quotient(const Case& values, const Response& response,
+                                                 const Parameter& parameter, Workspace& workspace) const;
     Outcome<Response> run_exact(const Case& values, const std::vector<Parameter>& parameters,
                                 Workspace& workspace) const;
 

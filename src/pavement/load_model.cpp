@@ -33,7 +33,7 @@ public:
         : load_(load),
           breaks_(Kind::breaks(nominal, load)),
           mesh_(Kind::nominal_mesh(nominal, load)),
-          model_(fe::make_model(mesh_)) {}
+          model_(fe::make_model(mesh_, nullptr, springs_of(nominal, load))) {}
 
     std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Own>(); }
     int unknowns() const override { return model_.free_unknowns(); }
@@ -50,10 +50,18 @@ public:
         }
         Own& own = static_cast<Own&>(workspace);
         own.fit(*this, values, breaks);
-        const Eigen::VectorXd force = load.pressure * own.unit_load;
+        const double pressure = load.pressure * load.factor;
+        const Eigen::VectorXd force = pressure * own.unit_load;
+        std::vector<fe::Variation> by = variations;
+        for (fe::Variation& variation : by) {
+            if (variation.kind == fe::Variation::Kind::pressure_shape) {
+                variation.load_rate = pressure * own.unit_load_rate(load);
+            }
+        }
+        const std::vector<double> springs = spring_stiffness(values);
         const auto solved = values.settings.integration == Integration::secant
-                                ? own.solver->secant(layers, force, variations, values.settings.solver)
-                                : own.solver->incremental(layers, force, variations, values.settings.solver);
+                                ? own.solver->secant(layers, force, by, values.settings.solver, springs)
+                                : own.solver->incremental(layers, force, by, values.settings.solver, springs);
         if (!solved) {
             return solved.failure();
         }
@@ -79,39 +87,114 @@ public:
                 return Failure{Status::failed, "the solution is not a finite number"};
             }
         }
+        if (load.inertia) {
+            return with_inertia(std::move(reading), values, layers, solved.value(), force, own);
+        }
         return reading;
     }
 
 private:
+    // Of every spring of the model [Pa/m].
+    std::vector<double> spring_stiffness(const Case& values) const {
+        std::vector<double> stiffness;
+        for (const Layer& layer : values.layers) {
+            if (layer.compliance) {
+                stiffness.push_back(1.0 / *layer.compliance);
+            }
+        }
+        if (const auto& plate = values.loads[load_].plate_stiffness) {
+            stiffness.push_back(*plate);
+        }
+        return stiffness;
+    }
+
+    struct Own;
+
+    // What a pulse of the load adds to what is measured under it.
+    Outcome<Reading> with_inertia(Reading reading, const Case& values, const std::vector<fe::LayerMaterial>& layers,
+                                  const fe::Solution<Element>& solved, const Eigen::VectorXd& force, Own& own) const {
+        std::vector<std::size_t> rows;
+        std::vector<fe::Functional> functionals;
+        for (std::size_t i = 0; i < values.sensors.size(); ++i) {
+            if (values.sensors[i].load != load_ || !values.sensors[i].measured) {
+                continue;
+            }
+            rows.push_back(i);
+            const auto& o = own.observations[i];
+            auto& functional = functionals.emplace_back(o.on_displacement);
+            for (const auto& [q, weight, direction] : o.on_stress) { // stress = E C strain
+                const int e = q / Element::gauss;
+                const auto& layer = layers[static_cast<std::size_t>(own.model->topology->layer[e])];
+                const mechanics::Stiffness<Element::voigt> unit =
+                    fe::local_stiffness(layer, fe::position_of(*own.model, e, q % Element::gauss))
+                        .template topLeftCorner<Element::voigt, Element::voigt>();
+                typename Element::Vector on_element = Element::Vector::Zero();
+                Element::add_force(own.model->points[q], solved.modulus[q] * (unit * direction), weight, on_element);
+                for (int k = 0; k < Element::dofs; ++k) {
+                    if (const int unknown = own.model->topology->unknowns[e][k]; unknown >= 0) {
+                        functional.emplace_back(unknown, on_element[k]);
+                    }
+                }
+            }
+        }
+        fe::Pulse pulse;
+        pulse.inertia = *values.loads[load_].inertia;
+        const auto excess = own.solver->inertial_excess(solved, force, pulse, functionals);
+        if (!excess) {
+            return excess.failure();
+        }
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            reading.values[rows[k]] += (*excess)[k];
+        }
+        return reading;
+    }
+
     struct Own : Workspace {
         Lines lines;
+        typename Kind::Mesh mesh;
         std::unique_ptr<fe::Model<Element>> model;
         std::unique_ptr<fe::Solver<Element>> solver;
-        Eigen::VectorXd unit_load; // pressure 1 Pa
+        double pressure_shape = 0.0; // of unit_load
+        Eigen::VectorXd unit_load;   // pressure 1 Pa
+        std::vector<Sensor> sensors; // of the observations
         std::vector<Observation<Element>> observations;
+
+        // d(unit_load)/d(pressure_shape): the pressure is linear in it.
+        Eigen::VectorXd unit_load_rate(Load load) const {
+            load.pressure_shape += 1.0;
+            return Kind::unit_load(mesh, *model, load) - unit_load;
+        }
 
         void fit(const LoadModelOf& of, const Case& values, const Lines& breaks) {
             Lines wanted = Kind::lines_of(of.mesh_);
             for (std::size_t axis = 0; axis < wanted.size(); ++axis) {
                 wanted[axis] = moved_lines(std::move(wanted[axis]), of.breaks_[axis], breaks[axis]);
             }
-            if (wanted == lines) {
-                return;
+            const Load& load = values.loads[of.load_];
+            const bool moves = wanted != lines;
+            if (moves) {
+                lines = wanted;
+                mesh = Kind::mesh_of(std::move(wanted), bottoms_of(values));
+                auto moved = std::make_unique<fe::Model<Element>>(
+                    fe::make_model(mesh, &of.model_, springs_of(values, of.load_)));
+                if (solver == nullptr) {
+                    solver = std::make_unique<fe::Solver<Element>>(*moved);
+                } else {
+                    solver->move(*moved);
+                }
+                model = std::move(moved);
             }
-            lines = wanted;
-            const auto mesh = Kind::mesh_of(std::move(wanted), bottoms_of(values));
-            auto moved = std::make_unique<fe::Model<Element>>(fe::make_model(mesh, &of.model_));
-            if (solver == nullptr) {
-                solver = std::make_unique<fe::Solver<Element>>(*moved);
-            } else {
-                solver->move(*moved);
+            if (moves || load.pressure_shape != pressure_shape) {
+                unit_load = Kind::unit_load(mesh, *model, load);
+                pressure_shape = load.pressure_shape;
             }
-            model = std::move(moved);
-            unit_load = Kind::unit_load(mesh, *model, values.loads[of.load_]);
-            observations.clear();
-            for (const Sensor& sensor : values.sensors) {
-                observations.push_back(sensor.load == of.load_ ? observe(sensor, mesh, *model)
-                                                               : Observation<Element>{});
+            if (moves || sensors != values.sensors) {
+                sensors = values.sensors;
+                observations.clear();
+                for (const Sensor& sensor : sensors) {
+                    observations.push_back(sensor.load == of.load_ ? observe(sensor, mesh, *model)
+                                                                   : Observation<Element>{});
+                }
             }
         }
     };
@@ -150,11 +233,25 @@ std::vector<fe::LayerMaterial> materials_of(const Case& c) {
         m.unit_weight = layer.density * unit::gravity;
         m.k0 = layer.k0;
         m.residual_stress = layer.residual_stress;
+        m.fields = layer.fields;
         top += layer.thickness;
         stress += m.unit_weight * layer.thickness;
         layers.push_back(std::move(m));
     }
     return layers;
+}
+
+fe::Springs springs_of(const Case& c, int load) {
+    fe::Springs springs;
+    for (std::size_t l = 0; l < c.layers.size(); ++l) {
+        if (c.layers[l].compliance) {
+            springs.slipping_layers.push_back(static_cast<int>(l));
+        }
+    }
+    if (c.loads[load].plate_stiffness) {
+        springs.plate_radius = c.loads[load].radius;
+    }
+    return springs;
 }
 
 std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int number) {

@@ -21,7 +21,7 @@ struct Axisymmetric { // one circle on the axis
     static Lines lines_of(const Mesh& mesh);
     static Lines breaks(const Case& c, int load);
     static Mesh mesh_of(Lines lines, const std::vector<double>& layer_bottoms);
-    // Force of 1 Pa on the footprint, on every free unknown [N].
+    // Force of a mean pressure of 1 Pa on the footprint, on every free unknown [N].
     static Eigen::VectorXd unit_load(const Mesh& mesh, const fe::Model<Element>& model, const Load& load);
 };
 // Any load: a quarter, for all loads are symmetric to x = 0 and y = 0.
@@ -40,6 +40,9 @@ std::vector<double> bottoms_of(const Case& c);
 
 // The layers as the solvers see them.
 std::vector<fe::LayerMaterial> materials_of(const Case& c);
+
+// The springs of the model of a load: slipping interfaces from above, then the plate.
+fe::Springs springs_of(const Case& c, int load);
 
 class LoadModel {
 public:
@@ -80,7 +83,8 @@ Parts<Kind> parts_of(const Case& c, int load) {
     Parts<Kind> parts;
     parts.mesh = Kind::nominal_mesh(c, load);
     parts.model = fe::make_model(parts.mesh);
-    parts.load = c.loads[load].pressure * Kind::unit_load(parts.mesh, parts.model, c.loads[load]);
+    parts.load =
+        c.loads[load].pressure * c.loads[load].factor * Kind::unit_load(parts.mesh, parts.model, c.loads[load]);
     parts.layers = materials_of(c);
     return parts;
 }

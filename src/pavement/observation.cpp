@@ -99,9 +99,9 @@ Observation<Element> strain_or_stress(Observation<Element> o, const Sensor& sens
     if (is_stress(sensor.quantity)) {
         return o;
     }
-    for (const auto& [point, weight] : o.on_stress) {
+    for (const auto& [point, weight, direction] : o.on_stress) {
         typename Element::Vector on_element = Element::Vector::Zero();
-        Element::add_force(model.points[point], o.direction, weight, on_element);
+        Element::add_force(model.points[point], direction, weight, on_element);
         for (int k = 0; k < Element::dofs; ++k) {
             if (const int unknown = model.topology->unknowns[point / Element::gauss][k]; unknown >= 0) {
                 o.on_displacement.emplace_back(unknown, on_element[k]);
@@ -112,10 +112,9 @@ Observation<Element> strain_or_stress(Observation<Element> o, const Sensor& sens
     return o;
 }
 
-} // namespace
-
-Observation<fe::AxisymmetricQ8> observe(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh,
-                                        const fe::Model<fe::AxisymmetricQ8>& model) {
+// The observation of a sensor without shares.
+Observation<fe::AxisymmetricQ8> observe_place(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh,
+                                              const fe::Model<fe::AxisymmetricQ8>& model) {
     using Element = fe::AxisymmetricQ8;
     const double r = std::hypot(sensor.x, sensor.y);
     Observation<Element> o;
@@ -128,26 +127,28 @@ Observation<fe::AxisymmetricQ8> observe(const Sensor& sensor, const mesh::Axisym
     if (observe_displacement(sensor, add_uz)) {
         return o;
     }
+    Element::Stress direction = Element::Stress::Zero();
     const double cos2 = r > 0.0 ? sensor.x * sensor.x / (r * r) : 1.0;
     switch (sensor.quantity) { // compression positive: minus
     case Quantity::stress_zz:
-    case Quantity::strain_zz: o.direction[2] = -1.0; break;
+    case Quantity::strain_zz: direction[2] = -1.0; break;
     case Quantity::stress_xx:
-    case Quantity::strain_xx: o.direction[0] = -cos2, o.direction[1] = cos2 - 1.0; break;
-    default: o.direction[0] = cos2 - 1.0, o.direction[1] = -cos2; break;
+    case Quantity::strain_xx: direction[0] = -cos2, direction[1] = cos2 - 1.0; break;
+    default: direction[0] = cos2 - 1.0, direction[1] = -cos2; break;
     }
     static constexpr int gauss_number[2][2] = {{0, 3}, {1, 2}}; // [in r][in z]
     const auto [top, bottom] = cells_of_layer(mesh.z_lines, mesh.layer.data(), sensor.depth);
     for (const auto& [i, in_r] : interpolation(mesh.r_lines, 0, mesh.r_cells() - 1, r, true)) {
         for (const auto& [j, in_z] : interpolation(mesh.z_lines, top, bottom, sensor.depth, false)) {
             const int element = i / 2 * mesh.z_cells() + j / 2;
-            o.on_stress.emplace_back(element * Element::gauss + gauss_number[i % 2][j % 2], in_r * in_z);
+            o.on_stress.push_back({element * Element::gauss + gauss_number[i % 2][j % 2], in_r * in_z, direction});
         }
     }
     return strain_or_stress(std::move(o), sensor, model);
 }
 
-Observation<fe::Hex20> observe(const Sensor& sensor, const mesh::SolidMesh& mesh, const fe::Model<fe::Hex20>& model) {
+Observation<fe::Hex20> observe_place(const Sensor& sensor, const mesh::SolidMesh& mesh,
+                                     const fe::Model<fe::Hex20>& model) {
     using Element = fe::Hex20;
     const double x = std::abs(sensor.x);
     const double y = std::abs(sensor.y);
@@ -162,24 +163,57 @@ Observation<fe::Hex20> observe(const Sensor& sensor, const mesh::SolidMesh& mesh
     if (observe_displacement(sensor, add_uz)) {
         return o;
     }
+    Element::Stress direction = Element::Stress::Zero();
     switch (sensor.quantity) { // compression positive: minus
     case Quantity::stress_zz:
-    case Quantity::strain_zz: o.direction[2] = -1.0; break;
+    case Quantity::strain_zz: direction[2] = -1.0; break;
     case Quantity::stress_xx:
-    case Quantity::strain_xx: o.direction[0] = -1.0; break;
-    default: o.direction[1] = -1.0; break;
+    case Quantity::strain_xx: direction[0] = -1.0; break;
+    default: direction[1] = -1.0; break;
     }
     const auto [top, bottom] = cells_of_layer(mesh.z_lines, mesh.layer.data(), sensor.depth);
     for (const auto& [a, in_x] : interpolation(mesh.x_lines, 0, mesh.x_cells() - 1, x, true)) {
         for (const auto& [b, in_y] : interpolation(mesh.y_lines, 0, mesh.y_cells() - 1, y, true)) {
             for (const auto& [c, in_z] : interpolation(mesh.z_lines, top, bottom, sensor.depth, false)) {
-                o.on_stress.emplace_back(mesh.element(a / 2, b / 2, c / 2) * Element::gauss + 4 * (a % 2) +
-                                             2 * (b % 2) + c % 2,
-                                         in_x * in_y * in_z);
+                o.on_stress.push_back(
+                    {mesh.element(a / 2, b / 2, c / 2) * Element::gauss + 4 * (a % 2) + 2 * (b % 2) + c % 2,
+                     in_x * in_y * in_z, direction});
             }
         }
     }
     return strain_or_stress(std::move(o), sensor, model);
+}
+
+template <class Element, class Mesh>
+Observation<Element> observe_shares(const Sensor& sensor, const Mesh& mesh, const fe::Model<Element>& model) {
+    if (sensor.shares.empty()) {
+        return observe_place(sensor, mesh, model);
+    }
+    Observation<Element> sum;
+    for (const Sensor::Share& share : sensor.shares) {
+        Sensor there = sensor;
+        there.x += share.dx;
+        there.depth += share.dz;
+        const auto o = observe_place(there, mesh, model);
+        for (const auto& [unknown, weight] : o.on_displacement) {
+            sum.on_displacement.emplace_back(unknown, share.weight * weight);
+        }
+        for (const auto& [point, weight, direction] : o.on_stress) {
+            sum.on_stress.push_back({point, share.weight * weight, direction});
+        }
+    }
+    return sum;
+}
+
+} // namespace
+
+Observation<fe::AxisymmetricQ8> observe(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh,
+                                        const fe::Model<fe::AxisymmetricQ8>& model) {
+    return observe_shares(sensor, mesh, model);
+}
+
+Observation<fe::Hex20> observe(const Sensor& sensor, const mesh::SolidMesh& mesh, const fe::Model<fe::Hex20>& model) {
+    return observe_shares(sensor, mesh, model);
 }
 
 } // namespace pave::pavement

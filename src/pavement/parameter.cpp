@@ -2,7 +2,10 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "pavement/effects/effect.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace pave::pavement {
@@ -105,6 +108,9 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch) {
 }
 
 double& Parameter::in(Case& c) const {
+    if (in_effect) {
+        return c.effects[owner].size;
+    }
     if (in_load) {
         return key->of_load(c.loads[owner]);
     }
@@ -114,7 +120,9 @@ double& Parameter::in(Case& c) const {
 
 double Parameter::get(const Case& c) const {
     Case copy;
-    if (in_load) {
+    if (in_effect) {
+        copy.effects = c.effects;
+    } else if (in_load) {
         copy.loads = c.loads;
     } else {
         copy.layers = c.layers;
@@ -169,6 +177,16 @@ void each_parameter(const Case& c, F f) {
             f(p);
         }
     }
+    for (std::size_t i = 0; i < c.effects.size(); ++i) {
+        const Effect& effect = *c.effects[i].effect;
+        Parameter p;
+        p.path = std::string(effect.name) + ".size";
+        p.in_effect = true;
+        p.owner = static_cast<int>(i);
+        p.low = effect.low;
+        p.high = effect.high;
+        f(p);
+    }
 }
 
 } // namespace
@@ -195,24 +213,137 @@ Parameter find_parameter(const Case& c, std::string_view path, const Place& plac
     return *found;
 }
 
-std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter) {
-    using Kind = fe::Variation::Kind;
+namespace {
+
+using Kind = fe::Variation::Kind;
+
+// Calls f(number, variation, factor) for every number of a case without effects that the solver differentiates by under
+// a load. d(response)/d(number) is the derivative by the variation times the factor.
+template <class F>
+void each_number(Case& c, int load, F f) {
+    for (std::size_t l = 0; l < c.layers.size(); ++l) {
+        Layer& layer = c.layers[l];
+        const auto own = static_cast<int>(l);
+        f(layer.density, fe::Variation{.kind = Kind::unit_weight, .layer = own}, unit::gravity);
+        f(layer.k0, fe::Variation{.kind = Kind::k0, .layer = own}, 1.0);
+        f(layer.residual_stress, fe::Variation{.kind = Kind::residual_stress, .layer = own}, 1.0);
+        for (std::size_t i = 0; i < layer.parameters.size(); ++i) {
+            f(layer.parameters[i], fe::Variation{.kind = Kind::law_parameter, .layer = own, .index = i}, 1.0);
+        }
+        for (std::size_t i = 0; i < layer.fields.size(); ++i) {
+            f(layer.fields[i].size, fe::Variation{.kind = Kind::field, .layer = own, .index = i}, 1.0);
+        }
+    }
+    std::size_t spring = 0; // in the order of springs_of()
+    for (Layer& layer : c.layers) {
+        if (layer.compliance) {
+            const double stiffness = 1.0 / *layer.compliance;
+            f(*layer.compliance, fe::Variation{.kind = Kind::spring, .index = spring++}, -stiffness * stiffness);
+        }
+    }
+    Load& on = c.loads[load];
+    if (on.plate_stiffness) {
+        f(*on.plate_stiffness, fe::Variation{.kind = Kind::spring, .index = spring}, 1.0);
+    }
+    f(on.factor, fe::Variation{.kind = Kind::load_factor}, 1.0 / on.factor);
+    f(on.pressure_shape, fe::Variation{.kind = Kind::pressure_shape}, 1.0);
+    if (on.type == LoadType::plate) { // of a wheel it sets the size of the patch
+        f(on.pressure, fe::Variation{.kind = Kind::load_factor}, 1.0 / on.pressure);
+    }
+}
+
+// The case as a load sees it without those numbers: where two of them differ, no derivative of the solver tells.
+struct Rest {
+    std::vector<Layer> layers;
+    Load load;
+    std::vector<Sensor> sensors;
+    bool operator==(const Rest&) const = default;
+};
+
+Rest rest_of(Case c, int load) {
+    each_number(c, load, [](double& number, const fe::Variation&, double) { number = 0.0; });
+    Rest rest{c.layers, c.loads[load], {}};
+    for (Sensor& sensor : c.sensors) {
+        if (sensor.load == load) {
+            sensor.gain = 0.0;
+            rest.sensors.push_back(sensor);
+        }
+    }
+    return rest;
+}
+
+std::vector<double> numbers_of(Case c, int load) {
+    std::vector<double> numbers;
+    each_number(c, load, [&](double& number, const fe::Variation&, double) { numbers.push_back(number); });
+    for (const Sensor& sensor : c.sensors) {
+        numbers.push_back(sensor.gain);
+    }
+    return numbers;
+}
+
+// The derivative by a parameter of a case without effects.
+std::optional<Derivative> direct_derivative(const Case& c, const Parameter& parameter, int load) {
+    const auto one = [](fe::Variation variation, double factor) {
+        return Derivative{.terms = {{std::move(variation), factor}}, .gain_rates = {}};
+    };
     if (parameter.changes_geometry()) {
         return std::nullopt;
     }
     if (parameter.in_load) { // the pressure of a plate: a factor on its load
-        return Derivative{{.kind = Kind::load_factor}, 1.0 / parameter.get(c)};
+        return parameter.owner == load ? one({.kind = Kind::load_factor}, 1.0 / parameter.get(c)) : Derivative{};
     }
     if (parameter.law_index) {
-        return Derivative{{.kind = Kind::law_parameter, .layer = parameter.owner, .index = *parameter.law_index},
-                          parameter.to_si};
+        return one({.kind = Kind::law_parameter, .layer = parameter.owner, .index = *parameter.law_index},
+                   parameter.to_si);
     }
     const std::string_view key = parameter.key->key;
     if (key == "density_kg_m3") {
-        return Derivative{{.kind = Kind::unit_weight, .layer = parameter.owner}, unit::gravity};
+        return one({.kind = Kind::unit_weight, .layer = parameter.owner}, unit::gravity);
     }
-    return Derivative{{.kind = key == "k0" ? Kind::k0 : Kind::residual_stress, .layer = parameter.owner},
-                      parameter.to_si};
+    return one({.kind = key == "k0" ? Kind::k0 : Kind::residual_stress, .layer = parameter.owner}, parameter.to_si);
+}
+
+} // namespace
+
+std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter, int load) {
+    if (std::none_of(c.effects.begin(), c.effects.end(), [](const AppliedEffect& e) { return is_active(e); })) {
+        return direct_derivative(c, parameter, load);
+    }
+    Case here = with_effects(c, load);
+    if (here.loads[load].inertia) {
+        return std::nullopt;
+    }
+    const double value = parameter.get(c);
+    const double scale = parameter.in_effect ? parameter.high - parameter.low : std::abs(value);
+    const double step = 1e-5 * (scale > 0.0 ? scale : 1.0);
+    const auto at = [&](double offset) {
+        Case moved = c;
+        parameter.in(moved) = (value + offset * step) * parameter.to_si;
+        return with_effects(moved, load);
+    };
+    const std::array<Case, 4> moved{at(-2), at(-1), at(1), at(2)};
+    if (rest_of(moved[0], load) != rest_of(moved[3], load)) {
+        return std::nullopt;
+    }
+    std::array<std::vector<double>, 4> numbers;
+    std::transform(moved.begin(), moved.end(), numbers.begin(), [&](const Case& m) { return numbers_of(m, load); });
+    // Fourth order; exactly zero for a number that does not move.
+    const auto slope = [&](std::size_t i) {
+        const double far = numbers[3][i] - numbers[0][i];
+        const double near = numbers[2][i] - numbers[1][i];
+        return std::isnan(far) ? 0.0 : (8.0 * near - far) / (12.0 * step);
+    };
+    Derivative derivative;
+    std::size_t i = 0;
+    each_number(here, load, [&](double&, const fe::Variation& variation, double factor) {
+        if (const double rate = slope(i++); rate != 0.0) {
+            derivative.terms.push_back({variation, factor * rate});
+        }
+    });
+    for (; i < numbers[0].size(); ++i) {
+        derivative.gain_rates.push_back(slope(i));
+    }
+    return derivative;
 }
 
 } // namespace pave::pavement

@@ -1,4 +1,4 @@
-// The numbers of a case by name: "base.k1", "subgrade.modulus_MPa", "fwd.pressure_kPa".
+// The numbers of a case by name: "base.k1", "subgrade.modulus_MPa", "fwd.pressure_kPa", "base-tension.size".
 #pragma once
 
 #include "base/error.h"
@@ -29,7 +29,8 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch);
 struct Parameter {
     std::string path;
     bool in_load = false;
-    int owner = 0;                        // index of the layer or load
+    bool in_effect = false;               // the size of an effect
+    int owner = 0;                        // index of the layer, load or effect
     const KeyInfo* key = nullptr;         // of the layer or load itself, or
     std::optional<std::size_t> law_index; // of the layer's law
     double to_si = 1.0;
@@ -47,11 +48,19 @@ std::vector<std::string> parameter_paths(const Case& c);
 // Throws Error (place filled by the caller) when the path names nothing; suggests the nearest name.
 Parameter find_parameter(const Case& c, std::string_view path, const Place& place);
 
-// The quantity the solver differentiates by, with factor d(quantity)/d(file value). Nothing for geometry.
+// How the responses under one load follow a parameter: the sum of the solver's derivatives by `variation`, each times
+// `factor` [per file unit], and what the gains of the sensors add.
 struct Derivative {
-    fe::Variation variation;
-    double factor = 1.0;
+    struct Term {
+        fe::Variation variation;
+        double factor = 1.0;
+    };
+    std::vector<Term> terms;
+    std::vector<double> gain_rates; // d(gain)/d(parameter) of each sensor; empty: none changes
 };
-std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter);
+
+// Nothing where the solver has no such derivative: geometry, places of sensors, inertia. Effects turn numbers of the
+// case into others in closed form; the chain rule through them is by differences of those forms, to some 1e-10.
+std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter, int load);
 
 } // namespace pave::pavement

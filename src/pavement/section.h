@@ -4,6 +4,7 @@
 #include "fe/solver.h"
 #include "material/law.h"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,7 +18,11 @@ struct Layer {
     double k0 = 0.0;              // horizontal over vertical initial stress
     double residual_stress = 0.0; // Pa, horizontal compression locked in
     const material::Law* law = nullptr;
-    std::vector<double> parameters; // SI, in the order of law->parameters()
+    std::vector<double> parameters;     // SI, in the order of law->parameters()
+    std::vector<fe::Field> fields{};    // what varies within the layer
+    std::optional<double> compliance{}; // m/Pa, shear compliance of the interface at its bottom; none: bonded
+
+    bool operator==(const Layer&) const = default;
 };
 
 enum class LoadType { plate, wheel, dual_wheel };
@@ -32,6 +37,16 @@ struct Load {
     double spacing = 0.0;  // m, dual wheel: between patch centres
     Patch patch = Patch::rectangle;
     double patch_width = 0.16; // m, rectangle
+    double factor = 1.0;       // on the pressure, at the same area of contact
+    // The pressure is 1 + pressure_shape g times the mean: g = 2 (r/a)^2 - 1 on a circle of radius a,
+    // 3/2 (xi^2 + eta^2) - 1 on a rectangle with -1 <= xi, eta <= 1. Positive: heavy edges. The force stays.
+    double pressure_shape = 0.0;
+    // Pa/m, plate: resists, per area, deflections that differ from the mean one under the plate; none: flexible.
+    std::optional<double> plate_stiffness{};
+    // Plate: the inertia of the section answers to the load's pulse, its mass times this; none: static.
+    std::optional<double> inertia{};
+
+    bool operator==(const Load&) const = default;
 
     // One circle on the axis: the axisymmetric model serves it.
     bool is_axisymmetric() const {
@@ -76,6 +91,17 @@ struct Sensor {
     Quantity quantity = Quantity::deflection;
     double x = 0.0, y = 0.0, depth = 0.0; // m
     double gauge = 0.0;                   // m
+    bool measured = true;                 // by an instrument, which may err; false: an asked-for response
+    double gain = 1.0;                    // of the instrument
+    // Places that the reading averages over, relative to the sensor; none: the sensor's own.
+    struct Share {
+        double dx = 0.0, dz = 0.0; // m
+        double weight = 1.0;
+        bool operator==(const Share&) const = default;
+    };
+    std::vector<Share> shares{};
+
+    bool operator==(const Sensor&) const = default;
 };
 
 enum class Integration { incremental, secant };
@@ -87,12 +113,27 @@ struct Settings {
     fe::SolverSettings solver;
 };
 
+struct Effect; // effects/effect.h
+
+// An effect in a case: how big, and on what. An option that is not given is the effect's own choice.
+struct AppliedEffect {
+    const Effect* effect = nullptr;
+    double size = 0.0; // in the effect's unit
+    // Modelled at the null size too, because something varies the size or differentiates by it.
+    bool present = false;
+    std::string layer{};
+    std::optional<int> load{};
+    std::optional<Quantity> quantity{};
+    std::optional<int> reading{}; // index of a sensor
+};
+
 // Everything a forward run is a function of.
 struct Case {
     std::vector<Layer> layers; // top to bottom, on a rigid rough floor
     std::vector<Load> loads;
     std::vector<Sensor> sensors;
     Settings settings;
+    std::vector<AppliedEffect> effects; // what the above does not say; applied in this order
 
     double depth() const;
     // Where the wall stands unless a study says otherwise: 4 m, or twice the depth of the section, or twice the

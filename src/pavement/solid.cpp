@@ -146,8 +146,13 @@ Eigen::VectorXd Solid::unit_load(const Mesh& mesh, const fe::Model<Element>& mod
             integrate(footprint, x0, x1, y0, y1, [&](double x, double y, double weight) {
                 const auto shape =
                     Element::shape({2.0 * (x - x0) / (x1 - x0) - 1.0, 2.0 * (y - y0) / (y1 - y0) - 1.0, -1.0});
+                const double u = (x - footprint.centre) / footprint.half_x;
+                const double v = y / footprint.half_y;
+                const double g =
+                    (footprint.shape == Patch::circle ? 2.0 : 1.5) * (u * u + v * v) - 1.0; // see Load::pressure_shape
+                const double factor = weight * (1.0 + on.pressure_shape * g);
                 for (int k = 0; k < Element::nodes; ++k) {
-                    force[Element::dim * k + Element::down] += weight * shape[k];
+                    force[Element::dim * k + Element::down] += factor * shape[k];
                 }
             });
             model.scatter_add(mesh.element(i, j, 0), force, load.data());

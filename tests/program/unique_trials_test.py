@@ -5,7 +5,7 @@ deficient: two readings for three parameters, so that the Jacobian has a null ve
 rich:      deflections, strains and stresses at 1 % noise. The verdict must be unique; the 95 % ranges of the parameters and
            outputs are counted against the truth.
 
-python3 tests/program/unique_trials.py PROGRAM [COUNT] [FIRST_SEED]
+python3 tests/program/unique_trials_test.py PROGRAM [COUNT] [FIRST_SEED]
 """
 import json
 import math

@@ -1,0 +1,110 @@
+#include "pavement/effects/effect.h"
+
+#include "base/units.h"
+
+#include <algorithm>
+
+namespace pave::pavement {
+
+bool is_active(const AppliedEffect& applied) {
+    return applied.present || applied.size != applied.effect->null;
+}
+
+std::optional<std::size_t> layer_of_role(const Case& c, LayerRole role) {
+    const auto named = [&](std::string_view name) -> std::optional<std::size_t> {
+        const auto found =
+            std::find_if(c.layers.begin(), c.layers.end(), [&](const Layer& layer) { return layer.name == name; });
+        return found == c.layers.end() ? std::nullopt : std::optional<std::size_t>(found - c.layers.begin());
+    };
+    const std::size_t count = c.layers.size();
+    switch (role) {
+    case LayerRole::asphalt: {
+        const auto found = named("asphalt");
+        return found || count < 2 ? found : 0;
+    }
+    case LayerRole::base: {
+        if (const auto found = named("base")) {
+            return found;
+        }
+        for (std::size_t l = 0; l + 1 < count; ++l) {
+            if (c.layers[l].law->stress_dependent()) {
+                return l;
+            }
+        }
+        return count < 2 ? std::nullopt : std::optional(count - 2);
+    }
+    case LayerRole::subgrade: {
+        const auto found = named("subgrade");
+        return found ? found : count - 1;
+    }
+    case LayerRole::none: break;
+    }
+    return std::nullopt;
+}
+
+Case with_effects(const Case& c, int load) {
+    Case out = c;
+    out.effects.clear();
+    for (AppliedEffect applied : c.effects) {
+        if (!is_active(applied)) {
+            continue;
+        }
+        if (applied.layer.empty()) {
+            if (const auto layer = layer_of_role(c, applied.effect->layer)) {
+                applied.layer = c.layers[*layer].name;
+            }
+        }
+        applied.effect->apply(out, applied, load);
+    }
+    return out;
+}
+
+std::string why_impossible(const Case& c, const AppliedEffect& applied) {
+    const Effect& effect = *applied.effect;
+    if (effect.layer != LayerRole::none && applied.layer.empty() && !layer_of_role(c, effect.layer)) {
+        return "the section has no such layer";
+    }
+    return effect.refuses != nullptr ? effect.refuses(c, applied) : "";
+}
+
+std::vector<std::size_t> layers_named(const Case& c, std::string_view name) {
+    std::vector<std::size_t> found;
+    for (std::size_t l = 0; l < c.layers.size(); ++l) {
+        if (c.layers[l].name == name) {
+            found.push_back(l);
+        }
+    }
+    return found;
+}
+
+double top_of(const Case& c, std::size_t layer) {
+    double z = 0.0;
+    for (std::size_t l = 0; l < layer; ++l) {
+        z += c.layers[l].thickness;
+    }
+    return z;
+}
+
+void scale_modulus(Layer& layer, double factor) {
+    layer.parameters[layer.law->scale_parameter()] *= factor;
+}
+
+double slip_compliance(double size) {
+    constexpr double reference = unit::mm / unit::MPa;
+    constexpr double bonded = 1e-5; // a shear stress of 1 MPa moves it by 10 nm
+    return reference * (size / (1.0 - size) + bonded);
+}
+
+bool is_plate(const Case& c, std::optional<int> load) {
+    if (load) {
+        return c.loads[*load].type == LoadType::plate;
+    }
+    return std::any_of(c.loads.begin(), c.loads.end(), [](const Load& l) { return l.type == LoadType::plate; });
+}
+
+bool has_gauges(const Case& c) {
+    return std::any_of(c.sensors.begin(), c.sensors.end(),
+                       [](const Sensor& sensor) { return sensor.measured && sensor.quantity != Quantity::deflection; });
+}
+
+} // namespace pave::pavement

@@ -1,0 +1,80 @@
+// What a missing physical effect is: a size with a null value, and how it changes a case.
+//
+// An effect is one file with one object, named in one line of catalog.cpp. It turns a case into another one: the model
+// knows fields, interfaces, springs and the like (section.h, fe/materials.h), not effects.
+#pragma once
+
+#include "pavement/section.h"
+
+namespace pave::pavement {
+
+// The layer an effect acts on unless a case says otherwise.
+enum class LayerRole {
+    none,
+    asphalt, // named "asphalt", else the uppermost
+    base,    // named "base", else the uppermost stress-dependent one, else the one above the lowest
+    subgrade // named "subgrade", else the lowest
+};
+
+struct Effect {
+    std::string_view name;
+    std::string_view unit; // of the size; "-" for a pure number
+    double null = 0.0;     // the size that changes nothing, to the last bit
+    double low = 0.0;      // prior range of the size, null included; others are refused
+    double high = 0.0;
+    bool log_scale = false;
+    double typical = 0.0; // a size that is seen in practice
+    std::string_view mechanism;
+    std::string_view source;
+    std::string_view acts_on; // what, unless a case says otherwise
+    LayerRole layer = LayerRole::none;
+    // Options that a case may give.
+    bool takes_layer = false;
+    bool takes_load = false;
+    bool takes_quantity = false;
+    bool takes_reading = false;
+
+    // Changes c, as load number `load` sees it, by the effect. applied.layer is given for effects with a layer.
+    void (*apply)(Case& c, const AppliedEffect& applied, int load) = nullptr;
+    // Why the case cannot have the effect, or "".
+    std::string (*refuses)(const Case& c, const AppliedEffect& applied) = nullptr;
+};
+
+// Not at its null size, or to be modelled at it.
+bool is_active(const AppliedEffect& applied);
+
+// The case without effects that load number `load` meets: its effects applied one after the other.
+Case with_effects(const Case& c, int load);
+
+// Why the case cannot have the effect, or "": what the effect itself says, and options that name nothing.
+std::string why_impossible(const Case& c, const AppliedEffect& applied);
+
+// For effects. Indices of the layers of a name, from above: one, or the parts of one that was divided.
+std::vector<std::size_t> layers_named(const Case& c, std::string_view name);
+// Depth of the top of a layer [m].
+double top_of(const Case& c, std::size_t layer);
+// Index of the layer that plays a role, by the rules above; none: there are too few layers.
+std::optional<std::size_t> layer_of_role(const Case& c, LayerRole role);
+// Multiplies the modulus of a layer.
+void scale_modulus(Layer& layer, double factor);
+// Shear compliance of an interface that slips by a share [m/Pa]: (1 mm/MPa) size/(1 - size); bonded is 1e-5 mm/MPa.
+double slip_compliance(double size);
+// Whether a load, or with none given any of them, is a plate.
+bool is_plate(const Case& c, std::optional<int> load);
+// Whether strains or stresses are measured.
+bool has_gauges(const Case& c);
+// Divides each place a sensor reads into places share(points[i]) away from it with these weights.
+template <std::size_t N, class F>
+void share_out(Sensor& sensor, const double (&points)[N], const double (&weights)[N], F share) {
+    const std::vector<Sensor::Share> before =
+        sensor.shares.empty() ? std::vector<Sensor::Share>{{}} : std::move(sensor.shares);
+    sensor.shares.clear();
+    for (const Sensor::Share& place : before) {
+        for (std::size_t i = 0; i < N; ++i) {
+            const Sensor::Share moved = share(points[i]);
+            sensor.shares.push_back({place.dx + moved.dx, place.dz + moved.dz, place.weight * weights[i]});
+        }
+    }
+}
+
+} // namespace pave::pavement

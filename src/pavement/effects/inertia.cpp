@@ -1,0 +1,41 @@
+// The pulse of a deflectometer is dynamic: inertia, times the size, shifts and changes the peak at every sensor.
+#include "pavement/effects/effect.h"
+
+namespace pave::pavement {
+namespace {
+
+void apply(Case& c, const AppliedEffect& applied, int load) {
+    if (c.loads[load].type == LoadType::plate && applied.load.value_or(load) == load) {
+        c.loads[load].inertia = applied.size;
+    }
+}
+
+std::string refuses(const Case& c, const AppliedEffect& applied) {
+    return is_plate(c, applied.load) ? "" : "only a plate falls: a load of type \"plate\" is needed";
+}
+
+} // namespace
+
+const Effect& inertia() {
+    static const Effect effect{
+        .name = "inertia",
+        .unit = "-",
+        .null = 0.0,
+        .low = 0.0,
+        .high = 2.0,
+        .typical = 1.0,
+        .mechanism =
+            "A falling weight presses for 30 milliseconds, and waves carry the deflection outwards: far sensors peak "
+            "later than the centre, and not at their static value. Mass and damping of the section are multiplied by "
+            "the "
+            "size (1: the stated densities); the peak at each sensor is read.",
+        .source = "Newmark (1959); Roesset and Shao (1985) on dynamic FWD interpretation",
+        .acts_on = "every reading under a plate (axisymmetric)",
+        .takes_load = true,
+        .apply = apply,
+        .refuses = refuses,
+    };
+    return effect;
+}
+
+} // namespace pave::pavement

@@ -1,0 +1,38 @@
+// A single reading is wrong by a share of itself.
+#include "pavement/effects/effect.h"
+
+namespace pave::pavement {
+namespace {
+
+void apply(Case& c, const AppliedEffect& applied, int) {
+    c.sensors[applied.reading.value_or(0)].gain *= 1.0 + applied.size;
+}
+
+std::string refuses(const Case& c, const AppliedEffect& applied) {
+    const auto reading = static_cast<std::size_t>(applied.reading.value_or(0));
+    return reading < c.sensors.size() && c.sensors[reading].measured ? "" : "no such reading";
+}
+
+} // namespace
+
+const Effect& outlier() {
+    static const Effect effect{
+        .name = "outlier",
+        .unit = "-",
+        .null = 0.0,
+        .low = -2.0,
+        .high = 3.0,
+        .typical = 0.3,
+        .mechanism =
+            "A loose contact, a stone under a sensor or a slip of the pen makes one reading differ by the size times "
+            "itself. No other reading moves with it.",
+        .source = "Huber (1981), Robust Statistics: gross errors",
+        .acts_on = "the first reading",
+        .takes_reading = true,
+        .apply = apply,
+        .refuses = refuses,
+    };
+    return effect;
+}
+
+} // namespace pave::pavement

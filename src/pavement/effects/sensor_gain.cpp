@@ -1,0 +1,58 @@
+// The readings of one load or of one kind are scaled by a factor.
+#include "pavement/effects/effect.h"
+
+#include <algorithm>
+
+namespace pave::pavement {
+namespace {
+
+bool is_scaled(const Case& c, const AppliedEffect& applied, const Sensor& sensor) {
+    if (!sensor.measured) {
+        return false;
+    }
+    if (!applied.load && !applied.quantity) { // the group of the first reading
+        return sensor.load == c.sensors.front().load && sensor.quantity == c.sensors.front().quantity;
+    }
+    return sensor.load == applied.load.value_or(sensor.load) &&
+           sensor.quantity == applied.quantity.value_or(sensor.quantity);
+}
+
+void apply(Case& c, const AppliedEffect& applied, int) {
+    for (Sensor& sensor : c.sensors) {
+        if (is_scaled(c, applied, sensor)) {
+            sensor.gain *= applied.size;
+        }
+    }
+}
+
+std::string refuses(const Case& c, const AppliedEffect& applied) {
+    const bool any = std::any_of(c.sensors.begin(), c.sensors.end(),
+                                 [&](const Sensor& sensor) { return is_scaled(c, applied, sensor); });
+    return any ? "" : "no such reading";
+}
+
+} // namespace
+
+const Effect& sensor_gain() {
+    static const Effect effect{
+        .name = "sensor-gain",
+        .unit = "factor",
+        .null = 1.0,
+        .low = 0.5,
+        .high = 2.0,
+        .log_scale = true,
+        .typical = 1.1,
+        .mechanism =
+            "A wrong calibration multiplies every reading of one kind of instrument under one load by the size. "
+            "Everything else stays as it is.",
+        .source = "FWD calibration protocols (relative and reference calibration)",
+        .acts_on = "the load and quantity of the first reading",
+        .takes_load = true,
+        .takes_quantity = true,
+        .apply = apply,
+        .refuses = refuses,
+    };
+    return effect;
+}
+
+} // namespace pave::pavement

@@ -1,0 +1,53 @@
+// The shear modulus of the base differs: G13/E3 times the size.
+#include "pavement/effects/effect.h"
+
+#include <cmath>
+
+namespace pave::pavement {
+namespace {
+
+void apply(Case& c, const AppliedEffect& applied, int) {
+    for (const std::size_t l : layers_named(c, applied.layer)) {
+        const material::Law& law = *c.layers[l].law;
+        auto& p = c.layers[l].parameters;
+        double& ratio = p[*law.index_of("shear_ratio")];
+        if (std::isnan(ratio)) { // 1/G13 = 1/E1 + (1 + 2 nu31)/E3
+            const double n = p[*law.index_of("n")];
+            ratio = n / (1.0 + (1.0 + 2.0 * p[*law.index_of("poisson_31")]) * n);
+        }
+        ratio *= applied.size;
+    }
+}
+
+std::string refuses(const Case& c, const AppliedEffect& applied) {
+    const std::string name = applied.layer.empty() ? c.layers[*layer_of_role(c, LayerRole::base)].name : applied.layer;
+    return c.layers[layers_named(c, name).front()].law->index_of("shear_ratio")
+               ? ""
+               : "the law of the layer has no shear_ratio";
+}
+
+} // namespace
+
+const Effect& shear_ratio() {
+    static const Effect effect{
+        .name = "shear-ratio",
+        .unit = "factor",
+        .null = 1.0,
+        .low = 0.2,
+        .high = 5.0,
+        .log_scale = true,
+        .typical = 0.6,
+        .mechanism =
+            "The shear modulus of an anisotropic base is a number of its own: G13/E3 is the study's (or the one that "
+            "follows from E1, E3 and nu31) times the size. A base that shears easily spreads the load less.",
+        .source = "Tutumluer and Thompson (1997), TRR 1577: shear moduli of granular bases",
+        .acts_on = "the base",
+        .layer = LayerRole::base,
+        .takes_layer = true,
+        .apply = apply,
+        .refuses = refuses,
+    };
+    return effect;
+}
+
+} // namespace pave::pavement

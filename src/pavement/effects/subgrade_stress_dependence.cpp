@@ -1,0 +1,65 @@
+// The subgrade softens under shear: E = E0 (tau/pa + 1)^size, the law of equation 1 with k2 = 0 and k3 = size.
+#include "base/units.h"
+#include "material/catalog.h"
+#include "pavement/effects/effect.h"
+
+namespace pave::pavement {
+namespace {
+
+void apply(Case& c, const AppliedEffect& applied, int) {
+    for (const std::size_t l : layers_named(c, applied.layer)) {
+        Layer& layer = c.layers[l];
+        if (!layer.law->stress_dependent()) {
+            // Isotropic, E1 = E3: the linear layer itself where size = 0.
+            const double modulus = layer.parameters[*layer.law->index_of("modulus_MPa")];
+            const double poisson = layer.parameters[*layer.law->index_of("poisson")];
+            layer.law = material::find_law("uzan");
+            layer.parameters.clear();
+            for (const material::ParameterInfo& info : layer.law->parameters()) {
+                layer.parameters.push_back(info.to_si * info.default_value.value_or(0.0));
+            }
+            const auto set = [&](std::string_view key, double value) {
+                layer.parameters[*layer.law->index_of(key)] = value;
+            };
+            set("k1", modulus / unit::reference_pressure);
+            set("n", 1.0);
+            set("poisson_12", poisson);
+            set("poisson_31", poisson);
+        }
+        layer.parameters[*layer.law->index_of("k3")] += applied.size;
+    }
+}
+
+std::string refuses(const Case& c, const AppliedEffect& applied) {
+    const std::string name =
+        applied.layer.empty() ? c.layers[*layer_of_role(c, LayerRole::subgrade)].name : applied.layer;
+    const material::Law& law = *c.layers[layers_named(c, name).front()].law;
+    const bool fits = law.index_of("k3") || (law.index_of("modulus_MPa") && law.index_of("poisson"));
+    return fits ? "" : "the law of the layer has neither a modulus and Poisson's ratio nor k3";
+}
+
+} // namespace
+
+const Effect& subgrade_stress_dependence() {
+    static const Effect effect{
+        .name = "subgrade-stress-dependence",
+        .unit = "-",
+        .null = 0.0,
+        .low = -5.0,
+        .high = 0.0,
+        .typical = -1.5,
+        .mechanism =
+            "Fine-grained soil softens as shear stress rises: its modulus follows E0 (tau/pa + 1)^size with the total "
+            "octahedral shear tau and pa = 100 kPa. Deflections grow faster than the load, and strains at the top of "
+            "the subgrade grow most.",
+        .source = "Uzan (1985) with octahedral shear; NCHRP 1-37A guide, resilient modulus of unbound soils",
+        .acts_on = "the subgrade",
+        .layer = LayerRole::subgrade,
+        .takes_layer = true,
+        .apply = apply,
+        .refuses = refuses,
+    };
+    return effect;
+}
+
+} // namespace pave::pavement

@@ -1,0 +1,44 @@
+// A soft sublayer at the top of the subgrade: the uppermost 200 mm (at most half of the layer) have E exp(-size).
+#include "pavement/effects/effect.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pave::pavement {
+namespace {
+
+constexpr double sublayer = 0.2; // m
+
+void apply(Case& c, const AppliedEffect& applied, int) {
+    const std::size_t l = layers_named(c, applied.layer).front();
+    Layer top = c.layers[l];
+    top.thickness = std::min(sublayer, c.layers[l].thickness / 2.0);
+    top.compliance.reset();
+    scale_modulus(top, std::exp(-applied.size));
+    c.layers[l].thickness -= top.thickness;
+    c.layers.insert(c.layers.begin() + static_cast<std::ptrdiff_t>(l), std::move(top));
+}
+
+} // namespace
+
+const Effect& weak_subgrade_top() {
+    static const Effect effect{
+        .name = "weak-subgrade-top",
+        .unit = "-",
+        .null = 0.0,
+        .low = -1.0,
+        .high = 2.5,
+        .typical = 0.7,
+        .mechanism =
+            "Remoulding, frost or water leave the uppermost 200 mm of the subgrade (at most half of it) with the "
+            "modulus E exp(-size). Strains are high there and drop sharply below it.",
+        .source = "layered elasticity with a divided subgrade; Huang, Pavement Analysis and Design, chapter 2",
+        .acts_on = "the subgrade",
+        .layer = LayerRole::subgrade,
+        .takes_layer = true,
+        .apply = apply,
+    };
+    return effect;
+}
+
+} // namespace pave::pavement
