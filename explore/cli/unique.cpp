@@ -15,7 +15,6 @@ namespace explore::cli {
 namespace {
 
 using landscape::Branch;
-using landscape::ProfileKind;
 using landscape::Range;
 using landscape::Uniqueness;
 using landscape::Verdict;
@@ -161,12 +160,9 @@ NextMeasurement next_measurement(const study::Study& study, const problem::Probl
     return next;
 }
 
-std::string listed(const std::vector<std::string>& names) {
-    return pave::join(names);
-}
-
 std::vector<std::string> names_of(const problem::ParameterSpace& space, const std::vector<std::size_t>& axes) {
     std::vector<std::string> names;
+    names.reserve(axes.size());
     for (const std::size_t k : axes) {
         names.push_back(space.axes[k].name);
     }
@@ -189,14 +185,14 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
             : u.alternatives ? "NON-UNIQUE: separate minima fit these data, with no acceptable way found between them."
                              : "NON-UNIQUE: a continuous valley of parameter sets fits these data equally well.");
         break;
-    case Verdict::undecided: say("UNDECIDED. What is missing: " + listed(u.missing) + "."); break;
+    case Verdict::undecided: say("UNDECIDED. What is missing: " + pave::join(u.missing) + "."); break;
     }
     if (!u.acceptance) {
         return text;
     }
     const auto& acceptance = *u.acceptance;
     if (u.verdict == Verdict::non_unique && !u.missing.empty()) {
-        say("Not settled beyond that: " + listed(u.missing) + ".");
+        say("Not settled beyond that: " + pave::join(u.missing) + ".");
     }
     if (!u.directions.free.empty()) {
         std::vector<std::string> fixed;
@@ -204,12 +200,12 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
             fixed.push_back(combination_words(space, c));
         }
         say(fmt::format("At the best minimum the data do not determine {} one by one{}",
-                        listed(names_of(space, u.directions.free)),
-                        fixed.empty() ? "." : "; what they fix: " + listed(fixed) + "."));
+                        pave::join(names_of(space, u.directions.free)),
+                        fixed.empty() ? "." : "; what they fix: " + pave::join(fixed) + "."));
     }
     if (!u.directions.dead.empty()) {
         say(fmt::format("No reading sees {} here: crossing the whole range moves nothing beyond the noise.",
-                        listed(names_of(space, u.directions.dead))));
+                        pave::join(names_of(space, u.directions.dead))));
     }
     std::vector<std::string> wide;
     for (std::size_t k = 0; k < u.parameters.size(); ++k) {
@@ -221,7 +217,7 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
         }
     }
     if (!wide.empty()) {
-        say(fmt::format("The data accept {}, if the others follow.", listed(wide)));
+        say(fmt::format("The data accept {}, if the others follow.", pave::join(wide)));
     }
     for (std::size_t o = 0; o < u.outputs.size(); ++o) {
         const Range& r = u.outputs[o];
@@ -250,7 +246,7 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
         }
         say(fmt::format(
             "The valley was followed: {}, chi2 rising by {} at most (allowed: {}). One end: {}; the other: {}.",
-            listed(reach), figure(highest), figure(acceptance.threshold),
+            pave::join(reach), figure(highest), figure(acceptance.threshold),
             end_words(u.traces[0].end, u.traces[0].on_bound), end_words(u.traces[1].end, u.traces[1].on_bound)));
     }
     for (const auto& p : u.passes) {

@@ -39,6 +39,7 @@ std::optional<Conflict> conflict_of(run::Engine& engine, const problem::Problem&
     std::vector<problem::Problem> problems;
     for (const auto& rows : groups) {
         std::vector<problem::Misfit::Term> terms;
+        terms.reserve(rows.size());
         for (const std::size_t i : rows) {
             terms.push_back(problem.misfit.terms()[i]);
         }

@@ -169,7 +169,7 @@ Quantity response(const problem::ParameterSpace& space, std::size_t index) {
             }};
 }
 
-Quantity along(VectorXd direction) {
+Quantity along(const VectorXd& direction) {
     return {[direction](const std::vector<double>& unit, const problem::Evaluation&) {
                 return direction.dot(vector_of(unit));
             },

@@ -13,7 +13,7 @@ struct Quantity {
 };
 Quantity coordinate(std::size_t axis);                                      // the unit coordinate itself
 Quantity response(const problem::ParameterSpace& space, std::size_t index); // SI
-Quantity along(Eigen::VectorXd direction);                                  // direction . unit
+Quantity along(const Eigen::VectorXd& direction);                           // direction . unit
 
 struct ProfilePoint {
     double value = 0.0; // of the quantity

@@ -103,6 +103,7 @@ private:
         const auto most = static_cast<std::size_t>(std::max(1, settings_.max_searches - settings_.verify));
         from.resize(std::min(from.size(), most));
         std::vector<std::vector<double>> starts;
+        starts.reserve(from.size());
         for (const std::size_t i : from) {
             starts.push_back(result_.sample.points[i]);
         }
@@ -114,6 +115,7 @@ private:
         ends_ = std::move(*ends);
         const pave::RandomStream random(task_.seed, 0x5eedULL);
         int drawn = 0;
+        std::uint64_t numbers = 0;
         while (true) {
             group();
             result_.unseen = count_unseen();
@@ -124,9 +126,9 @@ private:
             }
             starts.clear();
             for (int i = 0; i < wanted; ++i) {
-                std::vector<double> unit;
-                for (int k = 0; k < dimension; ++k) {
-                    unit.push_back(random.uniform(static_cast<std::uint64_t>((drawn + i) * dimension + k)));
+                std::vector<double> unit(static_cast<std::size_t>(dimension));
+                for (double& u : unit) {
+                    u = random.uniform(numbers++);
                 }
                 starts.push_back(std::move(unit));
             }
@@ -404,7 +406,7 @@ private:
 
     // Everything that was computed along the way, by cells of every pair of parameters.
     void project() {
-        constexpr int cells = 16;
+        constexpr std::size_t cells = 16;
         std::vector<std::pair<std::vector<double>, double>> points;
         const auto add = [&](const std::vector<double>& unit, const problem::Evaluation& e) {
             points.emplace_back(unit, e.misfit);
@@ -429,11 +431,13 @@ private:
         const auto d = static_cast<std::size_t>(task_.fitted.space.dimension());
         for (std::size_t x = 0; x < d; ++x) {
             for (std::size_t y = x + 1; y < d; ++y) {
-                Projection p{x, y, cells, {}};
+                Projection p{x, y, static_cast<int>(cells), {}};
                 p.misfit.assign(cells * cells, std::numeric_limits<double>::quiet_NaN());
-                const auto cell = [](double unit) { return std::min(cells - 1, static_cast<int>(unit * cells)); };
+                const auto cell = [](double unit) {
+                    return std::min(cells - 1, static_cast<std::size_t>(unit * static_cast<double>(cells)));
+                };
                 for (const auto& [unit, misfit] : points) {
-                    double& value = p.misfit[static_cast<std::size_t>(cell(unit[x]) + cells * cell(unit[y]))];
+                    double& value = p.misfit[cell(unit[x]) + cells * cell(unit[y])];
                     if (!std::isnan(misfit) && !(value <= misfit)) {
                         value = misfit;
                     }
