@@ -29,6 +29,14 @@ struct LayerMaterial {
         s[2] = -vertical_stress(z);
         return s;
     }
+    // Change of the initial stress with the vertical stress.
+    template <int N>
+    mechanics::Voigt<N> initial_stress_of_weight(double vertical) const {
+        mechanics::Voigt<N> s = mechanics::Voigt<N>::Zero();
+        s[0] = s[1] = -k0 * vertical;
+        s[2] = -vertical;
+        return s;
+    }
 };
 
 // A quantity the response is differentiated by.
@@ -38,14 +46,15 @@ struct Variation {
         unit_weight,     // of the layer
         k0,              // of the layer
         residual_stress, // of the layer
-        load_factor      // a factor on the whole load
+        load_factor,     // a factor on the whole load
+        motion           // of the mesh: number `index` of the motions given to the solver
     };
     Kind kind = Kind::law_parameter;
     int layer = 0;
     std::size_t index = 0;
 };
 
-// Derivative of the initial stress in layer `at` at depth z.
+// Derivative of the initial stress in layer `at` at depth z, where the mesh does not move.
 template <int N>
 mechanics::Voigt<N> initial_stress_rate(const std::vector<LayerMaterial>& layers, int at, double z,
                                         const Variation& variation) {
@@ -62,7 +71,8 @@ mechanics::Voigt<N> initial_stress_rate(const std::vector<LayerMaterial>& layers
     case Variation::Kind::k0: horizontal = variation.layer == at ? layer.vertical_stress(z) : 0.0; break;
     case Variation::Kind::residual_stress: horizontal = variation.layer == at ? 1.0 : 0.0; break;
     case Variation::Kind::law_parameter:
-    case Variation::Kind::load_factor: break;
+    case Variation::Kind::load_factor:
+    case Variation::Kind::motion: break;
     }
     mechanics::Voigt<N> s = mechanics::Voigt<N>::Zero();
     s[0] = s[1] = -horizontal;

@@ -42,39 +42,63 @@ void Topology<Element>::build_pattern() {
             }
         }
     }
-    analysis = std::make_shared<const CholeskyAnalysis>(lower);
+    std::vector<bool> constant(static_cast<std::size_t>(free_unknowns), true);
+    for (std::size_t e = 0; e < unknowns.size(); ++e) {
+        for (const int i : unknowns[e]) {
+            if (i >= 0 && !linear[layer[e]]) {
+                constant[i] = false;
+            }
+        }
+    }
+    // In three dimensions a separator across the layers costs less than one along them.
+    analysis = std::make_shared<const CholeskyAnalysis>(lower, constant, Element::dim == 2);
 }
 
 namespace {
 
-// number[node][d]: the unknown of displacement d of a node, or -1.
 template <class Element, class Mesh>
-Model<Element> build(const Mesh& mesh, const Model<Element>* like,
-                     const std::vector<Eigen::Matrix<double, Element::dim, 1>>& nodes,
-                     const std::function<bool(std::size_t node, int direction)>& is_held) {
-    Model<Element> model;
-    if (like != nullptr) {
-        model.topology = like->topology;
-    } else {
-        auto topology = std::make_shared<Topology<Element>>();
-        topology->layers = mesh.layers;
-        topology->layer = mesh.layer;
-        std::vector<std::array<int, Element::dim>> number(nodes.size());
-        for (std::size_t k = 0; k < nodes.size(); ++k) {
-            for (int d = 0; d < Element::dim; ++d) {
-                number[k][d] = is_held(k, d) ? -1 : topology->free_unknowns++;
-            }
+std::vector<Eigen::Matrix<double, Element::dim, 1>> positions_of(const Mesh& mesh) {
+    std::vector<Eigen::Matrix<double, Element::dim, 1>> nodes;
+    for (const auto& node : mesh.nodes) {
+        if constexpr (Element::dim == 2) {
+            nodes.emplace_back(node.r, node.z);
+        } else {
+            nodes.emplace_back(node.x, node.y, node.z);
         }
-        for (const auto& element : mesh.elements) {
-            std::array<int, Element::dofs> unknowns{};
-            for (int i = 0; i < Element::dofs; ++i) {
-                unknowns[i] = number[element[i / Element::dim]][i % Element::dim];
-            }
-            topology->unknowns.push_back(unknowns);
-        }
-        topology->build_pattern();
-        model.topology = std::move(topology);
     }
+    return nodes;
+}
+
+template <class Element, class Mesh>
+std::shared_ptr<const Topology<Element>>
+make_topology(const Mesh& mesh, const std::vector<bool>& linear,
+              const std::function<bool(std::size_t node, int direction)>& is_held) {
+    auto topology = std::make_shared<Topology<Element>>();
+    topology->layers = mesh.layers;
+    topology->layer = mesh.layer;
+    topology->linear = linear;
+    std::vector<std::array<int, Element::dim>> number(mesh.nodes.size()); // the unknown of each displacement, or -1
+    for (std::size_t k = 0; k < number.size(); ++k) {
+        for (int d = 0; d < Element::dim; ++d) {
+            number[k][d] = is_held(k, d) ? -1 : topology->free_unknowns++;
+        }
+    }
+    for (const auto& element : mesh.elements) {
+        std::array<int, Element::dofs> unknowns{};
+        for (int i = 0; i < Element::dofs; ++i) {
+            unknowns[i] = number[element[i / Element::dim]][i % Element::dim];
+        }
+        topology->unknowns.push_back(unknowns);
+    }
+    topology->build_pattern();
+    return topology;
+}
+
+template <class Element, class Mesh>
+Model<Element> build(const Mesh& mesh, std::shared_ptr<const Topology<Element>> topology) {
+    Model<Element> model;
+    model.topology = std::move(topology);
+    const auto nodes = positions_of<Element>(mesh);
     const auto positions = Element::gauss_positions();
     for (const auto& element : mesh.elements) {
         typename Element::Coordinates x;
@@ -92,27 +116,27 @@ Model<Element> build(const Mesh& mesh, const Model<Element>* like,
 
 } // namespace
 
-Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const Model<AxisymmetricQ8>* like) {
-    std::vector<Eigen::Vector2d> nodes;
-    for (const auto& [r, z] : mesh.nodes) {
-        nodes.emplace_back(r, z);
-    }
-    return build<AxisymmetricQ8>(mesh, like, nodes, [&](std::size_t k, int d) {
-        const auto [r, z] = mesh.nodes[k];
-        return z == mesh.z_lines.back() || (d == 0 && (r == 0.0 || r == mesh.r_lines.back()));
-    });
+Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const std::vector<bool>& linear) {
+    return build<AxisymmetricQ8>(mesh, make_topology<AxisymmetricQ8>(mesh, linear, [&](std::size_t k, int d) {
+                                     const auto [r, z] = mesh.nodes[k];
+                                     return z == mesh.z_lines.back() ||
+                                            (d == 0 && (r == 0.0 || r == mesh.r_lines.back()));
+                                 }));
 }
 
-Model<Hex20> make_model(const mesh::SolidMesh& mesh, const Model<Hex20>* like) {
-    std::vector<Eigen::Vector3d> nodes;
-    for (const auto& [x, y, z] : mesh.nodes) {
-        nodes.emplace_back(x, y, z);
-    }
-    return build<Hex20>(mesh, like, nodes, [&](std::size_t k, int d) {
-        const auto [x, y, z] = mesh.nodes[k];
-        return z == mesh.z_lines.back() || (d == 0 && (x == 0.0 || x == mesh.x_lines.back())) ||
-               (d == 1 && (y == 0.0 || y == mesh.y_lines.back()));
-    });
+Model<Hex20> make_model(const mesh::SolidMesh& mesh, const std::vector<bool>& linear) {
+    return build<Hex20>(mesh, make_topology<Hex20>(mesh, linear, [&](std::size_t k, int d) {
+                            const auto [x, y, z] = mesh.nodes[k];
+                            return z == mesh.z_lines.back() || (d == 0 && (x == 0.0 || x == mesh.x_lines.back())) ||
+                                   (d == 1 && (y == 0.0 || y == mesh.y_lines.back()));
+                        }));
+}
+
+Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const Model<AxisymmetricQ8>& like) {
+    return build<AxisymmetricQ8>(mesh, like.topology);
+}
+Model<Hex20> make_model(const mesh::SolidMesh& mesh, const Model<Hex20>& like) {
+    return build<Hex20>(mesh, like.topology);
 }
 
 template struct Topology<AxisymmetricQ8>;

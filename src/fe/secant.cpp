@@ -47,13 +47,13 @@ bool solve_point(const LayerMaterial& layer, const mechanics::Voigt<N>& initial,
 template <class Element>
 Outcome<Solution<Element>>
 Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
-                        const std::vector<Variation>& variations, const SolverSettings& settings) {
+                        const std::vector<Variation>& variations, const SolverSettings& settings,
+                        const std::vector<Motion<Element>>& motions) {
     using Stress = typename Element::Stress;
     using Vector = typename Element::Vector;
     constexpr int dofs = Element::dofs;
     Work& w = *work_;
-    w.prepare(layers, variations);
-    w.system.begin(settings.linear_tolerance);
+    w.prepare(layers, variations, settings, motions);
     const int points = w.points();
     const int count = w.count();
     Solution<Element> solution = w.empty_solution();
@@ -359,7 +359,11 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
             solution.stress.col(to) = point.modulus * s;
             solution.modulus[to] = point.modulus;
             for (int k = 0; k < count; ++k) {
-                const Stress turned = point.modulus * (p.unit_rate[k] * strain);
+                Vector force = Vector::Zero();
+                Stress turned = point.modulus * (p.unit_rate[k] * strain);
+                if (const Motion<Element>* motion = w.motion_of(k)) {
+                    turned += w.subtract_motion(*motion, e, g, ue, point.modulus * s, point.modulus * p.unit, force);
+                }
                 const double explicit_rate = w.explicit_modulus_rate(layer, w.topology->layer[e], point.at, k);
                 const double e_rate =
                     (explicit_rate +
@@ -367,7 +371,6 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
                     point.gain;
                 const Stress d = turned + e_rate * s;
                 solution.d_stress.col(static_cast<Eigen::Index>(to) * count + k) = d;
-                Vector force = Vector::Zero();
                 Element::add_force(w.point(e, g), d, -w.point(e, g).weight, force);
                 w.model->scatter_add(e, force, solution.d_displacement.col(k).data());
             }
@@ -407,8 +410,9 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
 using Layers = std::vector<LayerMaterial>;
 using Variations = std::vector<Variation>;
 template Outcome<Solution<AxisymmetricQ8>> Solver<AxisymmetricQ8>::secant(const Layers&, const Eigen::VectorXd&,
-                                                                          const Variations&, const SolverSettings&);
+                                                                          const Variations&, const SolverSettings&,
+                                                                          const std::vector<Motion<AxisymmetricQ8>>&);
 template Outcome<Solution<Hex20>> Solver<Hex20>::secant(const Layers&, const Eigen::VectorXd&, const Variations&,
-                                                        const SolverSettings&);
+                                                        const SolverSettings&, const std::vector<Motion<Hex20>>&);
 
 } // namespace pave::fe

@@ -80,45 +80,6 @@ std::vector<int> ForwardModel::unknowns() const {
 
 Outcome<Response> ForwardModel::run(const Case& values, const std::vector<Parameter>& parameters,
                                     Workspace& workspace) const {
-    std::vector<Parameter> exact;
-    std::copy_if(parameters.begin(), parameters.end(), std::back_inserter(exact),
-                 [](const Parameter& p) { return !p.changes_geometry(); });
-    Outcome<Response> outcome = run_exact(values, exact, workspace);
-    if (!outcome || exact.size() == parameters.size()) {
-        return outcome;
-    }
-    Response response = std::move(outcome).value();
-    Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(response.values.size()),
-                             static_cast<Eigen::Index>(parameters.size()));
-    Eigen::Index next_exact = 0;
-    for (std::size_t k = 0; k < parameters.size(); ++k) {
-        const auto column = static_cast<Eigen::Index>(k);
-        if (!parameters[k].changes_geometry()) {
-            jacobian.col(column) = response.jacobian.col(next_exact++);
-            continue;
-        }
-        constexpr double relative_step = 1e-4;
-        const double value = parameters[k].get(values);
-        const double step = relative_step * std::abs(value);
-        Case low = values;
-        Case high = values;
-        parameters[k].in(low) = (value - step) * parameters[k].to_si;
-        parameters[k].in(high) = (value + step) * parameters[k].to_si;
-        const auto below = run_exact(low, {}, workspace);
-        const auto above = run_exact(high, {}, workspace);
-        if (!below || !above) {
-            return (below ? above : below).failure();
-        }
-        for (std::size_t i = 0; i < response.values.size(); ++i) {
-            jacobian(static_cast<Eigen::Index>(i), column) = (above->values[i] - below->values[i]) / (2.0 * step);
-        }
-    }
-    response.jacobian = std::move(jacobian);
-    return response;
-}
-
-Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<Parameter>& parameters,
-                                          Workspace& workspace) const {
     for (const Layer& layer : values.layers) {
         if (const std::string why = layer.law->impossible(layer.parameters); !why.empty()) {
             return Failure{Status::invalid_parameters, "layer \"" + layer.name + "\": " + why};
@@ -147,19 +108,26 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         if (!own) {
             own = models_[l]->make_workspace();
         }
-        // Derivatives this load knows: layers, and its own pressure.
+        // Derivatives this load knows: by the layers and by its own numbers.
         std::vector<fe::Variation> variations;
+        std::vector<Parameter> moving;
         std::vector<std::pair<Eigen::Index, double>> target; // column, factor
         for (Eigen::Index k = 0; k < n; ++k) {
             const Parameter& p = parameters[static_cast<std::size_t>(k)];
             if (p.in_load && p.owner != static_cast<int>(l)) {
                 continue;
             }
-            const auto derivative = exact_derivative(values, p);
-            variations.push_back(derivative->variation);
-            target.emplace_back(k, derivative->factor);
+            if (p.changes_geometry()) {
+                variations.push_back({.kind = fe::Variation::Kind::motion, .index = moving.size()});
+                target.emplace_back(k, 1.0);
+                moving.push_back(p);
+                continue;
+            }
+            const Derivative derivative = derivative_of(values, p);
+            variations.push_back(derivative.variation);
+            target.emplace_back(k, derivative.factor);
         }
-        const auto reading = models_[l]->run(values, layers, variations, *own);
+        const auto reading = models_[l]->run(values, layers, variations, moving, *own);
         if (!reading) {
             return Failure{reading.status(), "load \"" + values.loads[l].name + "\": " + reading.failure().reason};
         }

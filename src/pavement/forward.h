@@ -37,7 +37,7 @@ public:
     WorkspacePointer make_workspace() const;
 
     // The response at `values`, a case that differs from the nominal one in numbers only; with its derivatives by
-    // `parameters` (exact but for geometry, which is by central differences). Pure: same input, same bits.
+    // `parameters`, exact for the discrete algorithm. Pure: same input, same bits.
     Outcome<Response> run(const Case& values, const std::vector<Parameter>& parameters, Workspace& workspace) const;
 
     const Case& nominal() const { return nominal_; }
@@ -45,9 +45,6 @@ public:
     std::vector<int> unknowns() const;
 
 private:
-    Outcome<Response> run_exact(const Case& values, const std::vector<Parameter>& parameters,
-                                Workspace& workspace) const;
-
     Case nominal_;
     std::vector<std::shared_ptr<const LoadModel>> models_; // of each load; none where nothing is read
 };

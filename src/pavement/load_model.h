@@ -4,6 +4,7 @@
 #include "base/outcome.h"
 #include "fe/solver.h"
 #include "pavement/observation.h"
+#include "pavement/parameter.h"
 #include "pavement/section.h"
 
 #include <memory>
@@ -41,6 +42,9 @@ std::vector<double> bottoms_of(const Case& c);
 // The layers as the solvers see them.
 std::vector<fe::LayerMaterial> materials_of(const Case& c);
 
+// Of each layer, whether it is linear elastic.
+std::vector<bool> linear_layers(const Case& c);
+
 class LoadModel {
 public:
     virtual ~LoadModel() = default;
@@ -58,9 +62,11 @@ public:
         Eigen::MatrixXd derivatives; // sensors x variations, SI
         fe::Statistics statistics;
     };
-    // values differ from the nominal case in numbers only.
+    // values differ from the nominal case in numbers only. moving: the parameters that the variations by a motion of
+    // the mesh are numbers of; their derivatives are by the file value.
     virtual Outcome<Reading> run(const Case& values, const std::vector<fe::LayerMaterial>& layers,
-                                 const std::vector<fe::Variation>& variations, Workspace& workspace) const = 0;
+                                 const std::vector<fe::Variation>& variations, const std::vector<Parameter>& moving,
+                                 Workspace& workspace) const = 0;
 };
 
 // The geometry of the nominal case fixes the structure of the mesh; other geometries move its lines. Throws Error when
@@ -79,7 +85,7 @@ template <class Kind>
 Parts<Kind> parts_of(const Case& c, int load) {
     Parts<Kind> parts;
     parts.mesh = Kind::nominal_mesh(c, load);
-    parts.model = fe::make_model(parts.mesh);
+    parts.model = fe::make_model(parts.mesh, linear_layers(c));
     parts.load = c.loads[load].pressure * Kind::unit_load(parts.mesh, parts.model, c.loads[load]);
     parts.layers = materials_of(c);
     return parts;

@@ -195,24 +195,20 @@ Parameter find_parameter(const Case& c, std::string_view path, const Place& plac
     return *found;
 }
 
-std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter) {
+Derivative derivative_of(const Case& c, const Parameter& parameter) {
     using Kind = fe::Variation::Kind;
-    if (parameter.changes_geometry()) {
-        return std::nullopt;
-    }
     if (parameter.in_load) { // the pressure of a plate: a factor on its load
-        return Derivative{{.kind = Kind::load_factor}, 1.0 / parameter.get(c)};
+        return {{.kind = Kind::load_factor}, 1.0 / parameter.get(c)};
     }
     if (parameter.law_index) {
-        return Derivative{{.kind = Kind::law_parameter, .layer = parameter.owner, .index = *parameter.law_index},
-                          parameter.to_si};
+        return {{.kind = Kind::law_parameter, .layer = parameter.owner, .index = *parameter.law_index},
+                parameter.to_si};
     }
     const std::string_view key = parameter.key->key;
     if (key == "density_kg_m3") {
-        return Derivative{{.kind = Kind::unit_weight, .layer = parameter.owner}, unit::gravity};
+        return {{.kind = Kind::unit_weight, .layer = parameter.owner}, unit::gravity};
     }
-    return Derivative{{.kind = key == "k0" ? Kind::k0 : Kind::residual_stress, .layer = parameter.owner},
-                      parameter.to_si};
+    return {{.kind = key == "k0" ? Kind::k0 : Kind::residual_stress, .layer = parameter.owner}, parameter.to_si};
 }
 
 } // namespace pave::pavement

@@ -47,11 +47,12 @@ std::vector<std::string> parameter_paths(const Case& c);
 // Throws Error (place filled by the caller) when the path names nothing; suggests the nearest name.
 Parameter find_parameter(const Case& c, std::string_view path, const Place& place);
 
-// The quantity the solver differentiates by, with factor d(quantity)/d(file value). Nothing for geometry.
+// The quantity the solver differentiates by, with factor d(quantity)/d(file value), for a parameter that does not
+// change the geometry.
 struct Derivative {
     fe::Variation variation;
     double factor = 1.0;
 };
-std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter);
+Derivative derivative_of(const Case& c, const Parameter& parameter);
 
 } // namespace pave::pavement
