@@ -22,9 +22,8 @@ struct SolverSettings {
     double path_tolerance = 2e-3;
     // secant: unbalanced force relative to the load.
     double equilibrium_tolerance = 1e-9;
-    // Error of an iterative solution of one linear system in the energy norm, relative to the solution (3D): a tenth of
-    // what the path tolerance leaves, or less. What adds up along a load path is brought back to equilibrium at its
-    // end.
+    // Error of an iterative solution of one linear system in the energy norm, relative to the solution (3D): well below
+    // what the path tolerance leaves. What adds up along a load path is brought back to equilibrium at its end.
     double linear_tolerance = 1e-4;
 };
 
