@@ -33,12 +33,11 @@ template <class Element>
 Outcome<Solution<Element>>
 Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                              const std::vector<Variation>& variations, const SolverSettings& settings,
-                             const std::vector<double>& springs) {
+                             const std::vector<double>& springs, const std::vector<Motion<Element>>& motions) {
     using Stress = typename Element::Stress;
     using Vector = typename Element::Vector;
     Work& w = *work_;
-    w.prepare(layers, variations, springs);
-    w.system.begin(settings.linear_tolerance);
+    w.prepare(layers, variations, settings, springs, motions);
     const int points = w.points();
     const int count = w.count();
     Solution<Element> solution = w.empty_solution();
@@ -118,6 +117,9 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
                     Stress d = (modulus_rate[qk] / modulus[q]) * out.stress.col(q);
                     if (p.turns[k]) {
                         d += modulus[q] * (w.unit_rate(e, g, k) * strain[g]);
+                    }
+                    if (const Motion<Element>* motion = w.motion_of(k)) {
+                        d += w.subtract_motion(*motion, e, g, ue, out.stress.col(q), modulus[q] * w.unit(e, g), force);
                     }
                     out.d_stress.col(qk) = d;
                     Element::add_force(w.point(e, g), d, -w.point(e, g).weight, force);
@@ -226,6 +228,33 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         const bool easy = relative < settings.path_tolerance * std::pow(0.5, Pair::order + 1.0);
         if (easy && level > coarsest_level && position % (2 * step) == 0) {
             --level;
+        }
+    }
+
+    // The errors of iterative solutions leave some force unbalanced: one more solve with the last matrix.
+    if (Element::dim == 3) {
+        Eigen::VectorXd correction = load;
+        w.subtract_linear_force(now.u, correction);
+        for (std::size_t a = 0; a < w.active.size(); ++a) {
+            Vector force = Vector::Zero();
+            for (int g = 0; g < Element::gauss; ++g) {
+                const auto& point = w.point(w.active[a], g);
+                Element::add_force(point, now.stress.col(static_cast<int>(a) * Element::gauss + g), -point.weight,
+                                   force);
+            }
+            w.model->scatter_add(w.active[a], force, correction.data());
+        }
+        if (!w.system.solve(correction, {})) {
+            return not_definite;
+        }
+        now.u += correction;
+        for (std::size_t a = 0; a < w.active.size(); ++a) {
+            const int e = w.active[a];
+            const Vector of_element = w.model->gather(e, correction.data());
+            for (int g = 0; g < Element::gauss; ++g) {
+                const int q = static_cast<int>(a) * Element::gauss + g;
+                now.stress.col(q) += modulus[q] * (w.unit(e, g) * Element::strain(w.point(e, g), of_element));
+            }
         }
     }
 

@@ -45,6 +45,14 @@ struct LayerMaterial {
         s[2] = -vertical_stress(z);
         return s;
     }
+    // Change of the initial stress with the vertical stress.
+    template <int N>
+    mechanics::Voigt<N> initial_stress_of_weight(double vertical) const {
+        mechanics::Voigt<N> s = mechanics::Voigt<N>::Zero();
+        s[0] = s[1] = -k0 * vertical;
+        s[2] = -vertical;
+        return s;
+    }
 };
 
 // A quantity the response is differentiated by.
@@ -57,7 +65,8 @@ struct Variation {
         load_factor,     // a factor on the whole load
         pressure_shape,  // of the load
         field,           // size of fields[index] of the layer
-        spring           // stiffness of spring `index` of the model
+        spring,          // stiffness of spring `index` of the model
+        motion           // of the mesh: number `index` of the motions given to the solver
     };
     Kind kind = Kind::law_parameter;
     int layer = 0;
@@ -70,7 +79,7 @@ mechanics::Stiffness<6> local_stiffness(const LayerMaterial& layer, const Eigen:
 mechanics::Stiffness<6> local_stiffness_rate(const LayerMaterial& layer, int at_layer, const Eigen::Vector3d& at,
                                              const Variation& variation);
 
-// Derivative of the initial stress in layer `at` at depth z.
+// Derivative of the initial stress in layer `at` at depth z, where the mesh does not move.
 template <int N>
 mechanics::Voigt<N> initial_stress_rate(const std::vector<LayerMaterial>& layers, int at, double z,
                                         const Variation& variation) {

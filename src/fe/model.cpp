@@ -1,5 +1,7 @@
 #include "fe/model.h"
 
+#include "fe/gauss_rule.h"
+
 #include <algorithm>
 #include <functional>
 #include <map>
@@ -50,7 +52,16 @@ void Topology<Element>::build_pattern() {
             }
         }
     }
-    analysis = std::make_shared<const CholeskyAnalysis>(lower);
+    std::vector<bool> constant(static_cast<std::size_t>(free_unknowns), true);
+    for (std::size_t e = 0; e < unknowns.size(); ++e) {
+        for (const int i : unknowns[e]) {
+            if (i >= 0 && !linear[layer[e]]) {
+                constant[i] = false;
+            }
+        }
+    }
+    // In three dimensions a separator across the layers costs less than one along them.
+    analysis = std::make_shared<const CholeskyAnalysis>(lower, constant, Element::dim == 2);
 }
 
 namespace {
@@ -60,9 +71,6 @@ namespace {
 // shape functions: 3 Gauss points a direction.
 template <class Element>
 struct Face;
-
-constexpr std::pair<double, double> three_points[] = {
-    {-0.7745966692414834, 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {0.7745966692414834, 5.0 / 9.0}};
 
 template <>
 struct Face<AxisymmetricQ8> {
@@ -259,38 +267,53 @@ Spring plate_spring(const Mesh& mesh, double radius, const Model<Element>& model
     return builder.on(model.topology->lower);
 }
 
-// number[node][d]: the unknown of displacement d of a node, or -1.
 template <class Element, class Mesh>
-Model<Element> build(const Mesh& mesh, const Model<Element>* like,
-                     const std::vector<Eigen::Matrix<double, Element::dim, 1>>& nodes,
-                     const std::function<bool(std::size_t node, int direction)>& is_held, const Springs& springs) {
-    Model<Element> model;
-    if (like != nullptr) {
-        model.topology = like->topology;
-    } else {
-        auto topology = std::make_shared<Topology<Element>>();
-        topology->layers = mesh.layers;
-        topology->layer = mesh.layer;
-        std::vector<std::array<int, Element::dim>> number(nodes.size());
-        for (std::size_t k = 0; k < nodes.size(); ++k) {
-            for (int d = 0; d < Element::dim; ++d) {
-                number[k][d] = is_held(k, d) ? -1 : topology->free_unknowns++;
-            }
+std::vector<Eigen::Matrix<double, Element::dim, 1>> positions_of(const Mesh& mesh) {
+    std::vector<Eigen::Matrix<double, Element::dim, 1>> nodes;
+    for (const auto& node : mesh.nodes) {
+        if constexpr (Element::dim == 2) {
+            nodes.emplace_back(node.r, node.z);
+        } else {
+            nodes.emplace_back(node.x, node.y, node.z);
         }
-        for (const auto& element : mesh.elements) {
-            std::array<int, Element::dofs> unknowns{};
-            for (int i = 0; i < Element::dofs; ++i) {
-                unknowns[i] = number[element[i / Element::dim]][i % Element::dim];
-            }
-            topology->unknowns.push_back(unknowns);
-        }
-        for (const int layer : springs.slipping_layers) {
-            part_layer(mesh, layer, *topology);
-        }
-        topology->coupled = coupled_by(mesh, springs, *topology);
-        topology->build_pattern();
-        model.topology = std::move(topology);
     }
+    return nodes;
+}
+
+template <class Element, class Mesh>
+std::shared_ptr<const Topology<Element>>
+make_topology(const Mesh& mesh, const std::vector<bool>& linear,
+              const std::function<bool(std::size_t node, int direction)>& is_held, const Springs& springs) {
+    auto topology = std::make_shared<Topology<Element>>();
+    topology->layers = mesh.layers;
+    topology->layer = mesh.layer;
+    topology->linear = linear;
+    std::vector<std::array<int, Element::dim>> number(mesh.nodes.size()); // the unknown of each displacement, or -1
+    for (std::size_t k = 0; k < number.size(); ++k) {
+        for (int d = 0; d < Element::dim; ++d) {
+            number[k][d] = is_held(k, d) ? -1 : topology->free_unknowns++;
+        }
+    }
+    for (const auto& element : mesh.elements) {
+        std::array<int, Element::dofs> unknowns{};
+        for (int i = 0; i < Element::dofs; ++i) {
+            unknowns[i] = number[element[i / Element::dim]][i % Element::dim];
+        }
+        topology->unknowns.push_back(unknowns);
+    }
+    for (const int layer : springs.slipping_layers) {
+        part_layer(mesh, layer, *topology);
+    }
+    topology->coupled = coupled_by(mesh, springs, *topology);
+    topology->build_pattern();
+    return topology;
+}
+
+template <class Element, class Mesh>
+Model<Element> build(const Mesh& mesh, std::shared_ptr<const Topology<Element>> topology, const Springs& springs) {
+    Model<Element> model;
+    model.topology = std::move(topology);
+    const auto nodes = positions_of<Element>(mesh);
     const auto positions = Element::gauss_positions();
     for (const auto& element : mesh.elements) {
         typename Element::Coordinates x;
@@ -325,30 +348,30 @@ Eigen::Vector3d position_of(const Model<Element>& model, int element, int gauss)
     }
 }
 
-Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const Model<AxisymmetricQ8>* like,
+Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const std::vector<bool>& linear,
                                  const Springs& springs) {
-    std::vector<Eigen::Vector2d> nodes;
-    for (const auto& [r, z] : mesh.nodes) {
-        nodes.emplace_back(r, z);
-    }
     const auto is_held = [&](std::size_t k, int d) {
         const auto [r, z] = mesh.nodes[k];
         return z == mesh.z_lines.back() || (d == 0 && (r == 0.0 || r == mesh.r_lines.back()));
     };
-    return build<AxisymmetricQ8>(mesh, like, nodes, is_held, springs);
+    return build(mesh, make_topology<AxisymmetricQ8>(mesh, linear, is_held, springs), springs);
 }
 
-Model<Hex20> make_model(const mesh::SolidMesh& mesh, const Model<Hex20>* like, const Springs& springs) {
-    std::vector<Eigen::Vector3d> nodes;
-    for (const auto& [x, y, z] : mesh.nodes) {
-        nodes.emplace_back(x, y, z);
-    }
+Model<Hex20> make_model(const mesh::SolidMesh& mesh, const std::vector<bool>& linear, const Springs& springs) {
     const auto is_held = [&](std::size_t k, int d) {
         const auto [x, y, z] = mesh.nodes[k];
         return z == mesh.z_lines.back() || (d == 0 && (x == 0.0 || x == mesh.x_lines.back())) ||
                (d == 1 && (y == 0.0 || y == mesh.y_lines.back()));
     };
-    return build<Hex20>(mesh, like, nodes, is_held, springs);
+    return build(mesh, make_topology<Hex20>(mesh, linear, is_held, springs), springs);
+}
+
+Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const Model<AxisymmetricQ8>& like,
+                                 const Springs& springs) {
+    return build(mesh, like.topology, springs);
+}
+Model<Hex20> make_model(const mesh::SolidMesh& mesh, const Model<Hex20>& like, const Springs& springs) {
+    return build(mesh, like.topology, springs);
 }
 
 template struct Topology<AxisymmetricQ8>;

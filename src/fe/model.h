@@ -26,9 +26,11 @@ struct Topology {
     // Place of local entry (i, j), i >= j, row by row, in lower; -1 when i or j is held.
     std::vector<std::array<int, lower_entries>> scatter;
     std::shared_ptr<const CholeskyAnalysis> analysis; // of lower
+    std::vector<bool>
+        linear; // of each layer: its stiffness is taken not to change along a load path; springs' never do
 
     int elements() const { return static_cast<int>(layer.size()); }
-    // Fills lower, scatter and analysis from unknowns and coupled.
+    // Fills lower, scatter and analysis from the rest.
     void build_pattern();
 };
 
@@ -93,12 +95,16 @@ struct Model {
 template <class Element>
 Eigen::Vector3d position_of(const Model<Element>& model, int element, int gauss);
 
-// u_r = 0 on the axis and on the smooth wall, u = 0 on the floor (rigid, rough). With `like`, a model of a mesh of the
-// same structure, its topology is shared.
-Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const Model<AxisymmetricQ8>* like = nullptr,
+// u_r = 0 on the axis and on the smooth wall, u = 0 on the floor (rigid, rough).
+// linear: of each layer, whether it is linear elastic. It is used to order the unknowns; a run may have it otherwise.
+Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const std::vector<bool>& linear,
                                  const Springs& springs = {});
-
 // u_x = 0 on x = 0 and on the smooth wall, u_y likewise, u = 0 on the floor.
-Model<Hex20> make_model(const mesh::SolidMesh& mesh, const Model<Hex20>* like = nullptr, const Springs& springs = {});
+Model<Hex20> make_model(const mesh::SolidMesh& mesh, const std::vector<bool>& linear, const Springs& springs = {});
+
+// A mesh of the same structure as that of `like`, with which it shares the topology; springs: likewise.
+Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const Model<AxisymmetricQ8>& like,
+                                 const Springs& springs = {});
+Model<Hex20> make_model(const mesh::SolidMesh& mesh, const Model<Hex20>& like, const Springs& springs = {});
 
 } // namespace pave::fe

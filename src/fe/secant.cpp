@@ -45,16 +45,15 @@ bool solve_point(const LayerMaterial& layer, const mechanics::Voigt<N>& initial,
 } // namespace
 
 template <class Element>
-Outcome<Solution<Element>> Solver<Element>::secant(const std::vector<LayerMaterial>& layers,
-                                                   const Eigen::VectorXd& load,
-                                                   const std::vector<Variation>& variations,
-                                                   const SolverSettings& settings, const std::vector<double>& springs) {
+Outcome<Solution<Element>>
+Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
+                        const std::vector<Variation>& variations, const SolverSettings& settings,
+                        const std::vector<double>& springs, const std::vector<Motion<Element>>& motions) {
     using Stress = typename Element::Stress;
     using Vector = typename Element::Vector;
     constexpr int dofs = Element::dofs;
     Work& w = *work_;
-    w.prepare(layers, variations, springs);
-    w.system.begin(settings.linear_tolerance);
+    w.prepare(layers, variations, settings, springs, motions);
     const int points = w.points();
     const int count = w.count();
     Solution<Element> solution = w.empty_solution();
@@ -356,7 +355,12 @@ Outcome<Solution<Element>> Solver<Element>::secant(const std::vector<LayerMateri
             solution.stress.col(to) = point.modulus * s;
             solution.modulus[to] = point.modulus;
             for (int k = 0; k < count; ++k) {
-                const Stress turned = point.modulus * (w.unit_rate(e, g, k) * strain);
+                Vector force = Vector::Zero();
+                Stress turned = point.modulus * (w.unit_rate(e, g, k) * strain);
+                if (const Motion<Element>* motion = w.motion_of(k)) {
+                    turned +=
+                        w.subtract_motion(*motion, e, g, ue, point.modulus * s, point.modulus * w.unit(e, g), force);
+                }
                 const double explicit_rate = w.explicit_modulus_rate(layer, w.topology->layer[e], point.at, k);
                 const double e_rate =
                     (explicit_rate +
@@ -364,7 +368,6 @@ Outcome<Solution<Element>> Solver<Element>::secant(const std::vector<LayerMateri
                     point.gain;
                 const Stress d = turned + e_rate * s;
                 solution.d_stress.col(static_cast<Eigen::Index>(to) * count + k) = d;
-                Vector force = Vector::Zero();
                 Element::add_force(w.point(e, g), d, -w.point(e, g).weight, force);
                 w.model->scatter_add(e, force, solution.d_displacement.col(k).data());
             }
@@ -404,8 +407,10 @@ using Layers = std::vector<LayerMaterial>;
 using Variations = std::vector<Variation>;
 template Outcome<Solution<AxisymmetricQ8>> Solver<AxisymmetricQ8>::secant(const Layers&, const Eigen::VectorXd&,
                                                                           const Variations&, const SolverSettings&,
-                                                                          const std::vector<double>&);
+                                                                          const std::vector<double>&,
+                                                                          const std::vector<Motion<AxisymmetricQ8>>&);
 template Outcome<Solution<Hex20>> Solver<Hex20>::secant(const Layers&, const Eigen::VectorXd&, const Variations&,
-                                                        const SolverSettings&, const std::vector<double>&);
+                                                        const SolverSettings&, const std::vector<double>&,
+                                                        const std::vector<Motion<Hex20>>&);
 
 } // namespace pave::fe

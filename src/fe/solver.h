@@ -22,8 +22,17 @@ struct SolverSettings {
     double path_tolerance = 2e-3;
     // secant: unbalanced force relative to the load.
     double equilibrium_tolerance = 1e-9;
-    // Error of an iterative solution of one linear system in the energy norm, relative to the solution (3D).
-    double linear_tolerance = 1e-6;
+    // Error of an iterative solution of one linear system in the energy norm, relative to the solution (3D): well below
+    // what the path tolerance leaves. What adds up along a load path is brought back to equilibrium at its end.
+    double linear_tolerance = 1e-4;
+};
+
+// Rates of all that the positions of the nodes enter, when the mesh moves with one parameter.
+template <class Element>
+struct Motion {
+    std::vector<typename Element::Point> points; // of weight and shape derivatives, every Gauss point
+    std::vector<double> vertical_stress;         // initial, at every Gauss point as it moves [Pa]
+    Eigen::VectorXd load;                        // on every free unknown [N]
 };
 
 struct Statistics {
@@ -74,12 +83,15 @@ public:
 
     // load: force on every free unknown [N] at load factor 1. d(load)/d(load_factor) = load.
     // springs: stiffness of each spring of the model [Pa/m].
+    // motions: of a model without springs and fields. Derivatives of stress are those at the Gauss points as they move.
     Outcome<Solution<Element>> incremental(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                                            const std::vector<Variation>& variations, const SolverSettings& settings,
-                                           const std::vector<double>& springs = {});
+                                           const std::vector<double>& springs = {},
+                                           const std::vector<Motion<Element>>& motions = {});
     Outcome<Solution<Element>> secant(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                                       const std::vector<Variation>& variations, const SolverSettings& settings,
-                                      const std::vector<double>& springs = {});
+                                      const std::vector<double>& springs = {},
+                                      const std::vector<Motion<Element>>& motions = {});
 
     // What inertia adds to readings at the end of the run before this call, whose layers and springs must still exist:
     // the extreme of each over time (that of the larger magnitude) under a pulse of the load, less its value under the

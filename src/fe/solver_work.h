@@ -56,13 +56,14 @@ struct Solver<Element>::Work {
     explicit Work(const Model<Element>& m)
         : topology(m.topology),
           model(&m),
-          system(topology->lower, *topology->analysis, Element::dim == 2 ? Route::direct : Route::iterative),
+          system(topology->lower, *topology->analysis),
           values(topology->lower.row.size()),
           linear(values) {}
 
     std::shared_ptr<const Topology<Element>> topology;
     const Model<Element>* model;
-    SymmetricSystem system;
+    // In two dimensions a factorisation costs little; in three, conjugate gradients cost less.
+    SymmetricSystem<std::conditional_t<Element::dim == 2, double, float>> system;
     std::vector<double> values; // the matrix of the moment
     std::vector<double> linear; // its part from linear layers
 
@@ -76,6 +77,7 @@ struct Solver<Element>::Work {
     const std::vector<LayerMaterial>* layers = nullptr;
     const std::vector<Variation>* variations = nullptr;
     const std::vector<double>* springs = nullptr; // stiffness of each spring of the model
+    const std::vector<Motion<Element>>* motions = nullptr;
     std::vector<PreparedLayer<N>> prepared;
     // Of the Gauss points of the model, where some layer has fields: index in prepared_points, or -1.
     std::vector<int> prepared_point_of;
@@ -128,10 +130,12 @@ struct Solver<Element>::Work {
     static mechanics::Stiffness<N> cut(const mechanics::Stiffness<6>& c) { return c.template topLeftCorner<N, N>(); }
 
     void prepare(const std::vector<LayerMaterial>& run_layers, const std::vector<Variation>& run_variations,
-                 const std::vector<double>& run_springs) {
+                 const SolverSettings& settings, const std::vector<double>& run_springs,
+                 const std::vector<Motion<Element>>& run_motions) {
         layers = &run_layers;
         variations = &run_variations;
         springs = &run_springs;
+        motions = &run_motions;
         prepared.assign(run_layers.size(), {});
         for (std::size_t l = 0; l < run_layers.size(); ++l) {
             const LayerMaterial& layer = run_layers[l];
@@ -150,6 +154,11 @@ struct Solver<Element>::Work {
             }
         }
         prepare_points();
+        bool constants_hold = true;
+        for (std::size_t l = 0; l < prepared.size(); ++l) {
+            constants_hold = constants_hold && !(topology->linear[l] && prepared[l].stress_dependent);
+        }
+        system.begin(settings.linear_tolerance, constants_hold);
         hold();
         std::fill(linear.begin(), linear.end(), 0.0);
         for (std::size_t l = 0; l < prepared.size(); ++l) {
@@ -173,8 +182,12 @@ struct Solver<Element>::Work {
                 const double z = model->depth[e * Element::gauss + g];
                 initial[q] = layer_of(e).template initial_stress<N>(z);
                 for (int k = 0; k < count(); ++k) {
+                    const Motion<Element>* motion = motion_of(k);
                     initial_rate[static_cast<std::size_t>(q) * count() + k] =
-                        initial_stress_rate<N>(*layers, topology->layer[e], z, (*variations)[k]);
+                        motion != nullptr
+                            ? layer_of(e).template initial_stress_of_weight<N>(
+                                  motion->vertical_stress[static_cast<std::size_t>(e) * Element::gauss + g])
+                            : initial_stress_rate<N>(*layers, topology->layer[e], z, (*variations)[k]);
                 }
             }
         }
@@ -273,6 +286,22 @@ struct Solver<Element>::Work {
         return model->points[element * Element::gauss + g];
     }
 
+    // How the mesh moves with variation k; nullptr: it does not.
+    const Motion<Element>* motion_of(int k) const {
+        const Variation& v = (*variations)[k];
+        return v.kind == Variation::Kind::motion ? &(*motions)[v.index] : nullptr;
+    }
+    // force -= d(B)^T stress weight + B^T stress d(weight): what a moving point adds to the internal force at held
+    // stress. Returns what it adds to the stress at held displacement, stiffness d(B) u.
+    Stress subtract_motion(const Motion<Element>& motion, int e, int g, const Vector& ue, const Stress& stress,
+                           const mechanics::Stiffness<N>& stiffness, Vector& force) const {
+        const auto& rate = motion.points[static_cast<std::size_t>(e) * Element::gauss + g];
+        const Stress turned = stiffness * Element::strain(rate, ue);
+        Element::add_force(rate, stress, -point(e, g).weight, force);
+        Element::add_force(point(e, g), stress, -rate.weight, force);
+        return turned;
+    }
+
     // B^T C B weight
     Eigen::Matrix<double, Element::dofs, Element::dofs> point_stiffness(int e, int g) const {
         const auto b = Element::strain_operator(point(e, g));
@@ -319,6 +348,9 @@ struct Solver<Element>::Work {
             if (v.kind == Variation::Kind::spring) {
                 model->springs[v.index].add_product(u, -1.0, right.col(k).data());
             }
+            if (const Motion<Element>* motion = motion_of(k)) {
+                subtract_linear_motion(*motion, u, right.col(k).data());
+            }
             if ((v.kind != Variation::Kind::law_parameter && v.kind != Variation::Kind::field) ||
                 prepared[v.layer].stress_dependent) {
                 continue;
@@ -336,6 +368,25 @@ struct Solver<Element>::Work {
                 }
                 model->scatter_add(e, force, right.col(k).data());
             }
+        }
+    }
+
+    // force -= (dK/dp) u over the linear layers when the mesh moves.
+    void subtract_linear_motion(const Motion<Element>& motion, const double* u, double* right) const {
+        for (int e = 0; e < model->elements(); ++e) {
+            const PreparedLayer<N>& p = prepared_of(e);
+            if (p.stress_dependent) {
+                continue;
+            }
+            const Vector ue = model->gather(e, u);
+            Vector force = Vector::Zero();
+            for (int g = 0; g < Element::gauss; ++g) {
+                const mechanics::Stiffness<N> d = p.modulus * unit(e, g);
+                const Stress stress = d * Element::strain(point(e, g), ue);
+                const Stress turned = subtract_motion(motion, e, g, ue, stress, d, force);
+                Element::add_force(point(e, g), turned, -point(e, g).weight, force);
+            }
+            model->scatter_add(e, force, right);
         }
     }
 
@@ -453,6 +504,10 @@ struct Solver<Element>::Work {
                         solution.d_stress.col(static_cast<Eigen::Index>(q) * n + k) =
                             p.modulus * (unit(e, g) * Element::strain(point(e, g), de)) +
                             (p.modulus_rate[k] * unit(e, g) + p.modulus * unit_rate(e, g, k)) * strain;
+                        if (const Motion<Element>* motion = motion_of(k)) {
+                            solution.d_stress.col(static_cast<Eigen::Index>(q) * n + k) +=
+                                p.modulus * (unit(e, g) * Element::strain(motion->points[q], ue));
+                        }
                     }
                 } else {
                     const Stress load_stress = solution.stress.col(q);
@@ -500,6 +555,8 @@ struct Solver<Element>::Work {
                 right.col(k) = load;
             } else if (v.kind == Variation::Kind::pressure_shape) {
                 right.col(k) = v.load_rate;
+            } else if (const Motion<Element>* motion = motion_of(k)) {
+                right.col(k) = motion->load;
             }
         }
     }

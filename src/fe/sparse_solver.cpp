@@ -1,51 +1,27 @@
 #include "fe/sparse_solver.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cholmod.h>
 #include <cstring>
-#include <dlfcn.h>
 #include <new>
 #include <umfpack.h>
 
 namespace pave::fe {
 namespace {
-
-// CHOLMOD is built with OpenMP and asks for four threads in every supernode, whatever OMP_NUM_THREADS says. Here
-// the parallelism is over runs: no active parallel regions on this thread, where OpenMP is there at all.
-void keep_openmp_serial() {
-    static auto* const set_levels = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
-    if (set_levels != nullptr) {
-        set_levels(0);
-    }
+std::atomic<int> analyses{0};
 }
 
-} // namespace
+int CholeskyAnalysis::made() {
+    return analyses;
+}
 
-struct CholeskyAnalysis::Implementation {
+CholeskyAnalysis::CholeskyAnalysis(const Pattern& lower, const std::vector<bool>& constant, bool constant_first) {
+    ++analyses;
     cholmod_common common{};
-    cholmod_factor* symbolic = nullptr;
-};
-
-struct SparseCholesky::Implementation {
-    cholmod_common common{};
-    cholmod_sparse matrix{};
-    cholmod_factor* factor = nullptr;
-    cholmod_dense* solution = nullptr;
-    cholmod_dense* work_y = nullptr;
-    cholmod_dense* work_e = nullptr;
-};
-
-namespace {
-
-void start(cholmod_common& common) {
     cholmod_start(&common);
     common.print = 0;
-    common.error_handler = nullptr;
     common.supernodal = CHOLMOD_SUPERNODAL;
-    common.quick_return_if_not_posdef = 1;
-}
-
-cholmod_sparse matrix_of(const Pattern& lower) {
     cholmod_sparse matrix{};
     matrix.nrow = matrix.ncol = static_cast<std::size_t>(lower.size);
     matrix.nzmax = lower.row.size();
@@ -57,114 +33,32 @@ cholmod_sparse matrix_of(const Pattern& lower) {
     matrix.dtype = CHOLMOD_DOUBLE;
     matrix.sorted = 1;
     matrix.packed = 1;
-    return matrix;
-}
-
-} // namespace
-
-namespace {
-std::atomic<int> analyses{0};
-}
-
-int CholeskyAnalysis::made() {
-    return analyses;
-}
-
-CholeskyAnalysis::CholeskyAnalysis(const Pattern& lower) : implementation_(std::make_unique<Implementation>()) {
-    ++analyses;
-    auto& m = *implementation_;
-    start(m.common);
-    cholmod_sparse matrix = matrix_of(lower);
-    m.symbolic = cholmod_analyze(&matrix, &m.common);
-    if (m.symbolic == nullptr) {
+    std::vector<int> given;
+    if (constant_first) {
+        std::vector<int> group(constant.size());
+        std::transform(constant.begin(), constant.end(), group.begin(), [](bool is) { return is ? 0 : 1; });
+        given.resize(constant.size());
+        cholmod_camd(&matrix, nullptr, 0, group.data(), given.data(), &common);
+        common.nmethods = 1;
+        common.method[0].ordering = CHOLMOD_GIVEN;
+    }
+    cholmod_factor* factor = cholmod_analyze_p(&matrix, given.empty() ? nullptr : given.data(), nullptr, 0, &common);
+    if (factor == nullptr) {
+        cholmod_finish(&common);
         throw std::bad_alloc();
     }
-}
-
-CholeskyAnalysis::~CholeskyAnalysis() {
-    cholmod_free_factor(&implementation_->symbolic, &implementation_->common);
-    cholmod_finish(&implementation_->common);
-}
-
-SparseCholesky::SparseCholesky(const Pattern& lower, const CholeskyAnalysis& analysis)
-    : implementation_(std::make_unique<Implementation>()) {
-    auto& m = *implementation_;
-    start(m.common);
-    m.matrix = matrix_of(lower);
-    m.matrix.xtype = CHOLMOD_REAL;
-    m.factor = cholmod_copy_factor(analysis.implementation_->symbolic, &m.common);
-    if (m.factor == nullptr) {
-        throw std::bad_alloc();
+    const auto* order = static_cast<const int*>(factor->Perm);
+    const auto* super = static_cast<const int*>(factor->super);
+    const auto* start = static_cast<const int*>(factor->pi);
+    const auto* rows = static_cast<const int*>(factor->s);
+    std::vector<std::vector<int>> rows_of;
+    for (std::size_t k = 0; k < factor->nsuper; ++k) {
+        rows_of.emplace_back(rows + start[k], rows + start[k + 1]);
     }
-}
-
-SparseCholesky::~SparseCholesky() {
-    auto& m = *implementation_;
-    cholmod_free_dense(&m.solution, &m.common);
-    cholmod_free_dense(&m.work_y, &m.common);
-    cholmod_free_dense(&m.work_e, &m.common);
-    cholmod_free_factor(&m.factor, &m.common);
-    cholmod_finish(&m.common);
-}
-
-bool SparseCholesky::factorize(std::span<const double> values) {
-    auto& m = *implementation_;
-    keep_openmp_serial();
-    m.matrix.x = const_cast<double*>(values.data());
-    cholmod_factorize(&m.matrix, m.factor, &m.common);
-    if (m.common.status == CHOLMOD_OUT_OF_MEMORY) {
-        throw std::bad_alloc();
-    }
-    return m.common.status == CHOLMOD_OK && m.factor->minor == m.factor->n;
-}
-
-void SparseCholesky::solve(double* x, int columns) {
-    keep_openmp_serial();
-    auto& m = *implementation_;
-    cholmod_dense right{};
-    right.nrow = right.d = m.factor->n;
-    right.ncol = static_cast<std::size_t>(columns);
-    right.nzmax = right.nrow * right.ncol;
-    right.x = x;
-    right.xtype = CHOLMOD_REAL;
-    right.dtype = CHOLMOD_DOUBLE;
-    if (cholmod_solve2(CHOLMOD_A, m.factor, &right, nullptr, &m.solution, nullptr, &m.work_y, &m.work_e, &m.common) ==
-        0) {
-        throw std::bad_alloc();
-    }
-    std::memcpy(x, m.solution->x, right.nzmax * sizeof(double));
-}
-
-void SparseCholesky::round_to(SingleFactor& single) const {
-    const cholmod_factor& factor = *implementation_->factor;
-    const auto* permutation = static_cast<const int*>(factor.Perm);
-    const auto* super = static_cast<const int*>(factor.super); // first column of each supernode
-    const auto* row_start = static_cast<const int*>(factor.pi);
-    const auto* value_start = static_cast<const int*>(factor.px);
-    const auto* rows = static_cast<const int*>(factor.s);
-    const auto* values = static_cast<const double*>(factor.x);
-    single.permutation.assign(permutation, permutation + factor.n);
-    single.supernodes.resize(factor.nsuper);
-    single.rows.clear();
-    single.values.clear();
-    for (std::size_t k = 0; k < factor.nsuper; ++k) {
-        auto& s = single.supernodes[k];
-        const int all_rows = row_start[k + 1] - row_start[k];
-        s.first_column = super[k];
-        s.columns = super[k + 1] - super[k];
-        s.rows_below = all_rows - s.columns;
-        s.row_start = single.rows.size();
-        s.start = single.values.size();
-        single.rows.insert(single.rows.end(), rows + row_start[k] + s.columns, rows + row_start[k + 1]);
-        const Eigen::Map<const Eigen::MatrixXd> block(values + value_start[k], all_rows, s.columns);
-        const Eigen::MatrixXf inverse = block.topRows(s.columns)
-                                            .triangularView<Eigen::Lower>()
-                                            .solve(Eigen::MatrixXd::Identity(s.columns, s.columns))
-                                            .cast<float>();
-        const Eigen::MatrixXf below = block.bottomRows(s.rows_below).cast<float>();
-        single.values.insert(single.values.end(), inverse.data(), inverse.data() + inverse.size());
-        single.values.insert(single.values.end(), below.data(), below.data() + below.size());
-    }
+    structure_ =
+        FactorStructure(lower, {order, order + factor->n}, {super, super + factor->nsuper + 1}, rows_of, constant);
+    cholmod_free_factor(&factor, &common);
+    cholmod_finish(&common);
 }
 
 struct SparseLu::Implementation {

@@ -1,6 +1,7 @@
 #include "fe/symmetric_system.h"
 
 #include <cmath>
+#include <type_traits>
 
 namespace pave::fe {
 namespace {
@@ -49,36 +50,42 @@ void scale(Block<C>& a, const Lanes<C>& factor) {
 
 } // namespace
 
-SymmetricSystem::SymmetricSystem(const Pattern& lower, const CholeskyAnalysis& analysis, Route route)
+template <class Scalar>
+SymmetricSystem<Scalar>::SymmetricSystem(const Pattern& lower, const CholeskyAnalysis& analysis)
     : lower_(lower),
-      route_(route),
-      cholesky_(lower, analysis) {}
+      factor_(lower, analysis.structure()) {}
 
-void SymmetricSystem::begin(double tolerance) {
+template <class Scalar>
+void SymmetricSystem<Scalar>::begin(double tolerance, bool constants_hold) {
     tolerance_ = tolerance;
+    constants_hold_ = constants_hold;
     has_factor_ = false;
     factor_is_stale_ = false;
     factorizations_ = 0;
     iterations_ = 0;
 }
 
-bool SymmetricSystem::factorize() {
+template <class Scalar>
+bool SymmetricSystem<Scalar>::factorize() {
+    const bool is_first = factorizations_ == 0 || !constants_hold_;
     ++factorizations_;
-    has_factor_ = cholesky_.factorize(values_);
+    has_factor_ = factor_.factorize(values_, is_first);
+    factor_is_own_ = has_factor_;
     factor_is_stale_ = false;
-    if (has_factor_ && route_ == Route::iterative) {
-        cholesky_.round_to(single_);
-    }
     return has_factor_;
 }
 
-bool SymmetricSystem::set_matrix(std::span<const double> values) {
+template <class Scalar>
+bool SymmetricSystem<Scalar>::set_matrix(std::span<const double> values) {
     values_ = values;
-    return route_ == Route::iterative && has_factor_ && !factor_is_stale_ ? true : factorize();
+    factor_is_own_ = false;
+    const bool serves = std::is_same_v<Scalar, float> && has_factor_ && !factor_is_stale_;
+    return serves || factorize();
 }
 
+template <class Scalar>
 template <int C>
-void SymmetricSystem::multiply(const Block<C>& x, Block<C>& y) const {
+void SymmetricSystem<Scalar>::multiply(const Block<C>& x, Block<C>& y) const {
     using Row = Lanes<C>;
     y.setZero(x.rows(), C);
     for (int j = 0; j < lower_.size; ++j) {
@@ -94,18 +101,21 @@ void SymmetricSystem::multiply(const Block<C>& x, Block<C>& y) const {
     }
 }
 
-Eigen::VectorXd SymmetricSystem::product(const Eigen::VectorXd& x) const {
+template <class Scalar>
+Eigen::VectorXd SymmetricSystem<Scalar>::product(const Eigen::VectorXd& x) const {
     Block<1> y;
     multiply<1>(x, y);
     return y;
 }
 
-Eigen::VectorXd SymmetricSystem::preconditioned(Eigen::VectorXd x) {
-    precondition<1>(x);
+template <class Scalar>
+Eigen::VectorXd SymmetricSystem<Scalar>::preconditioned(Eigen::VectorXd x) {
+    factor_.template solve<1>(x);
     return x;
 }
 
-bool SymmetricSystem::took_steps(int steps) {
+template <class Scalar>
+bool SymmetricSystem<Scalar>::took_steps(int steps) {
     if (steps < 0) {
         return factorize();
     }
@@ -114,11 +124,9 @@ bool SymmetricSystem::took_steps(int steps) {
     return true;
 }
 
-bool SymmetricSystem::solve(Eigen::Ref<Eigen::MatrixXd> x, std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses) {
-    if (route_ == Route::direct) {
-        cholesky_.solve(x.data(), static_cast<int>(x.cols()));
-        return true;
-    }
+template <class Scalar>
+bool SymmetricSystem<Scalar>::solve(Eigen::Ref<Eigen::MatrixXd> x,
+                                    std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses) {
     bool ok = true;
     for (Eigen::Index first = 0; ok && first < x.cols();) {
         const Eigen::Index left = x.cols() - first;
@@ -136,9 +144,10 @@ bool SymmetricSystem::solve(Eigen::Ref<Eigen::MatrixXd> x, std::span<const Eigen
     return ok;
 }
 
+template <class Scalar>
 template <int C>
-bool SymmetricSystem::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Eigen::Index first,
-                                  std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses) {
+bool SymmetricSystem<Scalar>::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Eigen::Index first,
+                                          std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses) {
     const Eigen::Index n = matrix.rows();
     const Eigen::Index columns = std::min<Eigen::Index>(C, matrix.cols() - first);
     const auto load = [&](const auto& from, Block<C>& to) {
@@ -146,13 +155,18 @@ bool SymmetricSystem::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Eigen::Ind
         to.leftCols(columns) = from.middleCols(first, columns);
     };
     Block<C> b;
-    Block<C> r;
     load(matrix, b);
+    if constexpr (std::is_same_v<Scalar, double>) {
+        factor_.template solve<C>(b);
+        matrix.middleCols(first, columns) = b.leftCols(columns);
+        return b.allFinite();
+    }
+    Block<C> r;
     r = b;
     Block<C> x = Block<C>::Zero(n, C);
     Block<C> z;
     Block<C> q;
-    if (!guesses.empty()) {
+    if (!guesses.empty() && !factor_is_own_) {
         // The best combination of the guesses in the energy norm (a Galerkin projection). They lie close to each other:
         // made orthogonal, they keep the small system well posed.
         const std::size_t count = guesses.size();
@@ -200,7 +214,7 @@ bool SymmetricSystem::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Eigen::Ind
         }
     }
     z = r;
-    precondition<C>(z);
+    factor_.template solve<C>(z);
     Block<C> p = z;
     Lanes<C> rho = dot<C>(r, z);
     const auto wanting = [&]() -> Eigen::Array<bool, 1, C> { return !(rho <= tolerance_ * tolerance_ * dot<C>(x, b)); };
@@ -214,7 +228,7 @@ bool SymmetricSystem::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Eigen::Ind
             }
             factor_is_stale_ = true; // until this solve ends
             z = r;
-            precondition<C>(z);
+            factor_.template solve<C>(z);
             p = z;
             rho = dot<C>(r, z);
             steps = 0;
@@ -230,7 +244,7 @@ bool SymmetricSystem::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Eigen::Ind
         add<C>(x, length, p);
         add<C>(r, -length, q);
         z = r;
-        precondition<C>(z);
+        factor_.template solve<C>(z);
         const Lanes<C> next = dot<C>(r, z);
         const Lanes<C> keep = active.select(next / rho, Lanes<C>::Zero());
         scale<C>(p, keep);
@@ -242,5 +256,8 @@ bool SymmetricSystem::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Eigen::Ind
     matrix.middleCols(first, columns) = x.leftCols(columns);
     return x.allFinite();
 }
+
+template class SymmetricSystem<float>;
+template class SymmetricSystem<double>;
 
 } // namespace pave::fe

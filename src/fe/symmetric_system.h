@@ -8,18 +8,18 @@
 
 namespace pave::fe {
 
-// direct: every matrix is factorised. iterative: conjugate gradients, preconditioned by the factor of an earlier matrix
-// of the same sequence; the matrix is factorised anew when that no longer pays.
-enum class Route { direct, iterative };
-
+// Scalar: double, every matrix is factorised; float, conjugate gradients preconditioned by the factor of an earlier
+// matrix of the sequence, and a matrix is factorised when that no longer pays.
+template <class Scalar>
 class SymmetricSystem {
 public:
     // The pattern and its analysis must outlive the object.
-    SymmetricSystem(const Pattern& lower, const CholeskyAnalysis& analysis, Route route);
+    SymmetricSystem(const Pattern& lower, const CholeskyAnalysis& analysis);
 
     // Begins a sequence: nothing that was solved before has an influence on what follows.
-    // tolerance: error of an iterative solution in the energy norm, relative to the solution.
-    void begin(double tolerance);
+    // tolerance: error of a solution in the energy norm, relative to the solution (float).
+    // constants_hold: the columns that the analysis takes for constant are so in the whole sequence.
+    void begin(double tolerance, bool constants_hold);
 
     // The matrix of the moment, one value for each entry of the pattern; must stay until the next one. False when it is
     // found not to be positive definite.
@@ -29,7 +29,7 @@ public:
     // answer (the answers of earlier systems). False when K is found not to be positive definite.
     bool solve(Eigen::Ref<Eigen::MatrixXd> x, std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses);
 
-    // For solvers of systems near this one (iterative only): the product with the matrix of the moment, and with the
+    // For solvers of systems near this one (float): the product with the matrix of the moment, and with the
     // inverse of the factor at hand.
     Eigen::VectorXd product(const Eigen::VectorXd& x) const;
     Eigen::VectorXd preconditioned(Eigen::VectorXd x);
@@ -44,12 +44,6 @@ private:
     // y := K x
     template <int C>
     void multiply(const Block<C>& x, Block<C>& y) const;
-    // x := M^-1 x with the rounded factor at hand
-    template <int C>
-    void precondition(Block<C>& x) {
-        single_.solve<C>(x);
-    }
-
     bool factorize();
     // C columns of x from `first` on, those beyond its end zero.
     template <int C>
@@ -57,12 +51,12 @@ private:
                      std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses);
 
     const Pattern& lower_;
-    Route route_;
-    SparseCholesky cholesky_;
-    SingleFactor single_;
+    SupernodalFactor<Scalar> factor_;
     std::span<const double> values_;
     double tolerance_ = 0.0;
+    bool constants_hold_ = false;
     bool has_factor_ = false;
+    bool factor_is_own_ = false;   // of the matrix of the moment
     bool factor_is_stale_ = false; // factorise the next matrix
     int factorizations_ = 0;
     int iterations_ = 0;

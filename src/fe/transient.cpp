@@ -1,13 +1,11 @@
 #include "base/units.h"
+#include "fe/gauss_rule.h"
 #include "fe/solver_work.h"
 
 #include <cmath>
 
 namespace pave::fe {
 namespace {
-
-constexpr std::pair<double, double> three_points[] = {
-    {-0.7745966692414834, 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {0.7745966692414834, 5.0 / 9.0}};
 
 // Calls at(position, weight) for the product rule of three points a direction.
 template <class Element, class F>
@@ -141,13 +139,13 @@ Outcome<std::vector<double>> Solver<Element>::inertial_excess(const Solution<Ele
     const Failure not_definite{Status::failed,
                                "the section has lost its stiffness at the end of the load path: no pulse "
                                "can be followed there"};
-    SparseCholesky factor(lower, *w.topology->analysis);
-    if (!factor.factorize(stiffness)) {
+    SupernodalFactor<double> factor(lower, w.topology->analysis->structure());
+    if (!factor.factorize(stiffness, true)) {
         return not_definite;
     }
-    Eigen::VectorXd at_rest = load;
-    factor.solve(at_rest.data(), 1);
-    if (!factor.factorize(effective)) {
+    Block<1> at_rest = load;
+    factor.solve<1>(at_rest);
+    if (!factor.factorize(effective, true)) {
         return not_definite;
     }
     Eigen::VectorXd u = Eigen::VectorXd::Zero(load.size());
@@ -158,10 +156,10 @@ Outcome<std::vector<double>> Solver<Element>::inertial_excess(const Solution<Ele
     std::vector<double> slope(readings.size(), 0.0);    // per step
     for (int n = 1; n <= 4 * steps_of_pulse / 3; ++n) { // the farthest sensors lag by some milliseconds
         const double sine = n < steps_of_pulse ? std::sin(std::numbers::pi * n / steps_of_pulse) : 0.0;
-        Eigen::VectorXd next = sine * sine * load;
+        Block<1> next = sine * sine * load;
         add_product(lower, mass, 4.0 / (step * step) * u + 4.0 / step * v + acceleration, next);
         add_product(lower, damping, 2.0 / step * u + v, next);
-        factor.solve(next.data(), 1);
+        factor.solve<1>(next);
         const Eigen::VectorXd change = next - u;
         acceleration = 4.0 / (step * step) * change - 4.0 / step * v - acceleration;
         v = 2.0 / step * change - v;

@@ -1,3 +1,4 @@
+#include "fe/gauss_rule.h"
 #include "pavement/load_model.h"
 
 #include <cmath>
@@ -51,9 +52,8 @@ Eigen::VectorXd Axisymmetric::unit_load(const Mesh& mesh, const fe::Model<Elemen
         const double half = (mesh.r_lines[i + 1] - mesh.r_lines[i]) / 2.0;
         const double middle = (mesh.r_lines[i + 1] + mesh.r_lines[i]) / 2.0;
         Element::Vector force = Element::Vector::Zero();
-        // Quadratic shape function times r and the pressure: of degree five, exact with three Gauss points.
-        const double g = std::sqrt(0.6);
-        for (const auto& [xi, weight] : {std::pair{-g, 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {g, 5.0 / 9.0}}) {
+        // Quadratic shape function times r and the pressure: of degree five.
+        for (const auto& [xi, weight] : fe::three_points) {
             const auto shape = Element::shape({xi, -1.0});
             const double r = middle + half * xi;
             const double pressure = 1.0 + on.pressure_shape * (2.0 * r * r / (radius * radius) - 1.0);

@@ -37,8 +37,9 @@ public:
     WorkspacePointer make_workspace() const;
 
     // The response at `values`, a case that differs from the nominal one in numbers only; with its derivatives by
-    // `parameters`: exact, but by differences of runs for geometry, for effects that move sensors or layers, and for
-    // everything where inertia answers. Effects that are varied must be `present`. Pure: same input, same bits.
+    // `parameters`: exact for the discrete algorithm, but by differences of runs for effects that move sensors or
+    // layers, for geometry where fields or springs move with it, and for everything where inertia answers. Effects that
+    // are varied must be `present`. Pure: same input, same bits.
     Outcome<Response> run(const Case& values, const std::vector<Parameter>& parameters, Workspace& workspace) const;
 
     const Case& nominal() const { return nominal_; }

@@ -33,13 +33,14 @@ public:
         : load_(load),
           breaks_(Kind::breaks(nominal, load)),
           mesh_(Kind::nominal_mesh(nominal, load)),
-          model_(fe::make_model(mesh_, nullptr, springs_of(nominal, load))) {}
+          model_(fe::make_model(mesh_, linear_layers(nominal), springs_of(nominal, load))) {}
 
     std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Own>(); }
     int unknowns() const override { return model_.free_unknowns(); }
 
     Outcome<Reading> run(const Case& values, const std::vector<fe::LayerMaterial>& layers,
-                         const std::vector<fe::Variation>& variations, Workspace& workspace) const override {
+                         const std::vector<fe::Variation>& variations, const std::vector<Neighbours>& moving,
+                         Workspace& workspace) const override {
         const Load& load = values.loads[load_];
         const Lines breaks = Kind::breaks(values, load_);
         for (const auto& along : breaks) {
@@ -58,10 +59,18 @@ public:
                 variation.load_rate = pressure * own.unit_load_rate(load);
             }
         }
+        std::vector<fe::Motion<Element>> motions;
+        std::vector<std::vector<Observation<Element>>> observation_rates;
+        for (const Neighbours& near : moving) {
+            auto [motion, rates] = move(values, near, own);
+            motions.push_back(std::move(motion));
+            observation_rates.push_back(std::move(rates));
+        }
+        const auto& settings = values.settings.solver;
         const std::vector<double> springs = spring_stiffness(values);
         const auto solved = values.settings.integration == Integration::secant
-                                ? own.solver->secant(layers, force, by, values.settings.solver, springs)
-                                : own.solver->incremental(layers, force, by, values.settings.solver, springs);
+                                ? own.solver->secant(layers, force, by, settings, springs, motions)
+                                : own.solver->incremental(layers, force, by, settings, springs, motions);
         if (!solved) {
             return solved.failure();
         }
@@ -82,6 +91,13 @@ public:
                 reading.derivatives(static_cast<Eigen::Index>(i), k) =
                     stress ? o.of_stress(solved->d_stress, count, k)
                            : o.of_displacement(solved->d_displacement.col(k).data());
+                const fe::Variation& v = variations[static_cast<std::size_t>(k)];
+                if (v.kind == fe::Variation::Kind::motion) { // the place in the mesh that is read moves too
+                    const auto& rate = observation_rates[v.index][i];
+                    reading.derivatives(static_cast<Eigen::Index>(i), k) +=
+                        stress ? rate.of_stress(solved->stress, 1, 0)
+                               : rate.of_displacement(solved->displacement.data());
+                }
             }
             if (!std::isfinite(reading.values[i])) {
                 return Failure{Status::failed, "the solution is not a finite number"};
@@ -166,17 +182,14 @@ private:
         }
 
         void fit(const LoadModelOf& of, const Case& values, const Lines& breaks) {
-            Lines wanted = Kind::lines_of(of.mesh_);
-            for (std::size_t axis = 0; axis < wanted.size(); ++axis) {
-                wanted[axis] = moved_lines(std::move(wanted[axis]), of.breaks_[axis], breaks[axis]);
-            }
+            Lines wanted = of.lines_for(breaks);
             const Load& load = values.loads[of.load_];
             const bool moves = wanted != lines;
             if (moves) {
                 lines = wanted;
                 mesh = Kind::mesh_of(std::move(wanted), bottoms_of(values));
-                auto moved = std::make_unique<fe::Model<Element>>(
-                    fe::make_model(mesh, &of.model_, springs_of(values, of.load_)));
+                auto moved =
+                    std::make_unique<fe::Model<Element>>(fe::make_model(mesh, of.model_, springs_of(values, of.load_)));
                 if (solver == nullptr) {
                     solver = std::make_unique<fe::Solver<Element>>(*moved);
                 } else {
@@ -192,12 +205,59 @@ private:
                 sensors = values.sensors;
                 observations.clear();
                 for (const Sensor& sensor : sensors) {
-                    observations.push_back(sensor.load == of.load_ ? observe(sensor, mesh, *model)
+                    observations.push_back(sensor.load == of.load_ ? observe(sensor, mesh, *model, mesh)
                                                                    : Observation<Element>{});
                 }
             }
         }
     };
+
+    Lines lines_for(const Lines& breaks) const {
+        Lines lines = Kind::lines_of(mesh_);
+        for (std::size_t axis = 0; axis < lines.size(); ++axis) {
+            lines[axis] = moved_lines(std::move(lines[axis]), breaks_[axis], breaks[axis]);
+        }
+        return lines;
+    }
+
+    // How the mesh, the load and the readings move. No system is solved for them.
+    std::pair<fe::Motion<Element>, std::vector<Observation<Element>>> move(const Case& values, const Neighbours& near,
+                                                                           const Own& own) const {
+        fe::Motion<Element> motion;
+        motion.points.resize(model_.points.size());
+        for (auto& point : motion.points) {
+            point.rows.setZero();
+        }
+        motion.vertical_stress.assign(model_.points.size(), 0.0);
+        motion.load = Eigen::VectorXd::Zero(model_.free_unknowns());
+        std::vector<Observation<Element>> rates(values.sensors.size());
+        for (const auto& [weight, there] : near) {
+            const auto mesh = Kind::mesh_of(lines_for(Kind::breaks(there, load_)), bottoms_of(there));
+            const auto model = fe::make_model(mesh, model_);
+            const auto layers = materials_of(there);
+            for (std::size_t q = 0; q < model.points.size(); ++q) {
+                motion.points[q].weight += weight * model.points[q].weight;
+                motion.points[q].rows += weight * model.points[q].rows;
+                const auto layer = static_cast<std::size_t>(model.topology->layer[q / Element::gauss]);
+                motion.vertical_stress[q] += weight * layers[layer].vertical_stress(model.depth[q]);
+            }
+            const Load& load = there.loads[load_];
+            motion.load += weight * load.pressure * load.factor * Kind::unit_load(mesh, model, load);
+            for (std::size_t i = 0; i < values.sensors.size(); ++i) {
+                if (values.sensors[i].load != load_) {
+                    continue;
+                }
+                const auto o = observe(values.sensors[i], mesh, model, own.mesh);
+                for (const auto& [unknown, part] : o.on_displacement) {
+                    rates[i].on_displacement.emplace_back(unknown, weight * part);
+                }
+                for (const auto& [point, part, direction] : o.on_stress) {
+                    rates[i].on_stress.push_back({point, weight * part, direction});
+                }
+            }
+        }
+        return {std::move(motion), std::move(rates)};
+    }
 
     int load_;
     Lines breaks_;
@@ -252,6 +312,14 @@ fe::Springs springs_of(const Case& c, int load) {
         springs.plate_radius = c.loads[load].radius;
     }
     return springs;
+}
+
+std::vector<bool> linear_layers(const Case& c) {
+    std::vector<bool> linear;
+    for (const Layer& layer : c.layers) {
+        linear.push_back(!layer.law->stress_dependent());
+    }
+    return linear;
 }
 
 std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int number) {

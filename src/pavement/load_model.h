@@ -44,6 +44,13 @@ std::vector<fe::LayerMaterial> materials_of(const Case& c);
 // The springs of the model of a load: slipping interfaces from above, then the plate.
 fe::Springs springs_of(const Case& c, int load);
 
+// Of each layer, whether it is linear elastic.
+std::vector<bool> linear_layers(const Case& c);
+
+// Cases of moved geometry near one: the derivative of a function of the case by what moves it is the sum of the
+// function at each, times its weight.
+using Neighbours = std::vector<std::pair<double, Case>>;
+
 class LoadModel {
 public:
     virtual ~LoadModel() = default;
@@ -61,9 +68,11 @@ public:
         Eigen::MatrixXd derivatives; // sensors x variations, SI
         fe::Statistics statistics;
     };
-    // values differ from the nominal case in numbers only.
+    // values differ from the nominal case in numbers only. moving: of each motion of the mesh that a variation is the
+    // number of.
     virtual Outcome<Reading> run(const Case& values, const std::vector<fe::LayerMaterial>& layers,
-                                 const std::vector<fe::Variation>& variations, Workspace& workspace) const = 0;
+                                 const std::vector<fe::Variation>& variations, const std::vector<Neighbours>& moving,
+                                 Workspace& workspace) const = 0;
 };
 
 // The geometry of the nominal case fixes the structure of the mesh; other geometries move its lines. Throws Error when
@@ -82,7 +91,7 @@ template <class Kind>
 Parts<Kind> parts_of(const Case& c, int load) {
     Parts<Kind> parts;
     parts.mesh = Kind::nominal_mesh(c, load);
-    parts.model = fe::make_model(parts.mesh);
+    parts.model = fe::make_model(parts.mesh, linear_layers(c));
     parts.load =
         c.loads[load].pressure * c.loads[load].factor * Kind::unit_load(parts.mesh, parts.model, c.loads[load]);
     parts.layers = materials_of(c);

@@ -14,25 +14,26 @@ int cell_of(const std::vector<double>& lines, double x) {
 }
 
 double local_of(const std::vector<double>& lines, int cell, double x) {
-    return std::clamp(2.0 * (x - lines[cell]) / (lines[cell + 1] - lines[cell]) - 1.0, -1.0, 1.0);
+    return 2.0 * (x - lines[cell]) / (lines[cell + 1] - lines[cell]) - 1.0;
 }
 
 // Lagrange weights on the (at most four) Gauss positions nearest to x among the cells first .. last.
 // Position 2 c + k is the k-th of cell c. even: what is read is even about the first line, so the positions beyond it
-// are those before it (a reading there is not extrapolated).
-std::vector<std::pair<int, double>> interpolation(const std::vector<double>& lines, int first, int last, double x,
-                                                  bool even) {
+// are those before it (a reading there is not extrapolated). chosen: the lines by which the nearest are told.
+std::vector<std::pair<int, double>> interpolation(const std::vector<double>& lines, const std::vector<double>& chosen,
+                                                  int first, int last, double x, bool even) {
     const int begin = 2 * first;
     const int end = 2 * (last + 1);
-    const auto position = [&](int index) {
+    const auto position_on = [&](const std::vector<double>& on, int index) {
         const int inside = index >= begin ? index : 2 * begin - 1 - index;
         const int c = inside / 2;
-        const double half = (lines[c + 1] - lines[c]) / 2.0;
-        const double at = lines[c] + half * (1.0 + (inside % 2 == 0 ? -1.0 : 1.0) * std::numbers::inv_sqrt3);
-        return index >= begin ? at : 2.0 * lines[first] - at;
+        const double half = (on[c + 1] - on[c]) / 2.0;
+        const double at = on[c] + half * (1.0 + (inside % 2 == 0 ? -1.0 : 1.0) * std::numbers::inv_sqrt3);
+        return index >= begin ? at : 2.0 * on[first] - at;
     };
+    const auto position = [&](int index) { return position_on(lines, index); };
     int behind = begin;
-    while (behind < end && position(behind) < x) {
+    while (behind < end && position_on(chosen, behind) < x) {
         ++behind;
     }
     const int lowest = even ? std::max(begin - 2, 2 * begin - end) : begin;
@@ -114,13 +115,14 @@ Observation<Element> strain_or_stress(Observation<Element> o, const Sensor& sens
 
 // The observation of a sensor without shares.
 Observation<fe::AxisymmetricQ8> observe_place(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh,
-                                              const fe::Model<fe::AxisymmetricQ8>& model) {
+                                              const fe::Model<fe::AxisymmetricQ8>& model,
+                                              const mesh::AxisymmetricMesh& chosen) {
     using Element = fe::AxisymmetricQ8;
     const double r = std::hypot(sensor.x, sensor.y);
     Observation<Element> o;
-    const int column = cell_of(mesh.r_lines, r);
+    const int column = cell_of(chosen.r_lines, r);
     const auto add_uz = [&](double z, double factor) {
-        const int row = cell_of(mesh.z_lines, z);
+        const int row = cell_of(chosen.z_lines, z);
         add_down(o, model, column * mesh.z_cells() + row,
                  {local_of(mesh.r_lines, column, r), local_of(mesh.z_lines, row, z)}, factor);
     };
@@ -137,9 +139,9 @@ Observation<fe::AxisymmetricQ8> observe_place(const Sensor& sensor, const mesh::
     default: direction[0] = cos2 - 1.0, direction[1] = -cos2; break;
     }
     static constexpr int gauss_number[2][2] = {{0, 3}, {1, 2}}; // [in r][in z]
-    const auto [top, bottom] = cells_of_layer(mesh.z_lines, mesh.layer.data(), sensor.depth);
-    for (const auto& [i, in_r] : interpolation(mesh.r_lines, 0, mesh.r_cells() - 1, r, true)) {
-        for (const auto& [j, in_z] : interpolation(mesh.z_lines, top, bottom, sensor.depth, false)) {
+    const auto [top, bottom] = cells_of_layer(chosen.z_lines, mesh.layer.data(), sensor.depth);
+    for (const auto& [i, in_r] : interpolation(mesh.r_lines, chosen.r_lines, 0, mesh.r_cells() - 1, r, true)) {
+        for (const auto& [j, in_z] : interpolation(mesh.z_lines, chosen.z_lines, top, bottom, sensor.depth, false)) {
             const int element = i / 2 * mesh.z_cells() + j / 2;
             o.on_stress.push_back({element * Element::gauss + gauss_number[i % 2][j % 2], in_r * in_z, direction});
         }
@@ -148,15 +150,15 @@ Observation<fe::AxisymmetricQ8> observe_place(const Sensor& sensor, const mesh::
 }
 
 Observation<fe::Hex20> observe_place(const Sensor& sensor, const mesh::SolidMesh& mesh,
-                                     const fe::Model<fe::Hex20>& model) {
+                                     const fe::Model<fe::Hex20>& model, const mesh::SolidMesh& chosen) {
     using Element = fe::Hex20;
     const double x = std::abs(sensor.x);
     const double y = std::abs(sensor.y);
     Observation<Element> o;
-    const int i = cell_of(mesh.x_lines, x);
-    const int j = cell_of(mesh.y_lines, y);
+    const int i = cell_of(chosen.x_lines, x);
+    const int j = cell_of(chosen.y_lines, y);
     const auto add_uz = [&](double z, double factor) {
-        const int k = cell_of(mesh.z_lines, z);
+        const int k = cell_of(chosen.z_lines, z);
         add_down(o, model, mesh.element(i, j, k),
                  {local_of(mesh.x_lines, i, x), local_of(mesh.y_lines, j, y), local_of(mesh.z_lines, k, z)}, factor);
     };
@@ -171,10 +173,11 @@ Observation<fe::Hex20> observe_place(const Sensor& sensor, const mesh::SolidMesh
     case Quantity::strain_xx: direction[0] = -1.0; break;
     default: direction[1] = -1.0; break;
     }
-    const auto [top, bottom] = cells_of_layer(mesh.z_lines, mesh.layer.data(), sensor.depth);
-    for (const auto& [a, in_x] : interpolation(mesh.x_lines, 0, mesh.x_cells() - 1, x, true)) {
-        for (const auto& [b, in_y] : interpolation(mesh.y_lines, 0, mesh.y_cells() - 1, y, true)) {
-            for (const auto& [c, in_z] : interpolation(mesh.z_lines, top, bottom, sensor.depth, false)) {
+    const auto [top, bottom] = cells_of_layer(chosen.z_lines, mesh.layer.data(), sensor.depth);
+    for (const auto& [a, in_x] : interpolation(mesh.x_lines, chosen.x_lines, 0, mesh.x_cells() - 1, x, true)) {
+        for (const auto& [b, in_y] : interpolation(mesh.y_lines, chosen.y_lines, 0, mesh.y_cells() - 1, y, true)) {
+            for (const auto& [c, in_z] :
+                 interpolation(mesh.z_lines, chosen.z_lines, top, bottom, sensor.depth, false)) {
                 o.on_stress.push_back(
                     {mesh.element(a / 2, b / 2, c / 2) * Element::gauss + 4 * (a % 2) + 2 * (b % 2) + c % 2,
                      in_x * in_y * in_z, direction});
@@ -185,16 +188,17 @@ Observation<fe::Hex20> observe_place(const Sensor& sensor, const mesh::SolidMesh
 }
 
 template <class Element, class Mesh>
-Observation<Element> observe_shares(const Sensor& sensor, const Mesh& mesh, const fe::Model<Element>& model) {
+Observation<Element> observe_shares(const Sensor& sensor, const Mesh& mesh, const fe::Model<Element>& model,
+                                    const Mesh& chosen) {
     if (sensor.shares.empty()) {
-        return observe_place(sensor, mesh, model);
+        return observe_place(sensor, mesh, model, chosen);
     }
     Observation<Element> sum;
     for (const Sensor::Share& share : sensor.shares) {
         Sensor there = sensor;
         there.x += share.dx;
         there.depth += share.dz;
-        const auto o = observe_place(there, mesh, model);
+        const auto o = observe_place(there, mesh, model, chosen);
         for (const auto& [unknown, weight] : o.on_displacement) {
             sum.on_displacement.emplace_back(unknown, share.weight * weight);
         }
@@ -208,12 +212,14 @@ Observation<Element> observe_shares(const Sensor& sensor, const Mesh& mesh, cons
 } // namespace
 
 Observation<fe::AxisymmetricQ8> observe(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh,
-                                        const fe::Model<fe::AxisymmetricQ8>& model) {
-    return observe_shares(sensor, mesh, model);
+                                        const fe::Model<fe::AxisymmetricQ8>& model,
+                                        const mesh::AxisymmetricMesh& chosen) {
+    return observe_shares(sensor, mesh, model, chosen);
 }
 
-Observation<fe::Hex20> observe(const Sensor& sensor, const mesh::SolidMesh& mesh, const fe::Model<fe::Hex20>& model) {
-    return observe_shares(sensor, mesh, model);
+Observation<fe::Hex20> observe(const Sensor& sensor, const mesh::SolidMesh& mesh, const fe::Model<fe::Hex20>& model,
+                               const mesh::SolidMesh& chosen) {
+    return observe_shares(sensor, mesh, model, chosen);
 }
 
 } // namespace pave::pavement

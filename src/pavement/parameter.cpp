@@ -281,37 +281,67 @@ std::vector<double> numbers_of(Case c, int load) {
     return numbers;
 }
 
+Case without_geometry(Case c) {
+    for (Layer& layer : c.layers) {
+        for (const KeyInfo& key : layer_keys()) {
+            if (key.changes_geometry) {
+                key.of(layer) = 0.0;
+            }
+        }
+    }
+    for (Load& load : c.loads) {
+        for (const KeyInfo& key : load_keys(load.type, load.patch)) {
+            if (key.changes_geometry) {
+                key.of_load(load) = 0.0;
+            }
+        }
+    }
+    return c;
+}
+
+// Whether all that geometry changes of a case without effects is what the solver's motions hold.
+bool is_moved_by_its_mesh(const Case& c, int load) {
+    return !c.loads[load].plate_stiffness && std::none_of(c.layers.begin(), c.layers.end(), [](const Layer& layer) {
+        return layer.compliance || !layer.fields.empty();
+    });
+}
+
+Derivative one_term(const fe::Variation& variation, double factor) {
+    return {.terms = {{variation, factor}}, .gain_rates = {}};
+}
+
 // The derivative by a parameter of a case without effects.
 std::optional<Derivative> direct_derivative(const Case& c, const Parameter& parameter, int load) {
-    const auto one = [](fe::Variation variation, double factor) {
-        return Derivative{.terms = {{std::move(variation), factor}}, .gain_rates = {}};
-    };
+    if (parameter.in_load && parameter.owner != load) {
+        return Derivative{};
+    }
     if (parameter.changes_geometry()) {
-        return std::nullopt;
+        return is_moved_by_its_mesh(c, load) ? std::optional(one_term({.kind = Kind::motion}, 1.0)) : std::nullopt;
     }
     if (parameter.in_load) { // the pressure of a plate: a factor on its load
-        return parameter.owner == load ? one({.kind = Kind::load_factor}, 1.0 / parameter.get(c)) : Derivative{};
+        return one_term({.kind = Kind::load_factor}, 1.0 / parameter.get(c));
     }
     if (parameter.law_index) {
-        return one({.kind = Kind::law_parameter, .layer = parameter.owner, .index = *parameter.law_index},
-                   parameter.to_si);
+        return one_term({.kind = Kind::law_parameter, .layer = parameter.owner, .index = *parameter.law_index},
+                        parameter.to_si);
     }
     const std::string_view key = parameter.key->key;
     if (key == "density_kg_m3") {
-        return one({.kind = Kind::unit_weight, .layer = parameter.owner}, unit::gravity);
+        return one_term({.kind = Kind::unit_weight, .layer = parameter.owner}, unit::gravity);
     }
-    return one({.kind = key == "k0" ? Kind::k0 : Kind::residual_stress, .layer = parameter.owner}, parameter.to_si);
+    return one_term({.kind = key == "k0" ? Kind::k0 : Kind::residual_stress, .layer = parameter.owner},
+                    parameter.to_si);
 }
 
 } // namespace
 
 std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter, int load) {
-    if (std::none_of(c.effects.begin(), c.effects.end(), [](const AppliedEffect& e) { return is_active(e); })) {
-        return direct_derivative(c, parameter, load);
-    }
     Case here = with_effects(c, load);
     if (here.loads[load].inertia) {
         return std::nullopt;
+    }
+    if (std::none_of(c.effects.begin(), c.effects.end(), [](const AppliedEffect& e) { return is_active(e); })) {
+        return direct_derivative(c, parameter, load);
     }
     const double value = parameter.get(c);
     const double scale = parameter.in_effect ? parameter.high - parameter.low : std::abs(value);
@@ -322,7 +352,9 @@ std::optional<Derivative> exact_derivative(const Case& c, const Parameter& param
         return with_effects(moved, load);
     };
     const std::array<Case, 4> moved{at(-2), at(-1), at(1), at(2)};
-    if (rest_of(moved[0], load) != rest_of(moved[3], load)) {
+    const bool moves = rest_of(moved[0], load) != rest_of(moved[3], load);
+    if (moves && !(parameter.changes_geometry() && is_moved_by_its_mesh(here, load) &&
+                   rest_of(without_geometry(moved[0]), load) == rest_of(without_geometry(moved[3]), load))) {
         return std::nullopt;
     }
     std::array<std::vector<double>, 4> numbers;
@@ -342,6 +374,12 @@ std::optional<Derivative> exact_derivative(const Case& c, const Parameter& param
     });
     for (; i < numbers[0].size(); ++i) {
         derivative.gain_rates.push_back(slope(i));
+    }
+    if (moves) {
+        if (!derivative.terms.empty()) {
+            return std::nullopt;
+        }
+        derivative.terms.push_back({{.kind = Kind::motion}, 1.0});
     }
     return derivative;
 }

@@ -135,14 +135,14 @@ fe::Model<Element> regular_model(int cells) {
         r.push_back(radius * i / cells);
         z.push_back(depth * i / cells);
     }
-    return fe::make_model(mesh::axisymmetric_mesh(r, z, {depth}));
+    return fe::make_model(mesh::axisymmetric_mesh(r, z, {depth}), {true});
 }
 
 } // namespace
 
 TEST(PatchTest, ConstantStrainIsInEquilibriumOnAnIrregularMesh) {
     const auto model =
-        fe::make_model(mesh::axisymmetric_mesh(irregular_lines(2.0, 7, 0), irregular_lines(1.0, 6, 1), {1.0}));
+        fe::make_model(mesh::axisymmetric_mesh(irregular_lines(2.0, 7, 0), irregular_lines(1.0, 6, 1), {1.0}), {true});
     // u_r = a r, u_z = b z: on the nodes; internal forces vanish at every node that touches no boundary.
     const double a = 3e-4, b = -7e-4;
     mechanics::CrossAnisotropy solid{
@@ -190,7 +190,7 @@ TEST(PatchTest, ConfinedCompressionOfTwoLayersIsExact) {
     }
     lines.back() = 1.0;
     const auto mesh = mesh::axisymmetric_mesh(irregular_lines(1.0, 5, 4), lines, {0.3, 1.0});
-    const auto model = fe::make_model(mesh);
+    const auto model = fe::make_model(mesh, {true, true});
     const auto stress_at = [&](int, double, double) { return Element::Stress(0.0, 0.0, -p, 0.0); };
     // Virtual work of sigma_zz = -p alone loads the surface (and the held floor).
     const Eigen::VectorXd load = load_of(model, stress_at);
@@ -233,7 +233,7 @@ TEST(LoadPath, OfConfinedCompressionIsTheIntegralOfTheModulusOverTheLoad) {
         exact +=
             (b - a) / 6.0 * (1.0 / modulus_at(a) + 4.0 / modulus_at((a + b) / 2.0) + 1.0 / modulus_at(b)) / c(2, 2);
     }
-    const auto model = fe::make_model(mesh::axisymmetric_mesh({0.0, 0.5, 1.0}, {0.0, 0.5, 1.0}, {1.0}));
+    const auto model = fe::make_model(mesh::axisymmetric_mesh({0.0, 0.5, 1.0}, {0.0, 0.5, 1.0}, {1.0}), {false});
     const auto load = load_of(model, [&](int, double, double) { return Element::Stress(0.0, 0.0, -p, 0.0); });
     fe::Solver<Element> solver(model);
     double last = 1.0;

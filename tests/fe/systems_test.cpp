@@ -65,11 +65,11 @@ TEST(SymmetricSystem, SolvesAnyNumberOfColumnsWithAFactorOfAnotherMatrix) {
     const Springs first = springs(n, 0);
     const Springs second = springs(n, 1);
     ASSERT_EQ(first.lower.row, second.lower.row);
-    const fe::CholeskyAnalysis analysis(first.lower);
-    for (const fe::Route route : {fe::Route::direct, fe::Route::iterative}) {
-        fe::SymmetricSystem system(first.lower, analysis, route);
+    const std::vector<bool> constant(n, true);
+    const fe::CholeskyAnalysis analysis(first.lower, constant, false);
+    const auto check = [&](auto system, bool constants_hold) {
         for (const int columns : {1, 2, 3, 4, 5, 8, 9, 13}) {
-            system.begin(1e-12);
+            system.begin(1e-12, constants_hold);
             ASSERT_TRUE(system.set_matrix(first.values));
             Eigen::MatrixXd near = random_matrix(n, columns, 2);
             ASSERT_TRUE(system.solve(near, {}));
@@ -83,15 +83,57 @@ TEST(SymmetricSystem, SolvesAnyNumberOfColumnsWithAFactorOfAnotherMatrix) {
                 EXPECT_LT((x - exact).col(c).norm(), 1e-8 * exact.col(c).norm()) << columns << " columns, column " << c;
             }
         }
+    };
+    check(fe::SymmetricSystem<float>(first.lower, analysis), false);
+    check(fe::SymmetricSystem<double>(first.lower, analysis), false); // no column is constant after all
+}
+
+TEST(SymmetricSystem, KeepsWhatTheConstantColumnsLeave) {
+    // The second matrix differs in the springs between the unknowns from 180 on only.
+    const int n = 300;
+    const int first_changing = 180;
+    const Springs first = springs(n, 0);
+    Springs second = springs(n, 0);
+    for (int j = first_changing; j < n; ++j) {
+        for (int k = first.lower.column_start[j]; k < first.lower.column_start[j + 1]; ++k) {
+            second.values[k] *= 3.0 + j % 5;
+            const int i = first.lower.row[k];
+            second.dense(i, j) = second.dense(j, i) = second.values[k];
+        }
+    }
+    for (int i = first_changing; i < n; ++i) { // stay definite
+        second.values[first.lower.column_start[i]] *= 4.0;
+        second.dense(i, i) *= 4.0;
+    }
+    std::vector<bool> constant(n, false);
+    std::fill_n(constant.begin(), first_changing, true);
+    const Eigen::VectorXd b = random_matrix(n, 1, 3);
+    const Eigen::VectorXd exact = second.dense.llt().solve(b);
+    for (const bool constant_first : {false, true}) {
+        const fe::CholeskyAnalysis analysis(first.lower, constant, constant_first);
+        std::size_t kept = 0;
+        for (const auto& node : analysis.structure().supernodes) {
+            kept += node.is_constant ? 1 : 0;
+        }
+        EXPECT_GT(kept, 0U);
+        fe::SymmetricSystem<double> system(first.lower, analysis);
+        system.begin(1e-12, true);
+        ASSERT_TRUE(system.set_matrix(first.values));
+        ASSERT_TRUE(system.set_matrix(second.values));
+        Eigen::MatrixXd x = b;
+        ASSERT_TRUE(system.solve(x, {}));
+        EXPECT_LT((x - exact).norm(), 1e-10 * exact.norm());
+        EXPECT_EQ(system.factorizations(), 2);
     }
 }
 
 TEST(SymmetricSystem, StartsFromTheAnswerWhenAGuessHoldsIt) {
     const int n = 200;
     const Springs s = springs(n, 4);
-    const fe::CholeskyAnalysis analysis(s.lower);
-    fe::SymmetricSystem system(s.lower, analysis, fe::Route::iterative);
-    system.begin(1e-9);
+    const fe::CholeskyAnalysis analysis(s.lower, std::vector<bool>(s.lower.size, false), false);
+    fe::SymmetricSystem<float> system(s.lower, analysis);
+    system.begin(1e-9, false);
+    ASSERT_TRUE(system.set_matrix(springs(n, 7).values)); // the factor is of another matrix
     ASSERT_TRUE(system.set_matrix(s.values));
     const Eigen::MatrixXd b = random_matrix(n, 3, 5);
     const Eigen::MatrixXd exact = s.dense.llt().solve(b);
@@ -105,9 +147,9 @@ TEST(SymmetricSystem, StartsFromTheAnswerWhenAGuessHoldsIt) {
 
 TEST(SymmetricSystem, SaysWhenAMatrixIsNotPositiveDefinite) {
     Springs s = springs(50, 8);
-    const fe::CholeskyAnalysis analysis(s.lower);
-    fe::SymmetricSystem system(s.lower, analysis, fe::Route::iterative);
-    system.begin(1e-9);
+    const fe::CholeskyAnalysis analysis(s.lower, std::vector<bool>(s.lower.size, false), false);
+    fe::SymmetricSystem<float> system(s.lower, analysis);
+    system.begin(1e-9, false);
     ASSERT_TRUE(system.set_matrix(s.values));
     std::vector<double> negative = s.values;
     for (double& v : negative) {
@@ -116,7 +158,7 @@ TEST(SymmetricSystem, SaysWhenAMatrixIsNotPositiveDefinite) {
     ASSERT_TRUE(system.set_matrix(negative)); // not known yet: the factor of the one before serves
     Eigen::MatrixXd x = random_matrix(50, 1, 9);
     EXPECT_FALSE(system.solve(x, {}));
-    system.begin(1e-9);
+    system.begin(1e-9, false);
     EXPECT_FALSE(system.set_matrix(negative));
 }
 
@@ -161,7 +203,7 @@ TEST(Hex20, HoldsAUniformStateExactly) {
     const double exact[] = {0.1 * strain(1000e6, 0.3) + 0.5 * strain(50e6, 0.4), strain(1000e6, 0.3), strain(50e6, 0.4),
                             500e3 * 0.4 / 0.6};
     for (std::size_t i = 0; i < c.sensors.size(); ++i) {
-        const auto o = observe(c.sensors[i], parts.mesh, parts.model);
+        const auto o = observe(c.sensors[i], parts.mesh, parts.model, parts.mesh);
         const double value =
             o.on_stress.empty() ? o.of_displacement(solved->displacement.data()) : o.of_stress(solved->stress, 1, 0);
         EXPECT_NEAR(value / exact[i], 1.0, 1e-9) << i;

@@ -166,8 +166,9 @@ TEST_P(EveryEffect, HasTheDerivativeOfCentralDifferences) {
     const ForwardModel model(c);
     const auto workspace = model.make_workspace();
     std::vector<Parameter> parameters;
-    for (const std::string& path : {std::string(e.name) + ".size", std::string("base.k1"),
-                                    std::string("subgrade.modulus_MPa"), std::string("asphalt.poisson")}) {
+    for (const std::string& path :
+         {std::string(e.name) + ".size", std::string("base.k1"), std::string("subgrade.modulus_MPa"),
+          std::string("asphalt.poisson"), std::string("base.thickness_mm"), std::string("fwd.radius_mm")}) {
         parameters.push_back(find_parameter(c, path, {}));
     }
     const auto exact = model.run(c, parameters, *workspace);
@@ -445,7 +446,7 @@ TEST(Inertia, OfAColumnIsTheSumOfItsModes) {
     const auto solved = solver.incremental(parts.layers, parts.load, {}, {});
     ASSERT_TRUE(solved);
     fe::Functional top;
-    const auto o = observe(c.sensors[0], parts.mesh, parts.model);
+    const auto o = observe(c.sensors[0], parts.mesh, parts.model, parts.mesh);
     top = o.on_displacement;
     for (const double duration : {0.03, 0.06, 0.3}) {
         const auto excess = solver.inertial_excess(
@@ -530,4 +531,23 @@ TEST(Effects, RefuseWhatTheyCannotActOn) {
     Case linear = three_layers();
     EXPECT_NE(why_impossible(linear, {.effect = find_effect("anisotropy-distribution")}), "");
     EXPECT_NE(why_impossible(linear, {.effect = find_effect("base-tension")}), "");
+}
+
+// A motion of the mesh holds neither springs nor fields, and inertia has no derivative.
+TEST(Effects, LeaveGeometryToAMotionOfTheMeshWhereItHoldsAll) {
+    const auto is_exact = [](const Case& c, std::string_view path) {
+        return exact_derivative(c, find_parameter(c, path, {}), 0).has_value();
+    };
+    const Case& plain = shared_axisymmetric_case();
+    for (const std::string_view path : {"base.thickness_mm", "subgrade.thickness_mm", "fwd.radius_mm"}) {
+        EXPECT_TRUE(is_exact(plain, path)) << path;
+        for (const std::string_view name : {"weak-subgrade-top", "load-magnitude", "contact-pressure-shape",
+                                            "base-thickness", "gauge-length", "sensor-gain", "shear-ratio"}) {
+            EXPECT_TRUE(is_exact(with(plain, name, find_effect(name)->typical), path)) << name << " " << path;
+        }
+        for (const std::string_view name : {"anisotropy-distribution", "subgrade-depth-gradient", "plate-rigidity",
+                                            "interface-slip-base-subgrade", "inertia"}) {
+            EXPECT_FALSE(is_exact(with(plain, name, find_effect(name)->typical), path)) << name << " " << path;
+        }
+    }
 }

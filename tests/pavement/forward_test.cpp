@@ -8,22 +8,26 @@ using namespace test;
 
 namespace {
 
-const std::vector<std::string> every_smooth_parameter{"base.k1",
-                                                      "base.k2",
-                                                      "base.k3",
-                                                      "base.n",
-                                                      "base.poisson_12",
-                                                      "base.poisson_31",
-                                                      "base.tension_smoothing_kPa",
-                                                      "base.residual_stress_kPa",
-                                                      "base.k0",
-                                                      "base.density_kg_m3",
-                                                      "asphalt.modulus_MPa",
-                                                      "asphalt.poisson",
-                                                      "asphalt.density_kg_m3",
-                                                      "subgrade.modulus_MPa",
-                                                      "subgrade.poisson",
-                                                      "fwd.pressure_kPa"};
+const std::vector<std::string> every_parameter{"base.k1",
+                                               "base.k2",
+                                               "base.k3",
+                                               "base.n",
+                                               "base.poisson_12",
+                                               "base.poisson_31",
+                                               "base.tension_smoothing_kPa",
+                                               "base.residual_stress_kPa",
+                                               "base.k0",
+                                               "base.density_kg_m3",
+                                               "base.thickness_mm",
+                                               "asphalt.thickness_mm",
+                                               "asphalt.modulus_MPa",
+                                               "asphalt.poisson",
+                                               "asphalt.density_kg_m3",
+                                               "subgrade.modulus_MPa",
+                                               "subgrade.poisson",
+                                               "subgrade.thickness_mm",
+                                               "fwd.pressure_kPa",
+                                               "fwd.radius_mm"};
 
 Case random_case(std::uint64_t stream, Integration integration) {
     const RandomStream random(41, stream);
@@ -35,23 +39,25 @@ Case random_case(std::uint64_t stream, Integration integration) {
            .eta = integration == Integration::secant ? 1.0 : 0.2,
            .residual_stress = 5e3 + 20e3 * random.uniform(5)};
     Case c = captif(1500 + 3000 * random.uniform(6), 30 + 60 * random.uniform(7), u, integration);
-    c.sensors.push_back({0, Quantity::stress_zz, 0.0, 0.0, 0.2, 0.0}); // in the base
-    c.sensors.push_back({0, Quantity::stress_zz, 0.0, 0.0, 0.5, 0.0}); // in the subgrade
-    c.sensors.push_back({0, Quantity::strain_xx, 0.1, 0.1, 0.03, 0.0});
-    c.settings.refine = 0.5; // the derivative is that of the discrete model, whatever its mesh
+    c.sensors.push_back({0, Quantity::stress_zz, 0.0, 0.0, 0.2, 0.0});   // in the base
+    c.sensors.push_back({0, Quantity::stress_zz, 0.0, 0.0, 0.5, 0.0});   // in the subgrade
+    c.sensors.push_back({0, Quantity::strain_xx, 0.1, 0.1, 0.028, 0.0}); // not on the interface: a jump
+    c.settings.refine = 0.35; // the derivative is that of the discrete model, whatever its mesh
+    c.settings.solver.equilibrium_tolerance = 1e-12;
     return c;
 }
 
-// The same section under a dual wheel, on a coarse mesh with its linear systems solved to rounding.
+// The same section under a dual wheel, on a coarse mesh with its linear systems solved to rounding. No sensor lies on a
+// line of the mesh: a reading there has a kink when the line moves.
 Case random_dual_case(std::uint64_t stream, Integration integration) {
     Case c = random_case(stream, integration);
     c.loads = {dual_wheel()};
-    c.sensors = {deflection(0.17),
+    c.sensors = {deflection(0.15),
                  deflection(0.0),
-                 strain_zz(0.1875, 0.075, 0.17),
-                 strain_zz(0.4125, 0.075, 0.17),
-                 {0, Quantity::stress_zz, 0.17, 0.0, 0.2, 0.0},
-                 {0, Quantity::strain_yy, 0.0, 0.1, 0.03, 0.0}};
+                 strain_zz(0.1875, 0.075, 0.15),
+                 strain_zz(0.4125, 0.075, 0.15),
+                 {0, Quantity::stress_zz, 0.15, 0.0, 0.2, 0.0},
+                 {0, Quantity::strain_yy, 0.0, 0.1, 0.028, 0.0}};
     c.settings.extent = 2.0;
     c.settings.refine = 0.4;
     c.settings.solver.linear_tolerance = 1e-12;
@@ -89,7 +95,11 @@ void check_jacobian(Case (*make)(std::uint64_t, Integration), Integration integr
                 Case moved = c;
                 parameters[p].in(moved) = (value + offset * h) * parameters[p].to_si;
                 const auto there = model.run(moved, {}, *workspace);
-                ASSERT_TRUE(there);
+                if (!there) { // beyond a fold
+                    ASSERT_EQ(there.status(), Status::no_equilibrium);
+                    same_path = false;
+                    break;
+                }
                 same_path = same_path && there->statistics.load_steps == exact->statistics.load_steps &&
                             there->statistics.rejected_steps == exact->statistics.rejected_steps;
                 for (std::size_t i = 0; i < numeric.size(); ++i) {
@@ -120,38 +130,35 @@ void check_jacobian(Case (*make)(std::uint64_t, Integration), Integration integr
 } // namespace
 
 TEST(Jacobian, OfTheLoadPathAgreesWithCentralDifferences) {
-    check_jacobian(random_case, Integration::incremental, 10, every_smooth_parameter);
+    check_jacobian(random_case, Integration::incremental, 50, every_parameter);
 }
 
 TEST(Jacobian, OfTheSecantEquilibriumAgreesWithCentralDifferences) {
-    check_jacobian(random_case, Integration::secant, 10, every_smooth_parameter);
+    check_jacobian(random_case, Integration::secant, 50, every_parameter);
 }
 
 TEST(Jacobian, OfTheLoadPathInThreeDimensionsAgreesWithCentralDifferences) {
     check_jacobian(random_dual_case, Integration::incremental, 2,
-                   {"base.k1", "base.k2", "base.n", "base.residual_stress_kPa", "subgrade.modulus_MPa"});
+                   {"base.k1", "base.k2", "base.n", "base.residual_stress_kPa", "subgrade.modulus_MPa",
+                    "base.thickness_mm", "dual.patch_width_mm", "dual.spacing_mm", "dual.pressure_kPa"});
 }
 
 TEST(Jacobian, OfTheSecantEquilibriumInThreeDimensionsAgreesWithCentralDifferences) {
     check_jacobian(random_dual_case, Integration::secant, 2,
-                   {"base.k1", "base.k3", "base.n", "base.poisson_31", "subgrade.poisson"});
+                   {"base.k1", "base.k3", "base.n", "base.poisson_31", "subgrade.poisson", "base.thickness_mm",
+                    "dual.spacing_mm", "dual.force_kN"});
 }
 
-TEST(Jacobian, OfThicknessAndPlateRadiusIsThatOfAMovedMesh) {
+TEST(Jacobian, KeepsItsColumnsWhateverStandsBesideThem) {
     const Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4});
     const auto response = run(c, {"base.thickness_mm", "base.k1", "fwd.radius_mm"});
     ASSERT_TRUE(response);
-    // A thicker base and a smaller plate (at its pressure) deflect less; k1 in between keeps its place.
+    // A thicker base and a smaller plate (at its pressure) deflect less.
     EXPECT_LT(response->jacobian(0, 0), 0.0);
     EXPECT_GT(response->jacobian(0, 2), 0.0);
     const auto k1_alone = run(c, {"base.k1"});
-    EXPECT_EQ(response->jacobian(0, 1), k1_alone->jacobian(0, 0));
-    Case thicker = c;
-    thicker.layers[1].thickness += 0.005;
-    const ForwardModel model(c);
-    const auto moved = model.run(thicker, {}, *model.make_workspace());
-    EXPECT_NEAR((moved->values[0] - response->values[0]) / 5.0, response->jacobian(0, 0),
-                0.03 * std::abs(response->jacobian(0, 0)));
+    const auto exact = k1_alone->jacobian(0, 0);
+    EXPECT_NEAR(response->jacobian(0, 1), exact, 1e-12 * std::abs(exact));
 }
 
 TEST(ForwardRun, GivesTheSameBitsWhateverTheWorkspaceDidBefore) {

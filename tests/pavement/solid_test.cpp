@@ -23,7 +23,7 @@ std::vector<double> solid_readings(const Case& c) {
     EXPECT_TRUE(solved);
     std::vector<double> values;
     for (const Sensor& sensor : c.sensors) {
-        const auto o = observe(sensor, parts.mesh, parts.model);
+        const auto o = observe(sensor, parts.mesh, parts.model, parts.mesh);
         values.push_back(o.on_stress.empty() ? o.of_displacement(solved->displacement.data())
                                              : o.of_stress(solved->stress, 1, 0));
     }

@@ -1,0 +1,103 @@
+// Sparse Cholesky factors of matrices of one pattern, by dense blocks.
+#pragma once
+
+#include <Eigen/Dense>
+#include <span>
+#include <vector>
+
+namespace pave::fe {
+
+// Lower triangle (or full matrix) of a square sparse matrix by columns, rows sorted.
+struct Pattern {
+    int size = 0;
+    std::vector<int> column_start; // size + 1
+    std::vector<int> row;
+};
+
+// Right-hand sides side by side: C of them to a row, so that one pass over a matrix serves all.
+template <int C>
+using Block = Eigen::Matrix<double, Eigen::Dynamic, C, C == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+
+// Where everything of the factor L of P K P^T = L L^T lies. Immutable, one for all factors of a pattern.
+struct FactorStructure {
+    // Columns that share the rows below them. They are eliminated together, in a dense front whose rows are the columns
+    // of the supernode and then the rows below; what is left of the front is added to that of the parent.
+    struct Supernode {
+        int first_column = 0;
+        int columns = 0;
+        int rows_below = 0;
+        bool is_constant = false; // so are all below it in the tree
+        int parent = -1;
+        int first_child = -1;
+        int next_sibling = -1;
+        std::size_t row_start = 0;   // into rows: the columns, then the rows below
+        std::size_t entry_start = 0; // into entry_value and entry_place; those of the next one end them
+        std::size_t first_panel = 0;
+        std::size_t kept_start = 0; // into what is kept of constant fronts with a parent that is not
+        int front_rows() const { return columns + rows_below; }
+    };
+    // A few columns of a supernode, as they are stored.
+    struct Panel {
+        int first_column = 0;
+        int columns = 0;
+        int rows_below = 0;
+        std::size_t row_start = 0; // into rows: the rows below
+        std::size_t start = 0;     // into the values: inverse of the diagonal block, then the block below; by columns
+    };
+
+    FactorStructure() = default;
+    // The order of elimination (row i of P K P^T is row order[i] of K), the first column of every supernode and one
+    // past the last, and the rows of each, its own columns first. Children come before their parent, and next to each
+    // other. constant: of each unknown, whether its column of K stays the same along a sequence of matrices.
+    FactorStructure(const Pattern& lower, std::vector<int> order, const std::vector<int>& first_columns,
+                    const std::vector<std::vector<int>>& rows_of, const std::vector<bool>& constant);
+
+    std::vector<int> permutation;
+    std::vector<Supernode> supernodes; // and one more, which only ends the last one's entries and panels
+    std::vector<Panel> panels;
+    std::vector<int> rows;
+    std::vector<int> entry_value; // number of an entry of K, and its place in the front of its supernode
+    std::vector<int> entry_place;
+    std::vector<int> place_in_parent; // of every row below, at its place in rows: its row in the parent's front
+    std::size_t values = 0;           // numbers in the factor
+    std::size_t largest_front = 0;    // numbers
+    std::size_t largest_stack = 0;    // numbers of the fronts that wait for their parents
+    std::size_t kept = 0;             // numbers of the constant fronts that are kept
+};
+
+// Multifrontal elimination (Duff and Reid 1983). Scalar: double, or float for a preconditioner: half the memory to pass
+// over, twice the speed to make.
+template <class Scalar>
+class SupernodalFactor {
+public:
+    // Both must outlive the object.
+    SupernodalFactor(const Pattern& lower, const FactorStructure& structure) : lower_(lower), structure_(structure) {}
+
+    // Of a matrix with one value for each entry of the pattern. first: of a sequence; the matrices that follow have
+    // the same constant columns. In single precision a matrix that is definite by less than that can tell is made so
+    // by a small multiple of its diagonal. False where the matrix is found not to be positive definite.
+    bool factorize(std::span<const double> values, bool first);
+
+    // z := (L L^T)^-1 z in the order of K. C: 1, 4 or 8.
+    template <int C>
+    void solve(Block<C>& z);
+
+private:
+    using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+    bool eliminate(std::span<const double> values, bool constant, Scalar shift);
+    bool eliminate_front(const FactorStructure::Supernode& node);
+    void store_panels(const FactorStructure::Supernode& node);
+
+    const Pattern& lower_;
+    const FactorStructure& structure_;
+    std::vector<Scalar> values_;
+    std::vector<Scalar> front_;
+    std::vector<Scalar> stack_;
+    std::vector<Scalar> kept_;
+    std::vector<Scalar> x_;   // permuted right-hand sides
+    std::vector<Scalar> t_;   // of the rows below one panel
+    std::vector<Scalar> sum_; // of the columns of one panel
+};
+
+} // namespace pave::fe

@@ -1,0 +1,134 @@
+// What a forward run and its derivatives cost beside one sparse Cholesky factorisation of the same matrix by CHOLMOD.
+// A plane case and a solid one; five derivatives: of four numbers of the base and the modulus of the subgrade.
+// usage: benchmarks [OPTIONS OF GOOGLE BENCHMARK], from the top of the repository
+#include "run/blas.h"
+#include "study/study.h"
+
+#include <benchmark/benchmark.h>
+#include <cholmod.h>
+#include <dlfcn.h>
+
+namespace {
+
+using namespace pave;
+
+// CHOLMOD asks OpenMP for four threads in every supernode; here everything is measured on one.
+void keep_openmp_serial() {
+    const auto set_levels = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
+    if (set_levels != nullptr) {
+        set_levels(0);
+    }
+}
+
+// The stiffness matrix of the whole section at its initial stress, lower triangle.
+template <class Kind>
+std::vector<double> matrix_of(const pavement::Parts<Kind>& parts) {
+    using Element = typename Kind::Element;
+    const auto& topology = *parts.model.topology;
+    std::vector<double> values(topology.lower.row.size(), 0.0);
+    for (int e = 0; e < parts.model.elements(); ++e) {
+        const auto& layer = parts.layers[static_cast<std::size_t>(topology.layer[e])];
+        const mechanics::Stiffness<Element::voigt> unit =
+            layer.law->unit_stiffness(layer.parameters).template topLeftCorner<Element::voigt, Element::voigt>();
+        Eigen::Matrix<double, Element::dofs, Element::dofs> k =
+            Eigen::Matrix<double, Element::dofs, Element::dofs>::Zero();
+        for (int g = 0; g < Element::gauss; ++g) {
+            const int q = e * Element::gauss + g;
+            const auto at = mechanics::invariants<Element::voigt>(
+                layer.template initial_stress<Element::voigt>(parts.model.depth[q]));
+            const auto b = Element::strain_operator(parts.model.points[q]);
+            const typename Element::Operator db =
+                layer.law->modulus(layer.parameters, at).value * parts.model.points[q].weight * (unit * b);
+            k += b.transpose() * db;
+        }
+        int entry = 0;
+        for (int i = 0; i < Element::dofs; ++i) {
+            for (int j = 0; j <= i; ++j, ++entry) {
+                if (const int place = topology.scatter[e][entry]; place >= 0) {
+                    values[place] += k(i, j);
+                }
+            }
+        }
+    }
+    return values;
+}
+
+template <class Kind>
+void factorisation(benchmark::State& state, const std::string& file) {
+    const auto study = explore::study::load_study(file);
+    const auto parts = pavement::parts_of<Kind>(study.model, 0);
+    auto values = matrix_of(parts);
+    auto pattern = parts.model.topology->lower;
+    cholmod_common common{};
+    cholmod_start(&common);
+    common.supernodal = CHOLMOD_SUPERNODAL;
+    cholmod_sparse matrix{};
+    matrix.nrow = matrix.ncol = static_cast<std::size_t>(pattern.size);
+    matrix.nzmax = pattern.row.size();
+    matrix.p = pattern.column_start.data();
+    matrix.i = pattern.row.data();
+    matrix.x = values.data();
+    matrix.stype = -1;
+    matrix.itype = CHOLMOD_INT;
+    matrix.xtype = CHOLMOD_REAL;
+    matrix.sorted = matrix.packed = 1;
+    cholmod_factor* factor = cholmod_analyze(&matrix, &common);
+    for (auto _ : state) {
+        cholmod_factorize(&matrix, factor, &common);
+    }
+    if (factor->minor != factor->n) {
+        state.SkipWithError("the matrix is not positive definite");
+    }
+    state.counters["unknowns"] = pattern.size;
+    cholmod_free_factor(&factor, &common);
+    cholmod_finish(&common);
+}
+
+void forward(benchmark::State& state, const std::string& file, const std::vector<std::string>& by) {
+    const auto study = explore::study::load_study(file);
+    const pavement::ForwardModel model(study.model);
+    std::vector<pavement::Parameter> parameters;
+    for (const std::string& path : by) {
+        parameters.push_back(pavement::find_parameter(study.model, path, {}));
+    }
+    const auto workspace = model.make_workspace();
+    fe::Statistics statistics;
+    for (auto _ : state) {
+        const auto outcome = model.run(study.model, parameters, *workspace);
+        if (!outcome) {
+            state.SkipWithError(outcome.failure().reason.c_str());
+            return;
+        }
+        statistics = outcome->statistics;
+    }
+    state.counters["load_steps"] = statistics.load_steps;
+    state.counters["factorizations"] = statistics.factorizations;
+    state.counters["iterations"] = statistics.iterations;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    explore::run::prepare_blas();
+    keep_openmp_serial();
+    const std::string plane = "grids/captif-p1-fwd.toml";
+    const std::string solid = "grids/dual-nonlinear.toml";
+    const std::vector<std::string> five{"base.k1", "base.k2", "base.k3", "base.n", "subgrade.modulus_MPa"};
+    const auto add = [](const std::string& name, const auto& action) {
+        benchmark::RegisterBenchmark(name.c_str(), action)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+    };
+    add("plane/factorisation", [&](auto& state) { factorisation<pavement::Axisymmetric>(state, plane); });
+    add("plane/forward", [&](auto& state) { forward(state, plane, {}); });
+    add("plane/jacobian", [&](auto& state) { forward(state, plane, five); });
+    add("plane/geometry", [&](auto& state) { forward(state, plane, {"base.thickness_mm", "fwd.radius_mm"}); });
+    add("solid/factorisation", [&](auto& state) { factorisation<pavement::Solid>(state, solid); });
+    add("solid/forward", [&](auto& state) { forward(state, solid, {}); });
+    add("solid/jacobian", [&](auto& state) { forward(state, solid, five); });
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
+        return 2;
+    }
+    benchmark::RunSpecifiedBenchmarks();
+    benchmark::Shutdown();
+    return 0;
+}

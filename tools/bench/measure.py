@@ -1,0 +1,215 @@
+"""Runs the benchmarks of a build and writes their tables into docs/performance.md. Called by tools/bench/run.
+
+Every figure is a median over rounds in which each thing is measured once, in turn, so that ratios hold where the machine
+drifts. Work of one thread is measured in CPU seconds, which other programs on the machine disturb least.
+"""
+import csv
+import io
+import json
+import os
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+PLANE = "grids/captif-p1-fwd.toml"
+SOLID = "grids/dual-nonlinear.toml"
+DOCUMENT = "docs/performance.md"
+STARTS = 32
+
+
+class Process:
+    """One run of a command: CPU and wall seconds, peak memory [MB], standard output."""
+
+    def __init__(self, *command, cwd=None):
+        begin = time.monotonic()
+        with tempfile.TemporaryFile("w+") as out:
+            child = subprocess.Popen(command, stdout=out, stderr=subprocess.DEVNULL, cwd=cwd,
+                                     env=dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1"))
+            _, status, usage = os.wait4(child.pid, 0)
+            child.returncode = os.waitstatus_to_exitcode(status)
+            self.wall = time.monotonic() - begin
+            out.seek(0)
+            self.out = out.read()
+        if child.returncode != 0:
+            sys.exit(f"{' '.join(command)}: exit status {child.returncode}")
+        self.cpu = usage.ru_utime + usage.ru_stime
+        self.memory = usage.ru_maxrss / 1024.0
+
+
+def median(values):
+    return statistics.median(values)
+
+
+def table(header, rows):
+    lines = ["| " + " | ".join(header) + " |", "|---" + "|---:" * (len(header) - 1) + "|"]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
+
+
+def inside(build, rounds):
+    """The Google Benchmark program: medians of CPU milliseconds and the counters."""
+    out = Process(f"{build}/tools/bench/benchmarks", "--benchmark_format=json", f"--benchmark_repetitions={rounds}",
+                  "--benchmark_enable_random_interleaving=true", "--benchmark_min_time=0.2").out
+    times, counters = {}, {}
+    for run in json.loads(out)["benchmarks"]:
+        name = run["run_name"].removesuffix("/process_time")
+        if run["run_type"] == "iteration":
+            times.setdefault(name, []).append(run["cpu_time"])
+            counters[name] = run
+    return {name: median(values) for name, values in times.items()}, counters
+
+
+def inside_table(build, rounds):
+    ms, counters = inside(build, rounds)
+    rows = []
+    for kind, title in (("plane", "axisymmetric"), ("solid", "3D")):
+        unit = ms[f"{kind}/factorisation"]
+        n = int(counters[f"{kind}/factorisation"]["unknowns"])
+        rows.append([f"one CHOLMOD factorisation, {title}, {n:,} unknowns", f"{unit:.2f}", "1", ""])
+        forward = ms[f"{kind}/forward"]
+        c = counters[f"{kind}/forward"]
+        steps = f"{int(c['load_steps'])} load steps, {int(c['factorizations'])} factorisations" + (
+            f", {int(c['iterations'])} conjugate gradient steps" if c["iterations"] else "")
+        rows.append([f"forward run ({steps})", f"{forward:.1f}", f"{forward / unit:.1f}", "1"])
+        for name, words in (("jacobian", "with 5 derivatives"), ("geometry", "with 2 derivatives by geometry")):
+            if f"{kind}/{name}" in ms:
+                value = ms[f"{kind}/{name}"]
+                rows.append([words, f"{value:.1f}", f"{value / unit:.1f}", f"{value / forward:.2f}"])
+    return table(["in one process, one thread", "CPU ms", "factorisations", "forward runs"], rows)
+
+
+def process_table(build, rounds):
+    program = f"{build}/explore/pavescape"
+    Process(f"{build}/tools/calculix/compare_calculix", SOLID)  # writes the input of CalculiX
+    deck = "output/compare-calculix/" + os.path.basename(SOLID).removesuffix(".toml")
+    runs = {"ccx": [], "forward": [], "plane": []}
+    for _ in range(rounds):
+        runs["ccx"].append(Process("ccx", "model", cwd=deck))
+        runs["forward"].append(Process(program, "forward", SOLID, "--json"))
+        runs["plane"].append(Process(program, "forward", PLANE, "--json"))
+    unit = median([r.cpu for r in runs["ccx"]])
+    rows = []
+    for name, words in (("ccx", "one linear solution by CalculiX, 3D"), ("forward", "nonlinear forward run, 3D"),
+                        ("plane", "nonlinear forward run, axisymmetric")):
+        cpu = median([r.cpu for r in runs[name]])
+        rows.append([words, f"{cpu:.2f}", f"{cpu / unit:.2f}", f"{median([r.memory for r in runs[name]]):.0f}"])
+    return table(["whole process, one thread", "CPU s", "CalculiX runs", "peak MB"], rows)
+
+
+def fit(program, folder, *options):
+    process = Process(program, "fit", PLANE, "--out", folder, "--starts", str(STARTS), "--joint-only", "--json", *options)
+    return process, json.loads(process.out)
+
+
+def throughput_table(build, rounds, folder):
+    program = f"{build}/explore/pavescape"
+    rate = {1: [], 2: []}
+    seconds = {1: [], 2: []}
+    memory = {}
+    number = 0
+    for _ in range(rounds):
+        for threads in (1, 2):
+            number += 1
+            process = Process(program, "map", PLANE, "--design", "sobol", "--points", "512", "--threads", str(threads),
+                              "--out", f"{folder}/map{number}", "--json")
+            rate[threads].append(json.loads(process.out)["runs_per_second"])
+            process, _ = fit(program, f"{folder}/fit{number}", "--threads", str(threads))
+            seconds[threads].append(process.wall)
+            memory[threads] = process.memory
+    gain = median([b / a for a, b in zip(rate[1], rate[2])])
+    fit_gain = median([a / b for a, b in zip(seconds[1], seconds[2])])
+    rows = [["map, forward runs per second", f"{median(rate[1]):.0f}", f"{median(rate[2]):.0f}", f"{gain:.2f}"],
+            [f"fit from {STARTS} starts, wall seconds", f"{median(seconds[1]):.1f}", f"{median(seconds[2]):.1f}",
+             f"{fit_gain:.2f}"],
+            ["peak memory of the fit [MB]", f"{memory[1]:.0f}", f"{memory[2]:.0f}", ""]]
+    return table(["axisymmetric demo study", "1 thread", "2 threads", "gain"], rows)
+
+
+def method_table(build, folder):
+    program = f"{build}/explore/pavescape"
+    names = re.search(r"\{([\w,-]*gauss-newton[\w,-]*)\}", Process(program, "fit", "--help").out)[1].split(",")
+    rows = []
+    for name in names:
+        process, result = fit(program, f"{folder}/{name}", "--method", name)
+        minima = result["minima"]
+        close = [m for m in minima if m["misfit"] <= best_misfit(minima) * (1 + 1e-3)]
+        at_best = sum(len(m["starts"]) for m in close)
+        on_bound = sum(len(m["starts"]) for m in minima if m["on_bound"] and m not in close)
+        rows.append([name, f"{result['search_evaluations'] / result['starts']:.1f}", f"{best_misfit(minima):.6f}",
+                     f"{100 * at_best / result['starts']:.0f} %", f"{100 * on_bound / result['starts']:.0f} %",
+                     f"{process.cpu:.1f}"])
+    return table([f"{STARTS} starts", "evaluations a start", "best misfit", "ended in the best minimum",
+                  "elsewhere on a bound", "CPU s"], rows)
+
+
+def best_misfit(minima):
+    return min(m["misfit"] for m in minima)
+
+
+def scipy_table(build, folder, count):
+    """The first starts of a fit, once more by scipy; a start of the fit costs its share of the searches' wall time."""
+    program = f"{build}/explore/pavescape"
+    process, result = fit(program, f"{folder}/scipy", "--threads", "1")
+    with open(PLANE, "rb") as f:
+        import tomllib
+        parameters = tomllib.load(f)["parameters"]
+    exported = Process(program, "export", f"{folder}/scipy", "--command", "fit").out
+    rows = list(csv.DictReader(io.StringIO("\n".join(l for l in exported.splitlines() if not l.startswith("#")))))
+    firsts = {}
+    for row in rows:
+        if int(row["start"]) >= 0 and row["start"] not in firsts:
+            firsts[row["start"]] = [unit_of(p, float(row[p["name"]])) for p in parameters]
+    starts = [",".join(repr(u) for u in firsts[key]) for key in sorted(firsts, key=int)][:count]
+    outcomes = [json.loads(line) for line in Process("/usr/bin/python3", "tools/bench/scipy_inversion.py", program,
+                                                     PLANE, *starts).out.splitlines()]
+    best = best_misfit(result["minima"])
+    arrived = [o for o in outcomes if o["misfit"] <= best * (1 + 1e-3)]
+    own = process.wall / result["starts"]
+    theirs = median([o["seconds"] for o in outcomes])
+    return table(["one inversion, one thread", "wall s", "forward runs", "starts in the best minimum"], [
+        ["`pavescape fit`, a start of 32 and its share of the exploration", f"{own:.2f}",
+         f"{result['evaluations'] / result['starts']:.0f}",
+         f"{sum(len(m['starts']) for m in result['minima'] if m['misfit'] <= best * (1 + 1e-3))} of {result['starts']}"],
+        [f"`scipy.optimize.least_squares`, the first {len(outcomes)} of these starts, median", f"{theirs:.2f}",
+         f"{median([o['runs'] for o in outcomes]):.0f}", f"{len(arrived)} of {len(outcomes)}"],
+        ["ratio", f"{theirs / own:.0f}", "", ""]])
+
+
+def unit_of(parameter, value):
+    import math
+    low, high = parameter["min"], parameter["max"]
+    if parameter.get("scale") == "log":
+        return math.log(value / low) / math.log(high / low)
+    return (value - low) / (high - low)
+
+
+def main():
+    build = sys.argv[1]
+    quick = "--quick" in sys.argv[2:]
+    rounds = 1 if quick else 7
+    with tempfile.TemporaryDirectory() as folder:
+        tables = {
+            "inside": inside_table(build, rounds),
+            "process": process_table(build, rounds),
+            "throughput": throughput_table(build, 1 if quick else 3, folder),
+            "methods": method_table(build, folder),
+            "scipy": scipy_table(build, folder, 1 if quick else 4),
+        }
+    for text in tables.values():
+        print(text)
+    if quick:
+        return
+    with open(DOCUMENT, encoding="utf-8") as f:
+        document = f.read()
+    for name, text in tables.items():
+        document, found = re.subn(rf"(<!-- {name} -->\n).*?(<!-- end -->)", lambda m: m[1] + text + m[2], document,
+                                  flags=re.S)
+        assert found == 1, name
+    with open(DOCUMENT, "w", encoding="utf-8") as f:
+        f.write(document)
+
+
+if __name__ == "__main__":
+    main()
