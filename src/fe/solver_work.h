@@ -296,7 +296,7 @@ struct Solver<Element>::Work {
     Stress subtract_motion(const Motion<Element>& motion, int e, int g, const Vector& ue, const Stress& stress,
                            const mechanics::Stiffness<N>& stiffness, Vector& force) const {
         const auto& rate = motion.points[static_cast<std::size_t>(e) * Element::gauss + g];
-        const Stress turned = stiffness * Element::strain(rate, ue);
+        Stress turned = stiffness * Element::strain(rate, ue);
         Element::add_force(rate, stress, -point(e, g).weight, force);
         Element::add_force(point(e, g), stress, -rate.weight, force);
         return turned;
