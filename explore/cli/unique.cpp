@@ -109,7 +109,8 @@ struct NextMeasurement {
     std::vector<double> to_si;
     std::vector<double> separation; // of the valley's ends, in standard deviations of the reading; empty: no valley
     std::vector<landscape::CandidateEffect> effects; // best first
-    std::string failed;                              // why there are none
+    double forward_cpu_seconds = 0.0;
+    std::string failed; // why there are none
 };
 
 NextMeasurement next_measurement(const study::Study& study, const problem::Problem& problem, const Uniqueness& u) {
@@ -118,7 +119,13 @@ NextMeasurement next_measurement(const study::Study& study, const problem::Probl
     const problem::Problem readings = study::make_prediction_problem(list.study);
     const auto workspace = readings.function->make_workspace();
     const auto& best = u.minima[0];
-    const auto here = readings.evaluate(best.unit, true, *workspace);
+    const auto evaluate = [&](const std::vector<double>& unit, bool with_jacobian) {
+        const std::clock_t begin = std::clock();
+        auto evaluation = readings.evaluate(unit, with_jacobian, *workspace);
+        next.forward_cpu_seconds += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+        return evaluation;
+    };
+    const auto here = evaluate(best.unit, true);
     if (!here.converged()) {
         next.failed = here.reason;
         return next;
@@ -151,8 +158,8 @@ NextMeasurement next_measurement(const study::Study& study, const problem::Probl
         for (const Branch& trace : u.traces) {
             ends.push_back(trace.points.empty() ? best.unit : trace.points.back().unit);
         }
-        const auto a = readings.evaluate(ends[0], false, *workspace);
-        const auto b = readings.evaluate(ends[1], false, *workspace);
+        const auto a = evaluate(ends[0], false);
+        const auto b = evaluate(ends[1], false);
         for (std::size_t i = 0; a.converged() && b.converged() && i < next.names.size(); ++i) {
             next.separation.push_back(std::abs(a.responses[i] - b.responses[i]) / next.noise[i]);
         }
@@ -554,7 +561,8 @@ int unique(const UniqueOptions& options) {
     }
 
     const double cpu = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-    const double forward_cpu = engine.tally().forward_cpu_seconds + everything_engine.tally().forward_cpu_seconds;
+    const double forward_cpu =
+        engine.tally().forward_cpu_seconds + everything_engine.tally().forward_cpu_seconds + next.forward_cpu_seconds;
     fmt::print("{}\n  {} explored, {}; {} computed in {}, {} kept from before\n", study_summary(study), u.sample.name,
                counted(u.ends.size(), "search", "searches"), counted(static_cast<std::size_t>(computed), "run", "runs"),
                run::duration_words(seconds), kept);
@@ -579,14 +587,16 @@ int unique(const UniqueOptions& options) {
         for (std::size_t k = 0; k < u.parameters.size(); ++k) {
             const Range& r = u.parameters[k];
             const std::string& name = fitted.space.axes[k].name;
-            const auto stopped = [&](WalkEnd end, const std::vector<std::string>& bounds) {
+            const auto stopped = [&](double limit, WalkEnd end, const std::vector<std::string>& bounds) {
                 const auto others = of_others(bounds, name);
-                return end == WalkEnd::bound && others.size() < bounds.size() ? std::string("its bound")
-                                                                              : short_words(end, others);
+                constexpr double close = 1e-3; // a walk need not meet its bound to the last digit
+                const double unit = fitted.space.axes[k].unit(limit);
+                return end == WalkEnd::bound && (unit < close || unit > 1.0 - close) ? std::string("its bound")
+                                                                                     : short_words(end, others);
             };
             table.add({name, figure(u.minima[0].evaluation.parameters[k]), figure(r.low), figure(r.high), "",
                        std::string(landscape::profile_kind_names[static_cast<int>(kind_of(r))]),
-                       stopped(r.low_end, r.low_bounds), stopped(r.high_end, r.high_bounds)});
+                       stopped(r.low, r.low_end, r.low_bounds), stopped(r.high, r.high_end, r.high_bounds)});
         }
         for (std::size_t o = 0; o < u.outputs.size(); ++o) {
             const Range& r = u.outputs[o];
