@@ -103,7 +103,11 @@ std::optional<Conflict> conflict_of(run::Engine& engine, const problem::Problem&
     c.degrees_of_freedom = ranks - rank_of(problem.residual_jacobian(joint.evaluation) / acceptance.noise());
     c.remaining = static_cast<int>(problem.misfit.size()) - ranks;
     if (c.degrees_of_freedom > 0) {
-        if (acceptance.noise_is_stated) {
+        // Stated noise that even the separate fits contradict is no measure of their difference.
+        constexpr double contradicted = 0.01;
+        const bool noise_holds =
+            acceptance.noise_is_stated && (c.remaining <= 0 || gsl_cdf_chisq_Q(separate, c.remaining) >= contradicted);
+        if (noise_holds) {
             c.statistic = std::max(0.0, sum - separate);
             c.p_value = gsl_cdf_chisq_Q(c.statistic, c.degrees_of_freedom);
         } else if (c.remaining > 0 && separate > 0.0) {

@@ -15,9 +15,10 @@ struct GroupAlone {
 };
 
 // Likelihood ratio test of one parameter set for all groups against one for each. Statistic: (f_joint^2 - sum of
-// f_group^2) / variance, chi2 with sum(rank) - joint rank degrees of freedom under stated noise; without, divided by
-// them and with the variance left over by the separate fits, F. A direction counts as determined when crossing the box
-// along it moves the data by two standard deviations or more.
+// f_group^2) / variance, chi2 with sum(rank) - joint rank degrees of freedom under stated noise; without, or where even
+// the separate fits contradict that noise (p < 0.01), it is divided by them and by the variance that the separate fits
+// leave over: F. A direction counts as determined when crossing the box along it moves the data by two standard
+// deviations or more.
 struct Conflict {
     std::vector<GroupAlone> alone;
     double statistic = 0.0;
