@@ -176,6 +176,17 @@ std::vector<std::string> names_of(const problem::ParameterSpace& space, const st
     return names;
 }
 
+// Names of the groups of data that are fitted, in the order of the task's groups.
+std::vector<std::string> fitted_groups(const study::Study& study) {
+    std::vector<std::string> names;
+    for (const auto& group : study.groups) {
+        if (!group.held_out) {
+            names.push_back(group.name);
+        }
+    }
+    return names;
+}
+
 // The verdict and its reasons, in plain words.
 std::vector<std::string> findings(const study::Study& study, const problem::Problem& problem, const Uniqueness& u,
                                   const NextMeasurement& next) {
@@ -280,12 +291,7 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
     }
     if (u.conflict && std::isfinite(u.conflict->p_value)) {
         const auto& c = *u.conflict;
-        std::vector<std::string> names;
-        for (const auto& g : study.groups) {
-            if (!g.held_out) {
-                names.push_back(g.name);
-            }
-        }
+        const std::vector<std::string> names = fitted_groups(study);
         if (c.p_value < 0.05) {
             std::string direction;
             for (Eigen::Index k = 0; k < c.direction.size(); ++k) {
@@ -422,12 +428,7 @@ Json uniqueness_json(const study::Study& study, const problem::Problem& problem,
     }
     if (u.conflict) {
         Json alone = Json::array();
-        std::vector<std::string> names;
-        for (const auto& g : study.groups) {
-            if (!g.held_out) {
-                names.push_back(g.name);
-            }
-        }
+        const std::vector<std::string> names = fitted_groups(study);
         for (const auto& g : u.conflict->alone) {
             alone.push_back({{"group", names[g.group]},
                              {"misfit", g.misfit},

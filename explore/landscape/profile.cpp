@@ -32,8 +32,8 @@ VectorXd vector_of(const std::vector<double>& unit) {
     return VectorXd::Map(unit.data(), static_cast<Index>(unit.size()));
 }
 
-// J'J in units of the noise, with what the box itself says: a parameter that the data do not see has the variance of
-// the box, and one that lies on a bound does not move.
+// J'J in units of the noise, and one more on the diagonal: a direction that the data do not see costs something, so
+// that a move along it stays finite.
 MatrixXd information(const problem::Problem& problem, const Acceptance& acceptance, const ProfilePoint& at) {
     const MatrixXd j = problem.residual_jacobian(at.evaluation);
     MatrixXd h = j.transpose() * j / acceptance.variance;
@@ -307,8 +307,8 @@ Branch trace_valley(run::Chain& chain, const problem::Problem& problem, const Ac
             branch.end = WalkEnd::threshold;
             break;
         }
-        if (!bounds_met(problem.space, here.unit).empty() &&
-            bounds_met(problem.space, here.unit) != bounds_met(problem.space, from.unit)) {
+        const auto met = bounds_met(problem.space, here.unit);
+        if (!met.empty() && met != bounds_met(problem.space, from.unit)) {
             branch.end = WalkEnd::bound;
             break;
         }

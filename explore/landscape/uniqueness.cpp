@@ -14,9 +14,10 @@ namespace {
 using Eigen::VectorXd;
 
 // Which start numbers the chains of each part are kept under.
+constexpr int chain_range = 100'000;
 enum Part { searches, verification, polishing, passes, traces, profiles, predictions, groups, parts };
 int first_of(Part part, int round = 0) {
-    return (round * parts + part) * run::chain_range;
+    return (round * parts + part) * chain_range;
 }
 
 constexpr std::string_view search_method = "gauss-newton";
@@ -157,14 +158,14 @@ private:
         int known = 0;
         for (std::size_t m = 0; m < result_.minima.size(); ++m) {
             const auto& members = result_.minima[m].members;
-            if (std::any_of(members.begin(), members.end(), [](int s) { return s < run::chain_range; })) {
+            if (std::any_of(members.begin(), members.end(), [](int s) { return s < chain_range; })) {
                 number[m] = known++;
             }
         }
         int next = known;
         std::vector<int> found;
         for (const auto& end : ends_) {
-            if (end.start < run::chain_range || end.start >= first_of(polishing)) {
+            if (end.start < chain_range || end.start >= first_of(polishing)) {
                 continue;
             }
             const auto home = home_.find(end.start);
@@ -287,20 +288,20 @@ private:
         }
         const std::size_t n = result_.passes.size();
         std::vector<std::vector<ProfilePoint>> ways(2 * n);
-        bool finished = n == 0 || task_.fitted_engine.chains(
-                                      "passes", first_of(passes, round), 2 * n, [&](std::size_t i, run::Chain& chain) {
-                                          const auto& p = result_.passes[i / 2];
-                                          const auto& a = result_.minima[i % 2 == 0 ? p.a : p.b];
-                                          const auto& b = result_.minima[i % 2 == 0 ? p.b : p.a];
-                                          ways[i] = approach(chain, task_.fitted, acceptance, a, b, best_misfit);
-                                      });
-        finished = finished &&
-                   (n == 0 || task_.fitted_engine.chains("passes", first_of(passes, round) + static_cast<int>(2 * n), n,
-                                                         [&](std::size_t i, run::Chain& chain) {
-                                                             result_.passes[i].pass =
-                                                                 pass_between(chain, acceptance, ways[2 * i],
-                                                                              ways[2 * i + 1], best_misfit);
-                                                         }));
+        const auto walk_way = [&](std::size_t i, run::Chain& chain) {
+            const auto& p = result_.passes[i / 2];
+            const auto& a = result_.minima[i % 2 == 0 ? p.a : p.b];
+            const auto& b = result_.minima[i % 2 == 0 ? p.b : p.a];
+            ways[i] = approach(chain, task_.fitted, acceptance, a, b, best_misfit);
+        };
+        const auto join_ways = [&](std::size_t i, run::Chain& chain) {
+            result_.passes[i].pass = pass_between(chain, acceptance, ways[2 * i], ways[2 * i + 1], best_misfit);
+        };
+        const int first = first_of(passes, round);
+        if (n > 0 && !(task_.fitted_engine.chains("passes", first, 2 * n, walk_way) &&
+                       task_.fitted_engine.chains("passes", first + static_cast<int>(2 * n), n, join_ways))) {
+            return false;
+        }
         // Minima that an acceptable way joins are one answer.
         std::vector<std::size_t> part(result_.minima.size());
         std::iota(part.begin(), part.end(), 0);
@@ -317,7 +318,7 @@ private:
                 result_.alternative_of.push_back(m);
             }
         }
-        return finished;
+        return true;
     }
 
     // Down and up from every alternative, for every quantity. minima: in place of the alternatives themselves.

@@ -41,9 +41,6 @@ public:
 };
 struct Interrupted {};
 
-// The ranges of start numbers of a run that different kinds of chains keep their evaluations under.
-inline constexpr int chain_range = 100'000;
-
 class Engine {
 public:
     // store may be nullptr: nothing is kept. Both must outlive the engine.

@@ -26,9 +26,9 @@ void apply(Case& c, const AppliedEffect& applied, int load) {
 }
 
 std::string refuses(const Case& c, const AppliedEffect& applied) {
-    const std::string name = applied.layer.empty() ? c.layers[*layer_of_role(c, LayerRole::base)].name : applied.layer;
-    return c.layers[layers_named(c, name).front()].law->index_of("n") ? ""
-                                                                      : "the law of the layer has no modulus ratio n";
+    return c.layers[layers_named(c, applied.layer).front()].law->index_of("n")
+               ? ""
+               : "the law of the layer has no modulus ratio n";
 }
 
 } // namespace

@@ -15,9 +15,9 @@ void apply(Case& c, const AppliedEffect& applied, int) {
 }
 
 std::string refuses(const Case& c, const AppliedEffect& applied) {
-    const std::string name = applied.layer.empty() ? c.layers[*layer_of_role(c, LayerRole::base)].name : applied.layer;
-    return c.layers[layers_named(c, name).front()].law->index_of(key) ? ""
-                                                                      : "the law of the layer has no floor of theta";
+    return c.layers[layers_named(c, applied.layer).front()].law->index_of(key)
+               ? ""
+               : "the law of the layer has no floor of theta";
 }
 
 } // namespace

@@ -14,8 +14,7 @@ void apply(Case& c, const AppliedEffect& applied, int) {
 }
 
 std::string refuses(const Case& c, const AppliedEffect& applied) {
-    const std::size_t base =
-        applied.layer.empty() ? *layer_of_role(c, LayerRole::base) : layers_named(c, applied.layer).back();
+    const std::size_t base = layers_named(c, applied.layer).back();
     return base + 1 < c.layers.size() ? "" : "nothing but the floor lies below the layer";
 }
 

@@ -42,29 +42,38 @@ std::optional<std::size_t> layer_of_role(const Case& c, LayerRole role) {
     return std::nullopt;
 }
 
+namespace {
+
+// With the layer that the effect acts on unless the case says otherwise; without one where the section has none.
+AppliedEffect with_layer(const Case& c, AppliedEffect applied) {
+    if (applied.layer.empty()) {
+        if (const auto layer = layer_of_role(c, applied.effect->layer)) {
+            applied.layer = c.layers[*layer].name;
+        }
+    }
+    return applied;
+}
+
+} // namespace
+
 Case with_effects(const Case& c, int load) {
     Case out = c;
     out.effects.clear();
-    for (AppliedEffect applied : c.effects) {
-        if (!is_active(applied)) {
-            continue;
+    for (const AppliedEffect& applied : c.effects) {
+        if (is_active(applied)) {
+            applied.effect->apply(out, with_layer(c, applied), load);
         }
-        if (applied.layer.empty()) {
-            if (const auto layer = layer_of_role(c, applied.effect->layer)) {
-                applied.layer = c.layers[*layer].name;
-            }
-        }
-        applied.effect->apply(out, applied, load);
     }
     return out;
 }
 
 std::string why_impossible(const Case& c, const AppliedEffect& applied) {
     const Effect& effect = *applied.effect;
-    if (effect.layer != LayerRole::none && applied.layer.empty() && !layer_of_role(c, effect.layer)) {
+    const AppliedEffect complete = with_layer(c, applied);
+    if (effect.layer != LayerRole::none && complete.layer.empty()) {
         return "the section has no such layer";
     }
-    return effect.refuses != nullptr ? effect.refuses(c, applied) : "";
+    return effect.refuses != nullptr ? effect.refuses(c, complete) : "";
 }
 
 std::vector<std::size_t> layers_named(const Case& c, std::string_view name) {
@@ -93,6 +102,24 @@ double slip_compliance(double size) {
     constexpr double reference = unit::mm / unit::MPa;
     constexpr double bonded = 1e-5; // a shear stress of 1 MPa moves it by 10 nm
     return reference * (size / (1.0 - size) + bonded);
+}
+
+Effect interface_slip() {
+    return {
+        .unit = "-",
+        .null = 0.0,
+        .low = 0.0,
+        .high = 0.999,
+        .typical = 0.5,
+        .mechanism =
+            "The layers slide on each other against a shear spring per area of compliance 1/k = (1 mm/MPa) size/(1 - "
+            "size), while the vertical displacement stays continuous; 0 is bonded, 1 frictionless. Strains jump at "
+            "the interface: the layer above bends on its own.",
+        .source = "Goodman, Taylor and Brekke (1968), joint elements; the shear spring compliance of BISAR (de Jong et "
+                  "al. 1973)",
+        .layer = LayerRole::base,
+        .takes_layer = true,
+    };
 }
 
 bool is_plate(const Case& c, std::optional<int> load) {

@@ -34,7 +34,8 @@ struct Effect {
     bool takes_quantity = false;
     bool takes_reading = false;
 
-    // Changes c, as load number `load` sees it, by the effect. applied.layer is given for effects with a layer.
+    // In both, applied.layer is given for effects with a layer. Changes c, as load number `load` sees it, by the
+    // effect.
     void (*apply)(Case& c, const AppliedEffect& applied, int load) = nullptr;
     // Why the case cannot have the effect, or "".
     std::string (*refuses)(const Case& c, const AppliedEffect& applied) = nullptr;
@@ -59,6 +60,8 @@ std::optional<std::size_t> layer_of_role(const Case& c, LayerRole role);
 void scale_modulus(Layer& layer, double factor);
 // Shear compliance of an interface that slips by a share [m/Pa]: (1 mm/MPa) size/(1 - size); bonded is 1e-5 mm/MPa.
 double slip_compliance(double size);
+// What the interfaces of the base have in common: an effect without name, place and functions.
+Effect interface_slip();
 // Whether a load, or with none given any of them, is a plate.
 bool is_plate(const Case& c, std::optional<int> load);
 // Whether strains or stresses are measured.

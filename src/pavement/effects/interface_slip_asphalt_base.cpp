@@ -9,33 +9,21 @@ void apply(Case& c, const AppliedEffect& applied, int) {
 }
 
 std::string refuses(const Case& c, const AppliedEffect& applied) {
-    const std::size_t base =
-        applied.layer.empty() ? *layer_of_role(c, LayerRole::base) : layers_named(c, applied.layer).front();
+    const std::size_t base = layers_named(c, applied.layer).front();
     return base > 0 ? "" : "nothing lies above the layer";
 }
 
 } // namespace
 
 const Effect& interface_slip_asphalt_base() {
-    static const Effect effect{
-        .name = "interface-slip-asphalt-base",
-        .unit = "-",
-        .null = 0.0,
-        .low = 0.0,
-        .high = 0.999,
-        .typical = 0.5,
-        .mechanism =
-            "The layers slide on each other against a shear spring per area of compliance 1/k = (1 mm/MPa) size/(1 - "
-            "size), while the vertical displacement stays continuous; 0 is bonded, 1 frictionless. Strains jump at "
-            "the interface: the layer above bends on its own.",
-        .source = "Goodman, Taylor and Brekke (1968), joint elements; the shear spring compliance of BISAR (de Jong et "
-                  "al. 1973)",
-        .acts_on = "the interface above the base",
-        .layer = LayerRole::base,
-        .takes_layer = true,
-        .apply = apply,
-        .refuses = refuses,
-    };
+    static const Effect effect = [] {
+        Effect e = interface_slip();
+        e.name = "interface-slip-asphalt-base";
+        e.acts_on = "the interface above the base";
+        e.apply = apply;
+        e.refuses = refuses;
+        return e;
+    }();
     return effect;
 }
 

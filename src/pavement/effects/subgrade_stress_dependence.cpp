@@ -31,9 +31,7 @@ void apply(Case& c, const AppliedEffect& applied, int) {
 }
 
 std::string refuses(const Case& c, const AppliedEffect& applied) {
-    const std::string name =
-        applied.layer.empty() ? c.layers[*layer_of_role(c, LayerRole::subgrade)].name : applied.layer;
-    const material::Law& law = *c.layers[layers_named(c, name).front()].law;
+    const material::Law& law = *c.layers[layers_named(c, applied.layer).front()].law;
     const bool fits = law.index_of("k3") || (law.index_of("modulus_MPa") && law.index_of("poisson"));
     return fits ? "" : "the law of the layer has neither a modulus and Poisson's ratio nor k3";
 }
