@@ -177,12 +177,7 @@ private:
 } // namespace
 
 bool Engine::chains(const std::string& what, int first, std::size_t count,
-                    const std::function<void(std::size_t i, Chain& chain)>& body) {
-    return run_chains(what, first, count, true, body);
-}
-
-bool Engine::run_chains(const std::string& what, int first, std::size_t count, bool with_jacobian,
-                        const std::function<void(std::size_t i, Chain& chain)>& body) {
+                    const std::function<void(std::size_t i, Chain& chain)>& body, bool with_jacobian) {
     Implementation& m = *implementation_;
     const auto begin = Clock::now();
     std::atomic<std::size_t> finished{0};
@@ -214,8 +209,9 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
                                                     const optimise::SearchSettings& settings, int first) {
     Implementation& m = *implementation_;
     std::vector<Endpoint> ends(starts.size());
-    const bool finished =
-        run_chains("search", first, starts.size(), method.uses_gradient, [&](std::size_t s, Chain& chain) {
+    const bool finished = chains(
+        "search", first, starts.size(),
+        [&](std::size_t s, Chain& chain) {
             Endpoint& end = ends[s];
             end.start = first + static_cast<int>(s);
             end.from = starts[s];
@@ -251,7 +247,8 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
             if (!method.uses_gradient && !end.search.unit.empty()) {
                 end.evaluation = m.evaluate(end.search.unit, true);
             }
-        });
+        },
+        method.uses_gradient);
     if (!finished) {
         return std::nullopt;
     }

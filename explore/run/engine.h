@@ -30,7 +30,7 @@ struct Tally {
     double forward_cpu_seconds = 0.0; // processor time of the forward runs, all threads
 };
 
-// Evaluations with derivatives that follow from each other: what a chain asks for next depends on what it was answered.
+// Evaluations that follow from each other: what a chain asks for next depends on what it was answered.
 // A chain that was cut off is replayed: it asks for the same points again and is answered from the store until it gets
 // to new ones.
 class Chain {
@@ -58,7 +58,7 @@ public:
     // body(i, chain) for i in [0, count), in parallel; what chain i asks for is kept as start first + i. False:
     // interrupted.
     bool chains(const std::string& what, int first, std::size_t count,
-                const std::function<void(std::size_t i, Chain& chain)>& body);
+                const std::function<void(std::size_t i, Chain& chain)>& body, bool with_jacobian = true);
 
     // One evaluation with derivatives, not kept.
     problem::Evaluation evaluate_one(std::span<const double> unit);
@@ -66,9 +66,6 @@ public:
     const Tally& tally() const { return tally_; }
 
 private:
-    bool run_chains(const std::string& what, int first, std::size_t count, bool with_jacobian,
-                    const std::function<void(std::size_t i, Chain& chain)>& body);
-
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
     Tally tally_;

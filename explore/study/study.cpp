@@ -596,14 +596,18 @@ Study with_measurements(Study study, std::vector<data::Measurement> measurements
     return study;
 }
 
-Study with_effect(Study study, const std::string& name, double size, const pave::Place& place) {
-    const Effect* effect = find_effect(name);
-    if (effect == nullptr) {
-        const auto names = effect_names();
-        const std::string near = pave::nearest_name(name, names);
-        throw pave::Error(place, near.empty() ? "unknown effect" : "unknown effect, did you mean \"" + near + "\"?",
-                          "\"" + name + "\"", pave::join(names));
+const Effect& effect_named(const std::string& name, const pave::Place& place) {
+    if (const Effect* effect = find_effect(name)) {
+        return *effect;
     }
+    const auto names = effect_names();
+    const std::string near = pave::nearest_name(name, names);
+    throw pave::Error(place, near.empty() ? "unknown effect" : "unknown effect, did you mean \"" + near + "\"?",
+                      "\"" + name + "\"", pave::join(names));
+}
+
+Study with_effect(Study study, const std::string& name, double size, const pave::Place& place) {
+    const Effect* effect = &effect_named(name, place);
     if (!(size >= effect->low && size <= effect->high)) {
         throw pave::Error(place, "size out of range", fmt::format("{} = {}", name, size),
                           fmt::format("{} <= size <= {} [{}]", effect->low, effect->high, effect->unit));

@@ -70,6 +70,9 @@ Study load_study(const std::string& file, Readings readings = Readings::own);
 // does not fit the model.
 Study with_measurements(Study study, std::vector<data::Measurement> measurements);
 
+// Throws pave::Error at `place` for a name that no effect has.
+const pave::pavement::Effect& effect_named(const std::string& name, const pave::Place& place);
+
 // The study with an effect of this size (in the effect's unit): added, or in place of the size of its own entry of that
 // name. place: of whoever asks for it. Throws pave::Error for an unknown name, a size out of range, and an effect that
 // this study cannot have.

@@ -5,7 +5,7 @@ import re
 from support import *
 
 SRC = ["base", "mechanics", "material", "mesh", "fe", "pavement"]
-EXPLORE = ["data", "problem", "study", "search", "optimise", "run", "landscape", "report", "cli"]
+EXPLORE = ["data", "problem", "study", "search", "optimise", "run", "landscape", "diagnose", "report", "cli"]
 # Above the forward model's own base/, these may include src/.
 KNOWS_PAVEMENTS = {"study", "report", "cli"}
 

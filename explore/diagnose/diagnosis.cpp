@@ -1,0 +1,782 @@
+#include "diagnose/diagnosis.h"
+
+#include "base/random.h"
+#include "run/parallel.h"
+#include "run/progress.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gsl/gsl_cdf.h>
+#include <set>
+
+namespace explore::diagnose {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// A model is contradicted when a test of it falls below its level: 4 % of sound models, at most.
+constexpr double level_chi2 = 0.01;
+constexpr double level_pattern = 0.01;
+constexpr double level_family = 0.02;
+// A cause is named when so much evidence is due to chance this rarely, and the next explanation fits this much worse:
+// whatever the distance between two explanations, the true one falls so far behind in less than 1 % of cases,
+// Phi(-sqrt(margin)).
+constexpr double level_evidence = 0.01;
+constexpr double margin = 6.0;
+constexpr double least_rate = 0.95; // of telling two effects apart
+// Each effect of a pair must explain this much beyond the other.
+constexpr double least_share = 16.0;
+constexpr double close_enough = 0.005; // half of the change of chi2 that a fit leaves undone
+
+// Numbers of evaluations that are kept.
+constexpr int screen_number = 100;
+constexpr int fit_number = 200;
+constexpr int pair_number = 1000; // + 100 times the place in the beam
+constexpr int baseline_number = 500;
+constexpr int fold_number = 5000;
+constexpr int bootstrap_number = 20'000;
+
+class Diagnostician {
+public:
+    Diagnostician(const DiagnosisTask& task, const DiagnosisSettings& settings)
+        : task_(task),
+          bench_(task.bench),
+          settings_(settings),
+          arena_(run::usable_threads(task.bench.threads())) {}
+
+    // False: interrupted.
+    bool run() {
+        if (!fit_baseline()) {
+            return false;
+        }
+        if (!d_.failed.empty()) {
+            return true;
+        }
+        constexpr int baselines = 3;
+        for (int attempt = 0;; ++attempt) {
+            if (!fit_singles()) {
+                return false;
+            }
+            bool better = false;
+            if (attempt + 1 == baselines || !improve_baseline(better)) {
+                break;
+            }
+            if (!better) {
+                break;
+            }
+        }
+        if (run::interrupted()) {
+            return false;
+        }
+        examine_baseline();
+        if (!contradicted(d_.baseline, d_.screening.p_familywise)) {
+            d_.verdict = Verdict::adequate;
+            return true;
+        }
+        return explain() && weigh_evidence() && decide();
+    }
+
+    Diagnosis result() { return std::move(d_); }
+
+private:
+    std::size_t readings() const { return static_cast<std::size_t>(d_.baseline.model.residuals.size()); }
+    Mimicry mimicry_of(const Model& model) {
+        const double noise = std::sqrt(d_.variance);
+        return {bench_.problem(model.members).residual_jacobian(model.evaluation) / noise, model.unit,
+                model.residuals / noise};
+    }
+
+    Judged judge(Model model) {
+        Judged j;
+        const Mimicry mimicry = mimicry_of(model);
+        const auto n = static_cast<double>(model.residuals.size());
+        const auto k = static_cast<double>(model.unit.size());
+        j.chi2 = model.sum / d_.variance;
+        j.dof = static_cast<int>(model.residuals.size()) - mimicry.rank();
+        if (task_.noise_is_stated && j.dof > 0) {
+            j.p_value = gsl_cdf_chisq_Q(j.chi2, j.dof);
+        }
+        const double free = k + (task_.noise_is_stated ? 0.0 : 1.0);
+        j.aicc = (task_.noise_is_stated ? j.chi2 : n * std::log(std::max(model.sum, 1e-300) / n)) + 2.0 * free +
+                 (n > free + 1.0 ? 2.0 * free * (free + 1.0) / (n - free - 1.0) : INFINITY);
+        j.pattern = test_pattern(model.residuals / std::sqrt(d_.variance), mimicry, task_.groups);
+        j.model = std::move(model);
+        return j;
+    }
+
+    bool contradicted(const Judged& j, double p_familywise) const {
+        const bool by_noise = task_.noise_is_stated && (j.p_value < level_chi2 || j.pattern.p_value < level_pattern);
+        return by_noise || p_familywise < level_family;
+    }
+
+    // Chi2 with the price of having chosen the best of several variants.
+    double criterion(const Judged& j) const {
+        double sum = j.chi2;
+        for (const std::size_t c : j.model.members) {
+            const auto same = std::count_if(task_.candidates.begin(), task_.candidates.end(), [&](const auto& other) {
+                return other.effect == task_.candidates[c].effect;
+            });
+            sum += 2.0 * std::log(static_cast<double>(same));
+        }
+        return sum;
+    }
+
+    bool fit_baseline() {
+        const problem::Problem& problem = bench_.problem({});
+        const search::Design design = search::sobol(problem.space, settings_.explore, task_.seed);
+        landscape::MultistartSettings multistart;
+        multistart.starts = settings_.starts;
+        multistart.search.enough = close_enough;
+        auto result = bench_.use({}, [&](const problem::Problem& own, run::Engine& engine) {
+            return landscape::multistart(engine, own, design, multistart);
+        });
+        if (!result) {
+            return false;
+        }
+        if (result->minima.empty()) {
+            d_.failed = "not one explored point has an answer; the first says: " + result->explored.front().reason;
+            return true;
+        }
+        for (std::size_t i = 0; i < result->explored.size(); ++i) {
+            if (result->explored[i].converged()) {
+                explored_.push_back({{},
+                                     design.points[i],
+                                     result->explored[i],
+                                     problem.misfit.residuals(result->explored[i].responses),
+                                     0.0});
+            }
+        }
+        d_.minima = std::move(result->minima);
+        const landscape::Minimum& best = d_.minima[0];
+        Model model{{}, best.unit, best.evaluation, problem.misfit.residuals(best.evaluation.responses), 0.0};
+        model.sum = model.residuals.squaredNorm();
+        set_baseline(std::move(model));
+        return true;
+    }
+
+    void set_baseline(Model model) {
+        if (!task_.noise_is_stated) {
+            d_.variance = 1.0;
+            const double dof = static_cast<double>(model.residuals.size()) - static_cast<double>(model.unit.size());
+            d_.variance = std::max(model.sum / std::max(1.0, dof), 1e-24);
+        }
+        d_.baseline = judge(std::move(model));
+    }
+
+    // Fit of base with one candidate more: from the starts that the screening proposes, until one gets as low as
+    // foretold.
+    std::optional<Model> fit_added(const Model& base, const Screened& screened, std::size_t candidate, int number) {
+        const Members members = with_member(base.members, candidate);
+        std::vector<std::vector<double>> starts;
+        const auto propose = [&](std::size_t i) {
+            if (i < screened.starts.size()) {
+                starts.push_back(screened.starts[i].unit);
+            }
+        };
+        propose(0);
+        starts.push_back(base.unit);
+        starts.back().insert(starts.back().begin() +
+                                 static_cast<std::ptrdiff_t>(size_index(bench_, members, candidate)),
+                             task_.candidates[candidate].null);
+        propose(1);
+        if (base.members.empty() && d_.minima.size() > 1) { // where the baseline has another minimum
+            starts.push_back(d_.minima[1].unit);
+            starts.back().push_back(task_.candidates[candidate].typical);
+        }
+        std::optional<Model> best;
+        constexpr double reached = 4.0; // chi2
+        for (std::size_t s = 0; s < starts.size(); ++s) {
+            if (best && best->sum < screened.foretold + reached * d_.variance) {
+                break;
+            }
+            bench_.chain(members, number + static_cast<int>(s),
+                         [&](const problem::Problem& problem, run::Chain& chain) {
+                             auto found = fit(chain, problem, members, starts[s], {}, close_enough * d_.variance);
+                             if (found && (!best || found->sum < best->sum)) {
+                                 best = std::move(found);
+                             }
+                         });
+        }
+        return best;
+    }
+
+    // The candidates that are worth a fit, by what the screening foretells: of the leading effects so many, and of each
+    // so many variants that are not far behind its first.
+    std::vector<std::size_t> worth_fitting(const Screening& screening, std::size_t effects, std::size_t each) const {
+        std::vector<std::size_t> order;
+        for (std::size_t c = 0; c < screening.items.size(); ++c) {
+            const Screened& item = screening.items[c];
+            if (item.impossible.empty() && !item.duplicate && !item.starts.empty()) {
+                order.push_back(c);
+            }
+        }
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+            return screening.items[a].foretold < screening.items[b].foretold;
+        });
+        struct Taken {
+            std::size_t count = 0;
+            double foretold = 0.0; // of the first
+        };
+        std::map<std::string, Taken> taken;
+        std::erase_if(order, [&](std::size_t c) {
+            const auto [at, is_new] = taken.try_emplace(task_.candidates[c].effect);
+            if (is_new) {
+                at->second.foretold = screening.items[c].foretold;
+            }
+            constexpr double far = 25.0; // chi2
+            const bool is_behind = screening.items[c].foretold > at->second.foretold + far * d_.variance;
+            return taken.size() > effects || is_behind || ++at->second.count > each;
+        });
+        return order;
+    }
+
+    bool fit_singles() {
+        auto screening = screen(bench_, d_.baseline.model, task_.candidates, d_.variance, !task_.noise_is_stated,
+                                task_.seed, screen_number);
+        if (!screening) {
+            return false;
+        }
+        d_.screening = std::move(*screening);
+        constexpr std::size_t leading = 12;
+        constexpr std::size_t variants_each = 2;
+        const auto chosen = worth_fitting(d_.screening, leading, variants_each);
+        std::vector<std::optional<Model>> models(chosen.size());
+        run::Progress progress("fits", static_cast<std::int64_t>(chosen.size()));
+        run::for_each_index(arena_, chosen.size(), [&](std::size_t i) {
+            models[i] = fit_added(d_.baseline.model, d_.screening.items[chosen[i]], chosen[i], fit_number);
+            progress.add(1, true);
+        });
+        if (run::interrupted()) {
+            return false;
+        }
+        collect_effects(chosen, models);
+        return true;
+    }
+
+    void collect_effects(const std::vector<std::size_t>& chosen, std::vector<std::optional<Model>>& models) {
+        d_.effects.clear();
+        std::map<std::string, std::size_t> index;
+        for (std::size_t c = 0; c < task_.candidates.size(); ++c) {
+            const auto [at, is_new] = index.try_emplace(task_.candidates[c].effect, d_.effects.size());
+            if (is_new) {
+                d_.effects.emplace_back();
+                d_.effects.back().candidate = c;
+                d_.effects.back().impossible = d_.screening.items[c].impossible;
+            }
+            EffectResult& effect = d_.effects[at->second];
+            ++effect.variants;
+            if (std::abs(d_.screening.items[c].score) > std::abs(d_.screening.items[effect.candidate].score)) {
+                effect.candidate = c;
+                effect.impossible = d_.screening.items[c].impossible;
+            }
+        }
+        for (std::size_t i = 0; i < chosen.size(); ++i) {
+            EffectResult& effect = d_.effects[index[task_.candidates[chosen[i]].effect]];
+            if (models[i] && (!effect.fit || models[i]->sum < effect.fit->model.sum)) {
+                effect.candidate = chosen[i];
+                effect.fit = judge(std::move(*models[i]));
+            }
+        }
+        for (EffectResult& effect : d_.effects) {
+            const Screened& screened = d_.screening.items[effect.candidate];
+            effect.score = screened.score;
+            effect.p_familywise = screened.p_familywise;
+            if (effect.fit) {
+                effect.impossible.clear();
+            } else if (effect.impossible.empty()) {
+                effect.impossible = "not among those that promise most";
+            }
+        }
+        set_statistics();
+    }
+
+    // Everything that depends on the variance.
+    void set_statistics() {
+        if (!task_.noise_is_stated) { // the noise is what the best model leaves over
+            d_.variance = d_.baseline.model.sum / std::max(1, d_.baseline.dof);
+            for (const EffectResult& effect : d_.effects) {
+                if (effect.fit) {
+                    d_.variance = std::min(d_.variance, effect.fit->model.sum / std::max(1, effect.fit->dof));
+                }
+            }
+            d_.variance = std::max(d_.variance, 1e-24);
+        }
+        d_.baseline = judge(std::move(d_.baseline.model));
+        for (EffectResult& effect : d_.effects) {
+            if (effect.fit) {
+                effect.fit = judge(std::move(effect.fit->model));
+                effect.gain = d_.baseline.chi2 - effect.fit->chi2;
+                effect.delta_aicc = effect.fit->aicc - d_.baseline.aicc;
+                const problem::Problem& problem = bench_.problem(effect.fit->model.members);
+                effect.size = interval_of(problem, effect.fit->model, problem.space.axes.size() - 1, d_.variance);
+            }
+        }
+        std::stable_sort(d_.effects.begin(), d_.effects.end(), [&](const EffectResult& a, const EffectResult& b) {
+            if (a.fit && b.fit) {
+                return criterion(*a.fit) < criterion(*b.fit);
+            }
+            if (a.fit.has_value() != b.fit.has_value()) {
+                return a.fit.has_value();
+            }
+            return std::abs(a.score) > std::abs(b.score);
+        });
+    }
+
+    // A fit with an effect may have left the baseline's minimum for a better one: then that is the gain, not the
+    // effect's. False: interrupted.
+    bool improve_baseline(bool& better) {
+        constexpr std::size_t tried = 3;
+        for (std::size_t e = 0; e < std::min(tried, d_.effects.size()) && d_.effects[e].fit; ++e) {
+            const auto& unit = d_.effects[e].fit->model.unit;
+            const std::vector<double> start(unit.begin(), unit.end() - 1);
+            bench_.chain({}, baseline_number + attempts_++, [&](const problem::Problem& problem, run::Chain& chain) {
+                auto found = fit(chain, problem, {}, start, {}, close_enough * d_.variance);
+                constexpr double lower = 0.5; // chi2
+                if (found && found->sum < d_.baseline.model.sum - lower * d_.variance) {
+                    set_baseline(std::move(*found));
+                    better = true;
+                }
+            });
+        }
+        return !run::interrupted();
+    }
+
+    void examine_baseline() {
+        const VectorXd residuals = d_.baseline.model.residuals / std::sqrt(d_.variance);
+        for (const ReadingGroup& group : task_.groups) {
+            d_.groups.push_back(test_group(residuals, group));
+        }
+        const problem::Problem& problem = bench_.problem({});
+        d_.constancy = test_constancy(problem.residual_jacobian(d_.baseline.model.evaluation) / std::sqrt(d_.variance),
+                                      residuals, mimicry_of(d_.baseline.model), task_.groups);
+        d_.baseline.p_familywise = d_.screening.p_familywise;
+    }
+
+    // One candidate more on each of the best models. False: interrupted.
+    bool fit_pairs(const std::vector<const Judged*>& beam, std::vector<Judged>& pairs) {
+        struct Job {
+            const Model* base;
+            const Screened* screened;
+            std::size_t candidate;
+            int number;
+        };
+        std::vector<Screening> screenings;
+        screenings.reserve(beam.size());
+        std::vector<Job> jobs;
+        for (std::size_t b = 0; b < beam.size(); ++b) {
+            const int number = pair_number + 100 * static_cast<int>(b);
+            auto screening = screen(bench_, beam[b]->model, task_.candidates, d_.variance, !task_.noise_is_stated,
+                                    task_.seed, number);
+            if (!screening) {
+                return false;
+            }
+            screenings.push_back(std::move(*screening));
+            constexpr std::size_t seconds = 5;
+            const auto chosen = worth_fitting(screenings.back(), seconds, 1);
+            for (const std::size_t c : chosen) {
+                jobs.push_back({&beam[b]->model, nullptr, c, number + 20});
+            }
+        }
+        std::size_t next = 0;
+        for (std::size_t b = 0; b < beam.size(); ++b) {
+            for (; next < jobs.size() && jobs[next].base == &beam[b]->model; ++next) {
+                jobs[next].screened = &screenings[b].items[jobs[next].candidate];
+            }
+        }
+        std::vector<std::optional<Model>> models(jobs.size());
+        run::Progress progress("fits of pairs", static_cast<std::int64_t>(jobs.size()));
+        run::for_each_index(arena_, jobs.size(), [&](std::size_t i) {
+            models[i] = fit_added(*jobs[i].base, *jobs[i].screened, jobs[i].candidate, jobs[i].number);
+            progress.add(1, true);
+        });
+        if (run::interrupted()) {
+            return false;
+        }
+        std::set<Members> seen;
+        std::stable_sort(models.begin(), models.end(),
+                         [](const auto& a, const auto& b) { return a && (!b || a->sum < b->sum); });
+        for (auto& model : models) {
+            if (model && seen.insert(model->members).second) {
+                pairs.push_back(judge(std::move(*model)));
+            }
+        }
+        std::stable_sort(pairs.begin(), pairs.end(),
+                         [&](const Judged& a, const Judged& b) { return criterion(a) < criterion(b); });
+        return true;
+    }
+
+    const Judged* single_of(std::size_t candidate) const {
+        for (const EffectResult& effect : d_.effects) {
+            if (effect.candidate == candidate && effect.fit) {
+                return &*effect.fit;
+            }
+        }
+        return nullptr;
+    }
+
+    // Fills explanations_ : the models that explain the data, best first; empty: none does. False: interrupted.
+    bool explain() {
+        std::vector<const Judged*> singles;
+        for (const EffectResult& effect : d_.effects) {
+            if (effect.fit) {
+                singles.push_back(&*effect.fit);
+            }
+        }
+        if (singles.empty()) {
+            return true;
+        }
+        Judged first = *singles[0];
+        auto next =
+            screen(bench_, first.model, task_.candidates, d_.variance, !task_.noise_is_stated, task_.seed, pair_number);
+        if (!next) {
+            return false;
+        }
+        first.p_familywise = next->p_familywise;
+        if (!contradicted(first, first.p_familywise)) {
+            for (const Judged* single : singles) {
+                explanations_.push_back(*single);
+            }
+            explanations_[0] = first;
+            return true;
+        }
+        constexpr std::size_t width = 4;
+        singles.resize(std::min(singles.size(), width));
+        std::vector<Judged> pairs;
+        if (!fit_pairs(singles, pairs)) {
+            return false;
+        }
+        if (pairs.empty()) {
+            explanations_.push_back(first);
+            is_contradicted_ = true;
+            return true;
+        }
+        // Does the second effect earn its place?
+        const Judged& best = pairs[0];
+        const double more = (first.chi2 - best.chi2);
+        const double p_second = next->family ? next->family->p_value(std::sqrt(std::max(0.0, more))) : 1.0;
+        if (p_second < level_evidence) {
+            is_contradicted_ = contradicted(best, 1.0);
+            explanations_ = std::move(pairs);
+        } else {
+            explanations_.push_back(first);
+            is_contradicted_ = true;
+        }
+        return true;
+    }
+
+    // Simulated data without the effects of the best explanation, fitted without and with its first effect. False:
+    // interrupted.
+    bool weigh_evidence() {
+        if (explanations_.empty()) {
+            return true;
+        }
+        // The single effect that explains most.
+        const EffectResult& leading = d_.effects[0];
+        const Members& members = leading.fit->model.members;
+        const Model& base = d_.baseline.model;
+        const Screened& screened = d_.screening.items[leading.candidate];
+        const double noise = std::sqrt(d_.variance);
+        std::vector<double> with = base.unit;
+        const Candidate& candidate = task_.candidates[leading.candidate];
+        const double found = leading.fit->model.unit.back();
+        constexpr double step = 0.1;
+        with.push_back(candidate.null + step * (found - candidate.null));
+        std::vector<double> gains(static_cast<std::size_t>(settings_.bootstrap), -1.0);
+        run::Progress progress("simulated data", settings_.bootstrap);
+        run::for_each_index(arena_, gains.size(), [&](std::size_t b) {
+            const pave::RandomStream random(task_.seed, 100 + b);
+            Target target;
+            target.offset = -base.residuals;
+            for (Index i = 0; i < target.offset.size(); ++i) {
+                target.offset[i] += noise * random.normal(static_cast<std::uint64_t>(i));
+            }
+            const int number = bootstrap_number + static_cast<int>(b);
+            double without = INFINITY;
+            double sum = INFINITY;
+            bench_.chain({}, number, [&](const problem::Problem& problem, run::Chain& chain) {
+                if (const auto model = fit(chain, problem, {}, base.unit, target, close_enough * d_.variance)) {
+                    without = model->sum;
+                }
+            });
+            bench_.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
+                if (const auto model = fit(chain, problem, members, with, target, close_enough * d_.variance)) {
+                    sum = model->sum;
+                }
+            });
+            if (std::isfinite(without) && std::isfinite(sum)) {
+                gains[b] = std::max(0.0, without - sum) / d_.variance;
+            }
+            progress.add(1, true);
+        });
+        if (run::interrupted()) {
+            return false;
+        }
+        double mean = 0.0;
+        for (const double gain : gains) {
+            if (gain >= 0.0) {
+                ++d_.bootstrap;
+                mean += gain;
+                d_.bootstrap_above += gain >= leading.gain ? 1 : 0;
+            }
+        }
+        if (d_.bootstrap > 0) {
+            const double expected = screened.sense == 0 ? 1.0 : 0.5;
+            d_.bartlett = std::max(1.0, mean / d_.bootstrap / expected);
+        }
+        if (d_.screening.family) {
+            d_.p_evidence = d_.screening.family->p_value(std::sqrt(std::max(0.0, leading.gain / d_.bartlett)));
+        }
+        return true;
+    }
+
+    // What a model changes in the residuals, beyond what the parameters follow: length 1.
+    VectorXd direction_of(const EffectResult& effect, const Mimicry& mimicry) const {
+        VectorXd change = d_.screening.items[effect.candidate].change;
+        if (effect.fit) {
+            const VectorXd moved = mimicry.beyond(effect.fit->model.residuals - d_.baseline.model.residuals);
+            if (moved.squaredNorm() > d_.variance) {
+                change = moved;
+            }
+        }
+        return change.size() > 0 ? VectorXd(change / change.norm()) : change;
+    }
+
+    void set_confounding() {
+        const Mimicry mimicry = mimicry_of(d_.baseline.model);
+        const EffectResult& leading = d_.effects[0];
+        const double d = std::sqrt(std::max(0.0, leading.gain));
+        const VectorXd own = direction_of(leading, mimicry);
+        for (std::size_t e = 1; e < d_.effects.size(); ++e) {
+            const VectorXd other = direction_of(d_.effects[e], mimicry);
+            if (other.size() == 0) {
+                continue;
+            }
+            double cosine = own.dot(other);
+            if (d_.screening.items[d_.effects[e].candidate].sense == 0) {
+                cosine = std::abs(cosine);
+            }
+            d_.confounding.push_back({leading.candidate, d_.effects[e].candidate, cosine,
+                                      gsl_cdf_ugaussian_P(d * std::sqrt(std::max(0.0, (1.0 - cosine) / 2.0)))});
+        }
+        std::stable_sort(d_.confounding.begin(), d_.confounding.end(),
+                         [](const auto& a, const auto& b) { return a.rate < b.rate; });
+    }
+
+    bool decide() {
+        if (explanations_.empty()) {
+            d_.verdict = Verdict::unexplained;
+            return true;
+        }
+        const Judged& best = explanations_[0];
+        const bool is_pair = best.model.members.size() > 1;
+        set_confounding();
+        d_.extended = best;
+        for (const Judged& other : explanations_) {
+            const double behind = criterion(other) - criterion(best);
+            bool rival = behind < margin && !(contradicted(other, 1.0) && &other != &explanations_[0]);
+            if (!is_pair && &other != &explanations_[0]) {
+                for (const Confounding& pair : d_.confounding) {
+                    // An effect that these data cannot tell from the leading one, whatever they say today: unless
+                    // they say so clearly.
+                    constexpr double clearly = 2.0 * margin;
+                    rival = rival || (pair.b == other.model.members[0] && pair.rate < least_rate && behind < clearly);
+                }
+            }
+            if (rival) {
+                d_.explanations.push_back({other, behind});
+            }
+        }
+        bool enough = d_.p_evidence < level_evidence;
+        if (is_pair) {
+            for (const std::size_t c : best.model.members) {
+                const auto rest = std::find_if(best.model.members.begin(), best.model.members.end(),
+                                               [&](std::size_t other) { return other != c; });
+                const Judged* single = single_of(*rest);
+                enough = enough && (single == nullptr || single->chi2 - best.chi2 >= least_share);
+            }
+        }
+        if (is_contradicted_ || d_.p_evidence >= level_unexplained) {
+            d_.verdict = Verdict::unexplained;
+            d_.explanations.clear();
+        } else {
+            d_.verdict = d_.explanations.size() == 1 && enough ? Verdict::cause_named : Verdict::ambiguous;
+            name_causes();
+        }
+        return hold_out(best);
+    }
+
+    // The effects of the explanations, best first; within one by what each explains alone.
+    void name_causes() {
+        for (const Explanation& explanation : d_.explanations) {
+            Members members = explanation.fit.model.members;
+            std::stable_sort(members.begin(), members.end(), [&](std::size_t a, std::size_t b) {
+                const Judged* fit_a = single_of(a);
+                const Judged* fit_b = single_of(b);
+                return fit_a != nullptr && (fit_b == nullptr || fit_a->chi2 < fit_b->chi2);
+            });
+            for (const std::size_t c : members) {
+                const std::string& name = task_.candidates[c].effect;
+                if (std::find(d_.causes.begin(), d_.causes.end(), name) == d_.causes.end()) {
+                    d_.causes.push_back(name);
+                }
+            }
+        }
+    }
+
+    // Predictions of readings that were left out. A reading that an effect declares wrong is nobody's to predict.
+    // False: interrupted.
+    bool hold_out(const Judged& best) {
+        std::set<std::size_t> wrong;
+        for (const std::size_t c : best.model.members) {
+            if (task_.candidates[c].reading) {
+                wrong.insert(*task_.candidates[c].reading);
+            }
+        }
+        const auto predict = [&](const std::vector<Fold>& folds, int number) -> std::optional<HeldOut> {
+            struct Squares {
+                double before = 0.0, after = 0.0;
+                std::size_t count = 0;
+            };
+            std::vector<Squares> squares(folds.size());
+            run::Progress progress("held out", static_cast<std::int64_t>(folds.size()));
+            run::for_each_index(arena_, folds.size(), [&](std::size_t f) {
+                predict_fold(
+                    folds[f], best.model, number + 10 * static_cast<int>(f), [&](const Model& a, const Model& b) {
+                        for (const std::size_t i : folds[f].terms) {
+                            if (!wrong.contains(i)) {
+                                squares[f].before += std::pow(a.residuals[static_cast<Index>(i)], 2) / d_.variance;
+                                squares[f].after += std::pow(b.residuals[static_cast<Index>(i)], 2) / d_.variance;
+                                ++squares[f].count;
+                            }
+                        }
+                    });
+                progress.add(1, true);
+            });
+            HeldOut held;
+            for (std::size_t f = 0; f < folds.size(); ++f) {
+                if (squares[f].count > 0) {
+                    const auto n = static_cast<double>(squares[f].count);
+                    held.folds.push_back(
+                        {folds[f].name, std::sqrt(squares[f].before / n), std::sqrt(squares[f].after / n)});
+                    held.before += squares[f].before;
+                    held.after += squares[f].after;
+                    held.readings += squares[f].count;
+                }
+            }
+            if (held.readings == 0) {
+                return std::nullopt;
+            }
+            held.before = std::sqrt(held.before / static_cast<double>(held.readings));
+            held.after = std::sqrt(held.after / static_cast<double>(held.readings));
+            return held;
+        };
+        d_.places = predict(task_.places, fold_number);
+        if (task_.loads.size() > 1) {
+            d_.loads = predict(task_.loads, fold_number + 10 * static_cast<int>(task_.places.size()));
+        }
+        return !run::interrupted();
+    }
+
+    // The baseline without these readings, from the best of what was explored, and from there the extended model, which
+    // begins without its effects: nothing of the readings is known to either.
+    void predict_fold(const Fold& fold, const Model& best, int number,
+                      const std::function<void(const Model&, const Model&)>& use) {
+        Target target;
+        target.left_out.assign(readings(), 0);
+        for (const std::size_t i : fold.terms) {
+            target.left_out[i] = 1;
+        }
+        std::vector<const Model*> order;
+        for (const Model& point : explored_) {
+            order.push_back(&point);
+        }
+        const auto sum = [&](const Model& point) {
+            double s = 0.0;
+            for (std::size_t i = 0; i < readings(); ++i) {
+                s += target.left_out[i] != 0 ? 0.0 : std::pow(point.residuals[static_cast<Index>(i)], 2);
+            }
+            return s;
+        };
+        constexpr std::size_t starts = 2;
+        const std::size_t count = std::min(starts, order.size());
+        std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
+                          [&](const Model* a, const Model* b) { return sum(*a) < sum(*b); });
+        std::optional<Model> before;
+        for (std::size_t s = 0; s < count; ++s) {
+            bench_.chain({}, number + static_cast<int>(s), [&](const problem::Problem& problem, run::Chain& chain) {
+                auto found = fit(chain, problem, {}, order[s]->unit, target, close_enough * d_.variance);
+                if (found && (!before || found->sum < before->sum)) {
+                    before = std::move(found);
+                }
+            });
+        }
+        if (!before) {
+            return;
+        }
+        // From no effect, and from a typical one on the side that was found.
+        std::optional<Model> after;
+        const std::size_t own = before->unit.size();
+        for (int s = 0; s < 2; ++s) {
+            std::vector<double> start = before->unit;
+            for (std::size_t m = 0; m < best.members.size(); ++m) {
+                const Candidate& candidate = task_.candidates[best.members[m]];
+                const double reach = std::abs(candidate.typical - candidate.null);
+                const double side = best.unit[own + m] > candidate.null ? 1.0 : -1.0;
+                start.push_back(std::clamp(candidate.null + (s == 0 ? 0.0 : side * reach), 0.0, 1.0));
+            }
+            bench_.chain(best.members, number + s, [&](const problem::Problem& problem, run::Chain& chain) {
+                auto found = fit(chain, problem, best.members, start, target, close_enough * d_.variance);
+                constexpr double lower = 0.1; // chi2: the same is the same without an effect
+                if (found && (!after || found->sum < after->sum - lower * d_.variance)) {
+                    after = std::move(found);
+                }
+            });
+        }
+        if (after) {
+            use(*before, *after);
+        }
+    }
+
+    static constexpr double level_unexplained = 0.05;
+
+    const DiagnosisTask& task_;
+    Workbench& bench_;
+    const DiagnosisSettings& settings_;
+    tbb::task_arena arena_;
+    Diagnosis d_;
+    std::vector<Model> explored_; // points of the sample: residuals, no derivatives
+    std::vector<Judged> explanations_;
+    bool is_contradicted_ = false; // the best explanation
+    int attempts_ = 0;
+};
+
+} // namespace
+
+Interval interval_of(const problem::Problem& problem, const Model& model, std::size_t axis, double variance) {
+    const MatrixXd j = problem.residual_jacobian(model.evaluation);
+    MatrixXd h = j.transpose() * j / variance;
+    // A parameter on a bound gives way no further; the box is known beforehand.
+    constexpr double box_variance = 1.0 / 12.0;
+    constexpr double weak = 0.01;
+    h.diagonal().array() += weak / box_variance;
+    const MatrixXd covariance = h.llt().solve(MatrixXd::Identity(h.rows(), h.cols()));
+    const auto k = static_cast<Index>(axis);
+    constexpr double two_sided = 1.959963984540054;
+    const double half = two_sided * std::sqrt(covariance(k, k));
+    const problem::Axis& own = problem.space.axes[axis];
+    const double unit = model.unit[axis];
+    return {own.physical(unit), own.physical(std::clamp(unit - half, 0.0, 1.0)),
+            own.physical(std::clamp(unit + half, 0.0, 1.0)), landscape::is_at_bound(unit)};
+}
+
+std::optional<Diagnosis> diagnose(const DiagnosisTask& task, const DiagnosisSettings& settings) {
+    Diagnostician diagnostician(task, settings);
+    if (!diagnostician.run()) {
+        return std::nullopt;
+    }
+    return diagnostician.result();
+}
+
+} // namespace explore::diagnose

@@ -1,0 +1,112 @@
+// Which effect does the model lack? Everything that is computed to say so.
+#pragma once
+
+#include "diagnose/residual_tests.h"
+#include "landscape/multistart.h"
+
+namespace explore::diagnose {
+
+// Readings that are left out together.
+struct Fold {
+    std::string name;
+    std::vector<std::size_t> terms; // of the misfit
+};
+
+struct DiagnosisTask {
+    Workbench& bench;
+    std::vector<Candidate> candidates;
+    bool noise_is_stated = false; // residuals are then in units of it
+    std::vector<ReadingGroup> groups;
+    std::vector<Fold> places; // of the sensors; every term in one
+    std::vector<Fold> loads;
+    std::uint64_t seed = 1;
+};
+
+struct DiagnosisSettings {
+    int explore = 64;   // points of the sample for the baseline
+    int starts = 8;     // searches from them
+    int bootstrap = 40; // fits of simulated data
+};
+
+// A fitted model and what the data say of it.
+struct Judged {
+    Model model;
+    double chi2 = 0.0;
+    int dof = 0;          // readings - directions that the parameters can follow
+    double p_value = 1.0; // of chi2; 1 without stated noise
+    double aicc = 0.0;
+    PatternTest pattern;
+    double p_familywise = 1.0; // of the largest score of a candidate added to it; 1: not computed
+};
+
+struct Interval {
+    double value = 0.0, low = 0.0, high = 0.0; // physical
+    bool at_end = false;                       // the value lies on a bound of its range
+};
+// 95 % interval of a parameter of a fitted model, to first order, within its range.
+Interval interval_of(const problem::Problem& problem, const Model& model, std::size_t axis, double variance);
+
+// What became of one effect.
+struct EffectResult {
+    std::size_t candidate = 0; // its variant that explains most
+    std::size_t variants = 0;  // that were compared
+    std::string impossible;    // why it was not fitted; empty: it was
+    double score = 0.0;        // of that variant
+    double p_familywise = 1.0; // of the score
+    double gain = 0.0;         // fall of chi2 in the full fit
+    double delta_aicc = 0.0;
+    std::optional<Judged> fit; // with this effect alone
+    Interval size;
+};
+
+// A set of effects that explains the data, and how much worse than the best it is.
+struct Explanation {
+    Judged fit;
+    double behind = 0.0; // chi2 above that of the best explanation, with 2 ln(variants) for having chosen among them
+};
+
+// How well two effects can be told apart by these readings.
+struct Confounding {
+    std::size_t a = 0, b = 0; // candidates
+    double cosine = 0.0;      // of what they change in the residuals, beyond what the parameters follow
+    double rate = 1.0;        // of the best possible decision between them, for an effect of the size found
+};
+
+struct HeldOut {
+    double before = 0.0, after = 0.0; // root mean square of predicted residuals, standard deviations
+    std::size_t readings = 0;
+    struct Item {
+        std::string name;
+        double before = 0.0, after = 0.0;
+    };
+    std::vector<Item> folds;
+};
+
+enum class Verdict { adequate, cause_named, ambiguous, unexplained };
+inline constexpr std::string_view verdict_names[] = {"adequate", "cause-named", "ambiguous", "unexplained"};
+
+struct Diagnosis {
+    Verdict verdict = Verdict::adequate;
+    std::string failed;                     // why there is none
+    double variance = 1.0;                  // of one residual
+    std::vector<landscape::Minimum> minima; // of the baseline
+    Judged baseline;
+    std::vector<GroupTest> groups; // at the baseline
+    std::vector<Constancy> constancy;
+    Screening screening;               // on the baseline
+    std::vector<EffectResult> effects; // best explanation first, then by score
+    double p_evidence = 1.0;           // family-wise, of the gain of the best explanation (its last effect)
+    double bartlett = 1.0; // mean gain in simulated data without the effect, in units of what linear theory expects
+    int bootstrap = 0;     // simulated data that were fitted; how many of them gained as much:
+    int bootstrap_above = 0;
+    std::vector<Explanation> explanations; // that the data do not tell apart, best first
+    std::vector<std::string> causes;       // names, most probable first
+    std::vector<Confounding> confounding;  // of the effects with the best explanation's
+    std::optional<Judged> extended;        // the best explanation
+    std::optional<HeldOut> places, loads;
+};
+
+// Nothing: interrupted.
+std::optional<Diagnosis> diagnose(const DiagnosisTask& task, const DiagnosisSettings& settings);
+
+} // namespace explore::diagnose

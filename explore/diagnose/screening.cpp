@@ -1,0 +1,290 @@
+#include "diagnose/screening.h"
+
+#include "base/random.h"
+#include "run/parallel.h"
+#include "run/progress.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <gsl/gsl_cdf.h>
+
+namespace explore::diagnose {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+Mimicry::Mimicry(const MatrixXd& jacobian, const std::vector<double>& unit, const VectorXd& residuals) {
+    const VectorXd pull = jacobian.transpose() * residuals; // the sum of squares falls against it
+    MatrixXd open = jacobian;
+    for (Index k = 0; k < open.cols(); ++k) {
+        const double u = unit[static_cast<std::size_t>(k)];
+        if ((u <= 0.0 && pull[k] > 0.0) || (u >= 1.0 && pull[k] < 0.0)) {
+            open.col(k).setZero();
+        }
+    }
+    constexpr double seen = 1.0;
+    const Eigen::JacobiSVD<MatrixXd> svd(open, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const auto rank = static_cast<Index>((svd.singularValues().array() >= seen).count());
+    base_ = svd.matrixU().leftCols(rank);
+    inverse_ =
+        svd.matrixV().leftCols(rank) * svd.singularValues().head(rank).cwiseInverse().asDiagonal() * base_.transpose();
+}
+
+VectorXd Mimicry::beyond(const VectorXd& change) const {
+    return change - base_ * (base_.transpose() * change);
+}
+
+std::vector<double> Mimicry::best_response(const std::vector<double>& unit, const VectorXd& residuals) const {
+    const VectorXd step = inverse_ * residuals;
+    std::vector<double> point = unit;
+    for (std::size_t k = 0; k < point.size(); ++k) {
+        point[k] = std::clamp(point[k] - step[static_cast<Index>(k)], 0.0, 1.0);
+    }
+    return point;
+}
+
+Family::Family(const MatrixXd& directions, const std::vector<int>& sense, const Mimicry& mimicry, bool estimated,
+               std::uint64_t seed)
+    : sense_(sense) {
+    constexpr int draws = 10'000;
+    const Index n = directions.rows();
+    const pave::RandomStream random(seed, 6);
+    VectorXd noise(n);
+    for (int draw = 0; draw < draws; ++draw) {
+        for (Index i = 0; i < n; ++i) {
+            noise[i] = random.normal(static_cast<std::uint64_t>(draw) * static_cast<std::uint64_t>(n) +
+                                     static_cast<std::uint64_t>(i));
+        }
+        const double scale =
+            estimated ? mimicry.beyond(noise).norm() / std::sqrt(std::max(1.0, static_cast<double>(n - mimicry.rank())))
+                      : 1.0;
+        const VectorXd statistics = -directions.transpose() * noise / scale;
+        double largest = 0.0;
+        for (Index j = 0; j < statistics.size(); ++j) {
+            const int s = sense[static_cast<std::size_t>(j)];
+            largest = std::max(largest, s == 0 ? std::abs(statistics[j]) : s * statistics[j]);
+        }
+        largest_.push_back(largest);
+    }
+    std::sort(largest_.begin(), largest_.end(), std::greater<>());
+}
+
+double Family::p_value(double statistic) const {
+    const auto above = std::lower_bound(largest_.begin(), largest_.end(), statistic, std::greater_equal<>());
+    const auto count = static_cast<double>(above - largest_.begin());
+    constexpr double reach = 20.0; // draws
+    if (count >= reach) {
+        return count / static_cast<double>(largest_.size());
+    }
+    double sum = 0.0;
+    for (const int s : sense_) {
+        sum += (s == 0 ? 2.0 : 1.0) * gsl_cdf_ugaussian_Q(statistic);
+    }
+    return std::min(sum, reach / static_cast<double>(largest_.size()));
+}
+
+double Family::threshold(double p) const {
+    return largest_[static_cast<std::size_t>(p * static_cast<double>(largest_.size()))];
+}
+
+Members with_member(Members members, std::size_t candidate) {
+    members.insert(std::upper_bound(members.begin(), members.end(), candidate), candidate);
+    return members;
+}
+
+std::size_t size_index(Workbench& bench, const Members& members, std::size_t candidate) {
+    const auto at = std::find(members.begin(), members.end(), candidate) - members.begin();
+    return bench.problem({}).space.axes.size() + static_cast<std::size_t>(at);
+}
+
+namespace {
+
+// What is computed of one candidate.
+struct Signature {
+    std::string impossible;
+    VectorXd derivative;         // by the size at its null value; empty: none
+    std::vector<double> sizes;   // unit coordinates
+    std::vector<VectorXd> moved; // residuals there - residuals at null; empty: no answer
+};
+
+std::vector<double> with_size(std::vector<double> unit, std::size_t at, double size) {
+    unit.insert(unit.begin() + static_cast<std::ptrdiff_t>(at), size);
+    return unit;
+}
+
+// Sizes around the null value at which the residuals are computed.
+std::vector<double> scan_of(const Candidate& candidate) {
+    const double reach = candidate.typical - candidate.null;
+    std::vector<double> sizes;
+    for (const double share : {1.0, 0.4, 2.0, 4.0, -1.0, -0.4, -2.0}) {
+        const double size = candidate.null + share * reach;
+        constexpr double edge = 0.02;
+        if (size > 0.0 && size < 1.0) {
+            sizes.push_back(size);
+        } else if (size - (size > 0.5 ? 1.0 : 0.0) != candidate.null) {
+            const double end = size > 0.5 ? 1.0 - edge : edge;
+            const bool is_new = std::none_of(sizes.begin(), sizes.end(),
+                                             [&](double other) { return std::abs(other - end) < 2.0 * edge; });
+            if (is_new && std::abs(end - candidate.null) > 2.0 * edge) {
+                sizes.push_back(end);
+            }
+        }
+    }
+    return sizes;
+}
+
+} // namespace
+
+std::optional<Screening> screen(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates,
+                                double variance, bool estimated, std::uint64_t seed, int number) {
+    const double noise = std::sqrt(variance);
+    const problem::Problem& own = bench.problem(base.members);
+    const Mimicry mimicry(own.residual_jacobian(base.evaluation) / noise, base.unit, base.residuals / noise);
+    const auto is_member = [&](std::size_t c) {
+        return std::any_of(base.members.begin(), base.members.end(), [&](std::size_t m) {
+            return candidates[m].effect == candidates[c].effect; // an effect once in a model
+        });
+    };
+    std::vector<Signature> signatures(candidates.size());
+    {
+        run::Progress progress(base.members.empty() ? "effects" : "pairs",
+                               static_cast<std::int64_t>(candidates.size()));
+        tbb::task_arena arena(run::usable_threads(bench.threads()));
+        run::for_each_index(arena, candidates.size(), [&](std::size_t c) {
+            const Candidate& candidate = candidates[c];
+            Signature& s = signatures[c];
+            if (is_member(c)) {
+                s.impossible = "in the model already";
+            } else if (candidate.reading) {
+                // A wrong reading moves its own residual alone, by any amount.
+                s.derivative = VectorXd::Unit(base.residuals.size(), static_cast<Index>(*candidate.reading));
+            } else {
+                const Members members = with_member(base.members, c);
+                const std::size_t at = size_index(bench, members, c);
+                std::vector<double> unit = with_size(base.unit, at, candidate.null);
+                VectorXd there;
+                bench.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
+                    const auto e = chain.at(unit);
+                    if (!e.converged()) {
+                        s.impossible = e.reason;
+                        return;
+                    }
+                    there = problem.misfit.residuals(e.responses);
+                    s.derivative = problem.residual_jacobian(e).col(static_cast<Index>(at));
+                });
+                if (s.impossible.empty() && there.size() > 0) {
+                    bench.chain(
+                        members, number + 1,
+                        [&](const problem::Problem& problem, run::Chain& chain) {
+                            for (const double size : scan_of(candidate)) {
+                                unit[at] = size;
+                                const auto e = chain.at(unit);
+                                s.sizes.push_back(size);
+                                s.moved.push_back(e.converged() ? problem.misfit.residuals(e.responses) - there
+                                                                : VectorXd());
+                            }
+                        },
+                        false);
+                }
+            }
+            progress.add(1, true);
+        });
+    }
+    if (run::interrupted()) {
+        return std::nullopt;
+    }
+    Screening screening;
+    screening.items.resize(candidates.size());
+    std::vector<VectorXd> directions;
+    std::vector<int> sense;
+    std::vector<std::size_t> owner;
+    const double left = static_cast<double>(base.residuals.size() - mimicry.rank());
+    const double scale = estimated ? mimicry.beyond(base.residuals).norm() / std::sqrt(std::max(1.0, left)) : noise;
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+        const Candidate& candidate = candidates[c];
+        const Signature& s = signatures[c];
+        Screened& item = screening.items[c];
+        item.foretold = base.sum;
+        item.impossible = s.impossible;
+        if (!s.impossible.empty()) {
+            continue;
+        }
+        item.sense = candidate.null <= 0.0 ? 1 : candidate.null >= 1.0 ? -1 : 0;
+        const double reach = candidate.typical - candidate.null;
+        item.change = s.derivative;
+        // Some effects have no first derivative at their null size.
+        constexpr double flat = 0.1;
+        if (!s.moved.empty() && s.moved[0].size() > 0 &&
+            std::abs(reach) * s.derivative.norm() < flat * s.moved[0].norm()) {
+            item.change = s.moved[0] / reach;
+            item.at_null = false;
+            item.sense = reach > 0.0 ? 1 : -1;
+        }
+        item.change = mimicry.beyond(item.change);
+        constexpr double invisible = 0.05; // standard deviations, crossing the whole range
+        const double length = item.change.norm();
+        if (length < invisible * noise) {
+            item.impossible = "the fitted parameters follow it, or no reading sees it";
+            continue;
+        }
+        const VectorXd direction = item.change / length;
+        item.score = -direction.dot(base.residuals) / scale;
+        for (std::size_t other = 0; other < directions.size(); ++other) {
+            if (candidates[owner[other]].effect == candidate.effect &&
+                std::abs(directions[other].dot(direction)) > 1.0 - 1e-6) {
+                item.duplicate = true;
+            }
+        }
+        // Where to start a fit.
+        const auto propose = [&](double size, const VectorXd& moved) {
+            const VectorXd there = base.residuals + moved;
+            const Members members = with_member(base.members, c);
+            item.starts.push_back(
+                {with_size(mimicry.best_response(base.unit, there / noise), size_index(bench, members, c), size),
+                 mimicry.beyond(there).squaredNorm()});
+        };
+        for (std::size_t i = 0; i < s.sizes.size(); ++i) {
+            if (s.moved[i].size() > 0) {
+                propose(s.sizes[i], s.moved[i]);
+            }
+        }
+        if (s.sizes.empty()) { // a wrong reading: to the right one
+            propose(candidate.null + std::copysign(reach, item.score), s.derivative * (item.score * scale / length));
+        }
+        std::stable_sort(item.starts.begin(), item.starts.end(),
+                         [](const auto& a, const auto& b) { return a.foretold < b.foretold; });
+        item.foretold = std::min(item.foretold, item.starts.empty() ? base.sum : item.starts[0].foretold);
+        if (item.score * item.sense >= 0.0) {
+            item.foretold = std::min(item.foretold, base.sum - item.score * item.score * scale * scale);
+        }
+        if (!item.duplicate) {
+            directions.push_back(direction);
+            sense.push_back(item.sense);
+            owner.push_back(c);
+        }
+    }
+    if (directions.empty()) {
+        return screening;
+    }
+    MatrixXd all(base.residuals.size(), static_cast<Index>(directions.size()));
+    for (std::size_t j = 0; j < directions.size(); ++j) {
+        all.col(static_cast<Index>(j)) = directions[j];
+    }
+    screening.family.emplace(all, sense, mimicry, estimated, seed);
+    constexpr double level = 0.05;
+    screening.threshold = screening.family->threshold(level);
+    for (Screened& item : screening.items) {
+        if (item.impossible.empty()) {
+            const double counted = item.sense == 0 ? std::abs(item.score) : std::max(0.0, item.sense * item.score);
+            item.p_familywise = counted > 0.0 ? screening.family->p_value(counted) : 1.0;
+            if (!item.duplicate) {
+                screening.p_familywise = std::min(screening.p_familywise, item.p_familywise);
+            }
+        }
+    }
+    return screening;
+}
+
+} // namespace explore::diagnose

@@ -1,0 +1,80 @@
+// What each candidate could explain of the residuals, before anything is fitted again.
+#pragma once
+
+#include "diagnose/workbench.h"
+
+namespace explore::diagnose {
+
+// What free parameters can follow, to first order: the span of the residuals' derivatives. Directions that crossing the
+// whole box moves by less than one standard deviation are not in it, nor are parameters that the fit presses against a
+// bound.
+class Mimicry {
+public:
+    // jacobian: residuals in standard deviations by unit coordinates.
+    Mimicry(const Eigen::MatrixXd& jacobian, const std::vector<double>& unit, const Eigen::VectorXd& residuals);
+
+    // The part that no parameter can follow.
+    Eigen::VectorXd beyond(const Eigen::VectorXd& change) const;
+    // The point of the cube at which the parameters make the best of these residuals.
+    std::vector<double> best_response(const std::vector<double>& unit, const Eigen::VectorXd& residuals) const;
+    int rank() const { return static_cast<int>(base_.cols()); }
+
+private:
+    Eigen::MatrixXd base_;    // orthonormal
+    Eigen::MatrixXd inverse_; // parameters by residuals
+};
+
+// How large the largest of several statistics gets when there is nothing but noise.
+class Family {
+public:
+    // directions: unit vectors, one column a statistic: minus their product with the residuals. Only the sign of
+    // `sense` counts, where it is not 0. estimated: the noise is what the residuals leave over, beyond `mimicry`.
+    Family(const Eigen::MatrixXd& directions, const std::vector<int>& sense, const Mimicry& mimicry, bool estimated,
+           std::uint64_t seed);
+
+    // The chance that the largest statistic of the family reaches this under noise alone. Simulated with 10,000 draws;
+    // below their reach by the bound of Bonferroni, which is close there.
+    double p_value(double statistic) const;
+    // What the largest statistic exceeds with this probability.
+    double threshold(double p) const;
+
+private:
+    std::vector<double> largest_; // descending
+    std::vector<int> sense_;
+};
+
+struct Screened {
+    std::string impossible; // why it cannot be judged; empty: it can
+    Eigen::VectorXd change; // of the residuals by the unit coordinate of the size, as far as no parameter follows it
+    bool at_null = true;    // the derivative at the null size; false: there is none, the difference to the typical size
+    int sense = 0;          // +1: only larger sizes than null exist, -1: only smaller
+    double score = 0.0;     // > 0: the data want a larger size [standard deviations]
+    double p_familywise = 1.0; // of the score among all candidates
+    bool duplicate = false;    // the same as an earlier candidate of the same effect
+    // Starts for a fit, by the sum of squares foretold there: unit coordinates with the size.
+    struct Start {
+        std::vector<double> unit;
+        double foretold = 0.0;
+    };
+    std::vector<Start> starts;
+    double foretold = 0.0; // lowest sum of squares foretold
+};
+
+struct Screening {
+    std::vector<Screened> items; // one a candidate; those among the base's members have no change
+    double threshold = 0.0;      // what the largest |score| exceeds in 5 % of cases under noise alone
+    double p_familywise = 1.0;   // of the largest score
+    std::optional<Family> family;
+};
+
+// base: what the candidates are added to. variance: of a residual. number: of the first evaluation that is kept; those
+// up to number + 20 are its own. Nothing: interrupted.
+std::optional<Screening> screen(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates,
+                                double variance, bool estimated, std::uint64_t seed, int number);
+
+// The members of a model with one candidate more, in increasing order.
+Members with_member(Members members, std::size_t candidate);
+// Index of a candidate's size among the parameters of a model.
+std::size_t size_index(Workbench& bench, const Members& members, std::size_t candidate);
+
+} // namespace explore::diagnose

@@ -1,0 +1,99 @@
+#include "diagnose/workbench.h"
+
+#include "optimise/gauss_newton.h"
+
+namespace explore::diagnose {
+
+std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, const Members& members,
+                         const std::vector<double>& start, const Target& target, double enough) {
+    Model best;
+    best.sum = std::numeric_limits<double>::infinity();
+    std::exception_ptr failure;
+    const optimise::Objective objective = [&](std::span<const double> unit, optimise::Sample& sample) {
+        problem::Evaluation e;
+        try {
+            e = chain.at(unit);
+        } catch (...) { // no exception crosses the optimiser
+            failure = std::current_exception();
+            return optimise::Answer::stop;
+        }
+        if (!e.converged()) {
+            return optimise::Answer::no_answer;
+        }
+        Eigen::VectorXd residuals = problem.misfit.residuals(e.responses);
+        if (target.offset.size() > 0) {
+            residuals += target.offset;
+        }
+        sample.residuals = residuals;
+        sample.jacobian = problem.residual_jacobian(e);
+        for (std::size_t i = 0; i < target.left_out.size(); ++i) {
+            if (target.left_out[i] != 0) {
+                sample.residuals[static_cast<Eigen::Index>(i)] = 0.0;
+                sample.jacobian.row(static_cast<Eigen::Index>(i)).setZero();
+            }
+        }
+        if (const double sum = sample.residuals.squaredNorm(); sum < best.sum) {
+            best = {members, {unit.begin(), unit.end()}, std::move(e), std::move(residuals), sum};
+        }
+        return optimise::Answer::computed;
+    };
+    optimise::SearchSettings settings;
+    settings.max_evaluations = 40;
+    settings.enough = enough;
+    optimise::gauss_newton(start, objective, settings);
+    if (failure) {
+        std::rethrow_exception(failure);
+    }
+    if (best.unit.empty()) {
+        return std::nullopt;
+    }
+    return best;
+}
+
+const problem::Problem& Workbench::problem(const Members& members) {
+    {
+        const std::scoped_lock lock(mutex_);
+        if (const auto found = problems_.find(members); found != problems_.end()) {
+            return *found->second;
+        }
+    }
+    auto made = std::make_unique<const problem::Problem>(making_.problem(members));
+    const std::scoped_lock lock(mutex_);
+    return *problems_.try_emplace(members, std::move(made)).first->second;
+}
+
+Workbench::Counted::Counted(Workbench& bench, const problem::Problem& problem, const Members& members)
+    : bench(bench),
+      engine(problem, bench.making_.store,
+             [&] {
+                 const std::scoped_lock lock(bench.mutex_);
+                 const auto [run, is_new] = bench.runs_.try_emplace(members, 0);
+                 if (is_new) {
+                     run->second = bench.making_.run(members);
+                 }
+                 return run->second;
+             }(),
+             {.threads = bench.making_.threads, .show_progress = false}) {}
+
+Workbench::Counted::~Counted() {
+    const run::Tally& own = engine.tally();
+    const std::scoped_lock lock(bench.mutex_);
+    bench.tally_.computed += own.computed;
+    bench.tally_.kept += own.kept;
+    bench.tally_.forward_cpu_seconds += own.forward_cpu_seconds;
+}
+
+bool Workbench::chain(const Members& members, int start,
+                      const std::function<void(const problem::Problem&, run::Chain&)>& body, bool with_jacobian) {
+    return use(members, [&](const problem::Problem& problem, run::Engine& engine) {
+        return engine.chains(
+            "", start, 1, [&](std::size_t, run::Chain& chain) { body(problem, chain); }, with_jacobian);
+    });
+}
+
+run::Tally Workbench::tally() const {
+    const std::scoped_lock lock(mutex_);
+    return tally_;
+}
+
+} // namespace explore::diagnose

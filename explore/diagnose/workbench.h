@@ -1,0 +1,86 @@
+// Models that are the baseline with something added, and fits of them.
+#pragma once
+
+#include "run/engine.h"
+
+#include <map>
+#include <mutex>
+
+namespace explore::diagnose {
+
+// Something the model may lack: a size that is zero effect at one value.
+struct Candidate {
+    std::string effect;
+    std::string on;                     // what it acts on, in words; empty: what it always acts on
+    double null = 0.0;                  // the size that changes nothing, and one that is seen in practice:
+    double typical = 0.0;               // unit coordinates of its axis
+    std::optional<std::size_t> reading; // the reading (term of the misfit) that it declares wrong
+};
+
+// Indices of candidates. The problem of a model has the parameters of the baseline, then the sizes of its members.
+using Members = std::vector<std::size_t>;
+
+// Residuals to be fitted in place of those of the data.
+struct Target {
+    Eigen::VectorXd offset;     // added to them; empty: nothing
+    std::vector<char> left_out; // of each: whether it does not count; empty: all count
+};
+
+// A fitted model.
+struct Model {
+    Members members;
+    std::vector<double> unit;
+    problem::Evaluation evaluation; // with jacobian
+    Eigen::VectorXd residuals;      // those that were fitted, and those left out
+    double sum = 0.0;               // of squares of those that count
+};
+
+// Least squares from a point; nothing: no answer there.
+std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, const Members& members,
+                         const std::vector<double>& start, const Target& target, double enough);
+
+// Makes problems and engines of models. All functions may be called from any thread.
+class Workbench {
+public:
+    struct Making {
+        std::function<problem::Problem(const Members&)> problem;
+        std::function<int(const Members&)> run; // of the store, for the evaluations of a model
+        run::Store* store = nullptr;
+        int threads = 0;
+    };
+    explicit Workbench(Making making) : making_(std::move(making)) {}
+
+    const problem::Problem& problem(const Members& members);
+
+    // body(problem, engine); what the engine computed is counted.
+    template <class Body>
+    auto use(const Members& members, const Body& body) {
+        const problem::Problem& own = problem(members);
+        Counted engine(*this, own, members);
+        return body(own, engine.engine);
+    }
+    // One chain of evaluations with derivatives, kept under this start number. False: interrupted.
+    bool chain(const Members& members, int start, const std::function<void(const problem::Problem&, run::Chain&)>& body,
+               bool with_jacobian = true);
+
+    run::Tally tally() const;
+    int threads() const { return making_.threads; }
+
+private:
+    struct Counted {
+        Counted(Workbench& bench, const problem::Problem& problem, const Members& members);
+        ~Counted();
+        Counted(const Counted&) = delete;
+        Counted& operator=(const Counted&) = delete;
+        Workbench& bench;
+        run::Engine engine;
+    };
+
+    Making making_;
+    mutable std::mutex mutex_;
+    std::map<Members, std::unique_ptr<const problem::Problem>> problems_;
+    std::map<Members, int> runs_;
+    run::Tally tally_;
+};
+
+} // namespace explore::diagnose

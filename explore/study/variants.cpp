@@ -1,0 +1,235 @@
+#include "study/variants.h"
+
+#include "data/csv.h"
+#include "pavement/effects/catalog.h"
+#include "pavement/effects/effect.h"
+#include "study/table_reader.h"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace explore::study {
+
+using namespace pave::pavement;
+
+namespace {
+
+std::string size_path(const Variant& variant) {
+    return std::string(variant.applied.effect->name) + ".size";
+}
+
+} // namespace
+
+std::vector<Variant> variants(const Study& study, const std::vector<std::string>& without) {
+    // What is fitted.
+    std::vector<std::size_t> readings;
+    std::vector<std::pair<int, Quantity>> groups;
+    for (const Group& group : study.groups) {
+        if (!group.held_out) {
+            readings.insert(readings.end(), group.rows.begin(), group.rows.end());
+            const Sensor& sensor = study.model.sensors[group.rows[0]];
+            groups.emplace_back(sensor.load, sensor.quantity);
+        }
+    }
+    std::vector<int> loads;
+    std::vector<Quantity> quantities;
+    for (const auto& [load, quantity] : groups) {
+        if (std::find(loads.begin(), loads.end(), load) == loads.end()) {
+            loads.push_back(load);
+        }
+        if (std::find(quantities.begin(), quantities.end(), quantity) == quantities.end()) {
+            quantities.push_back(quantity);
+        }
+    }
+    const auto load_name = [&](int load) { return study.model.loads[static_cast<std::size_t>(load)].name; };
+    std::vector<Variant> list;
+    for (const Effect* effect : effects()) {
+        const bool has_it = std::any_of(study.model.effects.begin(), study.model.effects.end(),
+                                        [&](const AppliedEffect& applied) { return applied.effect == effect; });
+        if (has_it || std::find(without.begin(), without.end(), effect->name) != without.end()) {
+            continue;
+        }
+        const auto add = [&](AppliedEffect applied, std::string on) {
+            applied.effect = effect;
+            applied.size = effect->null;
+            if (why_impossible(study.model, applied).empty()) {
+                list.push_back({std::move(applied), std::move(on)});
+            }
+        };
+        if (effect->takes_reading) {
+            for (const std::size_t i : readings) {
+                const auto& m = study.measurements[i];
+                add({.reading = static_cast<int>(i)}, fmt::format("reading {}: {}, {} at x = {:g}, depth {:g} mm",
+                                                                  i + 1, m.load, m.quantity, m.x_mm, m.depth_mm));
+            }
+        } else if (effect->takes_quantity) {
+            for (const auto& [load, quantity] : groups) {
+                add({.load = load, .quantity = quantity}, fmt::format("{}, {}", load_name(load), info(quantity).name));
+            }
+            if (loads.size() > 1 && quantities.size() > 1) {
+                for (const Quantity quantity : quantities) {
+                    add({.quantity = quantity}, fmt::format("every {}", info(quantity).name));
+                }
+                for (const int load : loads) {
+                    add({.load = load}, fmt::format("everything under {}", load_name(load)));
+                }
+            }
+        } else {
+            add({}, "");
+            for (std::size_t l = 0; effect->takes_load && study.model.loads.size() > 1 && l < loads.size(); ++l) {
+                add({.load = loads[l]}, load_name(loads[l]));
+            }
+        }
+    }
+    return list;
+}
+
+Study with_free_effects(Study study, const std::vector<Variant>& variants) {
+    for (const Variant& variant : variants) {
+        const Effect& effect = *variant.applied.effect;
+        study.model.effects.push_back(variant.applied);
+        study.model.effects.back().present = true;
+        const std::string path = size_path(variant);
+        study.parameters.push_back(find_parameter(study.model, path, {.file = study.file}));
+        study.space.axes.push_back({.name = path,
+                                    .low = effect.low,
+                                    .high = effect.high,
+                                    .scale = effect.log_scale ? problem::Scale::log : problem::Scale::linear,
+                                    .start = effect.null});
+        study.hash += fmt::format("+{}({})", effect.name, variant.on);
+    }
+    return study;
+}
+
+namespace {
+
+// A piece of text to be replaced.
+struct Edit {
+    std::size_t begin = 0, end = 0; // bytes
+    std::string text;
+};
+
+class Editor {
+public:
+    explicit Editor(std::string text) : text_(std::move(text)) {
+        starts_.push_back(0);
+        for (std::size_t i = 0; i < text_.size(); ++i) {
+            if (text_[i] == '\n') {
+                starts_.push_back(i + 1);
+            }
+        }
+    }
+    // Byte of a position, whose column counts code points.
+    std::size_t at(toml::source_position position) const {
+        std::size_t byte = starts_[position.line - 1];
+        const auto continues = [&](std::size_t i) { return i < text_.size() && (text_[i] & 0xC0) == 0x80; };
+        for (auto column = position.column; column > 1; --column) {
+            do {
+                ++byte;
+            } while (continues(byte));
+        }
+        return byte;
+    }
+    void replace(const toml::node& node, std::string text) {
+        edits_.push_back({at(node.source().begin), at(node.source().end), std::move(text)});
+    }
+    // Gives a table a key that it does not state.
+    void insert(const toml::table& table, const std::string& key, const std::string& value) {
+        const std::size_t begin = at(table.source().begin);
+        if (text_[begin] == '{') {
+            edits_.push_back({begin + 1, begin + 1, fmt::format(" {} = {},", key, value)});
+        } else {
+            const std::size_t line = text_.find('\n', begin) + 1;
+            edits_.push_back({line, line, fmt::format("{} = {}\n", key, value)});
+        }
+    }
+    std::string result() {
+        std::stable_sort(edits_.begin(), edits_.end(), [](const Edit& a, const Edit& b) { return a.begin > b.begin; });
+        for (const Edit& edit : edits_) {
+            text_.replace(edit.begin, edit.end - edit.begin, edit.text);
+        }
+        return text_.ends_with('\n') ? text_ : text_ + '\n';
+    }
+
+private:
+    std::string text_;
+    std::vector<std::size_t> starts_; // of the lines
+    std::vector<Edit> edits_;
+};
+
+// The table of the array `list` with this name; nullptr: none.
+const toml::table* named(const toml::table& root, std::string_view list, const std::string& name) {
+    if (const toml::array* tables = root[list].as_array()) {
+        for (const toml::node& node : *tables) {
+            const toml::table* table = node.as_table();
+            if (table != nullptr && (*table)["name"].value_or(std::string()) == name) {
+                return table;
+            }
+        }
+    }
+    return nullptr;
+}
+
+std::string quoted(const std::string& text) {
+    std::ostringstream stream;
+    stream << toml::value<std::string>(text);
+    return stream.str();
+}
+
+} // namespace
+
+std::string extended_text(const Study& extended, const std::vector<Variant>& variants,
+                          const std::vector<double>& values, const std::string& folder) {
+    const std::string text = data::read_file(extended.file, "study");
+    const toml::table root = toml::parse(text, extended.file);
+    Editor editor(text);
+    const auto own = std::filesystem::absolute(extended.file).parent_path();
+    if (const toml::array* files = root["data"]["files"].as_array()) {
+        for (const toml::node& file : *files) {
+            const auto path = (own / file.value_or(std::string())).lexically_normal();
+            editor.replace(file, quoted(path.lexically_proximate(std::filesystem::absolute(folder)).generic_string()));
+        }
+    }
+    const std::size_t known = values.size() - variants.size();
+    for (std::size_t k = 0; k < known; ++k) {
+        const std::string& path = extended.parameters[k].path;
+        const auto dot = path.rfind('.');
+        const std::string owner = path.substr(0, dot);
+        const std::string key = path.substr(dot + 1);
+        for (const std::string_view list : {"layers", "loads", "effects"}) {
+            if (const toml::table* table = named(root, list, owner)) {
+                if (const toml::node* node = table->get(key)) {
+                    editor.replace(*node, fmt::format("{}", values[k]));
+                } else {
+                    editor.insert(*table, key, fmt::format("{}", values[k]));
+                }
+            }
+        }
+    }
+    std::string result = editor.result();
+    for (std::size_t v = 0; v < variants.size(); ++v) {
+        const AppliedEffect& applied = variants[v].applied;
+        const Effect& effect = *applied.effect;
+        result +=
+            fmt::format("\n[[effects]]\nname = \"{}\"\nsize = {}  # {}\n", effect.name, values[known + v], effect.unit);
+        if (!applied.layer.empty()) {
+            result += fmt::format("layer = {}\n", quoted(applied.layer));
+        }
+        if (applied.load) {
+            result +=
+                fmt::format("load = {}\n", quoted(extended.model.loads[static_cast<std::size_t>(*applied.load)].name));
+        }
+        if (applied.quantity) {
+            result += fmt::format("quantity = \"{}\"\n", info(*applied.quantity).name);
+        }
+        if (applied.reading) {
+            result += fmt::format("reading = {}\n", *applied.reading + 1);
+        }
+        const problem::Axis& axis = extended.space.axes[known + v];
+        result += fmt::format("\n[[parameters]]\nname = \"{}\"\nmin = {}\nmax = {}\nscale = \"{}\"\n", axis.name,
+                              axis.low, axis.high, axis.scale == problem::Scale::log ? "log" : "linear");
+    }
+    return result;
+}
+
+} // namespace explore::study

@@ -1,0 +1,29 @@
+// The ways in which an effect may be missing from a study's model.
+#pragma once
+
+#include "study/study.h"
+
+namespace explore::study {
+
+// An effect with its options: what `diagnose` may add to a study.
+struct Variant {
+    pave::pavement::AppliedEffect applied; // at its null size
+    std::string on; // what its options name, in words: "fwd, deflection"; empty: the effect's own choice
+};
+
+// Every effect of the catalogue that the study can have and does not have yet: acting on what it acts on by itself and,
+// where it takes a load, a quantity or a reading, on each of those with readings that are fitted. Effects named in
+// `without` are left out.
+std::vector<Variant> variants(const Study& study, const std::vector<std::string>& without);
+
+// The study with these effects, the size of each a further parameter ("NAME.size", over its prior range) after the
+// study's own.
+Study with_free_effects(Study study, const std::vector<Variant>& variants);
+
+// The study file's text with these parameter values in place of its own, with the effects among the parameters as
+// [[effects]] and [[parameters]], and with data files found from `folder`; everything else to the letter. extended: of
+// with_free_effects, values: of all its parameters, file units.
+std::string extended_text(const Study& extended, const std::vector<Variant>& variants,
+                          const std::vector<double>& values, const std::string& folder);
+
+} // namespace explore::study
