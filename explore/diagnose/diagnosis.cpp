@@ -28,6 +28,7 @@ constexpr double margin = 6.0;
 constexpr double least_rate = 0.95; // of telling two effects apart
 // Each effect of a pair must explain this much beyond the other.
 constexpr double least_share = 16.0;
+constexpr std::size_t beam_width = 4;  // single effects that a second one is added to
 constexpr double close_enough = 0.005; // half of the change of chi2 that a fit leaves undone
 
 // Numbers of evaluations that are kept.
@@ -220,13 +221,20 @@ private:
             double foretold = 0.0; // of the first
         };
         std::map<std::string, Taken> taken;
+        const double best = order.empty() ? 0.0 : screening.items[order[0]].foretold;
         std::erase_if(order, [&](std::size_t c) {
+            const double foretold = screening.items[c].foretold;
+            constexpr double hopeless = 50.0; // chi2 behind the best; the foretelling errs, so some are taken anyway
+            constexpr std::size_t anyway = 5; // effects
+            if (taken.size() >= anyway && foretold > best + hopeless * d_.variance) {
+                return true;
+            }
             const auto [at, is_new] = taken.try_emplace(task_.candidates[c].effect);
             if (is_new) {
-                at->second.foretold = screening.items[c].foretold;
+                at->second.foretold = foretold;
             }
             constexpr double far = 25.0; // chi2
-            const bool is_behind = screening.items[c].foretold > at->second.foretold + far * d_.variance;
+            const bool is_behind = foretold > at->second.foretold + far * d_.variance;
             return taken.size() > effects || is_behind || ++at->second.count > each;
         });
         return order;
@@ -234,7 +242,7 @@ private:
 
     bool fit_singles() {
         auto screening = screen(bench_, d_.baseline.model, task_.candidates, d_.variance, !task_.noise_is_stated,
-                                task_.seed, screen_number);
+                                task_.seed, Screen::starts, screen_number);
         if (!screening) {
             return false;
         }
@@ -368,7 +376,7 @@ private:
         for (std::size_t b = 0; b < beam.size(); ++b) {
             const int number = pair_number + 100 * static_cast<int>(b);
             auto screening = screen(bench_, beam[b]->model, task_.candidates, d_.variance, !task_.noise_is_stated,
-                                    task_.seed, number);
+                                    task_.seed, Screen::starts, number);
             if (!screening) {
                 return false;
             }
@@ -428,8 +436,8 @@ private:
             return true;
         }
         Judged first = *singles[0];
-        auto next =
-            screen(bench_, first.model, task_.candidates, d_.variance, !task_.noise_is_stated, task_.seed, pair_number);
+        auto next = screen(bench_, first.model, task_.candidates, d_.variance, !task_.noise_is_stated, task_.seed,
+                           Screen::scores, pair_number + 100 * static_cast<int>(beam_width));
         if (!next) {
             return false;
         }
@@ -441,8 +449,7 @@ private:
             explanations_[0] = first;
             return true;
         }
-        constexpr std::size_t width = 4;
-        singles.resize(std::min(singles.size(), width));
+        singles.resize(std::min(singles.size(), beam_width));
         std::vector<Judged> pairs;
         if (!fit_pairs(singles, pairs)) {
             return false;
@@ -688,10 +695,6 @@ private:
         for (const std::size_t i : fold.terms) {
             target.left_out[i] = 1;
         }
-        std::vector<const Model*> order;
-        for (const Model& point : explored_) {
-            order.push_back(&point);
-        }
         const auto sum = [&](const Model& point) {
             double s = 0.0;
             for (std::size_t i = 0; i < readings(); ++i) {
@@ -699,18 +702,21 @@ private:
             }
             return s;
         };
-        constexpr std::size_t starts = 2;
-        const std::size_t count = std::min(starts, order.size());
-        std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
-                          [&](const Model* a, const Model* b) { return sum(*a) < sum(*b); });
+        const auto nearest = std::min_element(explored_.begin(), explored_.end(),
+                                              [&](const Model& a, const Model& b) { return sum(a) < sum(b); });
         std::optional<Model> before;
-        for (std::size_t s = 0; s < count; ++s) {
-            bench_.chain({}, number + static_cast<int>(s), [&](const problem::Problem& problem, run::Chain& chain) {
-                auto found = fit(chain, problem, {}, order[s]->unit, target, close_enough * d_.variance);
+        const auto fit_from = [&](const std::vector<double>& unit, int chain_number) {
+            bench_.chain({}, chain_number, [&](const problem::Problem& problem, run::Chain& chain) {
+                auto found = fit(chain, problem, {}, unit, target, close_enough * d_.variance);
                 if (found && (!before || found->sum < before->sum)) {
                     before = std::move(found);
                 }
             });
+        };
+        fit_from(nearest->unit, number);
+        // Where that ended in a worse minimum than is known.
+        if (!before || before->sum > sum(d_.baseline.model) + 0.1 * d_.variance) {
+            fit_from(d_.baseline.model.unit, number + 1);
         }
         if (!before) {
             return;

@@ -138,7 +138,7 @@ std::vector<double> scan_of(const Candidate& candidate) {
 } // namespace
 
 std::optional<Screening> screen(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates,
-                                double variance, bool estimated, std::uint64_t seed, int number) {
+                                double variance, bool estimated, std::uint64_t seed, Screen depth, int number) {
     const double noise = std::sqrt(variance);
     const problem::Problem& own = bench.problem(base.members);
     const Mimicry mimicry(own.residual_jacobian(base.evaluation) / noise, base.unit, base.residuals / noise);
@@ -149,7 +149,7 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
     };
     std::vector<Signature> signatures(candidates.size());
     {
-        run::Progress progress(base.members.empty() ? "effects" : "pairs",
+        run::Progress progress(base.members.empty() ? "effects" : "further effects",
                                static_cast<std::int64_t>(candidates.size()));
         tbb::task_arena arena(run::usable_threads(bench.threads()));
         run::for_each_index(arena, candidates.size(), [&](std::size_t c) {
@@ -179,6 +179,9 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
                         members, number + 1,
                         [&](const problem::Problem& problem, run::Chain& chain) {
                             for (const double size : scan_of(candidate)) {
+                                if (depth == Screen::scores && !s.sizes.empty()) {
+                                    break;
+                                }
                                 unit[at] = size;
                                 const auto e = chain.at(unit);
                                 s.sizes.push_back(size);

@@ -67,10 +67,13 @@ struct Screening {
     std::optional<Family> family;
 };
 
+// scores: what is needed for them; starts: also where to start fits, by the residuals at several sizes.
+enum class Screen { scores, starts };
+
 // base: what the candidates are added to. variance: of a residual. number: of the first evaluation that is kept; those
 // up to number + 20 are its own. Nothing: interrupted.
 std::optional<Screening> screen(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates,
-                                double variance, bool estimated, std::uint64_t seed, int number);
+                                double variance, bool estimated, std::uint64_t seed, Screen depth, int number);
 
 // The members of a model with one candidate more, in increasing order.
 Members with_member(Members members, std::size_t candidate);

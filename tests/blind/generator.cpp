@@ -1,0 +1,592 @@
+// Draws a section, its parameters, a layout of sensors, noise and what the model will lack from a seed, and writes
+// study.toml and data.csv as an engineer would bring them; the truth goes to standard output as one JSON object, where
+// only the judge reads it.
+//
+// usage: blind_generator SEED FOLDER KIND [LEAST MOST]
+//   KIND   none, one, two, or the name of an effect; LEAST MOST: its strength, in standard deviations (8 20)
+//
+// The data come from a mesh 2.5 times as fine and from load paths ten times as exact as the study asks for. Half of the
+// effects that are fields of the section have another form here than in the catalogue. The strength of an effect is
+// what it changes in the data, in standard deviations, beyond what the parameters that will be fitted can follow at the
+// truth, computed here from finite differences; so is how well it could be told from every other effect.
+#include "base/random.h"
+#include "base/units.h"
+#include "material/catalog.h"
+#include "pavement/effects/catalog.h"
+#include "pavement/effects/effect.h"
+#include "pavement/forward.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <gsl/gsl_cdf.h>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace {
+
+using namespace pave;
+using namespace pave::pavement;
+using Eigen::VectorXd;
+using Json = nlohmann::ordered_json;
+
+class Draw {
+public:
+    Draw(std::uint64_t seed, std::uint64_t stream) : random_(seed, stream) {}
+    double uniform(double low, double high) { return low + (high - low) * random_.uniform(next_++); }
+    double log_uniform(double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); }
+    std::size_t below(std::size_t n) {
+        return std::min(n - 1, static_cast<std::size_t>(uniform(0.0, 1.0) * static_cast<double>(n)));
+    }
+    bool chance(double p) { return uniform(0.0, 1.0) < p; }
+    double normal() { return random_.normal(1'000'000 + normal_++); }
+
+private:
+    RandomStream random_;
+    std::uint64_t next_ = 0;
+    std::uint64_t normal_ = 0;
+};
+
+double rounded(double value, double step) {
+    return step * std::round(value / step);
+}
+
+Case draw_case(Draw& draw) {
+    Case c;
+    const auto linear = [](std::string name, double thickness, double modulus, double poisson) {
+        return Layer{std::move(name), thickness, 2200.0, 0.5, 0.0, material::find_law("linear"), {modulus, poisson}};
+    };
+    const double asphalt = rounded(draw.uniform(0.03, 0.12), 0.005);
+    const double base = rounded(draw.uniform(0.18, 0.40), 0.005);
+    const double floor = rounded(draw.uniform(1.4, 3.0), 0.05);
+    c.layers.push_back(linear("asphalt", asphalt, draw.log_uniform(1.5e9, 6e9), 0.35));
+    Layer granular{"base", base, 2200.0, 0.5, 0.0, material::find_law("uzan"), {}};
+    for (const auto& info : granular.law->parameters()) {
+        granular.parameters.push_back(info.to_si * info.default_value.value_or(0.0));
+    }
+    const auto set = [&](std::string_view key, double value) {
+        granular.parameters[*granular.law->index_of(key)] = value;
+    };
+    set("k1", draw.log_uniform(900.0, 3000.0));
+    set("k2", draw.uniform(0.35, 0.75));
+    set("k3", draw.uniform(-0.6, -0.05));
+    set("n", draw.uniform(0.3, 0.75));
+    set("poisson_12", 0.35);
+    set("poisson_31", 0.35);
+    c.layers.push_back(granular);
+    c.layers.push_back(linear("subgrade", floor - asphalt - base, draw.log_uniform(30e6, 100e6), 0.40));
+    Load plate;
+    plate.name = "fwd";
+    plate.type = LoadType::plate;
+    plate.patch = Patch::circle;
+    plate.radius = 0.15;
+    plate.pressure = rounded(draw.uniform(450e3, 800e3), 1e3);
+    Load wheel;
+    wheel.name = "wheel";
+    wheel.type = LoadType::wheel;
+    wheel.patch = Patch::circle;
+    wheel.force = rounded(draw.uniform(20e3, 40e3), 100.0);
+    wheel.pressure = rounded(draw.uniform(550e3, 850e3), 1e3);
+    c.loads = {plate, wheel};
+
+    const auto add = [&](int load, Quantity quantity, double x, double depth, double gauge) {
+        c.sensors.push_back({load, quantity, x, 0.0, depth, gauge});
+    };
+    for (const double x : {0.0, 0.2, 0.3, 0.45, 0.6, 0.9, 1.2}) {
+        add(0, Quantity::deflection, x, 0.0, 0.0);
+        if (x < 1.0) {
+            add(1, Quantity::deflection, x, 0.0, 0.0);
+        }
+    }
+    const double gauge = draw.chance(0.7) ? 0.075 : 0.05;
+    const double aside = rounded(draw.uniform(0.1, 0.35), 0.01);
+    const bool under_plate = draw.chance(0.7);
+    const auto strains = [&](double depth) {
+        add(1, Quantity::strain_zz, 0.0, depth, gauge);
+        add(1, Quantity::strain_zz, aside, depth, gauge);
+        if (under_plate) {
+            add(0, Quantity::strain_zz, 0.0, depth, gauge);
+        }
+    };
+    constexpr int in_base = 3;
+    for (int i = 0; i < in_base; ++i) {
+        strains(rounded(asphalt + base * (i + 0.5) / in_base, 0.005));
+    }
+    const std::size_t in_subgrade = 4 + draw.below(3);
+    for (std::size_t i = 0; i < in_subgrade; ++i) {
+        strains(rounded(asphalt + base + 0.06 + 0.10 * static_cast<double>(i), 0.005));
+    }
+    for (const double depth : {asphalt + 0.4 * base, asphalt + base + 0.1, asphalt + base + 0.3}) {
+        add(1, Quantity::stress_zz, 0.0, rounded(depth, 0.005), 0.0);
+        if (draw.chance(0.6)) {
+            add(0, Quantity::stress_zz, 0.0, rounded(depth, 0.005), 0.0);
+        }
+    }
+    if (draw.chance(0.6)) {
+        add(0, Quantity::strain_xx, 0.0, asphalt - 0.001, 0.0);
+        add(1, Quantity::strain_xx, 0.0, asphalt - 0.001, 0.0);
+    }
+    c.settings.extent = c.default_extent();
+    return c;
+}
+
+constexpr double study_refine = 0.6;
+constexpr double fine_refine = 1.5;
+
+Case finer(Case c) {
+    c.settings.refine = fine_refine;
+    c.settings.solver.path_tolerance /= 10.0;
+    return c;
+}
+
+// Responses; empty: none.
+VectorXd responses(const Case& c) {
+    const ForwardModel model(c);
+    const auto outcome = model.run(c, {}, *model.make_workspace());
+    if (!outcome) {
+        return {};
+    }
+    return VectorXd::Map(outcome->values.data(), static_cast<Eigen::Index>(outcome->values.size()));
+}
+
+// Other forms than the catalogue's.
+double rational_distance(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
+    const double d = std::hypot(std::abs(at[0]) - shape[0], at[1]);
+    const double reach = 1.5 * shape[1];
+    return d * d / (d * d + reach * reach);
+}
+double root_of_depth(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
+    return std::sqrt(std::max(0.0, at[2] - shape[0]));
+}
+double fading_with_depth(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
+    return -std::exp(-std::max(0.0, at[2] - shape[0]) / 0.12);
+}
+
+struct Hidden {
+    const Effect* effect = nullptr;
+    AppliedEffect options; // what it acts on
+    std::string form;      // empty: the catalogue's own
+    double size = 0.0;
+};
+
+// The catalogue's forms turn a case into another for one load at a time; ours do so here.
+constexpr std::string_view forms[][2] = {
+    {"anisotropy-distribution", "n rises with d^2/(d^2 + (1.5 a)^2), whatever the depth"},
+    {"subgrade-depth-gradient", "E grows with the root of the depth"},
+    {"weak-subgrade-top", "E falls towards the top like exp(-depth/120 mm)"},
+    {"base-residual-stress", "one and a half of it in the lower half of the base, a half in the upper"},
+    {"wheel-wander", "the wheel is anywhere within a band alike"},
+};
+
+void apply_form(Case& c, const Hidden& hidden, int load) {
+    const std::string_view name = hidden.effect->name;
+    const std::size_t base = 1;
+    const std::size_t subgrade = c.layers.size() - 1;
+    if (name == "anisotropy-distribution") {
+        const auto patch = c.loads[static_cast<std::size_t>(load)].footprint();
+        c.layers[base].fields.push_back(
+            {c.layers[base].law->index_of("n"), 1.0, hidden.size, rational_distance, {patch.centre, patch.half_x}});
+    } else if (name == "subgrade-depth-gradient") {
+        c.layers[subgrade].fields.push_back({{}, 0.0, hidden.size, root_of_depth, {top_of(c, subgrade)}});
+    } else if (name == "weak-subgrade-top") {
+        c.layers[subgrade].fields.push_back(
+            {{}, 0.0, 1.0 - std::exp(-hidden.size), fading_with_depth, {top_of(c, subgrade)}});
+    } else if (name == "base-residual-stress") {
+        Layer upper = c.layers[base];
+        upper.thickness /= 2.0;
+        c.layers[base].thickness -= upper.thickness;
+        upper.residual_stress += 0.5 * hidden.size * unit::kPa;
+        c.layers[base].residual_stress += 1.5 * hidden.size * unit::kPa;
+        c.layers.insert(c.layers.begin() + static_cast<std::ptrdiff_t>(base), upper);
+    } else { // wheel-wander: a band of the same standard deviation
+        constexpr int places = 15;
+        for (Sensor& sensor : c.sensors) {
+            if (sensor.load == load && c.loads[static_cast<std::size_t>(load)].type != LoadType::plate) {
+                for (int i = 0; i < places; ++i) {
+                    const double at = std::sqrt(3.0) * ((2.0 * i + 1.0) / places - 1.0);
+                    sensor.shares.push_back({at * hidden.size * unit::mm, 0.0, 1.0 / places});
+                }
+            }
+        }
+    }
+}
+
+// Responses with what is hidden; other forms are applied load by load, so each load is run alone.
+VectorXd responses_with(const Case& plain, const std::vector<Hidden>& hidden) {
+    Case c = plain;
+    bool own_form = false;
+    for (const Hidden& h : hidden) {
+        if (h.form.empty()) {
+            c.effects.push_back(h.options);
+            c.effects.back().effect = h.effect;
+            c.effects.back().size = h.size;
+        }
+        own_form = own_form || !h.form.empty();
+    }
+    if (!own_form) {
+        return responses(c);
+    }
+    VectorXd all(static_cast<Eigen::Index>(plain.sensors.size()));
+    for (std::size_t load = 0; load < c.loads.size(); ++load) {
+        Case one = c;
+        for (const Hidden& h : hidden) {
+            if (!h.form.empty()) {
+                apply_form(one, h, static_cast<int>(load));
+            }
+        }
+        const ForwardModel model(one);
+        const auto outcome = model.run(one, {}, *model.make_workspace());
+        if (!outcome) {
+            return {};
+        }
+        for (std::size_t i = 0; i < plain.sensors.size(); ++i) {
+            if (plain.sensors[i].load == static_cast<int>(load)) {
+                all[static_cast<Eigen::Index>(i)] = outcome->values[i];
+            }
+        }
+    }
+    return all;
+}
+
+struct Fitted {
+    std::string path;
+    double low, high;
+    bool is_log;
+};
+const Fitted fitted[] = {{"asphalt.modulus_MPa", 500, 15000, true},
+                         {"base.k1", 300, 8000, true},
+                         {"base.k2", 0.05, 1.0, false},
+                         {"base.n", 0.1, 1.0, false},
+                         {"subgrade.modulus_MPa", 10, 250, true}};
+
+// Orthonormal base of what the fitted parameters can follow, from central differences of the logarithms.
+Eigen::MatrixXd mimicry(const Case& c, const VectorXd& sigma) {
+    Eigen::MatrixXd j(sigma.size(), static_cast<Eigen::Index>(std::size(fitted)));
+    constexpr double step = 0.01;
+    for (std::size_t k = 0; k < std::size(fitted); ++k) {
+        const Parameter p = find_parameter(c, fitted[k].path, {});
+        Case up = c;
+        Case down = c;
+        p.in(up) *= 1.0 + step;
+        p.in(down) /= 1.0 + step;
+        j.col(static_cast<Eigen::Index>(k)) = (responses(up) - responses(down)).cwiseQuotient(sigma);
+    }
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(j);
+    return qr.householderQ() * Eigen::MatrixXd::Identity(j.rows(), j.cols());
+}
+
+VectorXd beyond(const Eigen::MatrixXd& base, const VectorXd& change) {
+    return change - base * (base.transpose() * change);
+}
+
+// The best possible rate of telling what is hidden from every other effect, and the one that is hardest.
+void add_ceiling(Json& truth, const Case& c, const Hidden& hidden, const VectorXd& change, const Eigen::MatrixXd& base,
+                 const VectorXd& sigma) {
+    const double d = change.norm();
+    double lowest = 1.0;
+    std::string hardest;
+    const auto compare = [&](const std::string& name, const VectorXd& other, bool both_signs) {
+        if (other.norm() < 1e-6 * d) {
+            return;
+        }
+        double cosine = change.dot(other) / (d * other.norm());
+        cosine = both_signs ? std::abs(cosine) : cosine;
+        const double rate = gsl_cdf_ugaussian_P(d * std::sqrt(std::max(0.0, (1.0 - cosine) / 2.0)));
+        if (rate < lowest) {
+            lowest = rate;
+            hardest = name;
+        }
+    };
+    const VectorXd plain = responses(c);
+    for (const Effect* effect : effects()) {
+        if (effect == hidden.effect) {
+            continue;
+        }
+        std::vector<AppliedEffect> ways{{}};
+        if (effect->takes_reading) {
+            for (Eigen::Index i = 0; i < sigma.size(); ++i) {
+                compare(std::string(effect->name), beyond(base, VectorXd::Unit(sigma.size(), i)), true);
+            }
+            continue;
+        }
+        if (effect->takes_quantity) {
+            std::set<std::pair<int, Quantity>> groups;
+            for (const Sensor& s : c.sensors) {
+                groups.emplace(s.load, s.quantity);
+            }
+            for (const auto& [load, quantity] : groups) {
+                ways.push_back({.load = load, .quantity = quantity});
+                ways.push_back({.quantity = quantity});
+            }
+            for (int load = 0; load < static_cast<int>(c.loads.size()); ++load) {
+                ways.push_back({.load = load});
+            }
+        } else if (effect->takes_load) {
+            for (int load = 0; load < static_cast<int>(c.loads.size()); ++load) {
+                ways.push_back({.load = load});
+            }
+        }
+        for (AppliedEffect way : ways) {
+            way.effect = effect;
+            if (!why_impossible(c, way).empty()) {
+                continue;
+            }
+            Case with = c;
+            with.effects = {way};
+            with.effects[0].size = effect->log_scale ? std::exp(0.3 * std::log(effect->typical))
+                                                     : effect->null + 0.5 * (effect->typical - effect->null);
+            const VectorXd there = responses(with);
+            if (there.size() == plain.size()) {
+                compare(std::string(effect->name), beyond(base, (there - plain).cwiseQuotient(sigma)),
+                        effect->null > effect->low && effect->null < effect->high);
+            }
+        }
+    }
+    truth["ceiling"] = lowest;
+    truth["hardest"] = hardest;
+}
+
+std::string study_text(const Case& c, Draw& draw, bool is_log) {
+    std::string text = "schema = 1\ntitle = \"A section\"\n";
+    for (std::size_t l = 0; l < c.layers.size(); ++l) {
+        const Layer& layer = c.layers[l];
+        text += fmt::format("\n[[layers]]\nname = \"{}\"\nthickness_mm = {:g}\ndensity_kg_m3 = {:g}\nk0 = {:g}\n",
+                            layer.name, layer.thickness / unit::mm, layer.density, layer.k0);
+        if (layer.law->stress_dependent()) {
+            const double k3 = layer.parameters[*layer.law->index_of("k3")];
+            text +=
+                fmt::format("law = \"uzan\"\nk1 = {:.0f}\nk2 = 0.5\nk3 = {}\nn = 0.5\npoisson_12 = 0.35\npoisson_31 = "
+                            "0.35\n",
+                            draw.log_uniform(800.0, 3500.0), k3);
+        } else {
+            text += fmt::format("law = \"linear\"\nmodulus_MPa = {}\npoisson = {:g}\n", l == 0 ? 3000 : 50,
+                                layer.parameters[1]);
+        }
+    }
+    for (const Load& load : c.loads) {
+        text += fmt::format("\n[[loads]]\nname = \"{}\"\n", load.name);
+        text += load.type == LoadType::plate
+                    ? fmt::format("type = \"plate\"\nradius_mm = 150\npressure_kPa = {:g}\n", load.pressure / unit::kPa)
+                    : fmt::format("type = \"wheel\"\npatch = \"circle\"\nforce_kN = {:g}\npressure_kPa = {:g}\n",
+                                  load.force / unit::kN, load.pressure / unit::kPa);
+    }
+    text += fmt::format("\n[mesh]\nrefine = {}\n\n[data]\nfiles = [\"data.csv\"]\nmisfit = \"{}\"\n", study_refine,
+                        is_log ? "log" : "weighted");
+    for (const Fitted& f : fitted) {
+        text += fmt::format("\n[[parameters]]\nname = \"{}\"\nmin = {:g}\nmax = {:g}\nscale = \"{}\"\n", f.path, f.low,
+                            f.high, f.is_log ? "log" : "linear");
+    }
+    const double depth = (c.layers[0].thickness + c.layers[1].thickness) / unit::mm + 1.0;
+    return text + fmt::format("\n[[outputs]]\nname = \"subgrade-top-strain\"\nload = \"wheel\"\nquantity = "
+                              "\"strain_zz\"\ndepth_mm = {:g}\n",
+                              depth);
+}
+
+std::string data_text(const Case& c, const VectorXd& values, const VectorXd& sigma) {
+    std::string text = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n";
+    for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+        const Sensor& s = c.sensors[i];
+        const auto& about = info(s.quantity);
+        const auto at = static_cast<Eigen::Index>(i);
+        text += fmt::format("{},{},{:g},0,{:g},{:g},{},{},{}\n", c.loads[static_cast<std::size_t>(s.load)].name,
+                            about.name, s.x / unit::mm, s.depth / unit::mm, s.gauge / unit::mm,
+                            values[at] / about.to_si, about.unit, sigma[at] / about.to_si);
+    }
+    return text;
+}
+
+struct Strength {
+    double least = 8.0, most = 20.0; // standard deviations
+};
+
+// A size whose change, beyond what the parameters and `others` can follow, has the strength wanted; nothing: there is
+// none within the effect's range.
+std::optional<Hidden> sized(Draw& draw, const Case& c, Hidden hidden, const VectorXd& plain,
+                            const Eigen::MatrixXd& base, const VectorXd& sigma, double wanted) {
+    const Effect& effect = *hidden.effect;
+    const bool up_only = effect.null <= effect.low;
+    const bool down_only = effect.null >= effect.high;
+    const double side = up_only ? 1.0 : down_only ? -1.0 : draw.chance(0.5) ? 1.0 : -1.0;
+    const auto size_at = [&](double share) { // 0 null, 1 the end of the range
+        const double end = side > 0.0 ? effect.high : effect.low;
+        return effect.log_scale ? std::exp(std::log(effect.null) + share * (std::log(end) - std::log(effect.null)))
+                                : effect.null + share * (end - effect.null);
+    };
+    const auto strength = [&](double share) {
+        hidden.size = size_at(share);
+        const VectorXd there = responses_with(c, {hidden});
+        return there.size() == plain.size() ? beyond(base, (there - plain).cwiseQuotient(sigma)).norm() : -1.0;
+    };
+    double low = 0.0;
+    for (const double high : {0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.9}) {
+        const double found = strength(high);
+        if (found < 0.0) {
+            return std::nullopt;
+        }
+        if (found >= wanted) {
+            double a = low;
+            double b = high;
+            for (int i = 0; i < 6; ++i) {
+                const double middle = 0.5 * (a + b);
+                (strength(middle) >= wanted ? b : a) = middle;
+            }
+            hidden.size = size_at(b);
+            return hidden;
+        }
+        low = high;
+    }
+    return std::nullopt;
+}
+
+Hidden draw_hidden(Draw& draw, const Case& c, const std::string& kind) {
+    const auto all = effects();
+    Hidden hidden;
+    hidden.effect = find_effect(kind);
+    if (hidden.effect == nullptr) {
+        hidden.effect = all[draw.below(all.size())];
+    }
+    const Effect& effect = *hidden.effect;
+    const int load = static_cast<int>(draw.below(c.loads.size()));
+    if (effect.takes_reading) {
+        hidden.options.reading = static_cast<int>(draw.below(c.sensors.size()));
+    } else if (effect.takes_quantity) {
+        const Sensor& sensor = c.sensors[draw.below(c.sensors.size())];
+        hidden.options.quantity = sensor.quantity;
+        if (draw.chance(0.7)) {
+            hidden.options.load = sensor.load;
+        }
+    } else if (effect.takes_load && draw.chance(0.5)) {
+        hidden.options.load = load;
+    }
+    for (const auto& [name, form] : forms) {
+        if (name == effect.name && !hidden.options.load && draw.chance(0.5)) {
+            hidden.form = form;
+        }
+    }
+    return hidden;
+}
+
+Json words(const Case& c, const Hidden& hidden) {
+    Json json = {{"effect", std::string(hidden.effect->name)}, {"size", hidden.size}, {"form", hidden.form}};
+    if (hidden.options.load) {
+        json["load"] = c.loads[static_cast<std::size_t>(*hidden.options.load)].name;
+    }
+    if (hidden.options.quantity) {
+        json["quantity"] = std::string(info(*hidden.options.quantity).name);
+    }
+    if (hidden.options.reading) {
+        json["reading"] = *hidden.options.reading + 1;
+    }
+    return json;
+}
+
+int generate(std::uint64_t seed, const std::filesystem::path& folder, const std::string& kind,
+             const Strength& strength) {
+    for (std::uint64_t attempt = 0;; ++attempt) {
+        Draw draw(seed, 1000 + attempt);
+        const Case c = draw_case(draw);
+        const Case fine = finer(c);
+        Case coarse = c;
+        coarse.settings.refine = study_refine;
+        const VectorXd plain = responses(fine);
+        const VectorXd plain_coarse = responses(coarse);
+        if (plain.size() == 0 || plain_coarse.size() == 0) {
+            continue;
+        }
+        const double noise = draw.uniform(0.01, 0.05);
+        const auto sigma_of = [&](const VectorXd& values) {
+            VectorXd sigma(values.size());
+            for (Eigen::Index i = 0; i < values.size(); ++i) {
+                double largest = 0.0;
+                for (Eigen::Index k = 0; k < values.size(); ++k) {
+                    const Sensor& a = c.sensors[static_cast<std::size_t>(i)];
+                    const Sensor& b = c.sensors[static_cast<std::size_t>(k)];
+                    if (a.load == b.load && a.quantity == b.quantity) {
+                        largest = std::max(largest, std::abs(values[k]));
+                    }
+                }
+                sigma[i] = std::hypot(noise * values[i], 0.3 * noise * largest);
+            }
+            return sigma;
+        };
+        const VectorXd sigma = sigma_of(plain);
+        const Eigen::MatrixXd base = mimicry(coarse, sigma);
+        std::vector<Hidden> hidden;
+        std::vector<double> strengths;
+        const std::size_t count = kind == "none" ? 0 : kind == "two" ? 2 : 1;
+        for (int tried = 0; hidden.size() < count && tried < 12; ++tried) {
+            Hidden drawn = draw_hidden(draw, c, kind);
+            AppliedEffect applied = drawn.options;
+            applied.effect = drawn.effect;
+            const bool is_new =
+                std::none_of(hidden.begin(), hidden.end(), [&](const Hidden& h) { return h.effect == drawn.effect; });
+            if (!is_new || !why_impossible(c, applied).empty()) {
+                continue;
+            }
+            const double wanted = draw.uniform(strength.least, strength.most);
+            if (auto found = sized(draw, coarse, drawn, plain_coarse, base, sigma, wanted)) {
+                hidden.push_back(*found);
+                strengths.push_back(wanted);
+            }
+        }
+        if (hidden.size() < count) {
+            continue;
+        }
+        const VectorXd exact = count == 0 ? plain : responses_with(fine, hidden);
+        if (exact.size() == 0) {
+            continue;
+        }
+        Json truth = {{"seed", seed}, {"noise", noise}, {"readings", c.sensors.size()}, {"hidden", Json::array()}};
+        std::vector<VectorXd> changes;
+        for (std::size_t h = 0; h < hidden.size(); ++h) {
+            changes.push_back(beyond(base, (responses_with(fine, {hidden[h]}) - plain).cwiseQuotient(sigma)));
+            Json one = words(c, hidden[h]);
+            one["strength"] = changes[h].norm();
+            truth["hidden"].push_back(one);
+        }
+        if (count == 2) { // each beyond what the other can mimic
+            const double cosine = changes[0].dot(changes[1]) / (changes[0].norm() * changes[1].norm());
+            const double left = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+            if (std::min(changes[0].norm(), changes[1].norm()) * left < strength.least) {
+                continue;
+            }
+        }
+        if (count == 1) {
+            add_ceiling(truth, coarse, hidden[0], changes[0], base, sigma);
+        }
+        const VectorXd spread = sigma_of(exact);
+        VectorXd values = exact;
+        for (Eigen::Index i = 0; i < values.size(); ++i) {
+            values[i] += spread[i] * draw.normal();
+        }
+        std::filesystem::create_directories(folder);
+        const bool is_log = draw.chance(0.3);
+        std::ofstream(folder / "study.toml") << study_text(c, draw, is_log);
+        std::ofstream(folder / "data.csv") << data_text(c, values, spread);
+        Json parameters = Json::object();
+        for (const Fitted& f : fitted) {
+            parameters[f.path] = find_parameter(c, f.path, {}).get(c);
+        }
+        truth["parameters"] = parameters;
+        std::cout << truth.dump() << "\n";
+        return 0;
+    }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 4 && argc != 6) {
+        std::cerr << "usage: blind_generator SEED FOLDER KIND [LEAST MOST]\n";
+        return 2;
+    }
+    Strength strength;
+    if (argc == 6) {
+        strength = {std::strtod(argv[4], nullptr), std::strtod(argv[5], nullptr)};
+    }
+    return generate(std::strtoull(argv[1], nullptr, 10), argv[2], argv[3], strength);
+}

@@ -1,0 +1,195 @@
+"""Blind trials of `pavescape diagnose`: a generator hides effects in data, the program looks for them, this script judges.
+
+usage: trials.py PROGRAM GENERATOR [--one N] [--none N] [--two N] [--removed N] [--power N] [--first SEED] [--jobs J]
+                 [--out FOLDER] [--keep]
+
+one:     an effect of 8 to 20 standard deviations; none: nothing hidden; two: two effects at once; removed: as `one`, but
+         the effect is taken out of the catalogue; power: effects of 2 to 12 standard deviations.
+Writes trials.json, confusion.svg and power.svg into the folder, prints the rates.
+"""
+import argparse
+import concurrent.futures
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import time
+
+KINDS = ("one", "none", "two", "removed", "power")
+BOOTSTRAP = "10"
+
+
+def trial(options, kind, seed):
+    folder = pathlib.Path(options.out) / f"{kind}-{seed}"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    what = {"one": ["one"], "none": ["none"], "two": ["two"], "removed": ["one"], "power": ["one", "2", "12"]}[kind]
+    made = subprocess.run([options.generator, str(seed), folder, *what], capture_output=True, text=True)
+    truth = json.loads(made.stdout)
+    names = [h["effect"] for h in truth["hidden"]]
+    without = [x for name in names for x in ("--without", name)] if kind == "removed" else []
+    begin = time.time()
+    done = subprocess.run([options.program, "diagnose", folder / "study.toml", "--out", folder / "run", "--json", "--threads", "1",
+                           "--bootstrap", BOOTSTRAP, *without], capture_output=True, text=True)
+    if done.returncode != 0:
+        return {"kind": kind, "seed": seed, "truth": truth, "names": names, "verdict": "failed", "causes": [], "error": done.stderr}
+    found = json.loads(done.stdout)
+    result = {"kind": kind, "seed": seed, "truth": truth, "names": names, "verdict": found["verdict"], "causes": found["causes"],
+              "p_value": found["baseline"]["p_value"], "p_familywise": found["baseline"]["p_familywise"],
+              "chi2": found["baseline"]["chi2"], "dof": found["baseline"]["dof"], "extended_p": found["extended"]["p_value"],
+              "held_out": [found["gain"]["held_out_rmse_before"], found["gain"]["held_out_rmse_after"]],
+              "seconds": time.time() - begin, "candidates": found["candidates"][:6],
+              "explanations": found["explanations"][:6]}
+    if kind == "one":
+        own = [c for c in found["candidates"] if c["effect"] == names[0]]
+        result["own"] = own[0] if own else None
+    if not options.keep:
+        shutil.rmtree(folder, ignore_errors=True)
+    return result
+
+
+def share(count, total):
+    return f"{count} of {total}" + (f" ({100 * count / total:.1f} %)" if total else "")
+
+
+def rates(results):
+    """The rates asked for, {name: (count, total)}."""
+    of = {kind: [r for r in results if r["kind"] == kind] for kind in KINDS}
+    one = of["one"]
+    separable = [r for r in one if r["truth"]["ceiling"] >= 0.95]
+    named = [r for r in one if r["verdict"] == "cause-named"]
+    right = [r for r in named if r["causes"] == r["names"]]
+    sized = [r for r in right if not r["truth"]["hidden"][0]["form"]]
+    return {
+        "right name first, where it can be told apart": (sum(r["causes"][:1] == r["names"] for r in separable), len(separable)),
+        "wrong name alone": (sum(r["verdict"] == "cause-named" and r["names"][0] not in r["causes"] for r in one), len(one)),
+        "truth among the causes": (sum(r["names"][0] in r["causes"] for r in one), len(one)),
+        "adequate without a hidden effect": (sum(r["verdict"] == "adequate" for r in of["none"]), len(of["none"])),
+        "not confidently wrong with the effect out of the catalogue":
+            (sum(r["verdict"] != "cause-named" for r in of["removed"]), len(of["removed"])),
+        "both of two effects named": (sum(set(r["names"]) <= set(r["causes"]) for r in of["two"]), len(of["two"])),
+        "size of a named effect within its 95 % interval":
+            (sum(r["own"]["size_low"] <= r["truth"]["hidden"][0]["size"] <= r["own"]["size_high"] for r in sized), len(sized)),
+        "held-out data gain from a named effect": (sum(r["held_out"][1] < r["held_out"][0] for r in named), len(named)),
+    }
+
+
+def confusion(results):
+    """{hidden: {found first: count}}"""
+    table = {}
+    for r in results:
+        if r["kind"] == "one":
+            found = r["causes"][0] if r["causes"] else r["verdict"]
+            row = table.setdefault(r["names"][0], {})
+            row[found] = row.get(found, 0) + 1
+    return table
+
+
+def power_curve(results):
+    """[(strength, right name first, anything found, count)] in bins of two standard deviations."""
+    bins = []
+    for low in range(2, 20, 2):
+        inside = [r for r in results if r["kind"] in ("one", "power") and low <= r["truth"]["hidden"][0]["strength"] < low + 2]
+        if inside:
+            bins.append((low + 1, sum(r["causes"][:1] == r["names"] for r in inside) / len(inside),
+                         sum(r["verdict"] != "adequate" for r in inside) / len(inside), len(inside)))
+    return bins
+
+
+def svg(width, height, body):
+    return (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-family="sans-serif" font-size="11">'
+            f'<rect width="100%" height="100%" fill="white"/>{body}</svg>\n')
+
+
+def confusion_svg(table):
+    hidden = sorted(table)
+    found = sorted({f for row in table.values() for f in row})
+    cell, left, top = 20, 190, 190
+    body = []
+    for j, f in enumerate(found):
+        x = left + cell * j + 14
+        body.append(f'<text transform="translate({x},{top - 6}) rotate(-60)">{f}</text>')
+    for i, h in enumerate(hidden):
+        y = top + cell * i
+        total = sum(table[h].values())
+        body.append(f'<text x="{left - 6}" y="{y + 14}" text-anchor="end">{h}</text>')
+        for j, f in enumerate(found):
+            count = table[h].get(f, 0)
+            shade = 255 - int(200 * count / total)
+            body.append(f'<rect x="{left + cell * j}" y="{y}" width="{cell}" height="{cell}" '
+                        f'fill="rgb({shade},{shade},255)" stroke="#ccc"/>')
+            if count:
+                body.append(f'<text x="{left + cell * j + cell / 2}" y="{y + 14}" text-anchor="middle" '
+                            f'fill="{"white" if shade < 130 else "black"}">{count}</text>')
+    body.append(f'<text x="10" y="20">rows: the effect hidden; columns: the first cause found</text>')
+    return svg(left + cell * len(found) + 120, top + cell * len(hidden) + 20, "".join(body))
+
+
+def power_svg(curve):
+    width, height, left, bottom = 460, 300, 50, 40
+    x = lambda d: left + (d - 2) / 18 * (width - left - 20)
+    y = lambda rate: height - bottom - rate * (height - bottom - 30)
+    body = [f'<line x1="{left}" y1="{y(0)}" x2="{width - 20}" y2="{y(0)}" stroke="black"/>',
+            f'<line x1="{left}" y1="{y(0)}" x2="{left}" y2="{y(1)}" stroke="black"/>',
+            f'<text x="{width / 2}" y="{height - 8}" text-anchor="middle">strength of the hidden effect, standard deviations</text>']
+    for rate in (0, 0.5, 0.95, 1):
+        body.append(f'<text x="{left - 6}" y="{y(rate) + 4}" text-anchor="end">{rate:g}</text>'
+                    f'<line x1="{left}" y1="{y(rate)}" x2="{width - 20}" y2="{y(rate)}" stroke="#ddd"/>')
+    for d in range(2, 21, 2):
+        body.append(f'<text x="{x(d)}" y="{y(0) + 16}" text-anchor="middle">{d}</text>')
+    for k, (colour, dash, label) in enumerate((("#1b6ca8", "", "right name first"), ("#b8651b", "6 3", "contradiction found"))):
+        points = " ".join(f"{x(c[0]):.1f},{y(c[1 + k]):.1f}" for c in curve)
+        body.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="2" stroke-dasharray="{dash}"/>'
+                    f'<text x="{width - 24}" y="{y(0.3 - 0.1 * k)}" text-anchor="end" fill="{colour}">{label}</text>')
+    return svg(width, height, "".join(body))
+
+
+def run_all(options, progress=True):
+    tasks = [(kind, options.first + i) for kind in KINDS for i in range(getattr(options, kind))]
+    results = []
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        for future in concurrent.futures.as_completed(pool.submit(trial, options, *task) for task in tasks):
+            r = future.result()
+            results.append(r)
+            if progress:
+                hidden = ", ".join(f"{h['effect']} {h['strength']:.0f}" + ("*" if h["form"] else "") for h in r["truth"]["hidden"]) or "nothing"
+                print(f"[{len(results)} of {len(tasks)}] {r['kind']} {r['seed']}: hidden {hidden}: {r['verdict']} {', '.join(r['causes'])}", flush=True)
+    results.sort(key=lambda r: (KINDS.index(r["kind"]), r["seed"]))
+    return results
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("generator")
+    for kind in KINDS:
+        parser.add_argument(f"--{kind}", type=int, default=0)
+    parser.add_argument("--first", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--out", default="output/blind")
+    parser.add_argument("--keep", action="store_true", help="keep studies, data and runs")
+    options = parser.parse_args()
+    pathlib.Path(options.out).mkdir(parents=True, exist_ok=True)
+    results = run_all(options)
+    (pathlib.Path(options.out) / "trials.json").write_text(json.dumps(results, indent=1))
+    print()
+    for name, (count, total) in rates(results).items():
+        if total:
+            print(f"{name}: {share(count, total)}")
+    table = confusion(results)
+    if table:
+        print("\nhidden -> first cause found")
+        for hidden in sorted(table):
+            print(f"  {hidden}: " + ", ".join(f"{f} {n}" for f, n in sorted(table[hidden].items(), key=lambda item: -item[1])))
+        (pathlib.Path(options.out) / "confusion.svg").write_text(confusion_svg(table))
+    curve = power_curve(results)
+    if curve:
+        print("\nstrength  right name first  contradiction found  cases")
+        for d, right, found, count in curve:
+            print(f"{d:8d}  {100 * right:14.0f} %  {100 * found:17.0f} %  {count:5d}")
+        (pathlib.Path(options.out) / "power.svg").write_text(power_svg(curve))
+
+
+if __name__ == "__main__":
+    main()
