@@ -73,6 +73,10 @@ using Stencil = std::vector<std::pair<int, double>>;
 const Stencil central_4{{-2, 1.0 / 12}, {-1, -8.0 / 12}, {1, 8.0 / 12}, {2, -1.0 / 12}};
 const Stencil forward_4{{0, -25.0 / 12}, {1, 48.0 / 12}, {2, -36.0 / 12}, {3, 16.0 / 12}, {4, -3.0 / 12}};
 const Stencil backward_4{{0, 25.0 / 12}, {-1, -48.0 / 12}, {-2, 36.0 / 12}, {-3, -16.0 / 12}, {-4, 3.0 / 12}};
+// Of second order, for runs that cost more: their steps leave a relative error of some 1e-6.
+const Stencil central_2{{-1, -1.0 / 2}, {1, 1.0 / 2}};
+const Stencil forward_2{{0, -3.0 / 2}, {1, 4.0 / 2}, {2, -1.0 / 2}};
+const Stencil backward_2{{0, 3.0 / 2}, {-1, -4.0 / 2}, {-2, 1.0 / 2}};
 
 // File units. A size changes a response by a like amount all over its range, from a null at which it may be zero.
 double step_of(const Case& values, const Parameter& parameter) {
@@ -160,57 +164,59 @@ std::vector<int> ForwardModel::unknowns() const {
     return counts;
 }
 
-bool ForwardModel::is_exact(const Case& values, const Parameter& parameter) const {
+std::vector<bool> ForwardModel::without_derivative(const Case& values, const Parameter& parameter) const {
+    std::vector<bool> without(models_.size(), false);
     for (std::size_t l = 0; l < models_.size(); ++l) {
-        if (models_[l] && !exact_derivative(values, parameter, static_cast<int>(l))) {
-            return false;
-        }
+        without[l] = models_[l] && !exact_derivative(values, parameter, static_cast<int>(l));
     }
-    return true;
+    return without;
 }
 
 Outcome<Response> ForwardModel::run(const Case& values, const std::vector<Parameter>& parameters,
                                     Workspace& workspace) const {
-    std::vector<Parameter> exact;
-    std::copy_if(parameters.begin(), parameters.end(), std::back_inserter(exact),
-                 [&](const Parameter& p) { return is_exact(values, p); });
-    Outcome<Response> outcome = run_exact(values, exact, workspace);
-    if (!outcome || exact.size() == parameters.size()) {
+    Outcome<Response> outcome = run_exact(values, parameters, {}, workspace);
+    if (!outcome) {
         return outcome;
     }
     Response response = std::move(outcome).value();
-    Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(response.values.size()),
-                             static_cast<Eigen::Index>(parameters.size()));
-    Eigen::Index next_exact = 0;
     for (std::size_t k = 0; k < parameters.size(); ++k) {
-        const auto column = static_cast<Eigen::Index>(k);
-        if (next_exact < static_cast<Eigen::Index>(exact.size()) &&
-            exact[static_cast<std::size_t>(next_exact)].path == parameters[k].path) {
-            jacobian.col(column) = response.jacobian.col(next_exact++);
+        const std::vector<bool> loads = without_derivative(values, parameters[k]);
+        if (std::none_of(loads.begin(), loads.end(), [](bool without) { return without; })) {
             continue;
         }
-        const auto quotient = difference_quotient(values, response, parameters[k], workspace);
+        const auto quotient = difference_quotient(values, response, parameters[k], loads, workspace);
         if (!quotient) {
             return quotient.failure();
         }
-        jacobian.col(column) = *quotient;
+        for (std::size_t i = 0; i < values.sensors.size(); ++i) {
+            if (loads[static_cast<std::size_t>(values.sensors[i].load)]) {
+                const auto row = static_cast<Eigen::Index>(i);
+                response.jacobian(row, static_cast<Eigen::Index>(k)) = (*quotient)[row];
+            }
+        }
     }
-    response.jacobian = std::move(jacobian);
     return response;
 }
 
 Outcome<Eigen::VectorXd> ForwardModel::difference_quotient(const Case& values, const Response& response,
-                                                           const Parameter& parameter, Workspace& workspace) const {
+                                                           const Parameter& parameter, const std::vector<bool>& loads,
+                                                           Workspace& workspace) const {
     const double value = parameter.get(values);
     const double step = step_of(values, parameter);
-    const Stencil& stencil = value - 2.0 * step < parameter.low    ? forward_4
-                             : value + 2.0 * step > parameter.high ? backward_4
-                                                                   : central_4;
+    bool is_costly = false;
+    for (std::size_t l = 0; l < loads.size(); ++l) {
+        is_costly = is_costly || (loads[l] && with_effects(values, static_cast<int>(l)).loads[l].inertia);
+    }
+    const int reach = is_costly ? 1 : 2;
+    const Stencil& stencil = value - reach * step < parameter.low    ? (is_costly ? forward_2 : forward_4)
+                             : value + reach * step > parameter.high ? (is_costly ? backward_2 : backward_4)
+                             : is_costly                             ? central_2
+                                                                     : central_4;
     Eigen::VectorXd quotient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(response.values.size()));
     for (const auto& [offset, weight] : stencil) {
         std::vector<double> there = response.values;
         if (offset != 0) {
-            const auto outcome = run_exact(moved_by(values, parameter, offset * step), {}, workspace);
+            const auto outcome = run_exact(moved_by(values, parameter, offset * step), {}, loads, workspace);
             if (!outcome) {
                 return outcome.failure();
             }
@@ -222,7 +228,7 @@ Outcome<Eigen::VectorXd> ForwardModel::difference_quotient(const Case& values, c
 }
 
 Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<Parameter>& parameters,
-                                          Workspace& workspace) const {
+                                          const std::vector<bool>& loads, Workspace& workspace) const {
     const auto n = static_cast<Eigen::Index>(parameters.size());
 
     Response response;
@@ -232,7 +238,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
     double unstable = 0.0;
     double limited = 0.0;
     for (std::size_t l = 0; l < values.loads.size(); ++l) {
-        if (!models_[l]) {
+        if (!models_[l] || (!loads.empty() && !loads[l])) {
             continue;
         }
         auto& own = workspace.of_load[l];
@@ -258,7 +264,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         std::vector<Derivative> derivatives;
         std::vector<std::vector<std::pair<Eigen::Index, double>>> shares; // of each parameter: variation, factor
         for (const Parameter& p : parameters) {
-            derivatives.push_back(*exact_derivative(values, p, load));
+            derivatives.push_back(exact_derivative(values, p, load).value_or(Derivative{}));
             auto& share = shares.emplace_back();
             for (auto& [variation, factor] : derivatives.back().terms) {
                 if (variation.kind == fe::Variation::Kind::motion) {

@@ -178,7 +178,7 @@ constexpr std::string_view forms[][2] = {
     {"anisotropy-distribution", "n rises with d^2/(d^2 + (1.5 a)^2), whatever the depth"},
     {"subgrade-depth-gradient", "E grows with the root of the depth"},
     {"weak-subgrade-top", "E falls towards the top like exp(-depth/120 mm)"},
-    {"base-residual-stress", "one and a half of it in the lower half of the base, a half in the upper"},
+    {"base-residual-stress", "a quarter more of it in the lower half of the base, a quarter less in the upper"},
     {"wheel-wander", "the wheel is anywhere within a band alike"},
 };
 
@@ -199,8 +199,8 @@ void apply_form(Case& c, const Hidden& hidden, int load) {
         Layer upper = c.layers[base];
         upper.thickness /= 2.0;
         c.layers[base].thickness -= upper.thickness;
-        upper.residual_stress += 0.5 * hidden.size * unit::kPa;
-        c.layers[base].residual_stress += 1.5 * hidden.size * unit::kPa;
+        upper.residual_stress += 0.75 * hidden.size * unit::kPa;
+        c.layers[base].residual_stress += 1.25 * hidden.size * unit::kPa;
         c.layers.insert(c.layers.begin() + static_cast<std::ptrdiff_t>(base), upper);
     } else { // wheel-wander: a band of the same standard deviation
         constexpr int places = 15;
