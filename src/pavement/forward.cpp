@@ -84,6 +84,16 @@ double step_of(const Case& values, const Parameter& parameter) {
     return 1e-3 * (parameter.in_effect ? parameter.high - parameter.low : value == 0.0 ? 1.0 : std::abs(value));
 }
 
+// costly: a run is.
+const Stencil& stencil_of(const Case& values, const Parameter& parameter, bool costly) {
+    const double value = parameter.get(values);
+    const double reach = (costly ? 1.0 : 2.0) * step_of(values, parameter);
+    return value - reach < parameter.low    ? (costly ? forward_2 : forward_4)
+           : value + reach > parameter.high ? (costly ? backward_2 : backward_4)
+           : costly                         ? central_2
+                                            : central_4;
+}
+
 Case moved_by(const Case& values, const Parameter& parameter, double change) {
     Case moved = values;
     parameter.in(moved) = (parameter.get(values) + change) * parameter.to_si;
@@ -164,24 +174,57 @@ std::vector<int> ForwardModel::unknowns() const {
     return counts;
 }
 
-std::vector<bool> ForwardModel::without_derivative(const Case& values, const Parameter& parameter) const {
-    std::vector<bool> without(models_.size(), false);
-    for (std::size_t l = 0; l < models_.size(); ++l) {
-        without[l] = models_[l] && !exact_derivative(values, parameter, static_cast<int>(l));
+struct ForwardModel::Observed {
+    struct Moved {
+        std::size_t parameter, row; // of the jacobian
+        Sensor sensor;
+        double weight; // of its reading in the derivative
+    };
+    std::vector<std::vector<Moved>> moved; // of each load
+
+    // Adds a parameter that moves nothing but the sensors of a load. False: it changes more.
+    bool add(const Case& values, const Parameter& parameter, std::size_t index, int load) {
+        const double step = step_of(values, parameter);
+        const Case here = with_effects(values, load);
+        std::vector<Moved> list;
+        for (const auto& [offset, weight] : stencil_of(values, parameter, false)) {
+            const Case there = with_effects(moved_by(values, parameter, offset * step), load);
+            if (there.layers != here.layers || there.loads != here.loads) {
+                return false;
+            }
+            for (std::size_t i = 0; i < there.sensors.size(); ++i) {
+                if (there.sensors[i].load == load) {
+                    list.push_back({index, i, there.sensors[i], weight / step});
+                }
+            }
+        }
+        auto& own = moved[static_cast<std::size_t>(load)];
+        own.insert(own.end(), list.begin(), list.end());
+        return true;
     }
-    return without;
-}
+};
 
 Outcome<Response> ForwardModel::run(const Case& values, const std::vector<Parameter>& parameters,
                                     Workspace& workspace) const {
-    Outcome<Response> outcome = run_exact(values, parameters, {}, workspace);
+    Observed observed;
+    observed.moved.resize(models_.size());
+    std::vector<std::vector<bool>> different; // of each parameter: the loads to run again for it
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+        different.emplace_back(models_.size(), false);
+        for (std::size_t l = 0; l < models_.size(); ++l) {
+            const auto load = static_cast<int>(l);
+            different[k][l] = models_[l] && !exact_derivative(values, parameters[k], load) &&
+                              !observed.add(values, parameters[k], k, load);
+        }
+    }
+    Outcome<Response> outcome = run_exact(values, parameters, {}, observed, workspace);
     if (!outcome) {
         return outcome;
     }
     Response response = std::move(outcome).value();
     for (std::size_t k = 0; k < parameters.size(); ++k) {
-        const std::vector<bool> loads = without_derivative(values, parameters[k]);
-        if (std::none_of(loads.begin(), loads.end(), [](bool without) { return without; })) {
+        const std::vector<bool>& loads = different[k];
+        if (std::none_of(loads.begin(), loads.end(), [](bool again) { return again; })) {
             continue;
         }
         const auto quotient = difference_quotient(values, response, parameters[k], loads, workspace);
@@ -201,22 +244,16 @@ Outcome<Response> ForwardModel::run(const Case& values, const std::vector<Parame
 Outcome<Eigen::VectorXd> ForwardModel::difference_quotient(const Case& values, const Response& response,
                                                            const Parameter& parameter, const std::vector<bool>& loads,
                                                            Workspace& workspace) const {
-    const double value = parameter.get(values);
     const double step = step_of(values, parameter);
     bool is_costly = false;
     for (std::size_t l = 0; l < loads.size(); ++l) {
         is_costly = is_costly || (loads[l] && with_effects(values, static_cast<int>(l)).loads[l].inertia);
     }
-    const int reach = is_costly ? 1 : 2;
-    const Stencil& stencil = value - reach * step < parameter.low    ? (is_costly ? forward_2 : forward_4)
-                             : value + reach * step > parameter.high ? (is_costly ? backward_2 : backward_4)
-                             : is_costly                             ? central_2
-                                                                     : central_4;
     Eigen::VectorXd quotient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(response.values.size()));
-    for (const auto& [offset, weight] : stencil) {
+    for (const auto& [offset, weight] : stencil_of(values, parameter, is_costly)) {
         std::vector<double> there = response.values;
         if (offset != 0) {
-            const auto outcome = run_exact(moved_by(values, parameter, offset * step), {}, loads, workspace);
+            const auto outcome = run_exact(moved_by(values, parameter, offset * step), {}, loads, {}, workspace);
             if (!outcome) {
                 return outcome.failure();
             }
@@ -228,7 +265,8 @@ Outcome<Eigen::VectorXd> ForwardModel::difference_quotient(const Case& values, c
 }
 
 Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<Parameter>& parameters,
-                                          const std::vector<bool>& loads, Workspace& workspace) const {
+                                          const std::vector<bool>& loads, const Observed& observed,
+                                          Workspace& workspace) const {
     const auto n = static_cast<Eigen::Index>(parameters.size());
 
     Response response;
@@ -246,7 +284,12 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
             own = models_[l]->make_workspace();
         }
         const auto load = static_cast<int>(l);
-        const Case c = with_effects(values, load);
+        Case c = with_effects(values, load);
+        const std::size_t sensors = c.sensors.size();
+        const auto& moved = observed.moved.empty() ? std::vector<Observed::Moved>{} : observed.moved[l];
+        for (const auto& m : moved) {
+            c.sensors.push_back(m.sensor);
+        }
         if (const std::string why = why_impossible(c, load); !why.empty()) {
             return Failure{Status::invalid_parameters, why};
         }
@@ -285,7 +328,11 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         if (!reading) {
             return Failure{reading.status(), "load \"" + c.loads[l].name + "\": " + reading.failure().reason};
         }
-        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+        for (std::size_t m = 0; m < moved.size(); ++m) {
+            response.jacobian(static_cast<Eigen::Index>(moved[m].row), static_cast<Eigen::Index>(moved[m].parameter)) +=
+                moved[m].weight * moved[m].sensor.gain * reading->values[sensors + m];
+        }
+        for (std::size_t i = 0; i < sensors; ++i) {
             if (c.sensors[i].load != load) {
                 continue;
             }

@@ -47,15 +47,14 @@ public:
     std::vector<int> unknowns() const;
 
 private:
-    // The loads whose responses follow the parameter in a way that the solver cannot differentiate.
-    std::vector<bool> without_derivative(const Case& values, const Parameter& parameter) const;
+    struct Observed; // sensors that are read in passing, for derivatives by what moves sensors alone
     // response: at `values`. Of the sensors of these loads; the others' entries mean nothing.
     Outcome<Eigen::VectorXd> difference_quotient(const Case& values, const Response& response,
                                                  const Parameter& parameter, const std::vector<bool>& loads,
                                                  Workspace& workspace) const;
     // loads: which of them to run; empty: all. A derivative that a load does not have is zero there.
     Outcome<Response> run_exact(const Case& values, const std::vector<Parameter>& parameters,
-                                const std::vector<bool>& loads, Workspace& workspace) const;
+                                const std::vector<bool>& loads, const Observed& observed, Workspace& workspace) const;
 
     Case nominal_;
     std::vector<std::shared_ptr<const LoadModel>> models_; // of each load; none where nothing is read

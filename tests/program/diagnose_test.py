@@ -1,0 +1,90 @@
+"""`pavescape diagnose` as a user and another program meet it: keys, verdict without an effect, the extended study, wrong input,
+continuation, the same bits for any number of threads. Whether it finds what is hidden: blind_test.py."""
+import json
+import math
+
+from support import *
+
+LAYOUT = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + "".join(
+    f"fwd,deflection,{x},0,0,0,1,mm,\n" for x in (0, 200, 300, 450, 600, 900)) + "".join(
+    f"fwd,strain_zz,{x},0,{z},75,1,microstrain,\n" for x in (0, 200) for z in (90, 165, 240, 340, 420))
+QUICK = ("--explore", 16, "--starts", 2, "--bootstrap", 4)
+
+folder = workspace()
+write_study(folder, data=LAYOUT, name="truth")
+(folder / "study.toml").write_text(STUDY.replace("small.csv", "data.csv"))
+
+
+def twin(*options):
+    done = run("twin", folder / "truth.toml", "--noise", 0.02, "--seed", 11, "--out", folder / "twin", *options)
+    assert done.returncode == 0, done.stderr
+    shutil.copy(folder / "twin" / "twin.csv", folder / "data.csv")
+
+
+def diagnose(out, *options):
+    done = run("diagnose", folder / "study.toml", "--json", "--out", folder / out, *QUICK, *options)
+    check(done.returncode == 0, f"diagnose: {done.stderr}")
+    return json.loads(done.stdout)
+
+
+# Nothing hidden: adequate, and the model is left as it is.
+twin()
+found = diagnose("plain")
+check(found["verdict"] == "adequate" and found["causes"] == [], f"nothing is hidden: {found['verdict']} {found['causes']}")
+check(found["extended"]["study"] == str(folder / "study.toml"), "an adequate model is not extended")
+check(found["extended"]["chi2"] == found["baseline"]["chi2"], "an adequate model gains nothing")
+
+# A gross effect, so that every part of the answer is there.
+twin("--effect", "floor-depth=2500")
+found = diagnose("one", "--threads", 1)
+for key, kinds in {"baseline": ("misfit", "chi2", "dof", "p_value"), "extended": ("misfit", "chi2", "dof", "p_value", "study"),
+                   "gain": ("misfit_reduction", "held_out_rmse_before", "held_out_rmse_after", "delta_aicc")}.items():
+    for kind in kinds:
+        check(kind in found[key], f"{key} has {kind}")
+for candidate in found["candidates"]:
+    for kind in ("effect", "score_z", "p_familywise", "delta_aicc", "size", "size_low", "size_high"):
+        check(kind in candidate, f"a candidate has {kind}")
+names = [line.split()[0] for line in run("effects").stdout.splitlines() if line and not line.startswith(" ")]
+check(found["verdict"] in ("adequate", "cause-named", "ambiguous", "unexplained"), found["verdict"])
+check(found["verdict"] in ("cause-named", "ambiguous"), f"the floor lies 2.5 m deeper: {found['verdict']}")
+check(math.isclose(found["gain"]["misfit_reduction"], 1 - found["extended"]["misfit"] / found["baseline"]["misfit"]), "the gain is that of the misfits")
+check(found["gain"]["held_out_rmse_after"] < found["gain"]["held_out_rmse_before"], "readings left out are predicted better")
+
+# The extended study is a study: its responses are those of the fit, and a fit of it ends no higher.
+extended = found["extended"]["study"]
+done = run("forward", extended, "--json")
+check(done.returncode == 0, f"the extended study: {done.stderr}")
+readings = [line.split(",") for line in (folder / "data.csv").read_text().splitlines() if line[0] not in "#l"]
+chi2 = sum(((r["value"] - float(line[6])) / float(line[8])) ** 2 for r, line in zip(json.loads(done.stdout)["responses"], readings))
+check(abs(chi2 / found["extended"]["chi2"] - 1) < 0.1, f"the extended study has chi2 {chi2}, the diagnosis says {found['extended']['chi2']}")
+refit = json.loads(run("fit", extended, "--json", "--explore", 16, "--starts", 3, "--out", folder / "refit").stdout)
+check(refit["best"]["misfit"] < found["extended"]["misfit"] * 1.01, "a fit of the extended study ends where the diagnosis did")
+check(any(name.endswith(".size") for name in refit["best"]["parameters"]), "the size is one of its parameters")
+
+# The same bits on two threads, and after a run that was cut off; what is finished is not repeated.
+again = diagnose("two", "--threads", 2)
+strip = lambda r: {k: v for k, v in r.items() if k not in ("run", "extended")}
+check(strip(again) == strip(found), "two threads give the same bits")
+process = subprocess.Popen([PROGRAM, "diagnose", folder / "study.toml", "--out", folder / "cut", *map(str, QUICK)],
+                           stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+import time
+while process.poll() is None and evaluations(folder / "cut") < 60:
+    time.sleep(0.02)
+process.kill()
+process.wait()
+kept = evaluations(folder / "cut")
+continued = diagnose("cut")
+check(strip(continued) == strip(found), "a continued run ends with the same bits")
+check(evaluations(folder / "cut") == evaluations(folder / "one"), f"{kept} evaluations were kept, none was repeated")
+
+# Without the effect, it is not named.
+other = diagnose("without", "--without", "floor-depth")
+check("floor-depth" not in other["causes"] and "floor-depth" not in [c["effect"] for c in other["candidates"]], "--without leaves an effect out")
+
+# Wrong input.
+done = run("diagnose", folder / "study.toml", "--without", "flor-depth")
+check(done.returncode == 2 and "did you mean \"floor-depth\"" in done.stderr, f"a misspelt effect: {done.stderr}")
+write_study(folder, study=STUDY.replace('[data]\nfiles = ["small.csv"]\nmisfit = "log"\n', ""), data=None, name="nodata")
+done = run("diagnose", folder / "nodata.toml")
+check(done.returncode == 2 and "needs measurements" in done.stderr, f"no data: {done.stderr}")
+finish()
