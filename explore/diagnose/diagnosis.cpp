@@ -35,6 +35,7 @@ constexpr double close_enough = 0.005; // half of the change of chi2 that a fit 
 constexpr int screen_number = 100;
 constexpr int fit_number = 200;
 constexpr int pair_number = 1000; // + 100 times the place in the beam
+constexpr int further_number = 300;
 constexpr int baseline_number = 500;
 constexpr int fold_number = 5000;
 constexpr int bootstrap_number = 20'000;
@@ -203,8 +204,9 @@ private:
         return best;
     }
 
-    // The candidates that are worth a fit, by what the screening foretells: of the leading effects so many, and of each
-    // so many variants that are not far behind its first.
+    // The candidates that are worth a fit: of the effects that lead by what the screening foretells so many, those that
+    // lead by their score in any case (large effects bend, and what is foretold of them errs), and of each effect so
+    // many variants that are not far behind its first.
     std::vector<std::size_t> worth_fitting(const Screening& screening, std::size_t effects, std::size_t each) const {
         std::vector<std::size_t> order;
         for (std::size_t c = 0; c < screening.items.size(); ++c) {
@@ -212,6 +214,14 @@ private:
             if (item.impossible.empty() && !item.duplicate && !item.starts.empty()) {
                 order.push_back(c);
             }
+        }
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+            return std::abs(screening.items[a].score) > std::abs(screening.items[b].score);
+        });
+        constexpr std::size_t by_score = 4;
+        std::map<std::string, std::size_t> scoring; // and its variant with the highest score
+        for (std::size_t i = 0; i < order.size() && scoring.size() < by_score; ++i) {
+            scoring.try_emplace(task_.candidates[order[i]].effect, order[i]);
         }
         std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
             return screening.items[a].foretold < screening.items[b].foretold;
@@ -225,8 +235,10 @@ private:
         std::erase_if(order, [&](std::size_t c) {
             const double foretold = screening.items[c].foretold;
             constexpr double hopeless = 50.0; // chi2 behind the best; the foretelling errs, so some are taken anyway
-            constexpr std::size_t anyway = 5; // effects
-            if (taken.size() >= anyway && foretold > best + hopeless * d_.variance) {
+            constexpr std::size_t anyway = 4; // effects
+            const auto leader = scoring.find(task_.candidates[c].effect);
+            const bool is_scoring = leader != scoring.end() && leader->second == c;
+            if (taken.size() >= anyway && foretold > best + hopeless * d_.variance && !is_scoring) {
                 return true;
             }
             const auto [at, is_new] = taken.try_emplace(task_.candidates[c].effect);
@@ -235,7 +247,7 @@ private:
             }
             constexpr double far = 25.0; // chi2
             const bool is_behind = foretold > at->second.foretold + far * d_.variance;
-            return taken.size() > effects || is_behind || ++at->second.count > each;
+            return !is_scoring && (taken.size() > effects || is_behind || ++at->second.count > each);
         });
         return order;
     }
@@ -424,8 +436,54 @@ private:
         return nullptr;
     }
 
+    // The leading effects again, from points of the sample: a fit may have ended in a local minimum. False:
+    // interrupted.
+    bool search_further() {
+        std::vector<const Model*> points;
+        for (const Model& point : explored_) {
+            points.push_back(&point);
+        }
+        constexpr std::size_t leading = 6;
+        constexpr std::size_t starts = 2;
+        const std::size_t count = std::min(starts, points.size());
+        std::partial_sort(
+            points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), points.end(),
+            [](const Model* a, const Model* b) { return a->residuals.squaredNorm() < b->residuals.squaredNorm(); });
+        std::vector<EffectResult*> tried;
+        for (EffectResult& effect : d_.effects) {
+            if (effect.fit && tried.size() < leading) {
+                tried.push_back(&effect);
+            }
+        }
+        run::Progress progress("further fits", static_cast<std::int64_t>(tried.size()));
+        run::for_each_index(arena_, tried.size(), [&](std::size_t i) {
+            EffectResult& effect = *tried[i];
+            const Members members = effect.fit->model.members;
+            for (std::size_t s = 0; s < count; ++s) {
+                std::vector<double> start = points[s]->unit;
+                start.push_back(s == 0 ? effect.fit->model.unit.back() : task_.candidates[effect.candidate].typical);
+                bench_.chain(members, further_number + static_cast<int>(s),
+                             [&](const problem::Problem& problem, run::Chain& chain) {
+                                 auto found = fit(chain, problem, members, start, {}, close_enough * d_.variance);
+                                 if (found && found->sum < effect.fit->model.sum) {
+                                     effect.fit->model = std::move(*found);
+                                 }
+                             });
+            }
+            progress.add(1, true);
+        });
+        if (run::interrupted()) {
+            return false;
+        }
+        set_statistics();
+        return true;
+    }
+
     // Fills explanations_ : the models that explain the data, best first; empty: none does. False: interrupted.
     bool explain() {
+        if (!d_.effects.empty() && d_.effects[0].fit && contradicted(*d_.effects[0].fit, 1.0) && !search_further()) {
+            return false;
+        }
         std::vector<const Judged*> singles;
         for (const EffectResult& effect : d_.effects) {
             if (effect.fit) {
