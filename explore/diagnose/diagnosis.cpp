@@ -642,11 +642,10 @@ private:
             const double behind = criterion(other) - criterion(best);
             bool rival = behind < margin && !(contradicted(other, 1.0) && &other != &explanations_[0]);
             if (!is_pair && &other != &explanations_[0]) {
+                // An effect that such readings could not tell from the leading one stands beside it, whatever these
+                // say.
                 for (const Confounding& pair : d_.confounding) {
-                    // An effect that these data cannot tell from the leading one, whatever they say today: unless
-                    // they say so clearly.
-                    constexpr double clearly = 2.0 * margin;
-                    rival = rival || (pair.b == other.model.members[0] && pair.rate < least_rate && behind < clearly);
+                    rival = rival || (pair.b == other.model.members[0] && pair.rate < least_rate);
                 }
             }
             if (rival) {

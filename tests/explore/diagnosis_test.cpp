@@ -1,0 +1,284 @@
+// The diagnosis on linear models, where signatures, scores, gains and rates are known in closed form and thousands of
+// fits take no time. Finite elements: tests/blind.
+#include "diagnose/diagnosis.h"
+
+#include "base/random.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
+#include <gtest/gtest.h>
+#include <set>
+
+using namespace explore;
+using diagnose::Members;
+using diagnose::Verdict;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+// Responses a x + s y, in standard deviations.
+class Linear final : public problem::ForwardFunction {
+public:
+    explicit Linear(MatrixXd matrix) : matrix_(std::move(matrix)) {}
+    std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Workspace>(); }
+    pave::Outcome<problem::Prediction> evaluate(std::span<const double> values, bool with_jacobian,
+                                                Workspace&) const override {
+        const VectorXd y = matrix_ * VectorXd::Map(values.data(), static_cast<Index>(values.size()));
+        problem::Prediction p;
+        p.responses.assign(y.begin(), y.end());
+        if (with_jacobian) {
+            p.jacobian = matrix_;
+        }
+        return p;
+    }
+
+private:
+    MatrixXd matrix_;
+};
+
+constexpr Index readings = 40;
+constexpr Index parameters = 3;
+
+// Three parameters from 0 to 1, candidates with sizes from -1 to 1; signatures are lengths 20 beyond the parameters.
+struct World {
+    MatrixXd a;
+    MatrixXd signatures;
+    VectorXd data;
+
+    World(std::uint64_t seed, Index candidates) {
+        const pave::RandomStream random(seed, 0);
+        std::uint64_t next = 0;
+        a = MatrixXd::NullaryExpr(readings, parameters, [&] { return 10.0 * random.normal(next++); });
+        signatures = MatrixXd::NullaryExpr(readings, candidates, [&] { return random.normal(next++); });
+        const Eigen::HouseholderQR<MatrixXd> qr(a);
+        const MatrixXd base = qr.householderQ() * MatrixXd::Identity(readings, parameters);
+        signatures -= base * (base.transpose() * signatures);
+        signatures.colwise().normalize();
+        signatures *= 20.0;
+        data = a * VectorXd::Constant(parameters, 0.4) +
+               VectorXd::NullaryExpr(readings, [&] { return random.normal(next++); });
+    }
+
+    problem::Problem problem(const Members& members) const {
+        problem::ParameterSpace space;
+        MatrixXd matrix(readings, parameters + static_cast<Index>(members.size()));
+        matrix.leftCols(parameters) = a;
+        for (Index k = 0; k < parameters; ++k) {
+            space.axes.push_back({fmt::format("p{}", k), 0.0, 1.0});
+        }
+        for (std::size_t m = 0; m < members.size(); ++m) {
+            space.axes.push_back({fmt::format("size{}", members[m]), -1.0, 1.0});
+            matrix.col(parameters + static_cast<Index>(m)) = signatures.col(static_cast<Index>(members[m]));
+        }
+        std::vector<problem::Misfit::Term> terms;
+        for (Index i = 0; i < readings; ++i) {
+            terms.push_back({static_cast<std::size_t>(i), data[i], 1.0});
+        }
+        return {space, std::make_shared<Linear>(matrix), {problem::MisfitKind::weighted, terms}};
+    }
+
+    diagnose::Workbench bench() const {
+        return diagnose::Workbench({.problem = [this](const Members& members) { return problem(members); },
+                                    .run = [](const Members&) { return 0; },
+                                    .store = nullptr,
+                                    .threads = 0});
+    }
+
+    std::vector<diagnose::Candidate> candidates() const {
+        std::vector<diagnose::Candidate> list;
+        for (Index j = 0; j < signatures.cols(); ++j) {
+            list.push_back({.effect = fmt::format("e{}", j), .on = "", .null = 0.5, .typical = 0.7, .reading = {}});
+        }
+        return list;
+    }
+
+    diagnose::Diagnosis diagnose(std::uint64_t seed, bool noise_is_stated = true) const {
+        auto own = bench();
+        diagnose::DiagnosisTask task{.bench = own,
+                                     .candidates = candidates(),
+                                     .noise_is_stated = noise_is_stated,
+                                     .groups = {},
+                                     .places = {},
+                                     .loads = {},
+                                     .seed = seed};
+        for (std::size_t g = 0; g < 2; ++g) {
+            diagnose::ReadingGroup group{.name = fmt::format("group{}", g), .terms = {}};
+            for (std::size_t i = 0; i < static_cast<std::size_t>(readings) / 2; ++i) {
+                group.terms.push_back(g * static_cast<std::size_t>(readings) / 2 + i);
+            }
+            task.places.push_back({group.name, group.terms});
+            task.groups.push_back(std::move(group));
+        }
+        auto result = diagnose::diagnose(task, {.explore = 8, .starts = 1, .bootstrap = 5});
+        EXPECT_TRUE(result.has_value());
+        return *result;
+    }
+};
+
+// At the minimum of the model without effects.
+diagnose::Model baseline(diagnose::Workbench& bench) {
+    std::optional<diagnose::Model> model;
+    bench.chain({}, 0, [&](const problem::Problem& problem, run::Chain& chain) {
+        model = diagnose::fit(chain, problem, {}, {0.5, 0.5, 0.5}, {}, 0.0);
+    });
+    return *model;
+}
+
+} // namespace
+
+TEST(ResidualTests, SignsAndRunsHaveTheProbabilitiesOfCounting) {
+    const auto test = [](const std::vector<double>& r) {
+        diagnose::ReadingGroup group{.name = "", .terms = {}};
+        for (std::size_t i = 0; i < r.size(); ++i) {
+            group.terms.push_back(i);
+        }
+        return diagnose::test_group(VectorXd::Map(r.data(), static_cast<Index>(r.size())), group);
+    };
+    // Two and two: 2, 3 and 4 runs have two of the six orders each.
+    EXPECT_NEAR(test({1, 1, -1, -1}).p_runs, 2.0 / 3.0, 1e-12);
+    EXPECT_NEAR(test({1, -1, 1, -1}).p_runs, 2.0 / 3.0, 1e-12);
+    EXPECT_NEAR(test({1, -1, -1, 1}).p_runs, 1.0, 1e-12);
+    // Ten and ten, apart: two orders of C(20, 10) = 184756.
+    std::vector<double> apart(20, 1.0);
+    std::fill(apart.begin() + 10, apart.end(), -1.0);
+    EXPECT_NEAR(test(apart).p_runs, 2.0 * 2.0 / 184756.0, 1e-12);
+    EXPECT_NEAR(test(apart).p_sign, 1.0, 1e-12);
+    EXPECT_NEAR(test(std::vector<double>(8, 0.3)).p_sign, 2.0 / 256.0, 1e-12);
+    EXPECT_NEAR(test(std::vector<double>(8, 0.3)).chi2, 8 * 0.09, 1e-12);
+    EXPECT_EQ(test({1, 1, 1}).p_sign, 1.0); // too few to tell
+}
+
+TEST(Family, LargestOfOrthogonalStatisticsHasItsClosedForm) {
+    const diagnose::Mimicry nothing(MatrixXd::Zero(6, 1), {0.5}, VectorXd::Zero(6));
+    const double z = 2.0;
+    const double one = gsl_cdf_ugaussian_Q(z);
+    const auto p = [&](Index count, int sense) {
+        const diagnose::Family family(MatrixXd::Identity(6, count),
+                                      std::vector<int>(static_cast<std::size_t>(count), sense), nothing, false, 3);
+        return family.p_value(z);
+    };
+    constexpr double monte_carlo = 5.0 * 0.005; // five standard errors of 10,000 draws at 0.25
+    EXPECT_NEAR(p(1, 0), 2 * one, monte_carlo);
+    EXPECT_NEAR(p(1, 1), one, monte_carlo);
+    EXPECT_NEAR(p(6, 0), 1.0 - std::pow(1.0 - 2 * one, 6), monte_carlo);
+    const diagnose::Family family(MatrixXd::Identity(6, 6), std::vector<int>(6, 0), nothing, false, 3);
+    EXPECT_NEAR(family.p_value(8.0) / (12 * gsl_cdf_ugaussian_Q(8.0)), 1.0, 1e-9); // beyond the draws: Bonferroni
+    EXPECT_NEAR(1.0 - std::pow(1.0 - 2 * gsl_cdf_ugaussian_Q(family.threshold(0.05)), 6), 0.05, 0.011);
+}
+
+TEST(Mimicry, ParametersFollowTheirSpanAndNoMore) {
+    const World world(1, 2);
+    const diagnose::Mimicry mimicry(world.a, {0.5, 0.5, 0.5}, VectorXd::Zero(readings));
+    EXPECT_EQ(mimicry.rank(), 3);
+    EXPECT_LT(mimicry.beyond(world.a * VectorXd::Ones(parameters)).norm(), 1e-10);
+    EXPECT_NEAR(mimicry.beyond(world.signatures.col(0)).norm(), 20.0, 1e-9);
+    // A parameter that is pressed against its bound follows nothing.
+    const diagnose::Mimicry pressed(world.a, {1.0, 0.5, 0.5}, -world.a.col(0));
+    EXPECT_EQ(pressed.rank(), 2);
+}
+
+TEST(Screening, ScoreIsTheRootOfWhatAFitGains) {
+    const World world(2, 4);
+    auto bench = world.bench();
+    const auto base = baseline(bench);
+    const auto screening =
+        diagnose::screen(bench, base, world.candidates(), 1.0, false, 1, diagnose::Screen::starts, 100);
+    ASSERT_TRUE(screening.has_value());
+    for (std::size_t c = 0; c < 4; ++c) {
+        const auto& item = screening->items[c];
+        std::optional<diagnose::Model> model;
+        bench.chain({c}, 200, [&](const problem::Problem& problem, run::Chain& chain) {
+            model = diagnose::fit(chain, problem, {c}, {0.5, 0.5, 0.5, 0.5}, {}, 0.0);
+        });
+        ASSERT_TRUE(model.has_value());
+        EXPECT_NEAR(base.sum - model->sum, item.score * item.score, 1e-6);
+        EXPECT_EQ(model->unit.back() > 0.5, item.score > 0.0);
+        // The simulated p is that of four statistics nearly alike independent.
+        EXPECT_GE(item.p_familywise, 2 * gsl_cdf_ugaussian_Q(std::abs(item.score)) - 0.02);
+    }
+}
+
+TEST(Diagnosis, FindsWhatIsHiddenInLinearModels) {
+    constexpr int trials = 60;
+    constexpr Index candidates = 12;
+    int adequate = 0;
+    int adequate_estimated = 0;
+    int right = 0;
+    int covered = 0;
+    int both = 0;
+    int pair_true = 0;
+    for (int t = 0; t < trials; ++t) {
+        const auto seed = static_cast<std::uint64_t>(t) + 10;
+        World world(seed, candidates);
+        adequate += world.diagnose(seed).verdict == Verdict::adequate;
+        adequate_estimated += world.diagnose(seed, false).verdict == Verdict::adequate;
+        const VectorXd plain = world.data;
+        const pave::RandomStream random(seed, 77);
+        const auto hidden = static_cast<std::size_t>(random.uniform(0) * candidates);
+        const double size = (random.uniform(1) < 0.5 ? -1.0 : 1.0) * (0.4 + 0.4 * random.uniform(2)); // 8 to 16
+        world.data += size * world.signatures.col(static_cast<Index>(hidden));
+        const auto found = world.diagnose(seed);
+        const std::string name = fmt::format("e{}", hidden);
+        right += found.verdict == Verdict::cause_named && found.causes == std::vector<std::string>{name};
+        for (const auto& effect : found.effects) {
+            if (effect.candidate == hidden && effect.fit) {
+                covered += effect.size.low <= size && size <= effect.size.high;
+            }
+        }
+        const std::size_t second = (hidden + 1) % static_cast<std::size_t>(candidates);
+        world.data += 0.5 * world.signatures.col(static_cast<Index>(second));
+        const auto two = world.diagnose(seed);
+        const std::set<std::string> causes(two.causes.begin(), two.causes.end());
+        both +=
+            two.verdict == Verdict::cause_named && causes == std::set<std::string>{name, fmt::format("e{}", second)};
+        pair_true += causes.contains(name);
+    }
+    EXPECT_GE(adequate, trials - 7); // 96 %: four standard deviations
+    EXPECT_GE(adequate_estimated, trials - 7);
+    EXPECT_GE(right, trials - 6);
+    EXPECT_GE(covered, trials - 9); // 95 %
+    EXPECT_GE(both, trials * 8 / 10);
+    EXPECT_GE(pair_true, trials - 6);
+}
+
+TEST(Diagnosis, WhatCannotBeToldApartIsAmbiguousWithTheRateOfTheFormula) {
+    constexpr int trials = 40;
+    constexpr double cosine = 0.97;
+    constexpr double size = 0.5; // 10 standard deviations: the best possible rate is 89 %
+    int ambiguous = 0;
+    int holds = 0;
+    for (int t = 0; t < trials; ++t) {
+        const auto seed = static_cast<std::uint64_t>(t) + 500;
+        World world(seed, 8);
+        const VectorXd own = world.signatures.col(2);
+        VectorXd other = world.signatures.col(3) - own * (own.dot(world.signatures.col(3)) / own.squaredNorm());
+        other *= 20.0 / other.norm();
+        world.signatures.col(3) = cosine * own + std::sqrt(1.0 - cosine * cosine) * other;
+        world.data += size * own;
+        const auto found = world.diagnose(seed);
+        ambiguous += found.verdict == Verdict::ambiguous;
+        holds += std::find(found.causes.begin(), found.causes.end(), "e2") != found.causes.end();
+        const double d = std::sqrt(found.effects[0].gain);
+        ASSERT_FALSE(found.confounding.empty());
+        EXPECT_NEAR(found.confounding[0].cosine, cosine, 1e-3);
+        EXPECT_NEAR(found.confounding[0].rate, gsl_cdf_ugaussian_P(d * std::sqrt((1.0 - cosine) / 2.0)), 0.01);
+    }
+    EXPECT_GE(ambiguous, trials * 9 / 10);
+    EXPECT_GE(holds, trials - 2);
+}
+
+TEST(Diagnosis, WhatNoCandidateExplainsIsLeftUnexplained) {
+    int named = 0;
+    constexpr int trials = 40;
+    for (int t = 0; t < trials; ++t) {
+        const auto seed = static_cast<std::uint64_t>(t) + 900;
+        World world(seed, 9);
+        world.data += 0.6 * world.signatures.col(8);
+        world.signatures.conservativeResize(Eigen::NoChange, 8);
+        named += world.diagnose(seed).verdict == Verdict::cause_named;
+    }
+    EXPECT_LE(named, 4);
+}
