@@ -277,6 +277,7 @@ struct Findings {
     const Reported& before;
     const std::optional<Reported>& after;
     const std::vector<Separating>& next;
+    const std::vector<std::optional<double>>& held_out; // of each explanation: see Reported
 
     std::vector<std::string> sentences() const {
         std::vector<std::string> text;
@@ -531,8 +532,14 @@ Json diagnosis_json(const Findings& f, const std::string& extended_path, const s
         for (const std::size_t c : e.fit.model.members) {
             names.push_back({{"effect", f.candidates[c].effect}, {"on", f.candidates[c].on}});
         }
-        explanations.push_back(
-            {{"effects", names}, {"chi2", e.fit.chi2}, {"p_value", e.fit.p_value}, {"behind", e.behind}});
+        explanations.push_back({{"effects", names},
+                                {"chi2", e.fit.chi2},
+                                {"p_value", e.fit.p_value},
+                                {"delta_aicc", e.fit.aicc - d.baseline.aicc},
+                                {"behind", e.behind}});
+        if (const auto& rms = f.held_out[explanations.size() - 1]) {
+            explanations.back()["study_held_out_rms"] = *rms;
+        }
     }
     json["explanations"] = std::move(explanations);
     Json confounding = Json::array();
@@ -634,6 +641,30 @@ std::string page(const Findings& f, const std::vector<double>& before, const std
                    figure(effect.size.high), std::string(f.variants[effect.candidate].applied.effect->unit)});
     }
     text += table.text();
+    if (d.explanations.size() > 1) {
+        text += "\nExplanations that these data do not tell apart\n";
+        const bool holds_out = f.before.held_out_rms.has_value();
+        std::vector<std::string> columns{"", "chi2", "p", "AICc", "behind by"};
+        if (holds_out) {
+            columns.emplace_back("error of what the study holds out");
+        }
+        report::Table alternatives(columns);
+        for (std::size_t e = 0; e < d.explanations.size(); ++e) {
+            const auto& own = d.explanations[e];
+            std::vector<std::string> row{members_words(f.candidates, own.fit.model.members), figure(own.fit.chi2),
+                                         fmt::format("{:.2g}", own.fit.p_value),
+                                         fmt::format("{:+.1f}", own.fit.aicc - d.baseline.aicc), figure(own.behind)};
+            if (holds_out) {
+                row.push_back(figure(*f.held_out[e]));
+            }
+            alternatives.add(std::move(row));
+        }
+        if (holds_out) {
+            alternatives.add({"the study's model", figure(d.baseline.chi2), fmt::format("{:.2g}", d.baseline.p_value),
+                              "", "", figure(*f.before.held_out_rms)});
+        }
+        text += alternatives.text();
+    }
     if (!d.confounding.empty() && d.verdict != Verdict::unexplained) {
         text += "\nHardest to tell from " + f.candidates[d.confounding[0].a].effect + " with these readings\n";
         report::Table pairs({"effect", "cosine", "best possible rate"});
@@ -758,7 +789,13 @@ int diagnose_study(const DiagnoseOptions& options) {
     }
     const auto next =
         d.explanations.size() > 1 ? separating_readings(study, variants, bench, d) : std::vector<Separating>{};
-    const Findings findings{study, variants, task.candidates, layout, d, before, after, next};
+    std::vector<std::optional<double>> held_out;
+    for (const auto& explanation : d.explanations) {
+        held_out.push_back(before.held_out_rms
+                               ? report_of(study, variants, bench, explanation.fit, d.variance).held_out_rms
+                               : std::nullopt);
+    }
+    const Findings findings{study, variants, task.candidates, layout, d, before, after, next, held_out};
     const auto residuals_before = residuals_of(study, layout, d.baseline.model, d.variance);
     Json json = diagnosis_json(findings, extended_path, residuals_before, residuals_after);
     json["study"] = {{"file", study.file}, {"title", study.title}, {"hash", study.hash}};

@@ -57,20 +57,15 @@ public:
             return true;
         }
         constexpr int baselines = 3;
-        for (int attempt = 0;; ++attempt) {
+        bool better = true;
+        for (int attempt = 0; better && attempt < baselines; ++attempt) {
             if (!fit_singles()) {
                 return false;
             }
-            bool better = false;
-            if (attempt + 1 == baselines || !improve_baseline(better)) {
-                break;
+            better = false;
+            if (attempt + 1 < baselines && !improve_baseline(better)) {
+                return false;
             }
-            if (!better) {
-                break;
-            }
-        }
-        if (run::interrupted()) {
-            return false;
         }
         examine_baseline();
         if (!contradicted(d_.baseline, d_.screening.p_familywise)) {
@@ -500,34 +495,27 @@ private:
             return false;
         }
         first.p_familywise = next->p_familywise;
-        if (!contradicted(first, first.p_familywise)) {
-            for (const Judged* single : singles) {
-                explanations_.push_back(*single);
+        if (contradicted(first, first.p_familywise)) {
+            std::vector<const Judged*> beam = singles;
+            beam.resize(std::min(beam.size(), beam_width));
+            std::vector<Judged> pairs;
+            if (!fit_pairs(beam, pairs)) {
+                return false;
             }
-            explanations_[0] = first;
-            return true;
+            // Does a second effect earn its place?
+            const double more = pairs.empty() ? 0.0 : std::max(0.0, first.chi2 - pairs[0].chi2);
+            const double p_second = next->family ? next->family->p_value(std::sqrt(more)) : 1.0;
+            if (p_second < level_evidence && pairs[0].aicc < first.aicc) {
+                is_contradicted_ = contradicted(pairs[0], 1.0);
+                explanations_ = std::move(pairs);
+                return true;
+            }
         }
-        singles.resize(std::min(singles.size(), beam_width));
-        std::vector<Judged> pairs;
-        if (!fit_pairs(singles, pairs)) {
-            return false;
+        is_contradicted_ = contradicted(first, 1.0);
+        for (const Judged* single : singles) {
+            explanations_.push_back(*single);
         }
-        if (pairs.empty()) {
-            explanations_.push_back(first);
-            is_contradicted_ = true;
-            return true;
-        }
-        // Does the second effect earn its place?
-        const Judged& best = pairs[0];
-        const double more = (first.chi2 - best.chi2);
-        const double p_second = next->family ? next->family->p_value(std::sqrt(std::max(0.0, more))) : 1.0;
-        if (p_second < level_evidence) {
-            is_contradicted_ = contradicted(best, 1.0);
-            explanations_ = std::move(pairs);
-        } else {
-            explanations_.push_back(first);
-            is_contradicted_ = true;
-        }
+        explanations_[0] = first;
         return true;
     }
 
@@ -643,9 +631,10 @@ private:
             bool rival = behind < margin && !(contradicted(other, 1.0) && &other != &explanations_[0]);
             if (!is_pair && &other != &explanations_[0]) {
                 // An effect that such readings could not tell from the leading one stands beside it, whatever these
-                // say.
+                // say; unless they reject it by themselves and by far.
+                const bool is_rejected = contradicted(other, 1.0) && behind > 2.0 * margin;
                 for (const Confounding& pair : d_.confounding) {
-                    rival = rival || (pair.b == other.model.members[0] && pair.rate < least_rate);
+                    rival = rival || (pair.b == other.model.members[0] && pair.rate < least_rate && !is_rejected);
                 }
             }
             if (rival) {

@@ -163,7 +163,8 @@ double root_of_depth(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
     return std::sqrt(std::max(0.0, at[2] - shape[0]));
 }
 double fading_with_depth(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
-    return -std::exp(-std::max(0.0, at[2] - shape[0]) / 0.12);
+    constexpr double reach = 0.35; // m
+    return -std::max(0.0, 1.0 - (at[2] - shape[0]) / reach);
 }
 
 struct Hidden {
@@ -177,7 +178,7 @@ struct Hidden {
 constexpr std::string_view forms[][2] = {
     {"anisotropy-distribution", "n rises with d^2/(d^2 + (1.5 a)^2), whatever the depth"},
     {"subgrade-depth-gradient", "E grows with the root of the depth"},
-    {"weak-subgrade-top", "E falls towards the top like exp(-depth/120 mm)"},
+    {"weak-subgrade-top", "E falls towards the top, linearly over the uppermost 350 mm"},
     {"base-residual-stress", "a quarter more of it in the lower half of the base, a quarter less in the upper"},
     {"wheel-wander", "the wheel is anywhere within a band alike"},
 };
