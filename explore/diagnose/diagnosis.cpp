@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <gsl/gsl_cdf.h>
+#include <numeric>
 #include <set>
 
 namespace explore::diagnose {
@@ -566,17 +567,20 @@ private:
         if (run::interrupted()) {
             return false;
         }
-        double mean = 0.0;
-        for (const double gain : gains) {
-            if (gain >= 0.0) {
-                ++d_.bootstrap;
-                mean += gain;
-                d_.bootstrap_above += gain >= leading.gain ? 1 : 0;
+        std::erase_if(gains, [](double gain) { return gain < 0.0; });
+        d_.bootstrap = static_cast<int>(gains.size());
+        d_.bootstrap_above = static_cast<int>(
+            std::count_if(gains.begin(), gains.end(), [&](double gain) { return gain >= leading.gain; }));
+        if (gains.size() > 1) {
+            // As far as so few draws establish it: two standard errors below their mean.
+            const auto n = static_cast<double>(gains.size());
+            const double mean = std::accumulate(gains.begin(), gains.end(), 0.0) / n;
+            double squares = 0.0;
+            for (const double gain : gains) {
+                squares += (gain - mean) * (gain - mean);
             }
-        }
-        if (d_.bootstrap > 0) {
             const double expected = screened.sense == 0 ? 1.0 : 0.5;
-            d_.bartlett = std::max(1.0, mean / d_.bootstrap / expected);
+            d_.bartlett = std::max(1.0, (mean - 2.0 * std::sqrt(squares / (n - 1.0) / n)) / expected);
         }
         if (d_.screening.family) {
             d_.p_evidence = d_.screening.family->p_value(std::sqrt(std::max(0.0, leading.gain / d_.bartlett)));
@@ -618,6 +622,11 @@ private:
     }
 
     bool decide() {
+        // One score among many stood out, but the fits do not bear it out.
+        if (!contradicted(d_.baseline, 1.0) && d_.p_evidence >= level_family) {
+            d_.verdict = Verdict::adequate;
+            return true;
+        }
         if (explanations_.empty()) {
             d_.verdict = Verdict::unexplained;
             return true;

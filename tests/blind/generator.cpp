@@ -163,8 +163,8 @@ double root_of_depth(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
     return std::sqrt(std::max(0.0, at[2] - shape[0]));
 }
 double fading_with_depth(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
-    constexpr double reach = 0.35; // m
-    return -std::max(0.0, 1.0 - (at[2] - shape[0]) / reach);
+    constexpr double reach = 0.2; // m
+    return -1.0 / (1.0 + std::pow(std::max(0.0, at[2] - shape[0]) / reach, 4));
 }
 
 struct Hidden {
@@ -178,7 +178,7 @@ struct Hidden {
 constexpr std::string_view forms[][2] = {
     {"anisotropy-distribution", "n rises with d^2/(d^2 + (1.5 a)^2), whatever the depth"},
     {"subgrade-depth-gradient", "E grows with the root of the depth"},
-    {"weak-subgrade-top", "E falls towards the top, linearly over the uppermost 350 mm"},
+    {"weak-subgrade-top", "E falls towards the top without a step, like 1/(1 + (depth/200 mm)^4)"},
     {"base-residual-stress", "a quarter more of it in the lower half of the base, a quarter less in the upper"},
     {"wheel-wander", "the wheel is anywhere within a band alike"},
 };

@@ -70,7 +70,14 @@ def rates(results):
     separable = [r for r in one if r["truth"]["ceiling"] >= 0.95]
     named = [r for r in one if r["verdict"] == "cause-named"]
     right = [r for r in named if r["causes"] == r["names"]]
-    sized = [r for r in right if not r["truth"]["hidden"][0]["form"]]
+
+    def same_readings(r):
+        """A gain of some readings may be found as the opposite gain of the others: its size is then another."""
+        hidden = r["truth"]["hidden"][0]
+        wanted = f"{hidden['load']}, {hidden['quantity']}" if "load" in hidden else f"every {hidden.get('quantity')}"
+        return hidden["effect"] != "sensor-gain" or r["own"]["on"] == wanted
+
+    sized = [r for r in right if not r["truth"]["hidden"][0]["form"] and same_readings(r)]
 
     def holds(r):
         size, own = r["truth"]["hidden"][0]["size"], r["own"]
