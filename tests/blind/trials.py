@@ -68,14 +68,16 @@ def rates(results):
     of = {kind: [r for r in results if r["kind"] == kind] for kind in KINDS}
     one = of["one"]
     separable = [r for r in one if r["truth"]["ceiling"] >= 0.95]
+    unlike = [r for r in of["removed"] if r["truth"]["ceiling"] >= 0.95]
     named = [r for r in one if r["verdict"] == "cause-named"]
     right = [r for r in named if r["causes"] == r["names"]]
 
     def same_readings(r):
         """A gain of some readings may be found as the opposite gain of the others: its size is then another."""
         hidden = r["truth"]["hidden"][0]
-        wanted = f"{hidden['load']}, {hidden['quantity']}" if "load" in hidden else f"every {hidden.get('quantity')}"
-        return hidden["effect"] != "sensor-gain" or r["own"]["on"] == wanted
+        if hidden["effect"] != "sensor-gain":
+            return True
+        return r["own"]["on"] == (f"{hidden['load']}, {hidden['quantity']}" if "load" in hidden else f"every {hidden['quantity']}")
 
     sized = [r for r in right if not r["truth"]["hidden"][0]["form"] and same_readings(r)]
 
@@ -92,6 +94,8 @@ def rates(results):
         "adequate without a hidden effect": (sum(r["verdict"] == "adequate" for r in of["none"]), len(of["none"])),
         "not confidently wrong with the effect out of the catalogue":
             (sum(r["verdict"] != "cause-named" for r in of["removed"]), len(of["removed"])),
+        "the same, where the effect can be told apart":
+            (sum(r["verdict"] != "cause-named" for r in unlike), len(unlike)),
         "both of two effects named": (sum(set(r["names"]) <= set(r["causes"]) for r in of["two"]), len(of["two"])),
         "size of a named effect within its 95 % interval":
             (sum(map(holds, sized)), len(sized)),
