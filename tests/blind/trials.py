@@ -195,7 +195,7 @@ def text_of(results):
     rows = [f"| {name} | {share(count, total)} |\n" for name, (count, total) in rates(results).items() if total]
     seconds = sorted(r["seconds"] for r in results if "seconds" in r)
     if seconds:
-        rows.append(f"| processor time of one diagnosis, median and longest | {seconds[len(seconds) // 2]:.0f} s, {seconds[-1]:.0f} s |\n")
+        rows.append(f"| time of one diagnosis on one thread, median and longest | {seconds[len(seconds) // 2]:.0f} s, {seconds[-1]:.0f} s |\n")
     parts["rates"] = "| | |\n|---|---:|\n" + "".join(rows)
     curve = power_curve(results)
     parts["power"] = "| strength | right name first | contradiction found | cases |\n|---:|---:|---:|---:|\n" + "".join(
