@@ -118,17 +118,15 @@ Reported report_of(const study::Study& study, const std::vector<study::Variant>&
         r.parameters.push_back(diagnose::interval_of(problem, judged.model, k, variance));
     }
     Predictor(r.study).complete(r.evaluation);
-    std::vector<std::size_t> fitted;
     double squares = 0.0;
     for (const auto& group : study.groups) {
+        if (!group.held_out || study.sigma.empty()) {
+            continue;
+        }
         for (const std::size_t i : group.rows) {
-            if (!group.held_out) {
-                fitted.push_back(i);
-            } else if (!study.sigma.empty()) {
-                const double measured = study.measurements[i].value * study.measurements[i].unit.to_si;
-                squares += std::pow((r.evaluation.responses[i] - measured) / study.sigma[i], 2);
-                ++r.held_out;
-            }
+            const double measured = study.measurements[i].value * study.measurements[i].unit.to_si;
+            squares += std::pow((r.evaluation.responses[i] - measured) / study.sigma[i], 2);
+            ++r.held_out;
         }
     }
     if (r.held_out > 0) {
@@ -745,10 +743,7 @@ int diagnose_study(const DiagnoseOptions& options) {
                                  .seed = options.common.seed};
     for (const study::Variant& variant : variants) {
         const auto& effect = *variant.applied.effect;
-        const problem::Axis axis{.name = "",
-                                 .low = effect.low,
-                                 .high = effect.high,
-                                 .scale = effect.log_scale ? problem::Scale::log : problem::Scale::linear};
+        const problem::Axis axis = study::size_axis(effect);
         diagnose::Candidate candidate{.effect = std::string(effect.name),
                                       .on = variant.on,
                                       .null = axis.unit(effect.null),
@@ -790,10 +785,11 @@ int diagnose_study(const DiagnoseOptions& options) {
     const auto next =
         d.explanations.size() > 1 ? separating_readings(study, variants, bench, d) : std::vector<Separating>{};
     std::vector<std::optional<double>> held_out;
-    for (const auto& explanation : d.explanations) {
-        held_out.push_back(before.held_out_rms
-                               ? report_of(study, variants, bench, explanation.fit, d.variance).held_out_rms
-                               : std::nullopt);
+    for (std::size_t e = 0; e < d.explanations.size(); ++e) {
+        const bool is_known = e == 0 || !before.held_out_rms; // the first is the extended model
+        held_out.push_back(is_known
+                               ? after->held_out_rms
+                               : report_of(study, variants, bench, d.explanations[e].fit, d.variance).held_out_rms);
     }
     const Findings findings{study, variants, task.candidates, layout, d, before, after, next, held_out};
     const auto residuals_before = residuals_of(study, layout, d.baseline.model, d.variance);

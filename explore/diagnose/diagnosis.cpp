@@ -41,6 +41,13 @@ constexpr int baseline_number = 500;
 constexpr int fold_number = 5000;
 constexpr int bootstrap_number = 20'000;
 
+// Puts the model that was found in place of the best so far where it is lower by more than this.
+void keep_lower(std::optional<Model>& best, std::optional<Model> found, double by = 0.0) {
+    if (found && (!best || found->sum < best->sum - by)) {
+        best = std::move(found);
+    }
+}
+
 class Diagnostician {
 public:
     Diagnostician(const DiagnosisTask& task, const DiagnosisSettings& settings)
@@ -163,6 +170,17 @@ private:
         d_.baseline = judge(std::move(model));
     }
 
+    // Least squares of a model from a point, its evaluations kept under this number; nothing: no answer, or
+    // interrupted.
+    std::optional<Model> fit_from(const Members& members, int number, const std::vector<double>& start,
+                                  const Target& target = {}) {
+        std::optional<Model> found;
+        bench_.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
+            found = fit(chain, problem, members, start, target, close_enough * d_.variance);
+        });
+        return found;
+    }
+
     // Fit of base with one candidate more: from the starts that the screening proposes, until one gets as low as
     // foretold.
     std::optional<Model> fit_added(const Model& base, const Screened& screened, std::size_t candidate, int number) {
@@ -174,10 +192,8 @@ private:
             }
         };
         propose(0);
-        starts.push_back(base.unit);
-        starts.back().insert(starts.back().begin() +
-                                 static_cast<std::ptrdiff_t>(size_index(bench_, members, candidate)),
-                             task_.candidates[candidate].null);
+        starts.push_back(
+            with_size(base.unit, size_index(bench_, members, candidate), task_.candidates[candidate].null));
         propose(1);
         if (base.members.empty() && d_.minima.size() > 1) { // where the baseline has another minimum
             starts.push_back(d_.minima[1].unit);
@@ -189,13 +205,7 @@ private:
             if (best && best->sum < screened.foretold + reached * d_.variance) {
                 break;
             }
-            bench_.chain(members, number + static_cast<int>(s),
-                         [&](const problem::Problem& problem, run::Chain& chain) {
-                             auto found = fit(chain, problem, members, starts[s], {}, close_enough * d_.variance);
-                             if (found && (!best || found->sum < best->sum)) {
-                                 best = std::move(found);
-                             }
-                         });
+            keep_lower(best, fit_from(members, number + static_cast<int>(s), starts[s]));
         }
         return best;
     }
@@ -347,14 +357,12 @@ private:
         for (std::size_t e = 0; e < std::min(tried, d_.effects.size()) && d_.effects[e].fit; ++e) {
             const auto& unit = d_.effects[e].fit->model.unit;
             const std::vector<double> start(unit.begin(), unit.end() - 1);
-            bench_.chain({}, baseline_number + attempts_++, [&](const problem::Problem& problem, run::Chain& chain) {
-                auto found = fit(chain, problem, {}, start, {}, close_enough * d_.variance);
-                constexpr double lower = 0.5; // chi2
-                if (found && found->sum < d_.baseline.model.sum - lower * d_.variance) {
-                    set_baseline(std::move(*found));
-                    better = true;
-                }
-            });
+            auto found = fit_from({}, baseline_number + attempts_++, start);
+            constexpr double lower = 0.5; // chi2
+            if (found && found->sum < d_.baseline.model.sum - lower * d_.variance) {
+                set_baseline(std::move(*found));
+                better = true;
+            }
         }
         return !run::interrupted();
     }
@@ -367,7 +375,6 @@ private:
         const problem::Problem& problem = bench_.problem({});
         d_.constancy = test_constancy(problem.residual_jacobian(d_.baseline.model.evaluation) / std::sqrt(d_.variance),
                                       residuals, mimicry_of(d_.baseline.model), task_.groups);
-        d_.baseline.p_familywise = d_.screening.p_familywise;
     }
 
     // One candidate more on each of the best models. False: interrupted.
@@ -379,7 +386,7 @@ private:
             int number;
         };
         std::vector<Screening> screenings;
-        screenings.reserve(beam.size());
+        screenings.reserve(beam.size()); // the jobs point into them
         std::vector<Job> jobs;
         for (std::size_t b = 0; b < beam.size(); ++b) {
             const int number = pair_number + 100 * static_cast<int>(b);
@@ -392,13 +399,7 @@ private:
             constexpr std::size_t seconds = 5;
             const auto chosen = worth_fitting(screenings.back(), seconds, 1);
             for (const std::size_t c : chosen) {
-                jobs.push_back({&beam[b]->model, nullptr, c, number + 20});
-            }
-        }
-        std::size_t next = 0;
-        for (std::size_t b = 0; b < beam.size(); ++b) {
-            for (; next < jobs.size() && jobs[next].base == &beam[b]->model; ++next) {
-                jobs[next].screened = &screenings[b].items[jobs[next].candidate];
+                jobs.push_back({&beam[b]->model, &screenings.back().items[c], c, number + 20});
             }
         }
         std::vector<std::optional<Model>> models(jobs.size());
@@ -458,13 +459,10 @@ private:
             for (std::size_t s = 0; s < count; ++s) {
                 std::vector<double> start = points[s]->unit;
                 start.push_back(s == 0 ? effect.fit->model.unit.back() : task_.candidates[effect.candidate].typical);
-                bench_.chain(members, further_number + static_cast<int>(s),
-                             [&](const problem::Problem& problem, run::Chain& chain) {
-                                 auto found = fit(chain, problem, members, start, {}, close_enough * d_.variance);
-                                 if (found && found->sum < effect.fit->model.sum) {
-                                     effect.fit->model = std::move(*found);
-                                 }
-                             });
+                auto found = fit_from(members, further_number + static_cast<int>(s), start);
+                if (found && found->sum < effect.fit->model.sum) {
+                    effect.fit->model = std::move(*found);
+                }
             }
             progress.add(1, true);
         });
@@ -489,14 +487,13 @@ private:
         if (singles.empty()) {
             return true;
         }
-        Judged first = *singles[0];
+        const Judged& first = *singles[0];
         auto next = screen(bench_, first.model, task_.candidates, d_.variance, !task_.noise_is_stated, task_.seed,
                            Screen::scores, pair_number + 100 * static_cast<int>(beam_width));
         if (!next) {
             return false;
         }
-        first.p_familywise = next->p_familywise;
-        if (contradicted(first, first.p_familywise)) {
+        if (contradicted(first, next->p_familywise)) {
             std::vector<const Judged*> beam = singles;
             beam.resize(std::min(beam.size(), beam_width));
             std::vector<Judged> pairs;
@@ -516,7 +513,6 @@ private:
         for (const Judged* single : singles) {
             explanations_.push_back(*single);
         }
-        explanations_[0] = first;
         return true;
     }
 
@@ -547,20 +543,10 @@ private:
                 target.offset[i] += noise * random.normal(static_cast<std::uint64_t>(i));
             }
             const int number = bootstrap_number + static_cast<int>(b);
-            double without = INFINITY;
-            double sum = INFINITY;
-            bench_.chain({}, number, [&](const problem::Problem& problem, run::Chain& chain) {
-                if (const auto model = fit(chain, problem, {}, base.unit, target, close_enough * d_.variance)) {
-                    without = model->sum;
-                }
-            });
-            bench_.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
-                if (const auto model = fit(chain, problem, members, with, target, close_enough * d_.variance)) {
-                    sum = model->sum;
-                }
-            });
-            if (std::isfinite(without) && std::isfinite(sum)) {
-                gains[b] = std::max(0.0, without - sum) / d_.variance;
+            const auto without = fit_from({}, number, base.unit, target);
+            const auto extended = fit_from(members, number, with, target);
+            if (without && extended) {
+                gains[b] = std::max(0.0, without->sum - extended->sum) / d_.variance;
             }
             progress.add(1, true);
         });
@@ -621,6 +607,12 @@ private:
                          [](const auto& a, const auto& b) { return a.rate < b.rate; });
     }
 
+    // Whether these readings cannot tell a candidate from the leading effect.
+    bool is_confounded(std::size_t candidate) const {
+        return std::any_of(d_.confounding.begin(), d_.confounding.end(),
+                           [&](const Confounding& pair) { return pair.b == candidate && pair.rate < least_rate; });
+    }
+
     bool decide() {
         // One score among many stood out, but the fits do not bear it out.
         if (!contradicted(d_.baseline, 1.0) && d_.p_evidence >= level_family) {
@@ -635,19 +627,16 @@ private:
         const bool is_pair = best.model.members.size() > 1;
         set_confounding();
         d_.extended = best;
-        for (const Judged& other : explanations_) {
-            const double behind = criterion(other) - criterion(best);
-            bool rival = behind < margin && !(contradicted(other, 1.0) && &other != &explanations_[0]);
-            if (!is_pair && &other != &explanations_[0]) {
-                // An effect that such readings could not tell from the leading one stands beside it, whatever these
-                // say; unless they reject it by themselves and by far.
-                const bool is_rejected = contradicted(other, 1.0) && behind > 2.0 * margin;
-                for (const Confounding& pair : d_.confounding) {
-                    rival = rival || (pair.b == other.model.members[0] && pair.rate < least_rate && !is_rejected);
-                }
-            }
-            if (rival) {
-                d_.explanations.push_back({other, behind});
+        d_.explanations.push_back({best, 0.0});
+        for (auto other = explanations_.begin() + 1; other != explanations_.end(); ++other) {
+            const double behind = criterion(*other) - criterion(best);
+            const bool is_rejected = contradicted(*other, 1.0);
+            // An effect that such readings could not tell from the leading one stands beside it, whatever these say;
+            // unless they reject it by themselves and by far.
+            const bool is_alike =
+                !is_pair && is_confounded(other->model.members[0]) && !(is_rejected && behind > 2.0 * margin);
+            if ((behind < margin && !is_rejected) || is_alike) {
+                d_.explanations.push_back({*other, behind});
             }
         }
         bool enough = d_.p_evidence < level_evidence;
@@ -759,19 +748,10 @@ private:
         };
         const auto nearest = std::min_element(explored_.begin(), explored_.end(),
                                               [&](const Model& a, const Model& b) { return sum(a) < sum(b); });
-        std::optional<Model> before;
-        const auto fit_from = [&](const std::vector<double>& unit, int chain_number) {
-            bench_.chain({}, chain_number, [&](const problem::Problem& problem, run::Chain& chain) {
-                auto found = fit(chain, problem, {}, unit, target, close_enough * d_.variance);
-                if (found && (!before || found->sum < before->sum)) {
-                    before = std::move(found);
-                }
-            });
-        };
-        fit_from(nearest->unit, number);
+        std::optional<Model> before = fit_from({}, number, nearest->unit, target);
         // Where that ended in a worse minimum than is known.
         if (!before || before->sum > sum(d_.baseline.model) + 0.1 * d_.variance) {
-            fit_from(d_.baseline.model.unit, number + 1);
+            keep_lower(before, fit_from({}, number + 1, d_.baseline.model.unit, target));
         }
         if (!before) {
             return;
@@ -787,13 +767,8 @@ private:
                 const double side = best.unit[own + m] > candidate.null ? 1.0 : -1.0;
                 start.push_back(std::clamp(candidate.null + (s == 0 ? 0.0 : side * reach), 0.0, 1.0));
             }
-            bench_.chain(best.members, number + s, [&](const problem::Problem& problem, run::Chain& chain) {
-                auto found = fit(chain, problem, best.members, start, target, close_enough * d_.variance);
-                constexpr double lower = 0.1; // chi2: the same is the same without an effect
-                if (found && (!after || found->sum < after->sum - lower * d_.variance)) {
-                    after = std::move(found);
-                }
-            });
+            constexpr double lower = 0.1; // chi2: the same is the same without an effect
+            keep_lower(after, fit_from(best.members, number + s, start, target), lower * d_.variance);
         }
         if (after) {
             use(*before, *after);
@@ -829,7 +804,7 @@ Interval interval_of(const problem::Problem& problem, const Model& model, std::s
     const problem::Axis& own = problem.space.axes[axis];
     const double unit = model.unit[axis];
     return {own.physical(unit), own.physical(std::clamp(unit - half, 0.0, 1.0)),
-            own.physical(std::clamp(unit + half, 0.0, 1.0)), landscape::is_at_bound(unit)};
+            own.physical(std::clamp(unit + half, 0.0, 1.0))};
 }
 
 std::optional<Diagnosis> diagnose(const DiagnosisTask& task, const DiagnosisSettings& settings) {

@@ -36,12 +36,10 @@ struct Judged {
     double p_value = 1.0; // of chi2; 1 without stated noise
     double aicc = 0.0;
     PatternTest pattern;
-    double p_familywise = 1.0; // of the largest score of a candidate added to it; 1: not computed
 };
 
 struct Interval {
     double value = 0.0, low = 0.0, high = 0.0; // physical
-    bool at_end = false;                       // the value lies on a bound of its range
 };
 // 95 % interval of a parameter of a fitted model, to first order, within its range.
 Interval interval_of(const problem::Problem& problem, const Model& model, std::size_t axis, double variance);
@@ -95,7 +93,7 @@ struct Diagnosis {
     std::vector<Constancy> constancy;
     Screening screening;               // on the baseline
     std::vector<EffectResult> effects; // best explanation first, then by score
-    double p_evidence = 1.0;           // family-wise, of the gain of the best explanation (its last effect)
+    double p_evidence = 1.0;           // family-wise, of the gain of the single effect that explains most
     double bartlett = 1.0; // mean gain in simulated data without the effect, in units of what linear theory expects
     int bootstrap = 0;     // simulated data that were fitted; how many of them gained as much:
     int bootstrap_above = 0;

@@ -94,6 +94,11 @@ Members with_member(Members members, std::size_t candidate) {
     return members;
 }
 
+std::vector<double> with_size(std::vector<double> unit, std::size_t at, double size) {
+    unit.insert(unit.begin() + static_cast<std::ptrdiff_t>(at), size);
+    return unit;
+}
+
 std::size_t size_index(Workbench& bench, const Members& members, std::size_t candidate) {
     const auto at = std::find(members.begin(), members.end(), candidate) - members.begin();
     return bench.problem({}).space.axes.size() + static_cast<std::size_t>(at);
@@ -108,11 +113,6 @@ struct Signature {
     std::vector<double> sizes;   // unit coordinates
     std::vector<VectorXd> moved; // residuals there - residuals at null; empty: no answer
 };
-
-std::vector<double> with_size(std::vector<double> unit, std::size_t at, double size) {
-    unit.insert(unit.begin() + static_cast<std::ptrdiff_t>(at), size);
-    return unit;
-}
 
 // Sizes around the null value at which the residuals are computed.
 std::vector<double> scan_of(const Candidate& candidate) {
@@ -222,7 +222,6 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
         if (!s.moved.empty() && s.moved[0].size() > 0 &&
             std::abs(reach) * s.derivative.norm() < flat * s.moved[0].norm()) {
             item.change = s.moved[0] / reach;
-            item.at_null = false;
             item.sense = reach > 0.0 ? 1 : -1;
         }
         item.change = mimicry.beyond(item.change);

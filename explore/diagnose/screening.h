@@ -45,10 +45,11 @@ private:
 
 struct Screened {
     std::string impossible; // why it cannot be judged; empty: it can
-    Eigen::VectorXd change; // of the residuals by the unit coordinate of the size, as far as no parameter follows it
-    bool at_null = true;    // the derivative at the null size; false: there is none, the difference to the typical size
-    int sense = 0;          // +1: only larger sizes than null exist, -1: only smaller
-    double score = 0.0;     // > 0: the data want a larger size [standard deviations]
+    // Of the residuals by the unit coordinate of the size, as far as no parameter follows it: the derivative at the
+    // null size, or where that is none the difference to the typical one.
+    Eigen::VectorXd change;
+    int sense = 0;             // +1: only larger sizes than null exist, -1: only smaller
+    double score = 0.0;        // > 0: the data want a larger size [standard deviations]
     double p_familywise = 1.0; // of the score among all candidates
     bool duplicate = false;    // the same as an earlier candidate of the same effect
     // Starts for a fit, by the sum of squares foretold there: unit coordinates with the size.
@@ -77,6 +78,8 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
 
 // The members of a model with one candidate more, in increasing order.
 Members with_member(Members members, std::size_t candidate);
+// A point of a model with a size more at this index.
+std::vector<double> with_size(std::vector<double> unit, std::size_t at, double size);
 // Index of a candidate's size among the parameters of a model.
 std::size_t size_index(Workbench& bench, const Members& members, std::size_t candidate);
 

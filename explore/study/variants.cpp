@@ -12,13 +12,13 @@ namespace explore::study {
 
 using namespace pave::pavement;
 
-namespace {
-
-std::string size_path(const Variant& variant) {
-    return std::string(variant.applied.effect->name) + ".size";
+problem::Axis size_axis(const Effect& effect) {
+    return {.name = std::string(effect.name) + ".size",
+            .low = effect.low,
+            .high = effect.high,
+            .scale = effect.log_scale ? problem::Scale::log : problem::Scale::linear,
+            .start = effect.null};
 }
-
-} // namespace
 
 std::vector<Variant> variants(const Study& study, const std::vector<std::string>& without) {
     // What is fitted.
@@ -89,13 +89,8 @@ Study with_free_effects(Study study, const std::vector<Variant>& variants) {
         const Effect& effect = *variant.applied.effect;
         study.model.effects.push_back(variant.applied);
         study.model.effects.back().present = true;
-        const std::string path = size_path(variant);
-        study.parameters.push_back(find_parameter(study.model, path, {.file = study.file}));
-        study.space.axes.push_back({.name = path,
-                                    .low = effect.low,
-                                    .high = effect.high,
-                                    .scale = effect.log_scale ? problem::Scale::log : problem::Scale::linear,
-                                    .start = effect.null});
+        study.space.axes.push_back(size_axis(effect));
+        study.parameters.push_back(find_parameter(study.model, study.space.axes.back().name, {.file = study.file}));
         study.hash += fmt::format("+{}({})", effect.name, variant.on);
     }
     return study;

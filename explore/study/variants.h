@@ -11,6 +11,9 @@ struct Variant {
     std::string on; // what its options name, in words: "fwd, deflection"; empty: the effect's own choice
 };
 
+// Its size as a parameter: "NAME.size" over its prior range, from its null value.
+problem::Axis size_axis(const pave::pavement::Effect& effect);
+
 // Every effect of the catalogue that the study can have and does not have yet: acting on what it acts on by itself and,
 // where it takes a load, a quantity or a reading, on each of those with readings that are fitted. Effects named in
 // `without` are left out.

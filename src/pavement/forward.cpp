@@ -286,7 +286,8 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         const auto load = static_cast<int>(l);
         Case c = with_effects(values, load);
         const std::size_t sensors = c.sensors.size();
-        const auto& moved = observed.moved.empty() ? std::vector<Observed::Moved>{} : observed.moved[l];
+        static const std::vector<Observed::Moved> none;
+        const auto& moved = observed.moved.empty() ? none : observed.moved[l];
         for (const auto& m : moved) {
             c.sensors.push_back(m.sensor);
         }

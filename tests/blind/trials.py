@@ -173,7 +173,7 @@ def power_svg(curve):
     return svg(width, height, "".join(body))
 
 
-def run_all(options, progress=True):
+def run_all(options):
     counts = {kind: getattr(options, kind) for kind in KINDS}
     # Every kind at its pace, so that what is finished early stands for the whole.
     tasks = sorted(((i + 0.5) / count, kind, options.first + i) for kind, count in counts.items() for i in range(count))
@@ -182,9 +182,8 @@ def run_all(options, progress=True):
         for future in concurrent.futures.as_completed([pool.submit(trial, options, *task[1:]) for task in tasks]):
             r = future.result()
             results.append(r)
-            if progress:
-                hidden = ", ".join(f"{h['effect']} {h['strength']:.0f}" + ("*" if h["form"] else "") for h in r["truth"]["hidden"]) or "nothing"
-                print(f"[{len(results)} of {len(tasks)}] {r['kind']} {r['seed']}: hidden {hidden}: {r['verdict']} {', '.join(r['causes'])}", flush=True)
+            hidden = ", ".join(f"{h['effect']} {h['strength']:.0f}" + ("*" if h["form"] else "") for h in r["truth"]["hidden"]) or "nothing"
+            print(f"[{len(results)} of {len(tasks)}] {r['kind']} {r['seed']}: hidden {hidden}: {r['verdict']} {', '.join(r['causes'])}", flush=True)
     results.sort(key=lambda r: (KINDS.index(r["kind"]), r["seed"]))
     return results
 
