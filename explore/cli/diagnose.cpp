@@ -328,12 +328,18 @@ private:
             for (const auto& e : d.explanations) {
                 sets.push_back(members_words(candidates, e.fit.model.members));
             }
-            text.push_back(
-                sets.size() == 1
-                    ? fmt::format("AMBIGUOUS: {} explains the data, but the evidence is too weak to name it.", sets[0])
-                    : fmt::format("AMBIGUOUS: the model lacks something, and {} explanations fit these data "
-                                  "so alike that they cannot be told apart: {}.",
-                                  sets.size(), pave::join(sets, "; ")));
+            if (sets.size() > 1) {
+                text.push_back(fmt::format("AMBIGUOUS: the model lacks something, and {} explanations fit these data "
+                                           "so alike that they cannot be told apart: {}.",
+                                           sets.size(), pave::join(sets, "; ")));
+            } else if (d.extended->model.members.size() > 1) {
+                text.push_back(fmt::format("AMBIGUOUS: {} together explain the data, but one explains so little beyond "
+                                           "the other that both may stand for one thing outside the catalogue.",
+                                           sets[0]));
+            } else {
+                text.push_back(
+                    fmt::format("AMBIGUOUS: {} explains the data, but the evidence is too weak to name it.", sets[0]));
+            }
             break;
         }
         case Verdict::unexplained:

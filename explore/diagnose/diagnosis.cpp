@@ -27,8 +27,11 @@ constexpr double level_family = 0.02;
 constexpr double level_evidence = 0.01;
 constexpr double margin = 6.0;
 constexpr double least_rate = 0.95; // of telling two effects apart
-// Each effect of a pair must explain this much beyond the other.
-constexpr double least_share = 16.0;
+// A pair is named where each of its effects explains this much beyond the other: a single effect that is not in the
+// catalogue is often close to one of it, and a second one then takes the rest.
+constexpr double least_share = 49.0;
+constexpr std::size_t scanned = 30; // candidates computed at several sizes
+constexpr std::size_t scanned_of_pairs = 12;
 constexpr std::size_t beam_width = 4;  // single effects that a second one is added to
 constexpr double close_enough = 0.005; // half of the change of chi2 that a fit leaves undone
 
@@ -260,7 +263,7 @@ private:
 
     bool fit_singles() {
         auto screening = screen(bench_, d_.baseline.model, task_.candidates, d_.variance, !task_.noise_is_stated,
-                                task_.seed, Screen::starts, screen_number);
+                                task_.seed, scanned, screen_number);
         if (!screening) {
             return false;
         }
@@ -391,7 +394,7 @@ private:
         for (std::size_t b = 0; b < beam.size(); ++b) {
             const int number = pair_number + 100 * static_cast<int>(b);
             auto screening = screen(bench_, beam[b]->model, task_.candidates, d_.variance, !task_.noise_is_stated,
-                                    task_.seed, Screen::starts, number);
+                                    task_.seed, scanned_of_pairs, number);
             if (!screening) {
                 return false;
             }
@@ -488,8 +491,8 @@ private:
             return true;
         }
         const Judged& first = *singles[0];
-        auto next = screen(bench_, first.model, task_.candidates, d_.variance, !task_.noise_is_stated, task_.seed,
-                           Screen::scores, pair_number + 100 * static_cast<int>(beam_width));
+        auto next = screen(bench_, first.model, task_.candidates, d_.variance, !task_.noise_is_stated, task_.seed, 0,
+                           pair_number + 100 * static_cast<int>(beam_width));
         if (!next) {
             return false;
         }
@@ -613,6 +616,17 @@ private:
                            [&](const Confounding& pair) { return pair.b == candidate && pair.rate < least_rate; });
     }
 
+    bool same_effects(const Members& a, const Members& b) const {
+        const auto names = [&](const Members& members) {
+            std::set<std::string> set;
+            for (const std::size_t c : members) {
+                set.insert(task_.candidates[c].effect);
+            }
+            return set;
+        };
+        return names(a) == names(b);
+    }
+
     bool decide() {
         // One score among many stood out, but the fits do not bear it out.
         if (!contradicted(d_.baseline, 1.0) && d_.p_evidence >= level_family) {
@@ -629,6 +643,12 @@ private:
         d_.extended = best;
         d_.explanations.push_back({best, 0.0});
         for (auto other = explanations_.begin() + 1; other != explanations_.end(); ++other) {
+            const bool is_known = std::any_of(d_.explanations.begin(), d_.explanations.end(), [&](const auto& e) {
+                return same_effects(e.fit.model.members, other->model.members);
+            });
+            if (is_known) { // with another variant
+                continue;
+            }
             const double behind = criterion(*other) - criterion(best);
             const bool is_rejected = contradicted(*other, 1.0);
             // An effect that such readings could not tell from the leading one stands beside it, whatever these say;

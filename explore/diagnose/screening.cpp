@@ -110,6 +110,7 @@ namespace {
 struct Signature {
     std::string impossible;
     VectorXd derivative;         // by the size at its null value; empty: none
+    VectorXd at_null;            // residuals; empty: not computed
     std::vector<double> sizes;   // unit coordinates
     std::vector<VectorXd> moved; // residuals there - residuals at null; empty: no answer
 };
@@ -135,10 +136,62 @@ std::vector<double> scan_of(const Candidate& candidate) {
     return sizes;
 }
 
+// The point of the base with a candidate more, at this size.
+std::vector<double> point_of(Workbench& bench, const Model& base, std::size_t candidate, double size) {
+    return with_size(base.unit, size_index(bench, with_member(base.members, candidate), candidate), size);
+}
+
+// The derivative by the size, at its null value.
+void differentiate(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates, std::size_t c,
+                   int number, Signature& s) {
+    const Members members = with_member(base.members, c);
+    bench.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
+        const auto e = chain.at(point_of(bench, base, c, candidates[c].null));
+        if (!e.converged()) {
+            s.impossible = e.reason;
+            return;
+        }
+        s.at_null = problem.misfit.residuals(e.responses);
+        const auto at = static_cast<Index>(size_index(bench, members, c));
+        s.derivative = problem.residual_jacobian(e).col(at);
+    });
+}
+
+// The residuals at the sizes from this one of scan_of on, at most so many.
+void scan(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates, std::size_t c, int number,
+          std::size_t from, std::size_t most, Signature& s) {
+    const std::vector<double> sizes = scan_of(candidates[c]);
+    if (!s.impossible.empty() || s.at_null.size() == 0 || sizes.size() <= from) {
+        return;
+    }
+    bench.chain(
+        with_member(base.members, c), number,
+        [&](const problem::Problem& problem, run::Chain& chain) {
+            for (std::size_t i = from; i < std::min(sizes.size(), from + most); ++i) {
+                const auto e = chain.at(point_of(bench, base, c, sizes[i]));
+                s.sizes.push_back(sizes[i]);
+                s.moved.push_back(e.converged() ? problem.misfit.residuals(e.responses) - s.at_null : VectorXd());
+            }
+        },
+        false);
+}
+
+// Least sum of squares that a change, of any size and on the sides that exist, leaves of the residuals.
+double least_sum(const Mimicry& mimicry, const VectorXd& residuals, const VectorXd& change, int sense) {
+    const VectorXd direction = mimicry.beyond(change);
+    const double length = direction.norm();
+    const double pull = length > 0.0 ? -direction.dot(residuals) / length : 0.0;
+    return residuals.squaredNorm() - (pull * sense >= 0.0 ? pull * pull : 0.0);
+}
+
+int sense_of(const Candidate& candidate) {
+    return candidate.null <= 0.0 ? 1 : candidate.null >= 1.0 ? -1 : 0;
+}
+
 } // namespace
 
 std::optional<Screening> screen(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates,
-                                double variance, bool estimated, std::uint64_t seed, Screen depth, int number) {
+                                double variance, bool estimated, std::uint64_t seed, std::size_t scanned, int number) {
     const double noise = std::sqrt(variance);
     const problem::Problem& own = bench.problem(base.members);
     const Mimicry mimicry(own.residual_jacobian(base.evaluation) / noise, base.unit, base.residuals / noise);
@@ -148,51 +201,49 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
         });
     };
     std::vector<Signature> signatures(candidates.size());
+    std::vector<double> least(candidates.size(), base.sum);
+    tbb::task_arena arena(run::usable_threads(bench.threads()));
     {
         run::Progress progress(base.members.empty() ? "effects" : "further effects",
                                static_cast<std::int64_t>(candidates.size()));
-        tbb::task_arena arena(run::usable_threads(bench.threads()));
         run::for_each_index(arena, candidates.size(), [&](std::size_t c) {
-            const Candidate& candidate = candidates[c];
             Signature& s = signatures[c];
             if (is_member(c)) {
                 s.impossible = "in the model already";
-            } else if (candidate.reading) {
+            } else if (candidates[c].reading) {
                 // A wrong reading moves its own residual alone, by any amount.
-                s.derivative = VectorXd::Unit(base.residuals.size(), static_cast<Index>(*candidate.reading));
+                s.derivative = VectorXd::Unit(base.residuals.size(), static_cast<Index>(*candidates[c].reading));
             } else {
-                const Members members = with_member(base.members, c);
-                const std::size_t at = size_index(bench, members, c);
-                std::vector<double> unit = with_size(base.unit, at, candidate.null);
-                VectorXd there;
-                bench.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
-                    const auto e = chain.at(unit);
-                    if (!e.converged()) {
-                        s.impossible = e.reason;
-                        return;
-                    }
-                    there = problem.misfit.residuals(e.responses);
-                    s.derivative = problem.residual_jacobian(e).col(static_cast<Index>(at));
-                });
-                if (s.impossible.empty() && there.size() > 0) {
-                    bench.chain(
-                        members, number + 1,
-                        [&](const problem::Problem& problem, run::Chain& chain) {
-                            for (const double size : scan_of(candidate)) {
-                                if (depth == Screen::scores && !s.sizes.empty()) {
-                                    break;
-                                }
-                                unit[at] = size;
-                                const auto e = chain.at(unit);
-                                s.sizes.push_back(size);
-                                s.moved.push_back(e.converged() ? problem.misfit.residuals(e.responses) - there
-                                                                : VectorXd());
-                            }
-                        },
-                        false);
+                if (base.members.empty()) {
+                    differentiate(bench, base, candidates, c, number, s);
+                } else { // one run fewer: the difference to the typical size does for a second effect
+                    s.at_null = base.residuals;
+                }
+                scan(bench, base, candidates, c, number + 1, 0, 1, s);
+                const int sense = sense_of(candidates[c]);
+                if (s.derivative.size() > 0) {
+                    least[c] = least_sum(mimicry, base.residuals, s.derivative, sense);
+                }
+                if (!s.moved.empty() && s.moved[0].size() > 0) {
+                    const int side = sense == 0 ? 0 : 1; // the typical size is on the one that exists
+                    least[c] = std::min(least[c], least_sum(mimicry, base.residuals, s.moved[0], side));
                 }
             }
             progress.add(1, true);
+        });
+    }
+    if (scanned > 0) {
+        std::vector<std::size_t> order;
+        for (std::size_t c = 0; c < candidates.size(); ++c) {
+            if (!signatures[c].sizes.empty()) {
+                order.push_back(c);
+            }
+        }
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return least[a] < least[b]; });
+        order.resize(std::min(order.size(), scanned));
+        run::for_each_index(arena, order.size(), [&](std::size_t i) {
+            constexpr std::size_t all = 100;
+            scan(bench, base, candidates, order[i], number + 2, 1, all, signatures[order[i]]);
         });
     }
     if (run::interrupted()) {
@@ -214,15 +265,22 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
         if (!s.impossible.empty()) {
             continue;
         }
-        item.sense = candidate.null <= 0.0 ? 1 : candidate.null >= 1.0 ? -1 : 0;
+        item.sense = sense_of(candidate);
         const double reach = candidate.typical - candidate.null;
-        item.change = s.derivative;
+        const bool has_moved = !s.moved.empty() && s.moved[0].size() > 0;
+        if (s.derivative.size() == 0 && !has_moved) {
+            item.impossible = "no answer at a typical size";
+            continue;
+        }
         // Some effects have no first derivative at their null size.
         constexpr double flat = 0.1;
-        if (!s.moved.empty() && s.moved[0].size() > 0 &&
-            std::abs(reach) * s.derivative.norm() < flat * s.moved[0].norm()) {
+        if (s.derivative.size() == 0) {
+            item.change = s.moved[0] / reach;
+        } else if (has_moved && std::abs(reach) * s.derivative.norm() < flat * s.moved[0].norm()) {
             item.change = s.moved[0] / reach;
             item.sense = reach > 0.0 ? 1 : -1;
+        } else {
+            item.change = s.derivative;
         }
         item.change = mimicry.beyond(item.change);
         constexpr double invisible = 0.05; // standard deviations, crossing the whole range

@@ -46,7 +46,7 @@ private:
 struct Screened {
     std::string impossible; // why it cannot be judged; empty: it can
     // Of the residuals by the unit coordinate of the size, as far as no parameter follows it: the derivative at the
-    // null size, or where that is none the difference to the typical one.
+    // null size, or where that is none, and for a second effect, the difference to the typical one.
     Eigen::VectorXd change;
     int sense = 0;             // +1: only larger sizes than null exist, -1: only smaller
     double score = 0.0;        // > 0: the data want a larger size [standard deviations]
@@ -68,13 +68,11 @@ struct Screening {
     std::optional<Family> family;
 };
 
-// scores: what is needed for them; starts: also where to start fits, by the residuals at several sizes.
-enum class Screen { scores, starts };
-
-// base: what the candidates are added to. variance: of a residual. number: of the first evaluation that is kept; those
-// up to number + 20 are its own. Nothing: interrupted.
+// base: what the candidates are added to. variance: of a residual. scanned: so many candidates, those whose derivative
+// and typical size promise most, are computed at several sizes, where fits may start. number: of the first evaluation
+// that is kept; those up to number + 20 are its own. Nothing: interrupted.
 std::optional<Screening> screen(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates,
-                                double variance, bool estimated, std::uint64_t seed, Screen depth, int number);
+                                double variance, bool estimated, std::uint64_t seed, std::size_t scanned, int number);
 
 // The members of a model with one candidate more, in increasing order.
 Members with_member(Members members, std::size_t candidate);

@@ -66,6 +66,7 @@ struct Variation {
         pressure_shape,  // of the load
         field,           // size of fields[index] of the layer
         spring,          // stiffness of spring `index` of the model
+        inertia,         // the factor on mass and damping under a pulse
         motion           // of the mesh: number `index` of the motions given to the solver
     };
     Kind kind = Kind::law_parameter;

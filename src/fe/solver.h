@@ -9,6 +9,7 @@
 #pragma once
 
 #include "base/outcome.h"
+#include "fe/functional.h"
 #include "fe/materials.h"
 #include "fe/model.h"
 #include "fe/sparse_solver.h"
@@ -67,8 +68,11 @@ struct Pulse {
     bool absorbs = true;    // the wall absorbs; else it is smooth, as for a load at rest
 };
 
-// A linear functional of the displacement: (free unknown, weight).
-using Functional = std::vector<std::pair<int, double>>;
+// What inertia adds to readings, and its derivatives: a row a reading, a column a variation.
+struct PulseExcess {
+    std::vector<double> values;
+    Eigen::MatrixXd derivatives;
+};
 
 // Solves on one model; keeps its factors and buffers between calls (same input, same bits, whatever came before).
 // One object a thread. The model must outlive it.
@@ -93,13 +97,14 @@ public:
                                       const std::vector<double>& springs = {},
                                       const std::vector<Motion<Element>>& motions = {});
 
-    // What inertia adds to readings at the end of the run before this call, whose layers and springs must still exist:
-    // the extreme of each over time (that of the larger magnitude) under a pulse of the load, less its value under the
-    // same load at rest. Linear about that end, with the modulus reached there as stiffness, consistent mass (density =
-    // unit weight / g), damping in proportion to the stiffness and, on the smooth wall, dashpots that absorb shear
-    // waves (Lysmer and Kuhlemeyer 1969); the floor reflects. Integrated by Newmark's average acceleration.
-    Outcome<std::vector<double>> inertial_excess(const Solution<Element>& end, const Eigen::VectorXd& load,
-                                                 const Pulse& pulse, const std::vector<Functional>& readings);
+    // What inertia adds to readings at the end of the run before this call, whose layers, springs and variations must
+    // still exist (no motion among them): the extreme of each over time (that of the larger magnitude) under a pulse of
+    // the load, less its value under the same load at rest. Linear about that end, with the modulus reached there as
+    // stiffness, consistent mass (density = unit weight / g), damping in proportion to the stiffness and, on the smooth
+    // wall, dashpots that absorb shear waves (Lysmer and Kuhlemeyer 1969); the floor reflects. Integrated by Newmark's
+    // average acceleration; derivatives are those of its steps.
+    Outcome<PulseExcess> inertial_excess(const Solution<Element>& end, const Eigen::VectorXd& load, const Pulse& pulse,
+                                         const std::vector<Functional<Element>>& readings);
 
 private:
     struct Work;

@@ -25,30 +25,47 @@ void integrate(F at) {
     }
 }
 
-// The extreme of larger magnitude of a cubic between two values with their slopes over a unit interval.
-double extreme(double a, double da, double b, double db) {
-    double best = std::abs(a) > std::abs(b) ? a : b;
-    // d/dx of the Hermite cubic: c0 + c1 x + c2 x^2
+// Weights on the values and slopes of a cubic at the ends of a unit interval.
+using CubicWeights = std::array<double, 4>; // value, slope; value, slope
+
+CubicWeights weights_at(double x) {
+    const double y = 1.0 - x;
+    return {y * y * (1.0 + 2.0 * x), x * y * y, x * x * (3.0 - 2.0 * x), -x * x * y};
+}
+
+// Where such a cubic, with value a and slope da to value b and slope db, has its extreme of larger magnitude.
+double place_of_extreme(double a, double da, double b, double db) {
+    double place = std::abs(a) > std::abs(b) ? 0.0 : 1.0;
+    double best = std::max(std::abs(a), std::abs(b));
+    // Its derivative: c0 + c1 x + c2 x^2
     const double c0 = da;
     const double c1 = 6.0 * (b - a) - 4.0 * da - 2.0 * db;
     const double c2 = 3.0 * (da + db) - 6.0 * (b - a);
     const double root = c1 * c1 - 4.0 * c0 * c2;
     if (root < 0.0) {
-        return best;
+        return place;
     }
     const double q = -(c1 + std::copysign(std::sqrt(root), c1)) / 2.0;
     for (const double x : {q / c2, c0 / q}) {
         if (x > 0.0 && x < 1.0) {
-            const double value = a + x * (c0 + x * (c1 / 2.0 + x * c2 / 3.0));
-            best = std::abs(value) > std::abs(best) ? value : best;
+            const double value = std::abs(a + x * (c0 + x * (c1 / 2.0 + x * c2 / 3.0)));
+            if (value > best) {
+                best = value;
+                place = x;
+            }
         }
     }
-    return best;
+    return place;
 }
 
-double value_of(const Functional& reading, const Eigen::VectorXd& u) {
+// One number a row and variation: of every unknown, or of every reading.
+using Rates = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+using Weights = std::vector<std::pair<int, double>>; // (free unknown, weight)
+
+double value_of(const Weights& weights, const Eigen::VectorXd& u) {
     double value = 0.0;
-    for (const auto& [unknown, weight] : reading) {
+    for (const auto& [unknown, weight] : weights) {
         value += weight * u[unknown];
     }
     return value;
@@ -68,121 +85,397 @@ void add_product(const Pattern& lower, const std::vector<double>& values, const 
     }
 }
 
-} // namespace
+void add_product(const Pattern& lower, const std::vector<double>& values, const Rates& x, Rates& y) {
+    const auto add = [count = x.cols()](double value, const double* from, double* to) {
+        for (Eigen::Index k = 0; k < count; ++k) {
+            to[k] += value * from[k];
+        }
+    };
+    for (int j = 0; j < lower.size; ++j) {
+        for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
+            const int i = lower.row[k];
+            add(values[k], x.row(j).data(), y.row(i).data());
+            if (i != j) {
+                add(values[k], x.row(i).data(), y.row(j).data());
+            }
+        }
+    }
+}
 
-template <class Element>
-Outcome<std::vector<double>> Solver<Element>::inertial_excess(const Solution<Element>& end, const Eigen::VectorXd& load,
-                                                              const Pulse& pulse,
-                                                              const std::vector<Functional>& readings) {
-    Work& w = *work_;
-    const Pattern& lower = w.topology->lower;
-    Eigen::VectorXd modulus(w.points());
-    for (int q = 0; q < w.points(); ++q) {
-        modulus[q] = end.modulus[w.active[q / Element::gauss] * Element::gauss + q % Element::gauss];
+// Of every column.
+void solve(SupernodalFactor<double>& factor, Rates& x) {
+    constexpr int together = 8;
+    Block<together> block(x.rows(), together);
+    for (Eigen::Index first = 0; first < x.cols(); first += together) {
+        const Eigen::Index count = std::min<Eigen::Index>(together, x.cols() - first);
+        block.setZero();
+        block.leftCols(count) = x.middleCols(first, count);
+        factor.solve<together>(block);
+        x.middleCols(first, count) = block.leftCols(count);
     }
-    w.assemble(modulus);
-    const std::vector<double> stiffness = w.values;
+}
 
-    std::vector<double> mass(stiffness.size(), 0.0);
-    std::vector<double> damping(stiffness.size(), 0.0);
-    const double per_stiffness = pulse.inertia * pulse.damping * pulse.duration / std::numbers::pi;
-    for (std::size_t k = 0; k < stiffness.size(); ++k) {
-        damping[k] = per_stiffness * stiffness[k];
+// The matrices of M a + C v + K u = f, as values on the pattern of the stiffness: M = inertia * mass,
+// C = inertia * (delay * K + dashpots). Empty: zero.
+struct Matrices {
+    std::vector<double> stiffness, dashpots, mass;
+};
+
+// Makes them, and their rates, of what a solver worked on last. Modulus: of every Gauss point of the model.
+template <class Element, class Work>
+class Dynamics {
+public:
+    Dynamics(const Work& work, const Eigen::VectorXd& modulus, const Pulse& pulse)
+        : w_(work),
+          modulus_(modulus),
+          absorbs_(pulse.absorbs),
+          entries_(w_.topology->lower.row.size()) {
+        for (const auto& x : w_.model->coordinates) {
+            wall_ = std::max(wall_, x.row(0).maxCoeff());
+        }
     }
-    double wall = 0.0; // where it stands: the farthest coordinate
-    for (const auto& x : w.model->coordinates) {
-        wall = std::max(wall, x.row(0).maxCoeff());
+
+    Matrices matrices() const {
+        Matrices m{w_.values, std::vector<double>(entries_, 0.0), std::vector<double>(entries_, 0.0)};
+        for (int e = 0; e < w_.model->elements(); ++e) {
+            add_mass(e, density(e), m.mass);
+            if (is_at_wall(e)) {
+                add_dashpots(e, std::sqrt(density(e) * shear(e)), m.dashpots);
+            }
+        }
+        return m;
     }
-    // Adds factor * (shape shape^T) of one element for displacements in the directions first .. dim - 1.
-    const auto add = [&](std::vector<double>& to, int e, const Eigen::Matrix<double, Element::nodes, 1>& shape,
-                         double factor, int first) {
-        const auto& scatter = w.topology->scatter[e];
-        for (int a = 0; a < Element::dofs; ++a) {
-            for (int b = 0; b <= a; ++b) {
-                const int place = scatter[a * (a + 1) / 2 + b];
-                if (place >= 0 && a % Element::dim == b % Element::dim && a % Element::dim >= first) {
-                    to[place] += factor * shape[a / Element::dim] * shape[b / Element::dim];
+
+    // modulus: by variation number k, at every Gauss point.
+    Matrices rates(int k, const Eigen::VectorXd& modulus_rate) const {
+        Matrices m;
+        const Variation& v = (*w_.variations)[k];
+        if (v.kind == Variation::Kind::spring) {
+            for (const auto& entry : w_.model->springs[v.index].entries) {
+                at(m.stiffness)[entry.place] += entry.value;
+            }
+        }
+        for (int e = 0; e < w_.model->elements(); ++e) {
+            const bool turns = w_.prepared_of(e).turns[k];
+            const auto own = modulus_rate.template segment<Element::gauss>(e * Element::gauss);
+            if (turns || !own.isZero(0.0)) {
+                add_stiffness(e, k, own, at(m.stiffness));
+            }
+            const bool heavier = v.kind == Variation::Kind::unit_weight && v.layer == w_.topology->layer[e];
+            const double density_rate = heavier ? 1.0 / unit::gravity : 0.0;
+            if (heavier) {
+                add_mass(e, density_rate, at(m.mass));
+            }
+            if (is_at_wall(e) && (turns || heavier || !own.isZero(0.0))) {
+                double shear_rate = 0.0;
+                for (int g = 0; g < Element::gauss; ++g) {
+                    shear_rate += stiffness_rate(e, g, k, own[g])(3, 3) / Element::gauss;
+                }
+                const double rate =
+                    (density_rate * shear(e) + density(e) * shear_rate) / (2.0 * std::sqrt(density(e) * shear(e)));
+                add_dashpots(e, rate, at(m.dashpots));
+            }
+        }
+        return m;
+    }
+
+    // d(E C) at a point
+    mechanics::Stiffness<Element::voigt> stiffness_rate(int e, int g, int k, double modulus_rate) const {
+        return modulus_rate * w_.unit(e, g) + modulus_[e * Element::gauss + g] * w_.unit_rate(e, g, k);
+    }
+
+private:
+    std::vector<double>& at(std::vector<double>& values) const {
+        values.resize(entries_, 0.0);
+        return values;
+    }
+    double density(int e) const { return w_.layer_of(e).unit_weight / unit::gravity; }
+    // The shear modulus on average over the element.
+    double shear(int e) const {
+        double sum = 0.0;
+        for (int g = 0; g < Element::gauss; ++g) {
+            sum += modulus_[e * Element::gauss + g] * w_.unit(e, g)(3, 3) / Element::gauss;
+        }
+        return sum;
+    }
+    bool is_at_wall(int e) const {
+        return Element::dim == 2 && absorbs_ && w_.model->coordinates[e].row(0).maxCoeff() >= wall_;
+    }
+
+    template <class F>
+    void scatter(int e, const F& value, std::vector<double>& to) const {
+        const auto& places = w_.topology->scatter[e];
+        for (int a = 0, entry = 0; a < Element::dofs; ++a) {
+            for (int b = 0; b <= a; ++b, ++entry) {
+                if (places[entry] >= 0) {
+                    to[places[entry]] += value(a, b);
                 }
             }
         }
-    };
-    for (int e = 0; e < w.model->elements(); ++e) {
-        const auto& x = w.model->coordinates[e];
-        const double density = w.layer_of(e).unit_weight / unit::gravity;
-        integrate<Element>([&](const typename Element::Position& at, double weight) {
-            add(mass, e, Element::shape(at), pulse.inertia * density * weight * Element::point(x, at).weight, 0);
+    }
+    // factor * (shape shape^T) for displacements in the directions first .. dim - 1
+    void add_inert(int e, const Eigen::Matrix<double, Element::nodes, 1>& shape, double factor, int first,
+                   std::vector<double>& to) const {
+        scatter(
+            e,
+            [&](int a, int b) {
+                const bool coupled = a % Element::dim == b % Element::dim && a % Element::dim >= first;
+                return coupled ? factor * shape[a / Element::dim] * shape[b / Element::dim] : 0.0;
+            },
+            to);
+    }
+    void add_mass(int e, double density, std::vector<double>& to) const {
+        const auto& x = w_.model->coordinates[e];
+        integrate<Element>([&](const typename Element::Position& position, double weight) {
+            add_inert(e, Element::shape(position), density * weight * Element::point(x, position).weight, 0, to);
         });
+    }
+    void add_dashpots(int e, double impedance, std::vector<double>& to) const {
         if constexpr (Element::dim == 2) {
-            if (!pulse.absorbs || x.row(0).maxCoeff() < wall) {
-                continue;
-            }
-            // The shear wave speed on average over the element.
-            double shear = 0.0;
-            for (int g = 0; g < Element::gauss; ++g) {
-                shear += end.modulus[e * Element::gauss + g] * w.unit(e, g)(3, 3) / Element::gauss;
-            }
+            const auto& x = w_.model->coordinates[e];
             const double height = x(1, 3) - x(1, 0);
             for (const auto& [eta, weight] : three_points) {
-                const double area = 2.0 * std::numbers::pi * wall * weight * height / 2.0;
-                add(damping, e, Element::shape({1.0, eta}), pulse.inertia * std::sqrt(density * shear) * area,
-                    Element::down);
+                const double area = 2.0 * std::numbers::pi * wall_ * weight * height / 2.0;
+                add_inert(e, Element::shape({1.0, eta}), impedance * area, Element::down, to);
             }
         }
     }
+    template <class ModulusRates>
+    void add_stiffness(int e, int k, const ModulusRates& modulus_rate, std::vector<double>& to) const {
+        Eigen::Matrix<double, Element::dofs, Element::dofs> sum;
+        sum.setZero();
+        for (int g = 0; g < Element::gauss; ++g) {
+            const auto b = Element::strain_operator(w_.point(e, g));
+            const typename Element::Operator db =
+                w_.point(e, g).weight * (stiffness_rate(e, g, k, modulus_rate[g]) * b);
+            sum += b.transpose() * db;
+        }
+        scatter(
+            e, [&](int a, int b) { return sum(a, b); }, to);
+    }
+
+    const Work& w_;
+    const Eigen::VectorXd& modulus_;
+    bool absorbs_;
+    std::size_t entries_;
+    double wall_ = 0.0; // where it stands: the farthest coordinate
+};
+
+} // namespace
+
+template <class Element>
+Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& end, const Eigen::VectorXd& load,
+                                                      const Pulse& pulse,
+                                                      const std::vector<Functional<Element>>& readings) {
+    Work& w = *work_;
+    const int count = w.count();
+    const Pattern& lower = w.topology->lower;
+    const auto n = static_cast<Eigen::Index>(readings.size());
+    Eigen::VectorXd active_modulus(w.points());
+    Eigen::MatrixXd modulus_rate = Eigen::MatrixXd::Zero(end.modulus.size(), count);
+    for (int e = 0; e < w.model->elements(); ++e) {
+        if (!w.prepared_of(e).stress_dependent) {
+            for (int k = 0; k < count; ++k) {
+                modulus_rate.col(k)
+                    .template segment<Element::gauss>(e * Element::gauss)
+                    .setConstant(w.prepared_of(e).modulus_rate[k]);
+            }
+        }
+    }
+    for (int q = 0; q < w.points(); ++q) {
+        const int e = w.active[q / Element::gauss];
+        const int at_model = e * Element::gauss + q % Element::gauss;
+        active_modulus[q] = end.modulus[at_model];
+        const LayerMaterial& layer = w.layer_of(e);
+        const typename Element::Stress total = w.initial[q] + end.stress.col(at_model);
+        const auto at = mechanics::invariants<Element::voigt>(total);
+        const auto gradient = modulus_gradient<Element::voigt>(layer.law->modulus(layer.parameters, at), at, total);
+        for (int k = 0; k < count; ++k) {
+            modulus_rate(at_model, k) =
+                gradient.dot(w.initial_rate[static_cast<std::size_t>(q) * count + k] +
+                             end.d_stress.col(static_cast<Eigen::Index>(at_model) * count + k)) +
+                w.explicit_modulus_rate(layer, w.topology->layer[e], at, k);
+        }
+    }
+    w.assemble(active_modulus);
+    const Dynamics<Element, Work> dynamics(w, end.modulus, pulse);
+    const Matrices matrices = dynamics.matrices();
+    std::vector<Matrices> matrix_rates;
+    for (int k = 0; k < count; ++k) {
+        matrix_rates.push_back(dynamics.rates(k, modulus_rate.col(k)));
+    }
+    // What is read, as weights on the displacement, and the rates of those weights.
+    std::vector<Weights> weights;
+    std::vector<std::vector<Weights>> weight_rates(readings.size());
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        weights.push_back(readings[i].on_displacement);
+        weight_rates[i].resize(static_cast<std::size_t>(count));
+        for (const auto& [q, weight, direction] : readings[i].on_stress) { // stress = E C strain
+            const int e = q / Element::gauss;
+            const auto add = [&, weight = weight](const typename Element::Stress& by, Weights& to) {
+                typename Element::Vector on_element = Element::Vector::Zero();
+                Element::add_force(w.model->points[q], by, weight, on_element);
+                for (int a = 0; a < Element::dofs; ++a) {
+                    if (const int unknown = w.topology->unknowns[e][a]; unknown >= 0 && on_element[a] != 0.0) {
+                        to.emplace_back(unknown, on_element[a]);
+                    }
+                }
+            };
+            add(end.modulus[q] * (w.unit(e, q % Element::gauss) * direction), weights.back());
+            for (int k = 0; k < count; ++k) {
+                const double rate = modulus_rate(q, k);
+                if (rate != 0.0 || w.prepared_of(e).turns[k]) {
+                    add(dynamics.stiffness_rate(e, q % Element::gauss, k, rate) * direction,
+                        weight_rates[i][static_cast<std::size_t>(k)]);
+                }
+            }
+        }
+    }
+    const auto read_rates = [&](const Eigen::VectorXd& u, const Rates& du, double factor, Rates& to) {
+        to.setZero();
+        for (Eigen::Index i = 0; i < n; ++i) {
+            for (const auto& [unknown, weight] : weights[static_cast<std::size_t>(i)]) {
+                to.row(i) += (factor * weight) * du.row(unknown);
+            }
+            for (int k = 0; k < count; ++k) {
+                to(i, k) +=
+                    factor * value_of(weight_rates[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)], u);
+            }
+        }
+    };
 
     constexpr int steps_of_pulse = 80;
     const double step = pulse.duration / steps_of_pulse;
+    const double delay = pulse.damping * pulse.duration / std::numbers::pi;
+    const std::vector<double>& stiffness = matrices.stiffness;
+    std::vector<double> damping(stiffness.size()); // at inertia 1
     std::vector<double> effective = stiffness;
     for (std::size_t k = 0; k < effective.size(); ++k) {
-        effective[k] += 2.0 / step * damping[k] + 4.0 / (step * step) * mass[k];
+        damping[k] = delay * stiffness[k] + matrices.dashpots[k];
+        effective[k] += pulse.inertia * (2.0 / step * damping[k] + 4.0 / (step * step) * matrices.mass[k]);
     }
     const Failure not_definite{Status::failed,
                                "the section has lost its stiffness at the end of the load path: no pulse "
                                "can be followed there"};
+    Eigen::MatrixXd load_rate;
+    w.set_load_rates(load, load_rate);
+    // right(:, k) -= d(M) a + d(C) v + d(K) u by variation k
+    const auto subtract_rates = [&](const Eigen::VectorXd& u, const Eigen::VectorXd& v, const Eigen::VectorXd& a,
+                                    Rates& right) {
+        const Eigen::VectorXd delayed = u + pulse.inertia * delay * v;
+        Eigen::VectorXd force(u.size());
+        for (int k = 0; k < count; ++k) {
+            const Matrices& rates = matrix_rates[static_cast<std::size_t>(k)];
+            const bool is_inertia = (*w.variations)[k].kind == Variation::Kind::inertia;
+            if (!is_inertia && rates.stiffness.empty() && rates.dashpots.empty() && rates.mass.empty()) {
+                continue;
+            }
+            force.setZero();
+            if (!rates.dashpots.empty()) {
+                add_product(lower, rates.dashpots, pulse.inertia * v, force);
+            }
+            if (!rates.mass.empty()) {
+                add_product(lower, rates.mass, pulse.inertia * a, force);
+            }
+            if (!rates.stiffness.empty()) {
+                add_product(lower, rates.stiffness, delayed, force);
+            }
+            if (is_inertia) {
+                add_product(lower, damping, v, force);
+                add_product(lower, matrices.mass, a, force);
+            }
+            right.col(k) -= force;
+        }
+    };
+
     SupernodalFactor<double> factor(lower, w.topology->analysis->structure());
     if (!factor.factorize(stiffness, true)) {
         return not_definite;
     }
     Block<1> at_rest = load;
     factor.solve<1>(at_rest);
-    if (!factor.factorize(effective, true)) {
-        return not_definite;
-    }
     Eigen::VectorXd u = Eigen::VectorXd::Zero(load.size());
     Eigen::VectorXd v = u;
     Eigen::VectorXd acceleration = u;
-    std::vector<double> peak(readings.size(), 0.0);
-    std::vector<double> value(readings.size(), 0.0);
-    std::vector<double> slope(readings.size(), 0.0);    // per step
-    for (int n = 1; n <= 4 * steps_of_pulse / 3; ++n) { // the farthest sensors lag by some milliseconds
-        const double sine = n < steps_of_pulse ? std::sin(std::numbers::pi * n / steps_of_pulse) : 0.0;
+    Rates du = Rates::Zero(load.size(), count);
+    Rates dv = du;
+    Rates d_acceleration = du;
+    Rates d_at_rest = load_rate;
+    if (count > 0) {
+        subtract_rates(at_rest, v, v, d_at_rest);
+        solve(factor, d_at_rest);
+    }
+    if (!factor.factorize(effective, true)) {
+        return not_definite;
+    }
+    struct Followed {
+        double peak = 0.0;
+        double value = 0.0;
+        double slope = 0.0; // per step
+    };
+    std::vector<Followed> followed(readings.size());
+    Rates peak_rate = Rates::Zero(n, count);
+    Rates value_rate = peak_rate;
+    Rates slope_rate = peak_rate;
+    Rates value_rate_now = peak_rate;
+    Rates slope_rate_now = peak_rate;
+    Rates next_rate;
+    for (int i = 1; i <= 4 * steps_of_pulse / 3; ++i) { // the farthest sensors lag by some milliseconds
+        const double sine = i < steps_of_pulse ? std::sin(std::numbers::pi * i / steps_of_pulse) : 0.0;
         Block<1> next = sine * sine * load;
-        add_product(lower, mass, 4.0 / (step * step) * u + 4.0 / step * v + acceleration, next);
-        add_product(lower, damping, 2.0 / step * u + v, next);
+        add_product(lower, matrices.mass, pulse.inertia * (4.0 / (step * step) * u + 4.0 / step * v + acceleration),
+                    next);
+        add_product(lower, damping, pulse.inertia * (2.0 / step * u + v), next);
         factor.solve<1>(next);
         const Eigen::VectorXd change = next - u;
         acceleration = 4.0 / (step * step) * change - 4.0 / step * v - acceleration;
         v = 2.0 / step * change - v;
         u = next;
-        for (std::size_t i = 0; i < readings.size(); ++i) {
-            const double now = value_of(readings[i], u);
-            const double now_slope = step * value_of(readings[i], v);
-            const double most = extreme(value[i], slope[i], now, now_slope);
-            peak[i] = std::abs(most) > std::abs(peak[i]) ? most : peak[i];
-            value[i] = now;
-            slope[i] = now_slope;
+        if (count > 0) {
+            next_rate = sine * sine * load_rate;
+            add_product(lower, matrices.mass,
+                        Rates(pulse.inertia * (4.0 / (step * step) * du + 4.0 / step * dv + d_acceleration)),
+                        next_rate);
+            add_product(lower, damping, Rates(pulse.inertia * (2.0 / step * du + dv)), next_rate);
+            subtract_rates(u, v, acceleration, next_rate);
+            solve(factor, next_rate);
+            du = next_rate - du; // the change
+            d_acceleration = 4.0 / (step * step) * du - 4.0 / step * dv - d_acceleration;
+            dv = 2.0 / step * du - dv;
+            du.swap(next_rate);
+            read_rates(u, du, 1.0, value_rate_now);
+            read_rates(v, dv, step, slope_rate_now);
         }
+        for (Eigen::Index r = 0; r < n; ++r) {
+            Followed& f = followed[static_cast<std::size_t>(r)];
+            const double now = value_of(weights[static_cast<std::size_t>(r)], u);
+            const double now_slope = step * value_of(weights[static_cast<std::size_t>(r)], v);
+            const auto share = weights_at(place_of_extreme(f.value, f.slope, now, now_slope));
+            const double most = share[0] * f.value + share[1] * f.slope + share[2] * now + share[3] * now_slope;
+            if (std::abs(most) > std::abs(f.peak)) {
+                f.peak = most; // its place is stationary: it moves without changing it
+                peak_rate.row(r) = share[0] * value_rate.row(r) + share[1] * slope_rate.row(r) +
+                                   share[2] * value_rate_now.row(r) + share[3] * slope_rate_now.row(r);
+            }
+            f.value = now;
+            f.slope = now_slope;
+        }
+        value_rate.swap(value_rate_now);
+        slope_rate.swap(slope_rate_now);
     }
+    PulseExcess excess;
     for (std::size_t i = 0; i < readings.size(); ++i) {
-        peak[i] -= value_of(readings[i], at_rest);
+        excess.values.push_back(followed[i].peak - value_of(weights[i], at_rest));
     }
-    return peak;
+    read_rates(at_rest, d_at_rest, 1.0, value_rate);
+    excess.derivatives = peak_rate - value_rate;
+    return excess;
 }
 
-template Outcome<std::vector<double>> Solver<AxisymmetricQ8>::inertial_excess(const Solution<AxisymmetricQ8>&,
-                                                                              const Eigen::VectorXd&, const Pulse&,
-                                                                              const std::vector<Functional>&);
-template Outcome<std::vector<double>> Solver<Hex20>::inertial_excess(const Solution<Hex20>&, const Eigen::VectorXd&,
-                                                                     const Pulse&, const std::vector<Functional>&);
+template Outcome<PulseExcess> Solver<AxisymmetricQ8>::inertial_excess(const Solution<AxisymmetricQ8>&,
+                                                                      const Eigen::VectorXd&, const Pulse&,
+                                                                      const std::vector<Functional<AxisymmetricQ8>>&);
+template Outcome<PulseExcess> Solver<Hex20>::inertial_excess(const Solution<Hex20>&, const Eigen::VectorXd&,
+                                                             const Pulse&, const std::vector<Functional<Hex20>>&);
 
 } // namespace pave::fe

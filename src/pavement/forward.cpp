@@ -73,10 +73,6 @@ using Stencil = std::vector<std::pair<int, double>>;
 const Stencil central_4{{-2, 1.0 / 12}, {-1, -8.0 / 12}, {1, 8.0 / 12}, {2, -1.0 / 12}};
 const Stencil forward_4{{0, -25.0 / 12}, {1, 48.0 / 12}, {2, -36.0 / 12}, {3, 16.0 / 12}, {4, -3.0 / 12}};
 const Stencil backward_4{{0, 25.0 / 12}, {-1, -48.0 / 12}, {-2, 36.0 / 12}, {-3, -16.0 / 12}, {-4, 3.0 / 12}};
-// Of second order, for runs that cost more: their steps leave a relative error of some 1e-6.
-const Stencil central_2{{-1, -1.0 / 2}, {1, 1.0 / 2}};
-const Stencil forward_2{{0, -3.0 / 2}, {1, 4.0 / 2}, {2, -1.0 / 2}};
-const Stencil backward_2{{0, 3.0 / 2}, {-1, -4.0 / 2}, {-2, 1.0 / 2}};
 
 // File units. A size changes a response by a like amount all over its range, from a null at which it may be zero.
 double step_of(const Case& values, const Parameter& parameter) {
@@ -84,14 +80,10 @@ double step_of(const Case& values, const Parameter& parameter) {
     return 1e-3 * (parameter.in_effect ? parameter.high - parameter.low : value == 0.0 ? 1.0 : std::abs(value));
 }
 
-// costly: a run is.
-const Stencil& stencil_of(const Case& values, const Parameter& parameter, bool costly) {
+const Stencil& stencil_of(const Case& values, const Parameter& parameter) {
     const double value = parameter.get(values);
-    const double reach = (costly ? 1.0 : 2.0) * step_of(values, parameter);
-    return value - reach < parameter.low    ? (costly ? forward_2 : forward_4)
-           : value + reach > parameter.high ? (costly ? backward_2 : backward_4)
-           : costly                         ? central_2
-                                            : central_4;
+    const double reach = 2.0 * step_of(values, parameter);
+    return value - reach < parameter.low ? forward_4 : value + reach > parameter.high ? backward_4 : central_4;
 }
 
 Case moved_by(const Case& values, const Parameter& parameter, double change) {
@@ -187,7 +179,7 @@ struct ForwardModel::Observed {
         const double step = step_of(values, parameter);
         const Case here = with_effects(values, load);
         std::vector<Moved> list;
-        for (const auto& [offset, weight] : stencil_of(values, parameter, false)) {
+        for (const auto& [offset, weight] : stencil_of(values, parameter)) {
             const Case there = with_effects(moved_by(values, parameter, offset * step), load);
             if (there.layers != here.layers || there.loads != here.loads) {
                 return false;
@@ -245,12 +237,8 @@ Outcome<Eigen::VectorXd> ForwardModel::difference_quotient(const Case& values, c
                                                            const Parameter& parameter, const std::vector<bool>& loads,
                                                            Workspace& workspace) const {
     const double step = step_of(values, parameter);
-    bool is_costly = false;
-    for (std::size_t l = 0; l < loads.size(); ++l) {
-        is_costly = is_costly || (loads[l] && with_effects(values, static_cast<int>(l)).loads[l].inertia);
-    }
     Eigen::VectorXd quotient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(response.values.size()));
-    for (const auto& [offset, weight] : stencil_of(values, parameter, is_costly)) {
+    for (const auto& [offset, weight] : stencil_of(values, parameter)) {
         std::vector<double> there = response.values;
         if (offset != 0) {
             const auto outcome = run_exact(moved_by(values, parameter, offset * step), {}, loads, {}, workspace);

@@ -38,9 +38,8 @@ public:
 
     // The response at `values`, a case that differs from the nominal one in numbers only; with its derivatives by
     // `parameters`: exact for the discrete algorithm, but by differences of readings in the same run for effects that
-    // move sensors alone, and by differences of runs for effects that move layers, for geometry where fields or springs
-    // move with it, and for everything under a load that inertia answers. Effects that are varied must be `present`.
-    // Pure: same input, same bits.
+    // move sensors alone, and by differences of runs for effects that move layers and for geometry where fields,
+    // springs or inertia go with it. Effects that are varied must be `present`. Pure: same input, same bits.
     Outcome<Response> run(const Case& values, const std::vector<Parameter>& parameters, Workspace& workspace) const;
 
     const Case& nominal() const { return nominal_; }

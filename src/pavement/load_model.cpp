@@ -104,7 +104,7 @@ public:
             }
         }
         if (load.inertia) {
-            return with_inertia(std::move(reading), values, layers, solved.value(), force, own);
+            return with_inertia(std::move(reading), values, solved.value(), force, own);
         }
         return reading;
     }
@@ -127,30 +127,14 @@ private:
     struct Own;
 
     // What a pulse of the load adds to what is measured under it.
-    Outcome<Reading> with_inertia(Reading reading, const Case& values, const std::vector<fe::LayerMaterial>& layers,
-                                  const fe::Solution<Element>& solved, const Eigen::VectorXd& force, Own& own) const {
+    Outcome<Reading> with_inertia(Reading reading, const Case& values, const fe::Solution<Element>& solved,
+                                  const Eigen::VectorXd& force, Own& own) const {
         std::vector<std::size_t> rows;
-        std::vector<fe::Functional> functionals;
+        std::vector<fe::Functional<Element>> functionals;
         for (std::size_t i = 0; i < values.sensors.size(); ++i) {
-            if (values.sensors[i].load != load_ || !values.sensors[i].measured) {
-                continue;
-            }
-            rows.push_back(i);
-            const auto& o = own.observations[i];
-            auto& functional = functionals.emplace_back(o.on_displacement);
-            for (const auto& [q, weight, direction] : o.on_stress) { // stress = E C strain
-                const int e = q / Element::gauss;
-                const auto& layer = layers[static_cast<std::size_t>(own.model->topology->layer[e])];
-                const mechanics::Stiffness<Element::voigt> unit =
-                    fe::local_stiffness(layer, fe::position_of(*own.model, e, q % Element::gauss))
-                        .template topLeftCorner<Element::voigt, Element::voigt>();
-                typename Element::Vector on_element = Element::Vector::Zero();
-                Element::add_force(own.model->points[q], solved.modulus[q] * (unit * direction), weight, on_element);
-                for (int k = 0; k < Element::dofs; ++k) {
-                    if (const int unknown = own.model->topology->unknowns[e][k]; unknown >= 0) {
-                        functional.emplace_back(unknown, on_element[k]);
-                    }
-                }
+            if (values.sensors[i].load == load_ && values.sensors[i].measured) {
+                rows.push_back(i);
+                functionals.push_back(own.observations[i]);
             }
         }
         fe::Pulse pulse;
@@ -160,7 +144,9 @@ private:
             return excess.failure();
         }
         for (std::size_t k = 0; k < rows.size(); ++k) {
-            reading.values[rows[k]] += (*excess)[k];
+            reading.values[rows[k]] += excess->values[k];
+            reading.derivatives.row(static_cast<Eigen::Index>(rows[k])) +=
+                excess->derivatives.row(static_cast<Eigen::Index>(k));
         }
         return reading;
     }

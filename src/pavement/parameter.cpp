@@ -247,6 +247,9 @@ void each_number(Case& c, int load, F f) {
     }
     f(on.factor, fe::Variation{.kind = Kind::load_factor}, 1.0 / on.factor);
     f(on.pressure_shape, fe::Variation{.kind = Kind::pressure_shape}, 1.0);
+    if (on.inertia) {
+        f(*on.inertia, fe::Variation{.kind = Kind::inertia}, 1.0);
+    }
     if (on.type == LoadType::plate) { // of a wheel it sets the size of the patch
         f(on.pressure, fe::Variation{.kind = Kind::load_factor}, 1.0 / on.pressure);
     }
@@ -301,9 +304,9 @@ Case without_geometry(Case c) {
 
 // Whether all that geometry changes of a case without effects is what the solver's motions hold.
 bool is_moved_by_its_mesh(const Case& c, int load) {
-    return !c.loads[load].plate_stiffness && std::none_of(c.layers.begin(), c.layers.end(), [](const Layer& layer) {
-        return layer.compliance || !layer.fields.empty();
-    });
+    return !c.loads[load].plate_stiffness && !c.loads[load].inertia &&
+           std::none_of(c.layers.begin(), c.layers.end(),
+                        [](const Layer& layer) { return layer.compliance || !layer.fields.empty(); });
 }
 
 Derivative one_term(const fe::Variation& variation, double factor) {
@@ -337,9 +340,6 @@ std::optional<Derivative> direct_derivative(const Case& c, const Parameter& para
 
 std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter, int load) {
     Case here = with_effects(c, load);
-    if (here.loads[load].inertia) {
-        return std::nullopt;
-    }
     if (std::none_of(c.effects.begin(), c.effects.end(), [](const AppliedEffect& e) { return is_active(e); })) {
         return direct_derivative(c, parameter, load);
     }

@@ -59,8 +59,8 @@ struct Derivative {
     std::vector<double> gain_rates; // d(gain)/d(parameter) of each sensor; empty: none changes
 };
 
-// Nothing where the solver has no such derivative: places of sensors, inertia, geometry of a section with fields or
-// springs or that changes other numbers too. Effects turn numbers of the case into others in closed form; the chain
+// Nothing where the solver has no such derivative: places of sensors, geometry of a section with fields, springs or
+// inertia or that changes other numbers too. Effects turn numbers of the case into others in closed form; the chain
 // rule through them is by differences of those forms, to some 1e-10. A motion of the mesh is by the file value.
 std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter, int load);
 

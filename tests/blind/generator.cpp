@@ -96,18 +96,20 @@ Case draw_case(Draw& draw) {
     const auto add = [&](int load, Quantity quantity, double x, double depth, double gauge) {
         c.sensors.push_back({load, quantity, x, 0.0, depth, gauge});
     };
-    for (const double x : {0.0, 0.2, 0.3, 0.45, 0.6, 0.9, 1.2}) {
+    for (const double x : {0.0, 0.2, 0.3, 0.45, 0.6, 0.9, 1.2, 1.5}) {
         add(0, Quantity::deflection, x, 0.0, 0.0);
-        if (x < 1.0) {
+        if (x < 1.4) {
             add(1, Quantity::deflection, x, 0.0, 0.0);
         }
     }
     const double gauge = draw.chance(0.7) ? 0.075 : 0.05;
     const double aside = rounded(draw.uniform(0.1, 0.35), 0.01);
+    const double farther = aside + rounded(draw.uniform(0.15, 0.4), 0.01);
     const bool under_plate = draw.chance(0.7);
     const auto strains = [&](double depth) {
         add(1, Quantity::strain_zz, 0.0, depth, gauge);
         add(1, Quantity::strain_zz, aside, depth, gauge);
+        add(1, Quantity::strain_zz, farther, depth, gauge);
         if (under_plate) {
             add(0, Quantity::strain_zz, 0.0, depth, gauge);
         }
@@ -120,15 +122,12 @@ Case draw_case(Draw& draw) {
     for (std::size_t i = 0; i < in_subgrade; ++i) {
         strains(rounded(asphalt + base + 0.06 + 0.10 * static_cast<double>(i), 0.005));
     }
-    for (const double depth : {asphalt + 0.4 * base, asphalt + base + 0.1, asphalt + base + 0.3}) {
+    for (const double depth :
+         {asphalt + 0.4 * base, asphalt + 0.8 * base, asphalt + base + 0.1, asphalt + base + 0.3}) {
         add(1, Quantity::stress_zz, 0.0, rounded(depth, 0.005), 0.0);
         if (draw.chance(0.6)) {
             add(0, Quantity::stress_zz, 0.0, rounded(depth, 0.005), 0.0);
         }
-    }
-    if (draw.chance(0.6)) {
-        add(0, Quantity::strain_xx, 0.0, asphalt - 0.001, 0.0);
-        add(1, Quantity::strain_xx, 0.0, asphalt - 0.001, 0.0);
     }
     c.settings.extent = c.default_extent();
     return c;

@@ -185,7 +185,7 @@ TEST(Screening, ScoreIsTheRootOfWhatAFitGains) {
     auto bench = world.bench();
     const auto base = baseline(bench);
     const auto screening =
-        diagnose::screen(bench, base, world.candidates(), 1.0, false, 1, diagnose::Screen::starts, 100);
+        diagnose::screen(bench, base, world.candidates(), 1.0, false, 1, 30, 100);
     ASSERT_TRUE(screening.has_value());
     for (std::size_t c = 0; c < 4; ++c) {
         const auto& item = screening->items[c];

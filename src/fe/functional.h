@@ -1,0 +1,40 @@
+// Linear functionals of a finite element solution.
+#pragma once
+
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+namespace pave::fe {
+
+// Weights on the free unknowns, or (stresses) weights on the load stress of Gauss points, each contracted with a
+// direction.
+template <class Element>
+struct Functional {
+    struct AtPoint {
+        int point; // Gauss point of the model
+        double weight;
+        typename Element::Stress direction;
+    };
+    std::vector<std::pair<int, double>> on_displacement; // (unknown, weight)
+    std::vector<AtPoint> on_stress;
+
+    double of_displacement(const double* u) const {
+        double value = 0.0;
+        for (const auto& [unknown, weight] : on_displacement) {
+            value += weight * u[unknown];
+        }
+        return value;
+    }
+    // stress: column point * stride + offset.
+    template <class Stresses>
+    double of_stress(const Stresses& stress, Eigen::Index stride, Eigen::Index offset) const {
+        double value = 0.0;
+        for (const auto& [point, weight, direction] : on_stress) {
+            value += weight * direction.dot(stress.col(point * stride + offset));
+        }
+        return value;
+    }
+};
+
+} // namespace pave::fe
