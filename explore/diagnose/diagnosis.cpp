@@ -17,10 +17,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// A model is contradicted when a test of it falls below its level: 4 % of sound models, at most.
-constexpr double level_chi2 = 0.01;
-constexpr double level_pattern = 0.01;
-constexpr double level_family = 0.02;
+// A model is contradicted when a test of it falls below its level: 2 % of sound models, at most. An extended model that
+// chi2 or the pattern contradicts is still what explains most, but not named; below the last level it is no
+// explanation.
+constexpr double level_chi2 = 0.005;
+constexpr double level_pattern = 0.005;
+constexpr double level_family = 0.01;
+constexpr double level_rejected = 0.0005;
 // A cause is named when so much evidence is due to chance this rarely, and the next explanation fits this much worse:
 // whatever the distance between two explanations, the true one falls so far behind in less than 1 % of cases,
 // Phi(-sqrt(margin)).
@@ -40,6 +43,7 @@ constexpr int screen_number = 100;
 constexpr int fit_number = 200;
 constexpr int pair_number = 1000; // + 100 times the place in the beam
 constexpr int further_number = 300;
+constexpr int blind_number = 400;
 constexpr int baseline_number = 500;
 constexpr int fold_number = 5000;
 constexpr int bootstrap_number = 20'000;
@@ -117,6 +121,10 @@ private:
     bool contradicted(const Judged& j, double p_familywise) const {
         const bool by_noise = task_.noise_is_stated && (j.p_value < level_chi2 || j.pattern.p_value < level_pattern);
         return by_noise || p_familywise < level_family;
+    }
+
+    bool rejected(const Judged& j) const {
+        return task_.noise_is_stated && std::min(j.p_value, j.pattern.p_value) < level_rejected;
     }
 
     // Chi2 with the price of having chosen the best of several variants.
@@ -380,7 +388,7 @@ private:
                                       residuals, mimicry_of(d_.baseline.model), task_.groups);
     }
 
-    // One candidate more on each of the best models. False: interrupted.
+    // One candidate more on each of the best models, those that the screening proposes. False: interrupted.
     bool fit_pairs(const std::vector<const Judged*>& beam, std::vector<Judged>& pairs) {
         struct Job {
             const Model* base;
@@ -405,20 +413,66 @@ private:
                 jobs.push_back({&beam[b]->model, &screenings.back().items[c], c, number + 20});
             }
         }
-        std::vector<std::optional<Model>> models(jobs.size());
-        run::Progress progress("fits of pairs", static_cast<std::int64_t>(jobs.size()));
-        run::for_each_index(arena_, jobs.size(), [&](std::size_t i) {
-            models[i] = fit_added(*jobs[i].base, *jobs[i].screened, jobs[i].candidate, jobs[i].number);
+        if (!fit_jobs("fits of pairs", jobs.size(), pairs, [&](std::size_t i) {
+                return fit_added(*jobs[i].base, *jobs[i].screened, jobs[i].candidate, jobs[i].number);
+            })) {
+            return false;
+        }
+        if (!pairs.empty() && !contradicted(pairs[0], 1.0)) {
+            return true;
+        }
+        // Where one of two effects is fitted alone, the parameters are bent to follow the other, which may then look
+        // like nothing there: every effect with the leading one, from a typical size on both sides.
+        std::map<std::string, std::size_t> variant; // of each effect the one with the highest score
+        const Model& first = beam[0]->model;
+        for (std::size_t c = 0; c < task_.candidates.size(); ++c) {
+            const Screened& item = screenings[0].items[c];
+            const std::string& effect = task_.candidates[c].effect;
+            const auto fitted = [&](const Job& job) {
+                return job.base == &first && task_.candidates[job.candidate].effect == effect;
+            };
+            if (!item.impossible.empty() || task_.candidates[c].reading ||
+                std::any_of(jobs.begin(), jobs.end(), fitted)) {
+                continue;
+            }
+            const auto [at, is_new] = variant.try_emplace(effect, c);
+            if (std::abs(item.score) > std::abs(screenings[0].items[at->second].score)) {
+                at->second = c;
+            }
+        }
+        std::vector<std::size_t> list;
+        for (const auto& [effect, c] : variant) {
+            list.push_back(c);
+        }
+        return fit_jobs("further pairs", list.size(), pairs, [&](std::size_t i) {
+            const Members members = with_member(first.members, list[i]);
+            const std::size_t at = size_index(bench_, members, list[i]);
+            const Candidate& candidate = task_.candidates[list[i]];
+            auto best = fit_from(members, blind_number, with_size(first.unit, at, candidate.typical));
+            if (const double other = 2.0 * candidate.null - candidate.typical; other > 0.0 && other < 1.0) {
+                keep_lower(best, fit_from(members, blind_number + 1, with_size(first.unit, at, other)));
+            }
+            return best;
+        });
+    }
+
+    // Adds what so many fits found to the pairs, best first. False: interrupted.
+    template <class Fit>
+    bool fit_jobs(const char* name, std::size_t count, std::vector<Judged>& pairs, const Fit& fit) {
+        std::vector<std::optional<Model>> models(count);
+        run::Progress progress(name, static_cast<std::int64_t>(count));
+        run::for_each_index(arena_, count, [&](std::size_t i) {
+            models[i] = fit(i);
             progress.add(1, true);
         });
         if (run::interrupted()) {
             return false;
         }
-        std::set<Members> seen;
         std::stable_sort(models.begin(), models.end(),
                          [](const auto& a, const auto& b) { return a && (!b || a->sum < b->sum); });
         for (auto& model : models) {
-            if (model && seen.insert(model->members).second) {
+            const auto same = [&](const Judged& pair) { return pair.model.members == model->members; };
+            if (model && std::none_of(pairs.begin(), pairs.end(), same)) {
                 pairs.push_back(judge(std::move(*model)));
             }
         }
@@ -507,12 +561,10 @@ private:
             const double more = pairs.empty() ? 0.0 : std::max(0.0, first.chi2 - pairs[0].chi2);
             const double p_second = next->family ? next->family->p_value(std::sqrt(more)) : 1.0;
             if (p_second < level_evidence && pairs[0].aicc < first.aicc) {
-                is_contradicted_ = contradicted(pairs[0], 1.0);
                 explanations_ = std::move(pairs);
                 return true;
             }
         }
-        is_contradicted_ = contradicted(first, 1.0);
         for (const Judged* single : singles) {
             explanations_.push_back(*single);
         }
@@ -577,7 +629,7 @@ private:
         return true;
     }
 
-    // What a model changes in the residuals, beyond what the parameters follow: length 1.
+    // What a model changes in the residuals, beyond what the parameters follow: length 1; empty: nothing.
     VectorXd direction_of(const EffectResult& effect, const Mimicry& mimicry) const {
         VectorXd change = d_.screening.items[effect.candidate].change;
         if (effect.fit) {
@@ -586,7 +638,8 @@ private:
                 change = moved;
             }
         }
-        return change.size() > 0 ? VectorXd(change / change.norm()) : change;
+        const double length = change.norm();
+        return length > 0.0 ? VectorXd(change / length) : VectorXd();
     }
 
     void set_confounding() {
@@ -596,7 +649,7 @@ private:
         const VectorXd own = direction_of(leading, mimicry);
         for (std::size_t e = 1; e < d_.effects.size(); ++e) {
             const VectorXd other = direction_of(d_.effects[e], mimicry);
-            if (other.size() == 0) {
+            if (own.size() == 0 || other.size() == 0) {
                 continue;
             }
             double cosine = own.dot(other);
@@ -641,6 +694,7 @@ private:
         const bool is_pair = best.model.members.size() > 1;
         set_confounding();
         d_.extended = best;
+        d_.leaves_more_than_noise = contradicted(best, 1.0);
         d_.explanations.push_back({best, 0.0});
         for (auto other = explanations_.begin() + 1; other != explanations_.end(); ++other) {
             const bool is_known = std::any_of(d_.explanations.begin(), d_.explanations.end(), [&](const auto& e) {
@@ -650,7 +704,7 @@ private:
                 continue;
             }
             const double behind = criterion(*other) - criterion(best);
-            const bool is_rejected = contradicted(*other, 1.0);
+            const bool is_rejected = contradicted(*other, 1.0) && !d_.leaves_more_than_noise;
             // An effect that such readings could not tell from the leading one stands beside it, whatever these say;
             // unless they reject it by themselves and by far.
             const bool is_alike =
@@ -659,7 +713,7 @@ private:
                 d_.explanations.push_back({*other, behind});
             }
         }
-        bool enough = d_.p_evidence < level_evidence;
+        bool enough = d_.p_evidence < level_evidence && !d_.leaves_more_than_noise;
         if (is_pair) {
             for (const std::size_t c : best.model.members) {
                 const auto rest = std::find_if(best.model.members.begin(), best.model.members.end(),
@@ -668,7 +722,7 @@ private:
                 enough = enough && (single == nullptr || single->chi2 - best.chi2 >= least_share);
             }
         }
-        if (is_contradicted_ || d_.p_evidence >= level_unexplained) {
+        if (rejected(best) || d_.p_evidence >= level_unexplained) {
             d_.verdict = Verdict::unexplained;
             d_.explanations.clear();
         } else {
@@ -804,7 +858,6 @@ private:
     Diagnosis d_;
     std::vector<Model> explored_; // points of the sample: residuals, no derivatives
     std::vector<Judged> explanations_;
-    bool is_contradicted_ = false; // the best explanation
     int attempts_ = 0;
 };
 

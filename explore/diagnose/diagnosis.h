@@ -98,6 +98,7 @@ struct Diagnosis {
     int bootstrap = 0;     // simulated data that were fitted; how many of them gained as much:
     int bootstrap_above = 0;
     std::vector<Explanation> explanations; // that the data do not tell apart, best first
+    bool leaves_more_than_noise = false;   // the best of them
     std::vector<std::string> causes;       // names, most probable first
     std::vector<Confounding> confounding;  // of the effects with the best explanation's
     std::optional<Judged> extended;        // the best explanation

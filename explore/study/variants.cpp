@@ -66,12 +66,10 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
             for (const auto& [load, quantity] : groups) {
                 add({.load = load, .quantity = quantity}, fmt::format("{}, {}", load_name(load), info(quantity).name));
             }
+            // Instruments of different kinds have no gain in common: that would be the load.
             if (loads.size() > 1 && quantities.size() > 1) {
                 for (const Quantity quantity : quantities) {
                     add({.quantity = quantity}, fmt::format("every {}", info(quantity).name));
-                }
-                for (const int load : loads) {
-                    add({.load = load}, fmt::format("everything under {}", load_name(load)));
                 }
             }
         } else {

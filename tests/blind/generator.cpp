@@ -263,8 +263,9 @@ const Fitted fitted[] = {{"asphalt.modulus_MPa", 500, 15000, true},
                          {"base.n", 0.1, 1.0, false},
                          {"subgrade.modulus_MPa", 10, 250, true}};
 
-// Orthonormal base of what the fitted parameters can follow, from central differences of the logarithms.
-Eigen::MatrixXd mimicry(const Case& c, const VectorXd& sigma) {
+// Of the responses, in standard deviations, by the logarithms of the fitted parameters: central differences. Empty:
+// none.
+Eigen::MatrixXd derivatives(const Case& c, const VectorXd& sigma) {
     Eigen::MatrixXd j(sigma.size(), static_cast<Eigen::Index>(std::size(fitted)));
     constexpr double step = 0.01;
     for (std::size_t k = 0; k < std::size(fitted); ++k) {
@@ -273,27 +274,75 @@ Eigen::MatrixXd mimicry(const Case& c, const VectorXd& sigma) {
         Case down = c;
         p.in(up) *= 1.0 + step;
         p.in(down) /= 1.0 + step;
-        j.col(static_cast<Eigen::Index>(k)) = (responses(up) - responses(down)).cwiseQuotient(sigma);
+        const VectorXd above = responses(up);
+        const VectorXd below = responses(down);
+        if (above.size() == 0 || below.size() == 0) {
+            return {};
+        }
+        j.col(static_cast<Eigen::Index>(k)) = (above - below).cwiseQuotient(sigma) / (2.0 * std::log1p(step));
     }
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(j);
-    return qr.householderQ() * Eigen::MatrixXd::Identity(j.rows(), j.cols());
+    return j;
+}
+
+// Orthonormal base of what these columns span: what the fitted parameters can follow.
+Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns) {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
+    return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
 }
 
 VectorXd beyond(const Eigen::MatrixXd& base, const VectorXd& change) {
     return change - base * (base.transpose() * change);
 }
 
-// The best possible rate of telling what is hidden from every other effect, and the one that is hardest.
-void add_ceiling(Json& truth, const Case& c, const Hidden& hidden, const VectorXd& change, const Eigen::MatrixXd& base,
-                 const VectorXd& sigma) {
-    const double d = change.norm();
+// How far what is hidden remains from what the fitted parameters can follow, at their best: standard deviations.
+// Gauss and Newton's steps in the logarithms, differences for derivatives. plain: without what is hidden.
+double remaining(const Case& c, const VectorXd& plain, const VectorXd& change, const VectorXd& sigma) {
+    Case at = c;
+    VectorXd left = change;
+    for (int iteration = 0; iteration < 5; ++iteration) {
+        const Eigen::MatrixXd j = derivatives(at, sigma);
+        if (j.size() == 0) {
+            break;
+        }
+        VectorXd step = (j.transpose() * j + 1e-3 * Eigen::MatrixXd::Identity(j.cols(), j.cols()))
+                            .ldlt()
+                            .solve(j.transpose() * left);
+        bool better = false;
+        for (int half = 0; half < 5 && !better; ++half, step *= 0.5) {
+            Case next = at;
+            for (std::size_t k = 0; k < std::size(fitted); ++k) {
+                const Parameter p = find_parameter(c, fitted[k].path, {});
+                const double value = p.get(next) * std::exp(std::clamp(step[static_cast<Eigen::Index>(k)], -1.0, 1.0));
+                p.in(next) = std::clamp(value, fitted[k].low, fitted[k].high) * p.to_si;
+            }
+            const VectorXd there = responses(next);
+            if (there.size() == plain.size()) {
+                const VectorXd now = change - (there - plain).cwiseQuotient(sigma);
+                if (now.norm() < left.norm()) {
+                    better = true;
+                    at = next;
+                    left = now;
+                }
+            }
+        }
+        if (!better) {
+            break;
+        }
+    }
+    return left.norm();
+}
+
+// The best possible rate of telling what is hidden, of strength d, from every other effect, and the one that is
+// hardest.
+void add_ceiling(Json& truth, const Case& c, const Hidden& hidden, const VectorXd& change, double d,
+                 const Eigen::MatrixXd& base, const VectorXd& sigma) {
     double lowest = 1.0;
     std::string hardest;
     const auto compare = [&](const std::string& name, const VectorXd& other, bool both_signs) {
         if (other.norm() < 1e-6 * d) {
             return;
         }
-        double cosine = change.dot(other) / (d * other.norm());
+        double cosine = change.dot(other) / (change.norm() * other.norm());
         cosine = both_signs ? std::abs(cosine) : cosine;
         const double rate = gsl_cdf_ugaussian_P(d * std::sqrt(std::max(0.0, (1.0 - cosine) / 2.0)));
         if (rate < lowest) {
@@ -321,9 +370,6 @@ void add_ceiling(Json& truth, const Case& c, const Hidden& hidden, const VectorX
             for (const auto& [load, quantity] : groups) {
                 ways.push_back({.load = load, .quantity = quantity});
                 ways.push_back({.quantity = quantity});
-            }
-            for (int load = 0; load < static_cast<int>(c.loads.size()); ++load) {
-                ways.push_back({.load = load});
             }
         } else if (effect->takes_load) {
             for (int load = 0; load < static_cast<int>(c.loads.size()); ++load) {
@@ -514,7 +560,11 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
             return sigma;
         };
         const VectorXd sigma = sigma_of(plain);
-        const Eigen::MatrixXd base = mimicry(coarse, sigma);
+        const Eigen::MatrixXd slopes = derivatives(coarse, sigma);
+        if (slopes.size() == 0) {
+            continue;
+        }
+        const Eigen::MatrixXd base = orthonormal(slopes);
         std::vector<Hidden> hidden;
         std::vector<double> strengths;
         const std::size_t count = kind == "none" ? 0 : kind == "two" ? 2 : 1;
@@ -542,11 +592,18 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
         }
         Json truth = {{"seed", seed}, {"noise", noise}, {"readings", c.sensors.size()}, {"hidden", Json::array()}};
         std::vector<VectorXd> changes;
-        for (std::size_t h = 0; h < hidden.size(); ++h) {
-            changes.push_back(beyond(base, (responses_with(fine, {hidden[h]}) - plain).cwiseQuotient(sigma)));
-            Json one = words(c, hidden[h]);
-            one["strength"] = changes[h].norm();
+        double weakest = std::numeric_limits<double>::infinity();
+        for (const Hidden& h : hidden) {
+            const VectorXd change = (responses_with(fine, {h}) - plain).cwiseQuotient(sigma);
+            changes.push_back(beyond(base, change));
+            const double left = remaining(coarse, plain_coarse, change, sigma);
+            weakest = std::min(weakest, left);
+            Json one = words(c, h);
+            one["strength"] = left;
             truth["hidden"].push_back(one);
+        }
+        if (weakest < strength.least) {
+            continue;
         }
         if (count == 2) { // each beyond what the other can mimic
             const double cosine = changes[0].dot(changes[1]) / (changes[0].norm() * changes[1].norm());
@@ -556,7 +613,7 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
             }
         }
         if (count == 1) {
-            add_ceiling(truth, coarse, hidden[0], changes[0], base, sigma);
+            add_ceiling(truth, coarse, hidden[0], changes[0], weakest, base, sigma);
         }
         const VectorXd spread = sigma_of(exact);
         VectorXd values = exact;
