@@ -373,6 +373,18 @@ Json diagnosis_json(const Findings& f) {
                              {"score_z", c.score}});
     }
     json["parameter_constancy"] = std::move(constancy);
+    std::vector<double> measured;
+    std::vector<double> baseline;
+    std::vector<double> extended;
+    for (std::size_t i = 0; i < f.study.measurements.size(); ++i) {
+        const double si = f.study.response_to_si(i);
+        measured.push_back(f.study.measurements[i].value * f.study.measurements[i].unit.to_si / si);
+        baseline.push_back(f.before.evaluation.responses[i] / si);
+        if (f.after) {
+            extended.push_back(f.after->evaluation.responses[i] / si);
+        }
+    }
+    json["responses"] = {{"measured", measured}, {"baseline", baseline}, {"extended", extended}};
     json["residuals"] = {{"baseline", residuals_of(f, d.baseline.model)},
                          {"extended", d.extended ? residuals_of(f, d.extended->model) : std::vector<double>{}}};
     Json outputs = Json::array();

@@ -24,6 +24,8 @@ constexpr double level_chi2 = 0.005;
 constexpr double level_pattern = 0.005;
 constexpr double level_family = 0.01;
 constexpr double level_rejected = 0.0005;
+// Below this the fit may be a local minimum: it is searched for another.
+constexpr double level_doubtful = 0.05;
 // A cause is named when so much evidence is due to chance this rarely, and the next explanation fits this much worse:
 // whatever the distance between two explanations, the true one falls so far behind in less than 1 % of cases,
 // Phi(-sqrt(margin)).
@@ -532,7 +534,10 @@ private:
 
     // Fills explanations_ : the models that explain the data, best first; empty: none does. False: interrupted.
     bool explain() {
-        if (!d_.effects.empty() && d_.effects[0].fit && contradicted(*d_.effects[0].fit, 1.0) && !search_further()) {
+        const auto is_doubtful = [&](const Judged& j) {
+            return task_.noise_is_stated && std::min(j.p_value, j.pattern.p_value) < level_doubtful;
+        };
+        if (!d_.effects.empty() && d_.effects[0].fit && is_doubtful(*d_.effects[0].fit) && !search_further()) {
             return false;
         }
         std::vector<const Judged*> singles;
@@ -551,8 +556,8 @@ private:
             return false;
         }
         if (contradicted(first, next->p_familywise)) {
-            std::vector<const Judged*> beam = singles;
-            beam.resize(std::min(beam.size(), beam_width));
+            const std::vector<const Judged*> beam(
+                singles.begin(), singles.begin() + static_cast<std::ptrdiff_t>(std::min(singles.size(), beam_width)));
             std::vector<Judged> pairs;
             if (!fit_pairs(beam, pairs)) {
                 return false;
@@ -704,12 +709,12 @@ private:
                 continue;
             }
             const double behind = criterion(*other) - criterion(best);
-            const bool is_rejected = contradicted(*other, 1.0) && !d_.leaves_more_than_noise;
+            const bool is_rejected = contradicted(*other, 1.0);
             // An effect that such readings could not tell from the leading one stands beside it, whatever these say;
             // unless they reject it by themselves and by far.
             const bool is_alike =
                 !is_pair && is_confounded(other->model.members[0]) && !(is_rejected && behind > 2.0 * margin);
-            if ((behind < margin && !is_rejected) || is_alike) {
+            if ((behind < margin && (!is_rejected || d_.leaves_more_than_noise)) || is_alike) {
                 d_.explanations.push_back({*other, behind});
             }
         }

@@ -14,7 +14,11 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
+from svg import svg
 
 KINDS = ("one", "none", "two", "removed", "power")
 CHEAPER = ["--explore", "48", "--starts", "5", "--bootstrap", "10"]  # than the defaults: a landscape of five parameters
@@ -123,11 +127,6 @@ def power_curve(results):
             bins.append((low + 1, sum(r["causes"][:1] == r["names"] for r in inside) / len(inside),
                          sum(r["verdict"] != "adequate" for r in inside) / len(inside), len(inside)))
     return bins
-
-
-def svg(width, height, body):
-    return (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-family="sans-serif" font-size="11">'
-            f'<rect width="100%" height="100%" fill="white"/>{body}</svg>\n')
 
 
 def confusion_svg(table):
