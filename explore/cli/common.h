@@ -29,6 +29,8 @@ void add_common(CLI::App& app, CommonOptions& options);
 
 // A command registers itself and sets `action`, which is called after parsing and returns the exit status.
 using Action = std::function<int()>;
+void add_new(CLI::App& app, Action& action);
+void add_check(CLI::App& app, Action& action);
 void add_forward(CLI::App& app, Action& action);
 void add_map(CLI::App& app, Action& action);
 void add_fit(CLI::App& app, Action& action);

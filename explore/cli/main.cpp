@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", PAVESCAPE_VERSION);
     app.require_subcommand(1);
     cli::Action action;
+    cli::add_new(app, action);
+    cli::add_check(app, action);
     cli::add_forward(app, action);
     cli::add_map(app, action);
     cli::add_fit(app, action);

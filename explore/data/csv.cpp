@@ -93,21 +93,39 @@ std::string_view trimmed(std::string_view cell) {
     return first == std::string_view::npos ? std::string_view{} : cell.substr(first, last - first + 1);
 }
 
-double any_number(std::string_view cell, const pave::Place& place) {
+namespace {
+
+std::optional<double> parsed(std::string_view cell) {
     double result = 0.0;
     const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), result);
-    if (error != std::errc() || end != cell.data() + cell.size()) {
-        throw pave::Error(place, "not a number", "\"" + std::string(cell) + "\"", "a finite decimal number");
+    return error == std::errc() && end == cell.data() + cell.size() ? std::optional(result) : std::nullopt;
+}
+
+[[noreturn]] void complain_of(std::string_view cell, const pave::Place& place) {
+    throw pave::Error(place, "not a number", "\"" + std::string(cell) + "\"", "a finite decimal number");
+}
+
+} // namespace
+
+double any_number(std::string_view cell, const pave::Place& place) {
+    const auto result = parsed(cell);
+    if (!result) {
+        complain_of(cell, place);
     }
-    return result;
+    return *result;
+}
+
+std::optional<double> number_or_nothing(std::string_view cell) {
+    const auto result = parsed(cell);
+    return result && std::isfinite(*result) ? result : std::nullopt;
 }
 
 double finite_number(std::string_view cell, const pave::Place& place) {
-    const double result = any_number(cell, place);
-    if (!std::isfinite(result)) {
-        throw pave::Error(place, "not a number", "\"" + std::string(cell) + "\"", "a finite decimal number");
+    const auto result = number_or_nothing(cell);
+    if (!result) {
+        complain_of(cell, place);
     }
-    return result;
+    return *result;
 }
 
 std::string read_file(const std::string& file, std::string_view what) {

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,8 @@ std::string_view trimmed(std::string_view cell);
 // A cell that must be a number. Throws pave::Error at `place`. The second also takes nan and inf for what they say.
 double finite_number(std::string_view cell, const pave::Place& place);
 double any_number(std::string_view cell, const pave::Place& place);
+// A cell that holds a finite number and nothing else, or nothing.
+std::optional<double> number_or_nothing(std::string_view cell);
 
 // The whole of a file. Throws pave::Error when it cannot be read. what: "measurement file".
 std::string read_file(const std::string& file, std::string_view what);

@@ -2,12 +2,16 @@
 
 #include "data/csv.h"
 #include "data/fwd_csv.h"
+#include "data/fwd_f25.h"
+#include "data/fwd_pddx.h"
 
 namespace explore::data {
 
 std::span<const FwdFormat> fwd_formats() {
     static constexpr FwdFormat all[] = {
         fwd_csv,
+        fwd_f25,
+        fwd_pddx,
     };
     return all;
 }

@@ -1,0 +1,197 @@
+#include "data/fwd_f25.h"
+
+#include "data/csv.h"
+
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace explore::data {
+namespace {
+
+constexpr int plate_and_x = 5020;
+constexpr int diameter_and_y = 5021;
+constexpr int station_line = 5301;
+constexpr int temperature_line = 5303;
+constexpr int last_drop = 999; // larger numbers are objects or samples of a time history
+
+// Cells of one line; quotes keep commas in a text and end with the line.
+std::vector<std::string> cells_of(std::string_view line) {
+    std::vector<std::string> cells(1);
+    bool is_quoted = false;
+    for (const char c : line) {
+        if (c == '"') {
+            is_quoted = !is_quoted;
+        } else if (c == ',' && !is_quoted) {
+            cells.emplace_back();
+        } else if (c != '\r') {
+            cells.back() += c;
+        }
+    }
+    for (std::string& cell : cells) {
+        cell = std::string(trimmed(cell));
+    }
+    return cells;
+}
+
+// What one line holds, and where it stands.
+struct Line {
+    std::vector<std::string> cells;
+    std::string file;
+    int number = 0;
+
+    pave::Place place(std::string_view what) const { return {.file = file, .line = number, .key = std::string(what)}; }
+    const std::string& cell(std::size_t i, std::string_view what) const {
+        if (i >= cells.size()) {
+            throw pave::Error(place(what), "the line is too short", fmt::format("{} values", cells.size()),
+                              fmt::format("at least {}", i + 1));
+        }
+        return cells[i];
+    }
+    double value(std::size_t i, std::string_view what) const { return any_number(cell(i, what), place(what)); }
+    std::optional<int> id() const {
+        int id = 0;
+        const std::string& first = cells[0];
+        const auto [end, error] = std::from_chars(first.data(), first.data() + first.size(), id);
+        return error == std::errc() && end == first.data() + first.size() ? std::optional(id) : std::nullopt;
+    }
+};
+
+// Metres in the unit of a station.
+double station_unit(const Line& line) {
+    const double kind = line.value(3, "kind of station");
+    if (kind == 1.0) {
+        return 1.0;
+    }
+    switch (static_cast<int>(line.value(4, "unit of station"))) {
+    case 2: return 1.0;
+    case 3:
+    case 4: return 1000.0;
+    case 5: return 0.3048;
+    case 6: return 0.9144;
+    case 7:
+    case 8:
+    case 9: return 1609.344;
+    default:
+        throw pave::Error(line.place("unit of station"), "unknown unit", "\"" + line.cells[4] + "\"",
+                          "2 (m), 3 or 4 (km), 5 (feet), 6 (yards), 7 to 9 (miles)");
+    }
+}
+
+struct Sensor {
+    std::size_t at; // of its deflection in a drop
+    double x_mm, y_mm;
+};
+
+class Reader {
+public:
+    explicit Reader(std::string file) : file_(std::move(file)) {}
+
+    void take(const Line& line) {
+        const auto id = line.id();
+        if (!id) {
+            return; // of a time history
+        }
+        if (*id == plate_and_x) {
+            take_plate(line);
+        } else if (*id == diameter_and_y) {
+            for (Sensor& sensor : sensors_) {
+                sensor.y_mm = line.value(sensor.at, "y of a sensor");
+            }
+        } else if (*id == station_line) {
+            const double chainage = station_unit(line) * line.value(5, "station");
+            station_ = {.name = line.cell(5, "station"),
+                        .lane = line.cells.size() > 8 ? line.cells[8] : "",
+                        .chainage_m = chainage,
+                        .file = file_};
+            is_open_ = true;
+            is_new_ = true;
+        } else if (*id == temperature_line && is_open_) {
+            const bool fahrenheit = line.cell(1, "unit of temperatures") == "1";
+            // Nothing is computed with them: one that cannot be read is not there.
+            const auto temperature = [&](std::size_t i) -> std::optional<double> {
+                const auto value = i < line.cells.size() ? number_or_nothing(line.cells[i]) : std::nullopt;
+                return value && fahrenheit ? std::optional((*value - 32.0) / 1.8) : value;
+            };
+            station_.surface_C = temperature(3);
+            station_.air_C = temperature(4);
+        } else if (*id >= 1 && *id <= last_drop) {
+            take_drop(line, *id);
+        }
+    }
+
+    std::vector<FwdStation> stations() && {
+        if (stations_.empty()) {
+            throw pave::Error({.file = file_}, "the file holds no drops", {},
+                              "after a line 5301 lines such as \"1, 574, 434, 396, ...\"");
+        }
+        return std::move(stations_);
+    }
+
+private:
+    void take_plate(const Line& line) {
+        radius_mm_ = line.value(1, "plate radius");
+        sensors_.clear();
+        for (std::size_t i = 2; i < line.cells.size(); ++i) {
+            if (!line.cells[i].empty() && line.cells[i] != "N0") {
+                sensors_.push_back({i, line.value(i, "x of a sensor"), 0.0});
+            }
+        }
+        if (sensors_.empty()) {
+            throw pave::Error(line.place("x of the sensors"), "there is no sensor", {}, "distances in mm");
+        }
+    }
+
+    void take_drop(const Line& line, int number) {
+        if (!is_open_) {
+            throw pave::Error(line.place("drop"), "a drop before any station", {}, "a line 5301 before it");
+        }
+        if (sensors_.empty()) {
+            throw pave::Error(line.place("drop"), "a drop before the places of the sensors", {},
+                              "a line 5020 before it");
+        }
+        FwdDrop drop{
+            .number = number, .radius_mm = radius_mm_, .pressure_kPa = line.value(1, "pressure"), .readings = {}};
+        for (const Sensor& sensor : sensors_) {
+            if (!line.cell(sensor.at, "deflection").empty()) {
+                drop.readings.push_back({std::hypot(sensor.x_mm, sensor.y_mm), line.value(sensor.at, "deflection")});
+            }
+        }
+        if (is_new_) {
+            station_.line = line.number;
+            stations_.push_back(station_);
+            is_new_ = false;
+        }
+        stations_.back().drops.push_back(std::move(drop));
+    }
+
+    std::string file_;
+    double radius_mm_ = 0.0;
+    std::vector<Sensor> sensors_;
+    FwdStation station_;
+    bool is_open_ = false; // there is a station
+    bool is_new_ = false;  // without a drop so far
+    std::vector<FwdStation> stations_;
+};
+
+} // namespace
+
+bool recognises_fwd_f25(std::string_view text) {
+    return trimmed(text.substr(0, text.find('\n'))).starts_with("5001,");
+}
+
+std::vector<FwdStation> read_fwd_f25(std::string_view text, const std::string& file) {
+    constexpr char end_of_file = '\x1a'; // of old systems
+    text = text.substr(0, text.find(end_of_file));
+    Reader reader(file);
+    for (int number = 1; !text.empty(); ++number) {
+        const std::string_view line = text.substr(0, text.find('\n'));
+        if (!trimmed(line).empty()) {
+            reader.take({cells_of(line), file, number});
+        }
+        text.remove_prefix(std::min(line.size() + 1, text.size()));
+    }
+    return std::move(reader).stations();
+}
+
+} // namespace explore::data

@@ -1,0 +1,148 @@
+// The files that falling weight deflectometers write.
+#include "base/error.h"
+#include "data/fwd.h"
+
+#include <fstream>
+#include <gtest/gtest.h>
+#include <numbers>
+
+using namespace explore;
+
+namespace {
+
+std::vector<data::FwdStation> read(const std::string& text, const char* name) {
+    const std::string file = testing::TempDir() + name;
+    std::ofstream(file, std::ios::binary) << text;
+    return data::read_fwd(file);
+}
+
+std::string complaint(const std::string& text, const char* name) {
+    try {
+        read(text, name);
+    } catch (const pave::Error& error) {
+        return error.what();
+    }
+    return "";
+}
+
+const std::string f25_head = "5001,25.10,1,40, 3, 1,\"made for a test\"\r\n"
+                             "5010,0,0,0,0,0,0,0,3,0\r\n"
+                             "5020,   150,     0,   200,N0    ,   300,N0    \r\n"
+                             "5021,   300,     0,     0,N0    ,   400,N0    \r\n"
+                             "5030,\"Smith, John\"\r\n"
+                             "5301,0,1,4,3,  31.500,1,1,\"L1 \",1991,06,05,20,07\r\n" // at the end of the survey
+                             "5302,0,0,0,1,0,0,0,0,\"closing\"\r\n"
+                             "5303,0, 24.0, 27.0, 25.0\r\n"
+                             "5041,\"no comment\"\r\n";
+
+const std::string f25_body = "5280,0,400743,+52.0,+5.0,3.7\r\n"
+                             "5301,1,1,4,3,   1.250,1,1,\"R  \",1991,06,05,19,07\r\n"
+                             "5303,1, 68.0, 77.0, 50.0\r\n"
+                             "   1,  0574,   434,   396,     0,   375, 29.75\r\n"
+                             "   2,   700,   530,   480,     0,   455\r\n"
+                             "5185,3,60\r\n"
+                             "1001,0.1,0.2,0.3\r\n"
+                             "5301,1,1,4,5,    1000,1,1,\"R  \",1991,06,05,19,12\r\n"
+                             "5303,0, 18.0, 22.17.7\r\n" // as real files have them
+                             "   1,   580,   300,   250,     0,   200\r\n\x1a";
+
+const std::string pddx = "[Pavement Deflection Data Exchange File]\n"
+                         "PDDXVersionNumber = 1.0\n"
+                         "DelimiterSymbol = ;\n"
+                         "DecimalSymbol = ,\n"
+                         "[Units]\n"
+                         "LoadPlateRadiusUnits = millimeter\n"
+                         "LoadUnits = kilo-Newton\n"
+                         "DeflectionUnits = mils\n"
+                         "TemperatureUnits = Fahrenheit\n"
+                         "SensorLocationUnits = inches\n"
+                         "TestLocationUnits = kilometer;meter;meter\n"
+                         "[Device Configuration]\n"
+                         "LoadPlateRadius = 150\n"
+                         "NumberOfDeflectionSensors = 3\n"
+                         "DeflectionSensorXAxisDistances = 0; 12; 0\n"
+                         "DeflectionSensorYAxisDistances = 0; 0; 24\n"
+                         "TemperatureSensorUse = air;surface\n"
+                         "[Location Identification]\n"
+                         "SiteName = [somewhere] = here\n"
+                         "[Test Location 1]\n"
+                         "TestLocation = 0,125;0;0\n"
+                         "TestLane = R1\n"
+                         "TestTemperatures = 50;77\n"
+                         "NumberOfDrops = 2\n"
+                         "DropData_1 = 40,5; 10; 8; 6,5\n"
+                         "DropData_2 = 50; 12; 10; 8\n";
+
+} // namespace
+
+TEST(F25, GivesStationsDropsAndSensors) {
+    const auto stations = read(f25_head + f25_body, "a.f25");
+    ASSERT_EQ(stations.size(), 2U); // the head's own station has no drops
+    EXPECT_EQ(stations[0].lane, "R");
+    EXPECT_DOUBLE_EQ(stations[0].chainage_m, 1250.0); // 1.250 km
+    EXPECT_DOUBLE_EQ(*stations[0].surface_C, 25.0);   // 77 F
+    EXPECT_DOUBLE_EQ(*stations[0].air_C, 10.0);       // 50 F
+    EXPECT_EQ(stations[0].line, 13);
+    ASSERT_EQ(stations[0].drops.size(), 2U);
+    const data::FwdDrop& drop = stations[0].drops[0];
+    EXPECT_EQ(drop.number, 1);
+    EXPECT_EQ(drop.radius_mm, 150.0);
+    EXPECT_EQ(drop.pressure_kPa, 574.0);
+    ASSERT_EQ(drop.readings.size(), 3U); // what follows the last sensor is none
+    EXPECT_EQ(drop.readings[1].offset_mm, 200.0);
+    EXPECT_EQ(drop.readings[1].deflection_um, 396.0);
+    EXPECT_EQ(drop.readings[2].offset_mm, 500.0); // x = 300, y = 400
+    EXPECT_EQ(drop.readings[2].deflection_um, 375.0);
+    EXPECT_DOUBLE_EQ(stations[1].chainage_m, 304.8); // 1000 feet
+    EXPECT_FALSE(stations[1].surface_C || stations[1].air_C);
+}
+
+TEST(F25, SaysWhatIsWrongAndWhere) {
+    EXPECT_NE(complaint(f25_head, "a.f25").find("no drops"), std::string::npos);
+    const std::string short_drop = complaint(f25_head + "5301,1,1,4,3, 1.2,1,1,\"R\"\n 1, 574, 434\n", "a.f25");
+    EXPECT_NE(short_drop.find(":11"), std::string::npos) << short_drop;
+    EXPECT_NE(short_drop.find("too short"), std::string::npos) << short_drop;
+    const std::string word = complaint(f25_head + "5301,1,1,4,3, x,1,1,\"R\"\n", "a.f25");
+    EXPECT_NE(word.find("station"), std::string::npos) << word;
+    EXPECT_NE(complaint("5001,25\n 1, 574, 434\n", "a.f25").find("before any station"), std::string::npos);
+    EXPECT_NE(complaint("5001,25\n5301,1,1,4,12, 1.2,1,1,\"R\"\n", "a.f25").find("unknown unit"), std::string::npos);
+}
+
+TEST(Pddx, GivesStationsDropsAndSensorsInItsOwnUnits) {
+    const auto stations = read(pddx, "a.ddx");
+    ASSERT_EQ(stations.size(), 1U);
+    EXPECT_EQ(stations[0].lane, "R1");
+    EXPECT_DOUBLE_EQ(stations[0].chainage_m, 125.0);
+    EXPECT_DOUBLE_EQ(*stations[0].air_C, 10.0);
+    EXPECT_DOUBLE_EQ(*stations[0].surface_C, 25.0);
+    ASSERT_EQ(stations[0].drops.size(), 2U);
+    const data::FwdDrop& drop = stations[0].drops[0];
+    EXPECT_DOUBLE_EQ(drop.radius_mm, 150.0);
+    EXPECT_NEAR(drop.pressure_kPa, 40.5 / (std::numbers::pi * 0.15 * 0.15), 1e-9);
+    ASSERT_EQ(drop.readings.size(), 3U);
+    EXPECT_NEAR(drop.readings[1].offset_mm, 304.8, 1e-9);
+    EXPECT_NEAR(drop.readings[2].offset_mm, 609.6, 1e-9);
+    EXPECT_NEAR(drop.readings[0].deflection_um, 254.0, 1e-9); // 10 mils
+    EXPECT_NEAR(drop.readings[2].deflection_um, 165.1, 1e-9);
+}
+
+TEST(Pddx, SaysWhatIsWrongAndWhere) {
+    const auto with = [](std::string_view old, std::string_view now) {
+        std::string text = pddx;
+        text.replace(text.find(old), old.size(), now);
+        return complaint(text, "a.ddx");
+    };
+    EXPECT_NE(with("kilo-Newton", "stone").find("unknown unit"), std::string::npos);
+    EXPECT_NE(with("DropData_2 = 50; 12; 10; 8", "DropData_2 = 50; 12").find("wrong number of values"),
+              std::string::npos);
+    EXPECT_NE(with("Sensors = 3", "Sensors = 4").find("not one distance a sensor"), std::string::npos);
+    EXPECT_NE(with("LoadPlateRadius = 150", "Radius = 150").find("LoadPlateRadius"), std::string::npos);
+    EXPECT_NE(with("0,125", "somewhere").find("TestLocation"), std::string::npos);
+    EXPECT_NE(with("[Units]", "[Units").find("never closed"), std::string::npos);
+}
+
+TEST(FwdFile, OfNoKnownFormatIsMetWithTheSignsOfAllThatAre) {
+    const std::string text = complaint("hello\n", "a.txt");
+    EXPECT_NE(text.find("F25"), std::string::npos);
+    EXPECT_NE(text.find("PDDX"), std::string::npos);
+}
