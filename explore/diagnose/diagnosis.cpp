@@ -443,6 +443,7 @@ private:
             }
         }
         std::vector<std::size_t> list;
+        list.reserve(variant.size());
         for (const auto& [effect, c] : variant) {
             list.push_back(c);
         }

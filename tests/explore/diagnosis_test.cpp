@@ -184,8 +184,7 @@ TEST(Screening, ScoreIsTheRootOfWhatAFitGains) {
     const World world(2, 4);
     auto bench = world.bench();
     const auto base = baseline(bench);
-    const auto screening =
-        diagnose::screen(bench, base, world.candidates(), 1.0, false, 1, 30, 100);
+    const auto screening = diagnose::screen(bench, base, world.candidates(), 1.0, false, 1, 30, 100);
     ASSERT_TRUE(screening.has_value());
     for (std::size_t c = 0; c < 4; ++c) {
         const auto& item = screening->items[c];
