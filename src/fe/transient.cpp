@@ -301,18 +301,20 @@ Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& e
     const Dynamics<Element, Work> dynamics(w, end.modulus, pulse);
     const Matrices matrices = dynamics.matrices();
     std::vector<Matrices> matrix_rates;
+    matrix_rates.reserve(static_cast<std::size_t>(count));
     for (int k = 0; k < count; ++k) {
         matrix_rates.push_back(dynamics.rates(k, modulus_rate.col(k)));
     }
     // What is read, as weights on the displacement, and the rates of those weights.
     std::vector<Weights> weights;
+    weights.reserve(readings.size());
     std::vector<std::vector<Weights>> weight_rates(readings.size());
     for (std::size_t i = 0; i < readings.size(); ++i) {
         weights.push_back(readings[i].on_displacement);
         weight_rates[i].resize(static_cast<std::size_t>(count));
         for (const auto& [q, weight, direction] : readings[i].on_stress) { // stress = E C strain
             const int e = q / Element::gauss;
-            const auto add = [&, weight = weight](const typename Element::Stress& by, Weights& to) {
+            const auto add = [&, q = q, weight = weight](const typename Element::Stress& by, Weights& to) {
                 typename Element::Vector on_element = Element::Vector::Zero();
                 Element::add_force(w.model->points[q], by, weight, on_element);
                 for (int a = 0; a < Element::dofs; ++a) {
