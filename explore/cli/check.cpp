@@ -71,16 +71,14 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
         return list;
     }
     const auto shared = [&](double work) { return work / threads; };
-    constexpr int sobol_points = 1024;
     const auto grid = search::full_grid_size(study.space);
-    const auto points = static_cast<double>(grid > 0 ? grid : sobol_points);
+    const auto points = static_cast<double>(grid > 0 ? grid : map_points);
     list.push_back({"map", fmt::format("{:.0f}{}", points, grid > 0 ? ", the full grid" : ", a Sobol sample"),
                     shared(points * timing.forward)});
-    constexpr int explored = 256;
     constexpr int steps = 15; // a search takes, on a deflection bowl
     const int starts = landscape::MultistartSettings{}.starts;
-    list.push_back({"fit", fmt::format("{}, then {} searches of some {} with derivatives", explored, starts, steps),
-                    shared(explored * timing.forward + starts * steps * timing.with_derivatives)});
+    list.push_back({"fit", fmt::format("{}, then {} searches of some {} with derivatives", fit_points, starts, steps),
+                    shared(fit_points * timing.forward + starts * steps * timing.with_derivatives)});
     return list;
 }
 

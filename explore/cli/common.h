@@ -9,6 +9,10 @@
 
 namespace explore::cli {
 
+// Points of a Sobol sample when nothing else is asked for.
+inline constexpr int map_points = 1024;
+inline constexpr int fit_points = 256;
+
 enum ExitStatus { done = 0, computation_failed = 1, wrong_input = 2, was_interrupted = 130 };
 
 struct CommonOptions {

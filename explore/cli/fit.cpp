@@ -19,7 +19,7 @@ using report::figure;
 struct FitOptions {
     CommonOptions common;
     std::string scheme = "multistart";
-    int explore = 256;
+    int explore = fit_points;
     bool joint_only = false;
     landscape::MultistartSettings multistart;
 };

@@ -24,7 +24,7 @@ search::Design make_design(const MapOptions& options, const study::Study& study)
     const auto grid_size = search::full_grid_size(study.space, options.points);
     const bool grid = options.design.empty() ? search::full_grid_size(study.space) > 0 : options.design == "grid";
     if (!grid) {
-        return search::sobol(study.space, options.points > 0 ? options.points : 1024, options.common.seed);
+        return search::sobol(study.space, options.points > 0 ? options.points : map_points, options.common.seed);
     }
     if (grid_size <= 0 || grid_size > most_points) {
         throw pave::Error(
