@@ -56,16 +56,19 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
     modulus.resize(points);
     modulus_rate.resize(static_cast<Eigen::Index>(points) * count);
 
-    // Rates found before span something near the next one.
+    // Rates found before span something near the next one; so do, for the derivatives of a rate, they and the rates.
     std::array<bool, Pair::stages> known{};
     using Guess = Eigen::Map<const Eigen::MatrixXd>;
-    const auto guesses = [&](const State& out, Eigen::MatrixXd State::*du) {
+    const auto guesses = [&](const State& out, bool of_derivatives) {
         std::vector<Guess> list;
         for (int i = 0; i < Pair::stages; ++i) {
             const State& state = slope[i];
-            if (known[i] && &state != &out) {
-                list.push_back(du == nullptr ? Guess(state.u.data(), state.u.size(), 1)
-                                             : Guess((state.*du).data(), state.u.size(), count));
+            const bool before = known[i] && &state != &out;
+            if (before || (of_derivatives && &state == &out)) {
+                list.emplace_back(state.u.data(), state.u.size(), 1);
+            }
+            if (before && of_derivatives) {
+                list.emplace_back(state.du.data(), state.u.size(), count);
             }
         }
         return list;
@@ -92,7 +95,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         }
         w.assemble(modulus);
         out.u = load;
-        if (!w.system.set_matrix(w.values) || !w.system.solve(out.u, guesses(out, nullptr))) {
+        if (!w.system.set_matrix(w.values) || !w.system.solve(out.u, guesses(out, false))) {
             return false;
         }
         if (count > 0) {
@@ -128,7 +131,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
             }
         }
         if (count > 0) {
-            if (!w.system.solve(out.du, guesses(out, &State::du))) {
+            if (!w.system.solve(out.du, guesses(out, true))) {
                 return false;
             }
             for (std::size_t a = 0; a < w.active.size(); ++a) {

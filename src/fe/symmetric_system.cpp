@@ -48,6 +48,33 @@ void scale(Block<C>& a, const Lanes<C>& factor) {
     }
 }
 
+// Columns of a matrix in lanes, those beyond its end zero.
+template <int C>
+void load(const Eigen::Ref<const Eigen::MatrixXd>& from, Eigen::Index first, Eigen::Index columns, Block<C>& to) {
+    to.setZero(from.rows(), C);
+    to.leftCols(columns) = from.middleCols(first, columns);
+}
+
+// f(lanes of a block, first column, columns) for the blocks of so many columns, until one is false.
+template <class F>
+bool in_blocks(Eigen::Index columns, const F& f) {
+    bool ok = true;
+    for (Eigen::Index first = 0; ok && first < columns;) {
+        const Eigen::Index left = columns - first;
+        if (left == 1) {
+            ok = f(std::integral_constant<int, 1>(), first, left);
+            first += 1;
+        } else if (left <= 4) {
+            ok = f(std::integral_constant<int, 4>(), first, left);
+            first += 4;
+        } else {
+            ok = f(std::integral_constant<int, 8>(), first, std::min<Eigen::Index>(8, left));
+            first += 8;
+        }
+    }
+    return ok;
+}
+
 } // namespace
 
 template <class Scalar>
@@ -125,93 +152,79 @@ bool SymmetricSystem<Scalar>::took_steps(int steps) {
 }
 
 template <class Scalar>
+Eigen::MatrixXd SymmetricSystem<Scalar>::image(const Eigen::MatrixXd& x) const {
+    Eigen::MatrixXd y(x.rows(), x.cols());
+    in_blocks(x.cols(), [&](auto lanes, Eigen::Index first, Eigen::Index columns) {
+        constexpr int C = decltype(lanes)::value;
+        Block<C> in;
+        Block<C> out;
+        load<C>(x, first, columns, in);
+        multiply<C>(in, out);
+        y.middleCols(first, columns) = out.leftCols(columns);
+        return true;
+    });
+    return y;
+}
+
+template <class Scalar>
 bool SymmetricSystem<Scalar>::solve(Eigen::Ref<Eigen::MatrixXd> x,
                                     std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses) {
-    bool ok = true;
-    for (Eigen::Index first = 0; ok && first < x.cols();) {
-        const Eigen::Index left = x.cols() - first;
-        if (left == 1) {
-            ok = solve_block<1>(x, first, guesses);
-            first += 1;
-        } else if (left <= 4) {
-            ok = solve_block<4>(x, first, guesses);
-            first += 4;
-        } else {
-            ok = solve_block<8>(x, first, guesses);
-            first += 8;
+    Eigen::MatrixXd start;
+    Eigen::MatrixXd image_of_start;
+    if (std::is_same_v<Scalar, float> && !guesses.empty() && !factor_is_own_) {
+        // The best combination of the guesses in the energy norm (a Galerkin projection). They lie close to each other:
+        // what they do not tell apart beyond rounding is left out.
+        Eigen::Index count = 0;
+        for (const auto& guess : guesses) {
+            count += guess.cols();
         }
+        Eigen::MatrixXd basis(x.rows(), count);
+        count = 0;
+        for (const auto& guess : guesses) {
+            basis.middleCols(count, guess.cols()) = guess;
+            count += guess.cols();
+        }
+        const Eigen::MatrixXd images = image(basis);
+        Eigen::MatrixXd gram = basis.transpose() * images;
+        const Eigen::VectorXd scale =
+            (gram.diagonal().array() > 0.0).select(gram.diagonal().array().rsqrt(), Eigen::ArrayXd::Zero(count));
+        gram = scale.asDiagonal() * gram * scale.asDiagonal();
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+        const Eigen::ArrayXd values = eigen.eigenvalues().array();
+        const Eigen::VectorXd inverse = (values > 1e-12 * values[count - 1]).select(values.inverse(), 0.0);
+        const Eigen::MatrixXd weights =
+            scale.asDiagonal() *
+            (eigen.eigenvectors() * (inverse.asDiagonal() * (eigen.eigenvectors().transpose() *
+                                                             (scale.asDiagonal() * (basis.transpose() * x)))));
+        start = basis * weights;
+        image_of_start = images * weights;
     }
-    return ok;
+    return in_blocks(x.cols(), [&](auto lanes, Eigen::Index first, Eigen::Index) {
+        return solve_block<decltype(lanes)::value>(x, first, start, image_of_start);
+    });
 }
 
 template <class Scalar>
 template <int C>
 bool SymmetricSystem<Scalar>::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Eigen::Index first,
-                                          std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses) {
+                                          const Eigen::MatrixXd& start, const Eigen::MatrixXd& image_of_start) {
     const Eigen::Index n = matrix.rows();
     const Eigen::Index columns = std::min<Eigen::Index>(C, matrix.cols() - first);
-    const auto load = [&](const auto& from, Block<C>& to) {
-        to.setZero(n, C);
-        to.leftCols(columns) = from.middleCols(first, columns);
-    };
     Block<C> b;
-    load(matrix, b);
+    load<C>(matrix, first, columns, b);
     if constexpr (std::is_same_v<Scalar, double>) {
         factor_.template solve<C>(b);
         matrix.middleCols(first, columns) = b.leftCols(columns);
         return b.allFinite();
     }
-    Block<C> r;
-    r = b;
+    Block<C> r = b;
     Block<C> x = Block<C>::Zero(n, C);
     Block<C> z;
     Block<C> q;
-    if (!guesses.empty() && !factor_is_own_) {
-        // The best combination of the guesses in the energy norm (a Galerkin projection). They lie close to each other:
-        // made orthogonal, they keep the small system well posed.
-        const std::size_t count = guesses.size();
-        std::vector<Block<C>> basis(count);
-        std::vector<Block<C>> image(count);
-        for (std::size_t k = 0; k < count; ++k) {
-            load(guesses[k], basis[k]);
-            const Lanes<C> whole = dot<C>(basis[k], basis[k]).sqrt();
-            for (int pass = 0; pass < 2; ++pass) {
-                for (std::size_t l = 0; l < k; ++l) {
-                    add<C>(basis[k], -dot<C>(basis[l], basis[k]), basis[l]);
-                }
-            }
-            const Lanes<C> norm = dot<C>(basis[k], basis[k]).sqrt();
-            scale<C>(basis[k], (norm > 1e-12 * whole).select(norm.inverse(), Lanes<C>::Zero()));
-            multiply<C>(basis[k], image[k]);
-        }
-        const auto size = static_cast<Eigen::Index>(count);
-        std::vector<Lanes<C>> small(count * count);
-        std::vector<Lanes<C>> right(count);
-        for (std::size_t k = 0; k < count; ++k) {
-            right[k] = dot<C>(basis[k], b);
-            for (std::size_t l = 0; l < count; ++l) {
-                small[k * count + l] = dot<C>(basis[k], image[l]);
-            }
-        }
-        std::vector<Lanes<C>> weight(count, Lanes<C>::Zero());
-        for (Eigen::Index c = 0; c < columns; ++c) {
-            Eigen::MatrixXd a(size, size);
-            Eigen::VectorXd f(size);
-            for (Eigen::Index k = 0; k < size; ++k) {
-                f[k] = right[static_cast<std::size_t>(k)][c];
-                for (Eigen::Index l = 0; l < size; ++l) {
-                    a(k, l) = small[static_cast<std::size_t>(k * size + l)][c];
-                }
-            }
-            const Eigen::VectorXd w = a.completeOrthogonalDecomposition().solve(f);
-            for (Eigen::Index k = 0; k < size; ++k) {
-                weight[static_cast<std::size_t>(k)][c] = w[k];
-            }
-        }
-        for (std::size_t k = 0; k < count; ++k) {
-            add<C>(x, weight[k], basis[k]);
-            add<C>(r, -weight[k], image[k]);
-        }
+    if (start.cols() > 0) {
+        load<C>(start, first, columns, x);
+        load<C>(image_of_start, first, columns, q);
+        r -= q;
     }
     z = r;
     factor_.template solve<C>(z);

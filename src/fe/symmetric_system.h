@@ -25,8 +25,8 @@ public:
     // found not to be positive definite.
     bool set_matrix(std::span<const double> values);
 
-    // x := K^-1 x for the columns of x. guesses: matrices of the size of x whose columns may span something near the
-    // answer (the answers of earlier systems). False when K is found not to be positive definite.
+    // x := K^-1 x for the columns of x. guesses: matrices with as many rows whose columns, all together, may span
+    // something near the answers (the answers of earlier systems). False when K is found not to be positive definite.
     bool solve(Eigen::Ref<Eigen::MatrixXd> x, std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses);
 
     // For solvers of systems near this one (float): the product with the matrix of the moment, and with the
@@ -45,10 +45,13 @@ private:
     template <int C>
     void multiply(const Block<C>& x, Block<C>& y) const;
     bool factorize();
-    // C columns of x from `first` on, those beyond its end zero.
+    // K x for a matrix of any number of columns.
+    Eigen::MatrixXd image(const Eigen::MatrixXd& x) const;
+    // C columns of x from `first` on, those beyond its end zero. start: what to begin with instead of zero, where it
+    // has columns, and its product with K.
     template <int C>
-    bool solve_block(Eigen::Ref<Eigen::MatrixXd> x, Eigen::Index first,
-                     std::span<const Eigen::Map<const Eigen::MatrixXd>> guesses);
+    bool solve_block(Eigen::Ref<Eigen::MatrixXd> x, Eigen::Index first, const Eigen::MatrixXd& start,
+                     const Eigen::MatrixXd& image_of_start);
 
     const Pattern& lower_;
     SupernodalFactor<Scalar> factor_;
