@@ -1,7 +1,10 @@
 #include "material/catalog.h"
 
+#include "material/k_theta.h"
+#include "material/lade_nelson.h"
 #include "material/linear.h"
 #include "material/uzan.h"
+#include "material/uzan_deviator.h"
 
 namespace pave::material {
 
@@ -9,6 +12,9 @@ std::span<const Law* const> laws() {
     static const Law* const all[] = {
         &linear(),
         &uzan(),
+        &k_theta(),
+        &uzan_deviator(),
+        &lade_nelson(),
     };
     return all;
 }

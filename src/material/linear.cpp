@@ -30,22 +30,15 @@ public:
     }
 
     mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const override {
-        return directions(p).unit_stiffness();
+        return mechanics::CrossAnisotropy::isotropic(p[poisson]).unit_stiffness();
     }
     mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, std::size_t i) const override {
-        using Variable = mechanics::CrossAnisotropy::Variable;
-        if (i != poisson) {
-            return mechanics::Stiffness<6>::Zero();
-        }
-        return directions(p).unit_stiffness_derivative(Variable::nu12) +
-               directions(p).unit_stiffness_derivative(Variable::nu31);
+        return i == poisson ? mechanics::CrossAnisotropy::isotropic_derivative(p[poisson])
+                            : mechanics::Stiffness<6>::Zero();
     }
 
-    std::string impossible(std::span<const double> p) const override { return directions(p).impossible(); }
-
-private:
-    static mechanics::CrossAnisotropy directions(std::span<const double> p) {
-        return {.n = 1.0, .nu12 = p[poisson], .nu31 = p[poisson], .shear_ratio = {}, .modulus_is_vertical = false};
+    std::string impossible(std::span<const double> p) const override {
+        return mechanics::CrossAnisotropy::isotropic(p[poisson]).impossible();
     }
 };
 

@@ -26,6 +26,13 @@ struct CrossAnisotropy {
     // Derivative of unit_stiffness() with respect to one of its four numbers, exact.
     Stiffness<6> unit_stiffness_derivative(Variable variable) const;
 
+    // The same in every direction, and the derivative of its unit_stiffness() by Poisson's ratio.
+    static CrossAnisotropy isotropic(double nu) { return {.n = 1.0, .nu12 = nu, .nu31 = nu, .shear_ratio = {}}; }
+    static Stiffness<6> isotropic_derivative(double nu) {
+        return isotropic(nu).unit_stiffness_derivative(Variable::nu12) +
+               isotropic(nu).unit_stiffness_derivative(Variable::nu31);
+    }
+
     // Why the numbers are thermodynamically impossible (strain energy not positive), or "" when they are possible:
     // n > 0, |nu12| < 1, 1 - nu12 - 2 n nu31^2 > 0, G > 0.
     std::string impossible() const;

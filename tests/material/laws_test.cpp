@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <numbers>
 
 using namespace pave;
 using material::Law;
@@ -122,4 +123,70 @@ TEST(Uzan, NeverExceedsTheModulusLimitAndSaysSo) {
     EXPECT_EQ(m.value, material::modulus_limit);
     EXPECT_TRUE(m.limited);
     EXPECT_EQ(m.d_theta, 0.0);
+}
+
+namespace {
+
+// Work per volume along a closed path of stress: the sum of s : C^-1 ds / E(s), s the whole stress, pa.
+double work_of_cycle(const Law& law, const std::vector<double>& p) {
+    const mechanics::Stiffness<6> compliance = law.unit_stiffness(p).inverse();
+    const auto stress = [](double t) { // compression negative
+        mechanics::Voigt<6> s = mechanics::Voigt<6>::Zero();
+        s[0] = s[1] = -(100e3 + 60e3 * std::cos(t));
+        s[2] = -(150e3 + 120e3 * std::sin(t));
+        s[3] = 20e3 * std::sin(2.0 * t);
+        return s;
+    };
+    constexpr int steps = 2000;
+    const double h = 2.0 * std::numbers::pi / steps;
+    double work = 0.0;
+    for (int i = 0; i < steps; ++i) { // of a periodic function: the midpoint rule has no error to speak of
+        const double t = (i + 0.5) * h;
+        const mechanics::Voigt<6> s = stress(t);
+        const mechanics::Voigt<6> rate = (stress(t + 1e-4) - stress(t - 1e-4)) / 2e-4;
+        work += h * s.dot(compliance * rate) / law.modulus(p, mechanics::invariants<6>(s)).value;
+    }
+    return work;
+}
+
+// Of the largest energy on the way.
+double share_of_energy(const Law& law, const std::vector<double>& p) {
+    const double energy = 0.5 * 270e3 * 270e3 / law.modulus(p, {270e3 + 200e3, 50e3}).value;
+    return std::abs(work_of_cycle(law, p)) / energy;
+}
+
+} // namespace
+
+TEST(LadeNelson, NoClosedCycleOfStressMakesWork) {
+    const Law& law = *material::find_law("lade-nelson");
+    for (const double lambda : {0.2, 0.35, -0.3}) {
+        EXPECT_LT(share_of_energy(law, {800, lambda, 0.3, 5e3}), 1e-7) << lambda;
+    }
+    // The others do: what their law leaves out.
+    EXPECT_GT(share_of_energy(*material::find_law("uzan"), {0, 800, 0.6, -0.3, 1, 0.3, 0.3, NAN, 5e3, 0}), 1e-3);
+    EXPECT_GT(share_of_energy(*material::find_law("k-theta"), {0, 800, 0.6, 1, 0.3, 0.3, NAN, 5e3, 0}), 1e-3);
+}
+
+TEST(LadeNelson, IsThePrintedEquation) {
+    // nu = 0.2: R = 6 * 1.2/0.6 = 12; theta = 3 pa, tau = pa: J2 = 1.5 pa^2; E = m pa (9 + 18)^lambda
+    EXPECT_NEAR(material::find_law("lade-nelson")->modulus(std::vector<double>{500, 0.3, 0.2, 1e-3}, {3e5, 1e5}).value,
+                500e5 * std::pow(27.0, 0.3), 1e-3);
+}
+
+TEST(KTheta, IsUzanWithoutShear) {
+    const std::vector<double> own{0, 900, 0.6, 0.7, 0.3, 0.35, NAN, 5e3, 0.5};
+    const std::vector<double> uzan{0, 900, 0.6, 0.0, 0.7, 0.3, 0.35, NAN, 5e3, 0.5};
+    for (int k = 0; k < 20; ++k) {
+        const auto at = random_state(k);
+        EXPECT_DOUBLE_EQ(material::find_law("k-theta")->modulus(own, at).value,
+                         material::find_law("uzan")->modulus(uzan, at).value);
+    }
+}
+
+TEST(UzanDeviator, IsThePrintedEquationInTheTriaxialTest) {
+    // s3 = pa, s1 = 3 pa: theta = 5 pa, deviator 2 pa, tau = sqrt(2)/3 * 2 pa
+    const std::vector<double> with_floor{0, 900, 0.6, -0.2, 1.0, 1.0, 0.3, 0.35, NAN, 1e-3, 0.0};
+    const double tau = std::sqrt(2.0) / 3.0 * 2e5;
+    EXPECT_NEAR(material::find_law("uzan-deviator")->modulus(with_floor, {5e5, tau}).value,
+                900e5 * std::pow(5.0, 0.6) * std::pow(2.0, -0.2), 1.0);
 }

@@ -1,0 +1,103 @@
+#include "material/stress_dependent.h"
+
+#include "base/units.h"
+#include "mechanics/cross_anisotropic.h"
+
+#include <cmath>
+
+namespace pave::material {
+namespace {
+
+// thp and the square root in it, without cancellation in tension.
+struct Floor {
+    double root;
+    double thp;
+    Floor(double delta, double eta, mechanics::Invariants at) {
+        const double c = delta * delta + eta * eta * at.tau * at.tau;
+        root = std::sqrt(at.theta * at.theta + 4.0 * c);
+        thp = at.theta >= 0.0 ? (at.theta + root) / 2.0 : 2.0 * c / (root - at.theta);
+    }
+};
+
+} // namespace
+
+StressDependent::StressDependent(std::vector<ParameterInfo> own, std::optional<double> default_n) : own_(own.size()) {
+    infos_.push_back({"modulus_axis", 1.0, 0.0, 1.0, false, 0.0, "which modulus the law gives", {"horizontal", "vertical"}});
+    infos_.insert(infos_.end(), own.begin(), own.end());
+    const ParameterInfo shared[] = {
+        {"n", 1.0, 0.0, 20.0, true, default_n, "horizontal over vertical modulus, E1/E3", {}},
+        {"poisson_12", 1.0, -0.99, 0.99, false, {}, "Poisson's ratio in the horizontal plane", {}},
+        {"poisson_31", 1.0, -0.99, 2.0, false, {}, "horizontal strain from vertical load", {}},
+        {"shear_ratio", 1.0, 0.0, 10.0, true, not_given, "G13/E3; without it 1/G13 = 1/E1 + (1 + 2 nu31)/E3", {}},
+        {"tension_smoothing_kPa", unit::kPa, 0.0, 1e3, true, 5.0, "delta, the smooth floor of theta", {}},
+        {"shear_floor",
+         1.0,
+         0.0,
+         10.0,
+         false,
+         not_given,
+         "eta, floor of theta in proportion to shear; default 0 incremental, 1 secant",
+         {}},
+    };
+    infos_.insert(infos_.end(), std::begin(shared), std::end(shared));
+}
+
+Modulus StressDependent::modulus(std::span<const double> p, mechanics::Invariants at) const {
+    const double eta_here = p[place(eta)];
+    const Floor floor(p[place(delta)], eta_here, at);
+    const Terms t = terms(own(p), floor.thp, at.tau);
+    if (!(t.value < modulus_limit)) {
+        return {.value = modulus_limit, .d_theta = 0.0, .d_tau = 0.0, .limited = true};
+    }
+    return {.value = t.value,
+            .d_theta = t.d_thp * floor.thp / floor.root,
+            .d_tau = t.d_tau + t.d_thp * 2.0 * eta_here * eta_here * at.tau / floor.root,
+            .limited = false};
+}
+
+double StressDependent::modulus_derivative(std::span<const double> p, mechanics::Invariants at, std::size_t i) const {
+    const double eta_here = p[place(eta)];
+    const Floor floor(p[place(delta)], eta_here, at);
+    const Terms t = terms(own(p), floor.thp, at.tau);
+    if (!(t.value < modulus_limit)) {
+        return 0.0;
+    }
+    if (i >= first && i < first + own_) {
+        return own_derivative(own(p), floor.thp, at.tau, t.value, i - first);
+    }
+    if (i == place(delta)) {
+        return t.d_thp * 2.0 * p[i] / floor.root;
+    }
+    return i == place(eta) ? t.d_thp * 2.0 * p[i] * at.tau * at.tau / floor.root : 0.0;
+}
+
+namespace {
+
+mechanics::CrossAnisotropy directions(double axis, std::span<const double> common) {
+    return {.n = common[0],
+            .nu12 = common[1],
+            .nu31 = common[2],
+            .shear_ratio = std::isnan(common[3]) ? std::nullopt : std::optional(common[3]),
+            .modulus_is_vertical = axis == 1.0};
+}
+
+} // namespace
+
+mechanics::Stiffness<6> StressDependent::unit_stiffness(std::span<const double> p) const {
+    return directions(p[0], p.subspan(place(n))).unit_stiffness();
+}
+
+mechanics::Stiffness<6> StressDependent::unit_stiffness_derivative(std::span<const double> p, std::size_t i) const {
+    using Variable = mechanics::CrossAnisotropy::Variable;
+    if (i < place(n) || i > place(shear_ratio)) {
+        return mechanics::Stiffness<6>::Zero();
+    }
+    constexpr Variable variables[] = {Variable::n, Variable::nu12, Variable::nu31, Variable::shear_ratio};
+    return directions(p[0], p.subspan(place(n))).unit_stiffness_derivative(variables[i - place(n)]);
+}
+
+std::string StressDependent::impossible(std::span<const double> p) const {
+    return directions(p[0], p.subspan(place(n))).impossible();
+}
+
+} // namespace pave::material

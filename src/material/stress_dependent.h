@@ -1,0 +1,52 @@
+// What laws of the modulus E(theta, tau) of a cross-anisotropic layer share: the directions, the smooth floor of theta.
+//
+//     thp = (theta + sqrt(theta^2 + 4 (delta^2 + eta^2 tau^2))) / 2
+//
+// is equal to theta in compression and positive in tension. A law gives E(thp, tau) and its derivatives.
+#pragma once
+
+#include "material/law.h"
+
+#include <memory>
+
+namespace pave::material {
+
+class StressDependent : public Law {
+public:
+    std::span<const ParameterInfo> parameters() const final { return infos_; }
+    bool stress_dependent() const final { return true; }
+    std::size_t scale_parameter() const final { return first; }
+
+    Modulus modulus(std::span<const double> p, mechanics::Invariants at) const final;
+    double modulus_derivative(std::span<const double> p, mechanics::Invariants at, std::size_t i) const final;
+    mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const final;
+    mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, std::size_t i) const final;
+    std::string impossible(std::span<const double> p) const final;
+
+protected:
+    // own: the law's parameters, the one that E is proportional to first. isotropic: n and Poisson's ratios have defaults.
+    explicit StressDependent(std::vector<ParameterInfo> own, std::optional<double> default_n = {});
+
+    struct Terms {
+        double value = 0.0; // E [Pa]
+        double d_thp = 0.0;
+        double d_tau = 0.0;
+    };
+    // p: the law's own parameters. thp > 0, tau >= 0 [Pa].
+    virtual Terms terms(std::span<const double> p, double thp, double tau) const = 0;
+    // dE/dp[i]; value: E there.
+    virtual double own_derivative(std::span<const double> p, double thp, double tau, double value,
+                                  std::size_t i) const = 0;
+
+private:
+    static constexpr std::size_t first = 1; // of the law's own parameters, after modulus_axis
+    enum Common : std::size_t { n, poisson_12, poisson_31, shear_ratio, delta, eta, common };
+
+    std::size_t place(Common which) const { return first + own_ + which; }
+    std::span<const double> own(std::span<const double> p) const { return p.subspan(first, own_); }
+
+    std::size_t own_;
+    std::vector<ParameterInfo> infos_;
+};
+
+} // namespace pave::material
