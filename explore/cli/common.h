@@ -44,6 +44,7 @@ void add_effects(CLI::App& app, Action& action);
 void add_survey(CLI::App& app, Action& action);
 void add_unique(CLI::App& app, Action& action);
 void add_diagnose(CLI::App& app, Action& action);
+void add_report(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
 
 // Header of a run of this study for the store.

@@ -384,6 +384,17 @@ Json diagnosis_json(const Findings& f) {
             extended.push_back(f.after->evaluation.responses[i] / si);
         }
     }
+    json["readings"] = Json::array();
+    for (std::size_t i = 0; i < f.study.measurements.size(); ++i) {
+        const auto& m = f.study.measurements[i];
+        json["readings"].push_back({{"load", f.study.model.loads[f.study.model.sensors[i].load].name},
+                                    {"quantity", m.quantity},
+                                    {"x_mm", m.x_mm},
+                                    {"y_mm", m.y_mm},
+                                    {"depth_mm", m.depth_mm},
+                                    {"gauge_mm", m.gauge_mm},
+                                    {"unit", std::string(f.study.response_unit(i))}});
+    }
     json["responses"] = {{"measured", measured}, {"baseline", baseline}, {"extended", extended}};
     json["residuals"] = {{"baseline", residuals_of(f, d.baseline.model)},
                          {"extended", d.extended ? residuals_of(f, d.extended->model) : std::vector<double>{}}};

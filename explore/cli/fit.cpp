@@ -254,6 +254,17 @@ int fit(FitOptions options) {
                          {"warnings", best.evaluation.warnings},
                          {"run", folder}};
     json.update(group_json(study, joint, *alone));
+    json["parameters"] = report::space_json(problem.space);
+    json["ends"] = report::Json::array();
+    for (const run::Endpoint& end : result->ends) {
+        if (!end.search.unit.empty()) {
+            json["ends"].push_back({{"start", end.start},
+                                    {"misfit", end.search.misfit},
+                                    {"evaluations", end.search.evaluations},
+                                    {"converged", end.search.converged},
+                                    {"ended", end.search.ended}});
+        }
+    }
     json["best"]["status"] = std::string(to_string(best.evaluation.status));
     for (const Minimum& m : result->minima) {
         json["minima"].push_back(report::minimum_json(problem, m));

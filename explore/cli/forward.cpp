@@ -2,13 +2,38 @@
 #include "base/units.h"
 #include "cli/common.h"
 #include "report/table.h"
+#include "report/vtu.h"
 
+#include <filesystem>
 #include <fmt/format.h>
+#include <stdexcept>
 
 namespace explore::cli {
 namespace {
 
-int forward(const CommonOptions& options, bool with_jacobian) {
+// FILE for a study of one load, FILE with "-LOAD" before its ending for more. The files that were written.
+std::vector<std::string> write_fields(const study::Study& study, const pave::pavement::ForwardModel& model,
+                                      const std::string& file) {
+    std::vector<std::string> written;
+    for (std::size_t l = 0; l < study.model.loads.size(); ++l) {
+        const auto fields = model.fields(study.model, static_cast<int>(l));
+        if (!fields) {
+            throw std::runtime_error(fields.failure().reason);
+        }
+        std::filesystem::path path(file);
+        if (study.model.loads.size() > 1) {
+            std::string load = study.model.loads[l].name;
+            std::replace(load.begin(), load.end(), '/', '_'); // a name is no folder
+            path.replace_filename(path.stem().string() + "-" + load + path.extension().string());
+        }
+        const std::string folder = path.parent_path().string();
+        write_file(folder.empty() ? "." : folder, path.filename().string(), report::vtu_text(fields.value()));
+        written.push_back(path.string());
+    }
+    return written;
+}
+
+int forward(const CommonOptions& options, bool with_jacobian, const std::string& vtu) {
     const study::Study study = study::load_study(options.study);
     const pave::pavement::ForwardModel model(study.model);
     const auto workspace = model.make_workspace();
@@ -29,6 +54,7 @@ int forward(const CommonOptions& options, bool with_jacobian) {
         return computation_failed;
     }
     const auto& s = outcome->statistics;
+    const auto fields = vtu.empty() ? std::vector<std::string>{} : write_fields(study, model, vtu);
     if (options.json) {
         json["responses"] = report::responses_json(study, outcome->values);
         json["newton_steps"] = s.newton_steps;
@@ -38,6 +64,9 @@ int forward(const CommonOptions& options, bool with_jacobian) {
         json["unknowns"] = model.unknowns();
         json["residual_relative"] = s.residual_relative;
         json["warnings"] = outcome->warnings;
+        if (!fields.empty()) {
+            json["vtu"] = fields;
+        }
         if (with_jacobian) {
             report::Json names = report::Json::array();
             report::Json rows = report::Json::array();
@@ -67,6 +96,9 @@ int forward(const CommonOptions& options, bool with_jacobian) {
     for (const std::string& warning : outcome->warnings) {
         fmt::print("  warning: {}\n", warning);
     }
+    for (const std::string& file : fields) {
+        fmt::print("  fields for ParaView: {}\n", file);
+    }
     if (with_jacobian) {
         std::vector<std::string> header{"d(response)/d(parameter)"};
         for (const auto& axis : study.space.axes) {
@@ -95,8 +127,14 @@ void add_forward(CLI::App& app, Action& action) {
     auto jacobian = std::make_shared<bool>(false);
     add_common(*command, *options);
     command->add_flag("--jacobian", *jacobian, "also the derivative of every response by every parameter");
-    command->footer("Example: pavescape forward grids/captif-p1-fwd.toml --jacobian");
-    command->callback([=, &action] { action = [=] { return forward(*options, *jacobian); }; });
+    auto vtu = std::make_shared<std::string>();
+    command
+        ->add_option("--vtu", *vtu,
+                     "also the fields of displacement, strain, stress and moduli, for ParaView; one file a load")
+        ->type_name("FILE");
+    command->footer("Examples: pavescape forward grids/captif-p1-fwd.toml --jacobian\n"
+                    "          pavescape forward grids/dual-nonlinear.toml --vtu dual.vtu");
+    command->callback([=, &action] { action = [=] { return forward(*options, *jacobian, *vtu); }; });
 }
 
 } // namespace explore::cli

@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
     cli::add_twin(app, action);
     cli::add_effects(app, action);
     cli::add_survey(app, action);
+    cli::add_report(app, action);
     cli::add_export(app, action);
     std::vector<std::string> names;
     for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; })) {

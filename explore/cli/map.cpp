@@ -81,6 +81,9 @@ int map(const MapOptions& options) {
     report::Json json = {
         {"design", design.name}, {"points", design.points.size()}, {"computed", tally.computed},
         {"kept", tally.kept},    {"runs_per_second", rate},        {"statuses", report::status_counts(*evaluations)},
+        {"parameters", report::space_json(study.space)},
+        {"study", {{"file", study.file}, {"title", study.title}, {"hash", study.hash}}},
+        {"version", PAVESCAPE_VERSION},
         {"run", folder}};
     json["lowest"] = report::Json::array();
     for (const std::size_t i : lowest) {

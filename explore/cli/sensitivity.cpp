@@ -408,16 +408,12 @@ int sensitivity(const SensitivityOptions& options) {
                  {"computed", tally.computed},
                  {"kept", tally.kept},
                  {"run", folder},
-                 {"parameters", Json::array()},
+                 {"parameters", report::space_json(problem.space)},
                  {"responses", Json::array()},
                  {"range_percent", options.range},
                  {"curves", curves_json(problem.space, s)}};
-    for (const auto& axis : problem.space.axes) {
-        json["parameters"].push_back({{"name", axis.name},
-                                      {"value", axis.start},
-                                      {"min", axis.low},
-                                      {"max", axis.high},
-                                      {"scale", axis.scale == problem::Scale::log ? "log" : "linear"}});
+    for (std::size_t k = 0; k < problem.space.axes.size(); ++k) {
+        json["parameters"][k]["value"] = problem.space.axes[k].start;
     }
     for (const Reported& r : s.responses) {
         Json elasticity = Json::object();

@@ -548,6 +548,8 @@ int unique(const UniqueOptions& options) {
     const auto computed = engine.tally().computed + everything_engine.tally().computed;
     const auto kept = engine.tally().kept + everything_engine.tally().kept;
     json["findings"] = words;
+    json["parameters"] = report::space_json(fitted.space);
+    json["responses"] = report::responses_json(study, u.minima[0].evaluation.responses);
     json["statuses"] = report::status_counts(u.explored);
     json["study"] = {{"file", study.file}, {"title", study.title}, {"hash", study.hash}};
     json["version"] = PAVESCAPE_VERSION;

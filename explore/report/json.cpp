@@ -14,6 +14,17 @@ Json parameters_json(const problem::ParameterSpace& space, const std::vector<dou
     return json;
 }
 
+Json space_json(const problem::ParameterSpace& space) {
+    Json json = Json::array();
+    for (const problem::Axis& axis : space.axes) {
+        json.push_back({{"name", axis.name},
+                        {"min", axis.low},
+                        {"max", axis.high},
+                        {"scale", axis.scale == problem::Scale::log ? "log" : "linear"}});
+    }
+    return json;
+}
+
 Json responses_json(const study::Study& study, const std::vector<double>& responses) {
     Json json = Json::array();
     for (std::size_t i = 0; i < responses.size(); ++i) {

@@ -13,6 +13,9 @@ using Json = nlohmann::ordered_json;
 // {name: value}
 Json parameters_json(const problem::ParameterSpace& space, const std::vector<double>& values);
 
+// [{"name", "min", "max", "scale"}]
+Json space_json(const problem::ParameterSpace& space);
+
 // [{"load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm", "value", "unit", ("measured"), ("name")}], value in
 // unit.
 Json responses_json(const study::Study& study, const std::vector<double>& responses);

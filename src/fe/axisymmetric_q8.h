@@ -24,14 +24,15 @@ struct AxisymmetricQ8 {
     using Stress = mechanics::Voigt<voigt>;
     using Operator = Eigen::Matrix<double, voigt, dofs>;
 
+    static constexpr int local[nodes][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}};
+
     static Eigen::Matrix<double, 8, 1> shape(const Position& at) {
         const double xi = at[0];
         const double eta = at[1];
-        static constexpr double cx[] = {-1, 1, 1, -1};
-        static constexpr double cy[] = {-1, -1, 1, 1};
         Eigen::Matrix<double, 8, 1> n;
         for (int i = 0; i < 4; ++i) {
-            n[i] = (1 + cx[i] * xi) * (1 + cy[i] * eta) * (cx[i] * xi + cy[i] * eta - 1) / 4;
+            const auto [cx, cy] = local[i];
+            n[i] = (1 + cx * xi) * (1 + cy * eta) * (cx * xi + cy * eta - 1) / 4;
         }
         n[4] = (1 - xi * xi) * (1 - eta) / 2;
         n[5] = (1 + xi) * (1 - eta * eta) / 2;
@@ -44,12 +45,11 @@ struct AxisymmetricQ8 {
     static Eigen::Matrix<double, 2, 8> shape_gradient(const Position& at) {
         const double xi = at[0];
         const double eta = at[1];
-        static constexpr double cx[] = {-1, 1, 1, -1};
-        static constexpr double cy[] = {-1, -1, 1, 1};
         Eigen::Matrix<double, 2, 8> g;
         for (int i = 0; i < 4; ++i) {
-            g(0, i) = cx[i] * (1 + cy[i] * eta) * (2 * cx[i] * xi + cy[i] * eta) / 4;
-            g(1, i) = cy[i] * (1 + cx[i] * xi) * (cx[i] * xi + 2 * cy[i] * eta) / 4;
+            const auto [cx, cy] = local[i];
+            g(0, i) = cx * (1 + cy * eta) * (2 * cx * xi + cy * eta) / 4;
+            g(1, i) = cy * (1 + cx * xi) * (cx * xi + 2 * cy * eta) / 4;
         }
         g.col(4) << -xi * (1 - eta), -(1 - xi * xi) / 2;
         g.col(5) << (1 - eta * eta) / 2, -(1 + xi) * eta;

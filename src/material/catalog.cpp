@@ -10,11 +10,7 @@ namespace pave::material {
 
 std::span<const Law* const> laws() {
     static const Law* const all[] = {
-        &linear(),
-        &uzan(),
-        &k_theta(),
-        &uzan_deviator(),
-        &lade_nelson(),
+        &linear(), &uzan(), &k_theta(), &uzan_deviator(), &lade_nelson(),
     };
     return all;
 }

@@ -37,10 +37,8 @@ public:
             return {.value = modulus_limit, .d_theta = 0.0, .d_tau = 0.0, .limited = true};
         }
         const double by_x = e * p[lambda] / (x * pa * pa);
-        return {.value = e,
-                .d_theta = by_x * 2.0 * at.theta,
-                .d_tau = by_x * 3.0 * ratio(p) * at.tau,
-                .limited = false};
+        return {
+            .value = e, .d_theta = by_x * 2.0 * at.theta, .d_tau = by_x * 3.0 * ratio(p) * at.tau, .limited = false};
     }
     double modulus_derivative(std::span<const double> p, mechanics::Invariants at, std::size_t i) const override {
         const double x = measure(p, at);

@@ -22,7 +22,8 @@ struct Floor {
 } // namespace
 
 StressDependent::StressDependent(std::vector<ParameterInfo> own, std::optional<double> default_n) : own_(own.size()) {
-    infos_.push_back({"modulus_axis", 1.0, 0.0, 1.0, false, 0.0, "which modulus the law gives", {"horizontal", "vertical"}});
+    infos_.push_back(
+        {"modulus_axis", 1.0, 0.0, 1.0, false, 0.0, "which modulus the law gives", {"horizontal", "vertical"}});
     infos_.insert(infos_.end(), own.begin(), own.end());
     const ParameterInfo shared[] = {
         {"n", 1.0, 0.0, 20.0, true, default_n, "horizontal over vertical modulus, E1/E3", {}},

@@ -24,7 +24,8 @@ public:
     std::string impossible(std::span<const double> p) const final;
 
 protected:
-    // own: the law's parameters, the one that E is proportional to first. isotropic: n and Poisson's ratios have defaults.
+    // own: the law's parameters, the one that E is proportional to first. isotropic: n and Poisson's ratios have
+    // defaults.
     explicit StressDependent(std::vector<ParameterInfo> own, std::optional<double> default_n = {});
 
     struct Terms {

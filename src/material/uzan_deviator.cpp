@@ -26,20 +26,14 @@ public:
               },
               1.0) {}
     std::string_view name() const override { return "uzan-deviator"; }
-    std::string_view summary() const override {
-        return "stress-dependent: E = k1 pa (theta/pa)^k2 (deviator/pa)^k3";
-    }
+    std::string_view summary() const override { return "stress-dependent: E = k1 pa (theta/pa)^k2 (deviator/pa)^k3"; }
 
 private:
-    static double deviator(std::span<const double> p, double tau) {
-        return std::hypot(q_over_tau * tau, p[floor]);
-    }
+    static double deviator(std::span<const double> p, double tau) { return std::hypot(q_over_tau * tau, p[floor]); }
     Terms terms(std::span<const double> p, double thp, double tau) const override {
         const double sd = deviator(p, tau);
         const double e = p[k1] * pa * std::exp(p[k2] * std::log(thp / pa) + p[k3] * std::log(sd / pa));
-        return {.value = e,
-                .d_thp = e * p[k2] / thp,
-                .d_tau = e * p[k3] * q_over_tau * q_over_tau * tau / (sd * sd)};
+        return {.value = e, .d_thp = e * p[k2] / thp, .d_tau = e * p[k3] * q_over_tau * q_over_tau * tau / (sd * sd)};
     }
     double own_derivative(std::span<const double> p, double thp, double tau, double value,
                           std::size_t i) const override {

@@ -166,6 +166,17 @@ std::vector<int> ForwardModel::unknowns() const {
     return counts;
 }
 
+Outcome<Fields> ForwardModel::fields(const Case& values, int load) const {
+    const Case c = with_effects(values, load);
+    if (const std::string why = why_impossible(c, load); !why.empty()) {
+        return Failure{Status::invalid_parameters, why};
+    }
+    const auto& own = models_[static_cast<std::size_t>(load)];
+    const auto made = own ? nullptr : make_load_model(with_effects(nominal_, load), load);
+    const LoadModel& model = own ? *own : *made;
+    return model.fields(c, materials_of(c), *model.make_workspace());
+}
+
 struct ForwardModel::Observed {
     struct Moved {
         std::size_t parameter, row; // of the jacobian

@@ -42,6 +42,9 @@ public:
     // springs or inertia go with it. Effects that are varied must be `present`. Pure: same input, same bits.
     Outcome<Response> run(const Case& values, const std::vector<Parameter>& parameters, Workspace& workspace) const;
 
+    // What the run at `values` leaves under a load, at rest; of a load that nothing reads too.
+    Outcome<Fields> fields(const Case& values, int load) const;
+
     const Case& nominal() const { return nominal_; }
     // Unknowns of the finite element model of each load, 0 where nothing is read.
     std::vector<int> unknowns() const;

@@ -24,6 +24,9 @@ std::vector<double> moved_lines(std::vector<double> lines, const std::vector<dou
     return lines;
 }
 
+const Failure does_not_fit{Status::invalid_parameters,
+                           "the patch does not fit into the mesh, or those of the dual overlap, for this geometry"};
+
 template <class Kind>
 class LoadModelOf final : public LoadModel {
 public:
@@ -42,15 +45,10 @@ public:
                          const std::vector<fe::Variation>& variations, const std::vector<Neighbours>& moving,
                          Workspace& workspace) const override {
         const Load& load = values.loads[load_];
-        const Lines breaks = Kind::breaks(values, load_);
-        for (const auto& along : breaks) {
-            if (!std::is_sorted(along.begin(), along.end(), std::less_equal<>())) {
-                return Failure{Status::invalid_parameters, "the patch does not fit into the mesh, or those of the dual "
-                                                           "overlap, for this geometry"};
-            }
-        }
         Own& own = static_cast<Own&>(workspace);
-        own.fit(*this, values, breaks);
+        if (!own.fit(*this, values)) {
+            return does_not_fit;
+        }
         const double pressure = load.pressure * load.factor;
         const Eigen::VectorXd force = pressure * own.unit_load;
         std::vector<fe::Variation> by = variations;
@@ -66,11 +64,7 @@ public:
             motions.push_back(std::move(motion));
             observation_rates.push_back(std::move(rates));
         }
-        const auto& settings = values.settings.solver;
-        const std::vector<double> springs = spring_stiffness(values);
-        const auto solved = values.settings.integration == Integration::secant
-                                ? own.solver->secant(layers, force, by, settings, springs, motions)
-                                : own.solver->incremental(layers, force, by, settings, springs, motions);
+        const auto solved = solve(values, layers, force, by, motions, own);
         if (!solved) {
             return solved.failure();
         }
@@ -109,7 +103,33 @@ public:
         return reading;
     }
 
+    Outcome<Fields> fields(const Case& values, const std::vector<fe::LayerMaterial>& layers,
+                           Workspace& workspace) const override {
+        const Load& load = values.loads[load_];
+        Own& own = static_cast<Own&>(workspace);
+        if (!own.fit(*this, values)) {
+            return does_not_fit;
+        }
+        const auto solved = solve(values, layers, load.pressure * load.factor * own.unit_load, {}, {}, own);
+        if (!solved) {
+            return solved.failure();
+        }
+        return fields_of(*own.model, layers, solved.value());
+    }
+
 private:
+    struct Own;
+
+    Outcome<fe::Solution<Element>> solve(const Case& values, const std::vector<fe::LayerMaterial>& layers,
+                                         const Eigen::VectorXd& force, const std::vector<fe::Variation>& by,
+                                         const std::vector<fe::Motion<Element>>& motions, Own& own) const {
+        const auto& settings = values.settings.solver;
+        const std::vector<double> springs = spring_stiffness(values);
+        return values.settings.integration == Integration::secant
+                   ? own.solver->secant(layers, force, by, settings, springs, motions)
+                   : own.solver->incremental(layers, force, by, settings, springs, motions);
+    }
+
     // Of every spring of the model [Pa/m].
     std::vector<double> spring_stiffness(const Case& values) const {
         std::vector<double> stiffness;
@@ -123,8 +143,6 @@ private:
         }
         return stiffness;
     }
-
-    struct Own;
 
     // What a pulse of the load adds to what is measured under it.
     Outcome<Reading> with_inertia(Reading reading, const Case& values, const fe::Solution<Element>& solved,
@@ -167,7 +185,14 @@ private:
             return Kind::unit_load(mesh, *model, load) - unit_load;
         }
 
-        void fit(const LoadModelOf& of, const Case& values, const Lines& breaks) {
+        // False: the load does not fit into the mesh of this geometry.
+        bool fit(const LoadModelOf& of, const Case& values) {
+            const Lines breaks = Kind::breaks(values, of.load_);
+            for (const auto& along : breaks) {
+                if (!std::is_sorted(along.begin(), along.end(), std::less_equal<>())) {
+                    return false;
+                }
+            }
             Lines wanted = of.lines_for(breaks);
             const Load& load = values.loads[of.load_];
             const bool moves = wanted != lines;
@@ -195,6 +220,7 @@ private:
                                                                    : Observation<Element>{});
                 }
             }
+            return true;
         }
     };
 

@@ -3,6 +3,7 @@
 
 #include "base/outcome.h"
 #include "fe/solver.h"
+#include "pavement/fields.h"
 #include "pavement/observation.h"
 #include "pavement/section.h"
 
@@ -73,6 +74,9 @@ public:
     virtual Outcome<Reading> run(const Case& values, const std::vector<fe::LayerMaterial>& layers,
                                  const std::vector<fe::Variation>& variations, const std::vector<Neighbours>& moving,
                                  Workspace& workspace) const = 0;
+    // At the end of such a run, of the load at rest.
+    virtual Outcome<Fields> fields(const Case& values, const std::vector<fe::LayerMaterial>& layers,
+                                   Workspace& workspace) const = 0;
 };
 
 // The geometry of the nominal case fixes the structure of the mesh; other geometries move its lines. Throws Error when

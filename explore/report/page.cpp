@@ -1,0 +1,56 @@
+#include "report/page.h"
+
+#include <string_view>
+
+// Files of report/web and the chart library become part of the program as they are.
+#define PAVESCAPE_EMBED(name, file)                                                                                    \
+    __asm__(".section .rodata\n.global " #name "_begin\n.global " #name "_end\n" #name "_begin:\n.incbin \"" file      \
+            "\"\n" #name "_end:\n.previous\n");                                                                        \
+    extern "C" const char name##_begin[];                                                                              \
+    extern "C" const char name##_end[]
+
+PAVESCAPE_EMBED(pavescape_script, PAVESCAPE_WEB "/report.js");
+PAVESCAPE_EMBED(pavescape_style, PAVESCAPE_WEB "/report.css");
+PAVESCAPE_EMBED(pavescape_charts, PAVESCAPE_CHARTS);
+
+namespace explore::report {
+namespace {
+
+std::string_view text(const char* begin, const char* end) {
+    return {begin, static_cast<std::size_t>(end - begin)};
+}
+
+// JSON that no parser of HTML takes for anything else.
+std::string harmless(const Json& data) {
+    std::string safe;
+    for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {
+        if (c == '<') {
+            safe += "\\u003c"; // only within strings
+        } else {
+            safe += c;
+        }
+    }
+    return safe;
+}
+
+} // namespace
+
+std::string page(const Json& data) {
+    std::string html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+                       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src "
+                       "'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:\">\n"
+                       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+                       "<title>Pavescape report</title>\n<style>";
+    html += text(pavescape_style_begin, pavescape_style_end);
+    html += "</style>\n</head>\n<body>\n<main id=\"report\"><noscript>This report draws itself: allow its own "
+            "script.</noscript></main>\n<script type=\"application/json\" id=\"data\">";
+    html += harmless(data);
+    html += "</script>\n<script>";
+    html += text(pavescape_charts_begin, pavescape_charts_end);
+    html += "</script>\n<script>";
+    html += text(pavescape_script_begin, pavescape_script_end);
+    html += "</script>\n</body>\n</html>\n";
+    return html;
+}
+
+} // namespace explore::report

@@ -1,0 +1,13 @@
+// The report of a run as one HTML page that needs nothing else: no network, no other file.
+#pragma once
+
+#include "report/json.h"
+
+namespace explore::report {
+
+// data: {"folder", "version", "results": {command: the JSON of the command}, "evaluations": {"command", "parameters",
+// "statuses", "rows": [[status, misfit, parameter values...]], "left_out"} or null, "studies": [{"file", "text" or
+// "note"}]}. What is in it is shown as text, whatever it holds.
+std::string page(const Json& data);
+
+} // namespace explore::report

@@ -1,0 +1,17 @@
+// Fields of a forward run as an unstructured grid of the Visualization Toolkit, which ParaView reads.
+#pragma once
+
+#include "pavement/fields.h"
+
+#include <string>
+
+namespace explore::report {
+
+// XML text, numbers in base64. Frame: x transverse, y along the traffic, z upwards (the surface is z = 0) [m]. Signs
+// as in all that is reported: strains and stresses positive in compression; displacement_m is a vector of the frame.
+// Point data: displacement_m, deflection_mm, strain_microstrain and stress_kPa of the load (tensors XX YY ZZ XY YZ XZ),
+// theta_kPa and tau_kPa of the total stress, horizontal_modulus_MPa, vertical_modulus_MPa and n, their ratio.
+// Cell data: layer, counted from 1 at the top.
+std::string vtu_text(const pave::pavement::Fields& fields);
+
+} // namespace explore::report

@@ -1,0 +1,444 @@
+// Draws the report from the JSON of the page. Everything from the data enters as text, never as markup.
+"use strict";
+(() => {
+    const failures = [];
+    const note = (what) => {
+        failures.push(String(what));
+        document.documentElement.dataset.failures = failures.join("\n");
+    };
+    window.addEventListener("error", (e) => note(e.message));
+    window.addEventListener("unhandledrejection", (e) => note(e.reason));
+    document.addEventListener("securitypolicyviolation", (e) => note(e.violatedDirective + " " + e.blockedURI));
+
+    const data = JSON.parse(document.getElementById("data").textContent);
+    const results = data.results;
+    const root = document.getElementById("report");
+    root.textContent = "";
+
+    // Colours of Okabe and Ito: told apart by colour-blind people; lines and marks differ in form as well.
+    const colours = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999933"];
+    const symbols = ["circle", "square", "diamond", "triangle-up", "cross", "star", "x", "hexagon"];
+    const dashes = ["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"];
+
+    // -- building blocks ------------------------------------------------------------------------------------------
+
+    const make = (tag, properties = {}, ...children) => {
+        const element = document.createElement(tag);
+        Object.assign(element, properties);
+        for (const child of children.flat()) {
+            if (child !== null && child !== undefined) element.append(child);
+        }
+        return element;
+    };
+    const figure = (v) => {
+        if (v === null || v === undefined || Number.isNaN(v)) return "–";
+        if (typeof v !== "number") return String(v);
+        if (v === 0) return "0";
+        const size = Math.abs(v);
+        return size >= 1e6 || size < 1e-4 ? v.toExponential(3) : String(Number(v.toPrecision(4)));
+    };
+    const sections = [];
+    const section = (title, ...children) => {
+        const id = "s" + sections.length;
+        sections.push({ id, title });
+        root.append(make("section", {}, make("h2", { id }, title), ...children));
+    };
+    const part = (title) => make("h3", {}, title);
+    const words = (sentences) => make("ul", {}, (sentences || []).map((s) => make("li", {}, s)));
+    const table = (header, rows, leftColumns = []) =>
+        make("table", {}, make("thead", {}, make("tr", {}, header.map((h) => make("th", {}, h)))),
+            make("tbody", {}, rows.map((row) => make("tr", {}, row.map((cell, c) =>
+                make("td", { className: leftColumns.includes(c) ? "words" : "" }, figure(cell)))))));
+
+    const pending = []; // plots wait until their place is in the document
+    const chart = (name, traces, layout, caption) => {
+        const place = make("div", { className: "chart" });
+        place.dataset.chart = name;
+        pending.push(() => Plotly.newPlot(place, traces, {
+            font: { family: "system-ui, sans-serif", size: 12, color: "#1b1f24" },
+            margin: { l: 64, r: 16, t: 40, b: 56 },
+            height: 360, colorway: colours, hovermode: "closest",
+            legend: { orientation: "h", y: -0.22 }, paper_bgcolor: "#fff", plot_bgcolor: "#fff",
+            ...layout,
+        }, { displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: "",
+            modeBarButtonsToRemove: ["sendDataToCloud", "select2d", "lasso2d"] }).catch(note));
+        return make("figure", {}, place, caption ? make("figcaption", {}, caption) : null);
+    };
+    const axis = (title, more = {}) => ({ title: { text: title }, gridcolor: "#e6e9ec", zeroline: false, ...more });
+    const scaleOf = (parameter) => (parameter && parameter.scale === "log" ? "log" : "linear");
+
+    // -- measured against modelled --------------------------------------------------------------------------------
+
+    const groupsOf = (readings) => {
+        const groups = new Map();
+        readings.forEach((r, i) => {
+            const key = r.load + ": " + r.quantity.replace("_", " ") + " [" + r.unit + "]";
+            if (!groups.has(key)) groups.set(key, []);
+            groups.get(key).push({ ...r, index: i });
+        });
+        return groups;
+    };
+    const placeOf = (r) => `x = ${figure(r.x_mm)}` + (r.y_mm ? `, y = ${figure(r.y_mm)}` : "") +
+        (r.depth_mm ? `, depth ${figure(r.depth_mm)}` : "") + " mm";
+
+    // models: [{name, values}] beside readings with measured values, in the same order.
+    const againstMeasured = (readings, measured, models) => {
+        const charts = [];
+        for (const [name, rows] of groupsOf(readings)) {
+            const byDepth = new Set(rows.map((r) => r.depth_mm)).size > 1;
+            const sorted = [...rows].sort((a, b) => (byDepth ? a.depth_mm - b.depth_mm : a.x_mm - b.x_mm));
+            const series = [{ name: "measured", values: measured, mode: "markers" },
+                ...models.map((m) => ({ ...m, mode: "lines+markers" }))];
+            const traces = series.map((s, k) => {
+                const at = sorted.map((r) => (byDepth ? r.depth_mm : r.x_mm));
+                const value = sorted.map((r) => s.values[r.index]);
+                return {
+                    type: "scatter", mode: s.mode, name: s.name, x: byDepth ? value : at, y: byDepth ? at : value,
+                    text: sorted.map(placeOf), line: { dash: dashes[k % dashes.length] },
+                    marker: { symbol: symbols[k], size: k === 0 ? 10 : 7, color: k === 0 ? "#000" : colours[k - 1] },
+                };
+            });
+            traces.forEach((t, k) => { if (k > 0) t.line.color = colours[k - 1]; });
+            charts.push(chart("measured", traces, byDepth
+                ? { title: { text: name }, xaxis: axis(name.split(": ")[1]),
+                    yaxis: axis("depth [mm]", { autorange: "reversed" }) }
+                : { title: { text: name }, xaxis: axis("distance from the load [mm]"),
+                    yaxis: axis(name.split(": ")[1],
+                        rows[0].quantity === "deflection" ? { autorange: "reversed" } : {}) }));
+        }
+        return make("div", { className: "charts" }, charts);
+    };
+
+    const responsesPart = (result) => {
+        const read = (result.responses || []).filter((r) => r.measured !== undefined);
+        if (read.length === 0) return [];
+        return [part("Measured and modelled"),
+            againstMeasured(read, read.map((r) => r.measured), [{ name: "best fit", values: read.map((r) => r.value) }]),
+            make("p", { className: "soft" }, "Deflection is positive downwards; strains and stresses are positive in compression."),
+            table(["load", "quantity", "x [mm]", "y [mm]", "depth [mm]", "measured", "modelled", "difference", "unit"],
+                read.map((r) => [r.load, r.quantity, r.x_mm, r.y_mm, r.depth_mm, r.measured, r.value,
+                    figure(100 * (r.value - r.measured) / Math.abs(r.measured)) + " %", r.unit]))];
+    };
+
+    // -- the landscape --------------------------------------------------------------------------------------------
+
+    const minimaPart = (minima, title) => {
+        if (!minima || minima.length === 0) return [];
+        const names = Object.keys(minima[0].parameters);
+        return [part(title || "Minima"),
+            table(["minimum", "misfit", ...names, "starts", "remarks"], minima.map((m, i) =>
+                [i + 1, m.misfit, ...names.map((n) => figure(m.parameters[n]) +
+                    (m.standard_errors && m.standard_errors[n] !== null ? " ± " + figure(m.standard_errors[n]) : "")),
+                    (m.starts || []).length, (m.on_bound || []).join("; ")]), [names.length + 3])];
+    };
+
+    const waterfall = (result) => {
+        const ends = [...(result.ends || [])].filter((e) => e.misfit !== undefined).sort((a, b) => a.misfit - b.misfit);
+        if (ends.length === 0) return [];
+        return [part("Where the searches ended"), chart("waterfall", [{
+            type: "scatter", mode: "markers+lines", x: ends.map((_, i) => i + 1), y: ends.map((e) => e.misfit),
+            text: ends.map((e) => `start ${e.start}, ${e.evaluations} evaluations, ${e.ended || ""}`),
+            marker: { size: 8, symbol: ends.map((e) => (e.converged ? "circle" : "circle-open")) },
+            line: { dash: "dot" },
+        }], { xaxis: axis("searches, best first"), yaxis: axis("misfit", { rangemode: "tozero" }) },
+        "A flat beginning: many starts agree on the best minimum. Steps: other minima. Open circles: searches that no tolerance ended.")];
+    };
+
+    // The lowest misfit over pairs of parameters, from a table of points.
+    const pairCharts = (parameters, rows, minima) => {
+        const charts = [];
+        const answered = rows.filter((r) => r[1] !== null).reverse(); // the lowest are drawn last
+        const holes = rows.filter((r) => r[1] === null);
+        if (answered.length === 0) return null;
+        const lowest = answered[answered.length - 1][1];
+        const highest = answered[Math.floor(answered.length * 0.1)][1]; // of all but the worst tenth
+        for (let x = 0; x < parameters.length; ++x) {
+            for (let y = x + 1; y < parameters.length; ++y) {
+                const traces = [{
+                    type: "scatter", mode: "markers", name: "points", showlegend: false,
+                    x: answered.map((r) => r[2 + x]), y: answered.map((r) => r[2 + y]),
+                    text: answered.map((r) => "misfit " + figure(r[1])),
+                    marker: { size: 6, color: answered.map((r) => r[1]), cmin: lowest, cmax: highest,
+                        colorscale: "Cividis", colorbar: { title: { text: "misfit" }, thickness: 10 } },
+                }];
+                if (holes.length > 0) {
+                    traces.push({ type: "scatter", mode: "markers", name: "no answer", showlegend: false,
+                        x: holes.map((r) => r[2 + x]), y: holes.map((r) => r[2 + y]), text: holes.map((r) => r[0]),
+                        marker: { symbol: "x-thin", size: 6, line: { width: 1, color: "#888" } } });
+                }
+                traces.push(minimaTrace(minima, parameters[x], parameters[y]));
+                charts.push(chart("pair", traces, {
+                    xaxis: axis(parameters[x].name, { type: scaleOf(parameters[x]) }),
+                    yaxis: axis(parameters[y].name, { type: scaleOf(parameters[y]) }), height: 330,
+                }));
+            }
+        }
+        return make("div", { className: "charts" }, charts);
+    };
+    const minimaTrace = (minima, x, y) => ({
+        type: "scatter", mode: "markers+text", showlegend: false, name: "minima",
+        x: (minima || []).map((m) => m.parameters[x.name]), y: (minima || []).map((m) => m.parameters[y.name]),
+        text: (minima || []).map((_, i) => String(i + 1)), textposition: "top right",
+        marker: { symbol: "star", size: 13, color: "#D55E00", line: { color: "#000", width: 1 } },
+    });
+
+    // The lowest explored misfit in the cells of pairs of parameters, with contours.
+    const projectionCharts = (unique) => {
+        const parameter = new Map((unique.parameters || []).map((p) => [p.name, p]));
+        const centres = (p, cells) => Array.from({ length: cells }, (_, i) => {
+            const u = (i + 0.5) / cells;
+            return p.scale === "log" ? p.min * (p.max / p.min) ** u : p.min + u * (p.max - p.min);
+        });
+        const charts = (unique.projections || []).filter((p) => parameter.has(p.x) && parameter.has(p.y)).map((p) => {
+            const px = parameter.get(p.x);
+            const py = parameter.get(p.y);
+            const z = Array.from({ length: p.cells }, (_, j) => p.misfit.slice(j * p.cells, (j + 1) * p.cells));
+            return chart("projection", [{
+                type: "contour", x: centres(px, p.cells), y: centres(py, p.cells), z, connectgaps: false,
+                colorscale: "Cividis", ncontours: 14, line: { width: 0.5 },
+                colorbar: { title: { text: "misfit" }, thickness: 10 },
+            }, minimaTrace(unique.minima, px, py)], {
+                xaxis: axis(p.x, { type: scaleOf(px) }), yaxis: axis(p.y, { type: scaleOf(py) }), height: 330,
+            });
+        });
+        return charts.length > 0 ? make("div", { className: "charts" }, charts) : null;
+    };
+
+    const mergeTree = (unique) => {
+        const tree = unique.merge_tree || [];
+        if (tree.length === 0) return [];
+        const top = Math.max(...tree.map((m) => m.pass ?? m.misfit), ...tree.map((m) => m.misfit));
+        return [part("Merge tree of the explored points"), chart("merge", tree.flatMap((m, i) => {
+            const pass = m.pass === null || m.pass === undefined || m.joins < 0 ? top * 1.05 : m.pass;
+            const x = m.joins === undefined || m.joins < 0 ? i : m.joins;
+            return [{ type: "scatter", mode: "lines+markers", showlegend: false, x: [i, i, x], y: [m.misfit, pass, pass],
+                text: [`lowest misfit ${figure(m.misfit)}, ${m.basin_points} points`, "pass", "joins " + (x + 1)],
+                line: { color: colours[i % colours.length], dash: dashes[i % dashes.length] },
+                marker: { size: [10, 1, 1], symbol: symbols[i % symbols.length] } }];
+        }), { xaxis: axis("basin", { dtick: 1 }), yaxis: axis("misfit") },
+        "Each line rises from the lowest explored point of a basin to the pass where it joins a deeper one: long lines are separate minima, short ones are noise of the sampling.")];
+    };
+
+    const profiles = (list, title, name, caption, parameters) => {
+        const known = new Map((parameters || []).map((p) => [p.name, p]));
+        const charts = (list || []).filter((p) => (p.profile || []).length > 0).map((p) => chart(name,
+            p.profile.map((branch, b) => ({
+                type: "scatter", mode: "lines+markers", x: branch.map((q) => q[0]), y: branch.map((q) => q[1]),
+                name: "branch " + (b + 1), line: { dash: dashes[b % dashes.length] }, marker: { size: 5 },
+            })), { title: { text: p.name + (p.unit ? ` [${p.unit}]` : "") }, height: 300, showlegend: p.profile.length > 1,
+                xaxis: axis("", { type: scaleOf(known.get(p.name)) }), yaxis: axis("rise of chi2") }));
+        return charts.length === 0 ? [] : [part(title), make("p", { className: "soft" }, caption),
+            make("div", { className: "charts" }, charts)];
+    };
+
+    // sets: [{name, parameters, kind}]
+    const parallel = (sets, parameters) => {
+        if (sets.length < 2 || !parameters || parameters.length < 2) return [];
+        const share = (p, v) => (p.scale === "log" ? Math.log(v / p.min) / Math.log(p.max / p.min) : (v - p.min) / (p.max - p.min));
+        const names = parameters.map((p) => p.name);
+        return [part("Acceptable sets side by side"), chart("parallel", sets.map((s, i) => ({
+            type: "scatter", mode: "lines+markers", name: s.name, x: names,
+            y: parameters.map((p) => share(p, s.parameters[p.name])),
+            text: parameters.map((p) => `${p.name} = ${figure(s.parameters[p.name])}`), hoverinfo: "text+name",
+            line: { width: i === 0 ? 4 : 1.5, color: i === 0 ? "#000" : colours[(i - 1) % colours.length],
+                dash: dashes[i % dashes.length] }, marker: { size: 6 }, showlegend: sets.length <= 12,
+        })), { xaxis: axis(""), yaxis: axis("place between min and max of the study", { range: [-0.05, 1.05] }), height: 420 },
+        "Every line is a set of parameters that the data accept. Where lines spread over the whole height, the data do not fix that parameter.")];
+    };
+
+    // -- one section a command ------------------------------------------------------------------------------------
+
+    const asked = (result, what) => {
+        const parts = [what];
+        if (result.study) parts.push(`“${result.study.title}”`);
+        return make("p", { className: "soft" }, parts.join(" "));
+    };
+    const rangesTable = (parameters) => (parameters && parameters.length > 0 && parameters[0].min !== undefined
+        ? [part("What was varied"), table(["parameter", "min", "max", "scale"], parameters.map((p) => [p.name, p.min, p.max, p.scale]))]
+        : []);
+
+    const showFit = (r) => {
+        const rows = data.evaluations && data.evaluations.command !== "unique" ? data.evaluations : null;
+        const parameters = r.parameters || [];
+        const others = (r.minima || []).map((m, i) => ({ name: "minimum " + (i + 1), parameters: m.parameters }));
+        section("The fit",
+            asked(r, `${r.evaluations} evaluations: ${r.explored}, then ${r.starts} searches by ${r.method}.`),
+            words(r.findings), responsesPart(r), minimaPart(r.minima), waterfall(r), parallel(others, parameters),
+            rows && parameters.length > 1 ? [part("Landscape of the misfit"),
+                pairCharts(parameters, rows.rows, r.minima),
+                make("p", { className: "soft" }, "Every point is a forward run; stars are the minima; crosses have no answer." +
+                    (rows.left_out ? ` ${rows.left_out} of the higher points are not drawn.` : ""))] : [],
+            rangesTable(parameters), (r.warnings || []).length ? [part("Warnings"), words(r.warnings)] : []);
+    };
+    const showMap = (r) => {
+        const rows = data.evaluations && data.evaluations.command === "map" ? data.evaluations : null;
+        const lowest = (r.lowest || []).slice(0, 1);
+        section("The map", asked(r, `${r.points} points, ${r.design}.`),
+            rows && (r.parameters || []).length > 1 ? pairCharts(r.parameters, rows.rows, lowest) : null,
+            part("Lowest points"), table(["misfit", ...Object.keys((r.lowest[0] || { parameters: {} }).parameters)],
+                r.lowest.map((e) => [e.misfit, ...Object.values(e.parameters)])),
+            rangesTable(r.parameters), statusTable(r.statuses));
+    };
+    const statusTable = (statuses) => (statuses ? [part("How the forward runs ended"),
+        table(["status", "runs"], Object.entries(statuses))] : []);
+
+    const showUnique = (r) => {
+        const sets = [];
+        (r.minima || []).forEach((m, i) => { if (m.accepted !== false) sets.push({ name: "minimum " + (i + 1), parameters: m.parameters }); });
+        for (const p of [...(r.profiles || []), ...(r.outputs || [])]) {
+            for (const end of ["low", "high"]) {
+                const set = p[end + "_set"];
+                if (set && Object.keys(set).length > 0) sets.push({ name: `${end === "low" ? "lowest" : "highest"} ${p.name}`, parameters: set });
+            }
+        }
+        const allowed = r.acceptance ? figure(r.acceptance.chi2_rise_allowed) : "";
+        section("Is the answer unique?", make("p", { className: "verdict" }, "Verdict: " + r.verdict),
+            asked(r, ""), words(r.findings),
+            (r.outputs || []).length ? [part("What it means for the outputs"), chart("outputs", [{
+                type: "scatter", mode: "markers", x: r.outputs.map((o) => 1), y: r.outputs.map((o) => `${o.name} [${o.unit}]`),
+                text: r.outputs.map((o) => `best ${figure(o.best)}, ${figure(o.low)} to ${figure(o.high)}`),
+                marker: { size: 10, color: "#000" },
+                error_x: { type: "data", symmetric: false, thickness: 3, color: colours[0],
+                    array: r.outputs.map((o) => o.high / o.best - 1), arrayminus: r.outputs.map((o) => 1 - o.low / o.best) },
+            }], { xaxis: axis("relative to the best fit"), yaxis: axis("", { automargin: true }), height: 160 + 40 * r.outputs.length },
+            "Range of each output over all sets of parameters that the data accept."),
+            table(["output", "best", "low", "high", "unit"], r.outputs.map((o) => [o.name, o.best, o.low, o.high, o.unit]))] : [],
+            responsesPart(r),
+            [part("Landscape: lowest explored misfit over pairs"), projectionCharts(r)],
+            minimaPart(r.minima), mergeTree(r),
+            profiles(r.profiles, "Profiles of the parameters", "profile",
+                `The least rise of chi2 at each value with everything else fitted again; the data accept a rise of ${allowed}.`, r.parameters),
+            profiles(r.outputs, "Profiles of the outputs", "profile", "The same for each output.", []),
+            parallel(sets, r.parameters), directionsPart(r), nextPart(r), rangesTable(r.parameters), statusTable(r.statuses));
+    };
+    const directionsPart = (r) => {
+        const list = r.directions || [];
+        if (list.length === 0) return [];
+        const names = Object.keys(list[0].vector);
+        return [part("Directions, from what the data see best to what they do not see"), chart("directions", [{
+            type: "heatmap", x: names, y: list.map((d, i) => `${i + 1}: ${figure(d.singular_value)}${d.flat ? " (flat)" : ""}`),
+            z: list.map((d) => names.map((n) => d.vector[n])), zmin: -1, zmax: 1, colorscale: "RdBu", xgap: 1, ygap: 1,
+            texttemplate: "%{z:.2f}",
+        }], { yaxis: axis("singular value", { autorange: "reversed", automargin: true, type: "category" }), xaxis: axis(""),
+            height: 140 + 34 * list.length })];
+    };
+    const nextPart = (r) => {
+        const list = Array.isArray(r.next_measurement) ? r.next_measurement.slice(0, 10) : [];
+        return list.length === 0 ? [] : [part("Readings that would tell most"),
+            table(["reading", "gain"], list.map((c) => [c.reading, c.gain]))];
+    };
+
+    const showDiagnose = (r) => {
+        const named = (r.readings || []).map((q, i) => `${i + 1}: ${q.load} ${q.quantity.replace("_", " ")}, ${placeOf(q)}`);
+        const extended = r.residuals && r.residuals.extended && r.residuals.extended.length > 0;
+        const candidates = (r.candidates || []).slice(0, 20).reverse();
+        const alike = [...(r.confounding || [])].sort((a, b) => Math.abs(a.cosine) - Math.abs(b.cosine));
+        section("What the model gets wrong",
+            make("p", { className: "verdict" }, `Verdict: ${r.verdict}${r.causes && r.causes.length ? " – " + r.causes.join(", ") : ""}`),
+            asked(r, ""), words(r.findings),
+            r.readings ? [part("Measured and modelled, before and after"), againstMeasured(r.readings, r.responses.measured,
+                [{ name: "study's model", values: r.responses.baseline },
+                    ...(extended ? [{ name: "extended model", values: r.responses.extended }] : [])])] : [],
+            part("Residuals in standard deviations"), chart("residuals", [
+                { type: "bar", name: "study's model", x: named.length ? named : r.residuals.baseline.map((_, i) => i + 1), y: r.residuals.baseline,
+                    marker: { color: "#999" } },
+                ...(extended ? [{ type: "bar", name: "extended model", x: named.length ? named : undefined, y: r.residuals.extended,
+                    marker: { color: colours[0], pattern: { shape: "/" } } }] : []),
+            ], { xaxis: axis("reading", { showticklabels: false }), yaxis: axis("model less measured [sigma]"), barmode: "group",
+                shapes: [-2, 2].map((y) => ({ type: "line", xref: "paper", x0: 0, x1: 1, y0: y, y1: y, line: { dash: "dot", color: "#555" } })) }),
+            candidates.length ? [part("Candidates: what each effect alone would gain"), chart("candidates", [{
+                type: "bar", orientation: "h", y: candidates.map((c) => c.effect + (c.on ? " – " + c.on : "")),
+                x: candidates.map((c) => (c.delta_chi2 === null || c.delta_chi2 === undefined ? (c.score_z ?? 0) ** 2 : -c.delta_chi2)),
+                marker: { color: candidates.map((c) => (r.causes || []).includes(c.effect) ? colours[1] : colours[5]) },
+            }], { xaxis: axis("fall of chi2"), yaxis: axis("", { automargin: true, tickfont: { size: 10 } }), height: 120 + 24 * candidates.length },
+            "Full fits where they were made; where not, the square of the score. Causes named are in the darker colour.")] : [],
+            alike.length ? [part("Which effects look alike to these data"), chart("confusion", [{
+                type: "bar", orientation: "h", x: alike.map((c) => Math.abs(c.cosine)), y: alike.map((c) => `${c.effect} or ${c.other}`),
+                text: alike.map((c) => `told apart with a rate of ${figure(100 * c.rate)} %`),
+                marker: { color: alike.map((c) => (c.rate < 0.95 ? colours[1] : colours[5])) }, textposition: "none",
+            }], { xaxis: axis("|cosine| of what the parameters cannot follow", { range: [0, 1] }), yaxis: axis("", { automargin: true, tickfont: { size: 10 } }),
+                height: 120 + 22 * alike.length },
+            "1: the readings cannot tell the two apart at all. In the darker colour: pairs that would be taken for each other in more than 5 % of cases.")] : [],
+            (r.outputs || []).length ? [part("Outputs"), table(["output", "before", "after", "unit"], r.outputs.map((o) => [o.name, o.before, o.after, o.unit]))] : [],
+            part("Gain"), table(["", "study's model", "extended model"], [
+                ["misfit", r.baseline.misfit, r.extended ? r.extended.misfit : null], ["chi2", r.baseline.chi2, r.extended ? r.extended.chi2 : null],
+                ["degrees of freedom", r.baseline.dof, r.extended ? r.extended.dof : null], ["p", r.baseline.p_value, r.extended ? r.extended.p_value : null],
+                ["error of readings left out [sigma]", r.gain ? r.gain.held_out_rmse_before : null, r.gain ? r.gain.held_out_rmse_after : null]]),
+            r.next_measurement && r.next_measurement.reading ? make("p", {}, `The reading that would decide: ${r.next_measurement.reading}` +
+                ` (right with a rate of ${figure(100 * r.next_measurement.power)} %).`) : null);
+    };
+
+    const showSensitivity = (r) => {
+        const responses = r.responses.map((s) => s.name);
+        section("Sensitivity", asked(r, `One at a time over ±${figure(r.range_percent)} %.`), words(r.findings),
+            make("div", { className: "charts" }, responses.slice(0, 12).map((name, i) => chart("curves", r.curves.map((c, k) => ({
+                type: "scatter", mode: "lines", name: c.parameter, line: { dash: dashes[k % dashes.length], color: colours[k % colours.length] },
+                x: c.points.map((p) => p.change_percent),
+                y: c.points.map((p) => (p.responses_change_percent ? p.responses_change_percent[i] : null)),
+            })), { title: { text: name }, xaxis: axis("change of the parameter [%]"), yaxis: axis("change [%]") }))),
+            r.global ? [part("Sobol indices"), make("div", { className: "charts" }, r.global.indices.slice(0, 12).map((g) => chart("sobol", [
+                ["first order", g.first_order], ["total", g.total]].map(([name, set], k) => ({
+                type: "bar", name, x: Object.keys(set), y: Object.values(set).map((e) => e.value),
+                marker: { color: colours[k], pattern: { shape: k ? "/" : "" } },
+                error_y: { type: "data", symmetric: false, array: Object.values(set).map((e) => e.high - e.value),
+                    arrayminus: Object.values(set).map((e) => e.value - e.low) },
+            })), { title: { text: g.response }, yaxis: axis("share of the variance"), xaxis: axis(""), barmode: "group" })))] : []);
+    };
+
+    const showSurvey = (r) => {
+        const good = r.stations.filter((s) => s.D0_um !== undefined);
+        const bad = r.stations.filter((s) => s.D0_um === undefined || (s.status !== "ok" && s.reason));
+        const at = good.map((s) => s.chainage_m);
+        const strip = (name, y, title, more = {}, shapes = []) => chart("strip", [{ type: "scatter", mode: "lines+markers", x: at, y,
+            text: good.map((s) => s.station), marker: { size: 6 }, line: { width: 1 } }],
+        { xaxis: axis("chainage [m]"), yaxis: axis(title, more), height: 260, shapes }, name);
+        const fitted = good.filter((s) => s.fit);
+        const names = fitted.length ? Object.keys(fitted[0].fit.parameters) : [];
+        section("The road", make("p", {}, `${r.counts.stations} stations, ${r.counts.rejected} rejected` +
+            (r.counts.fitted ? `, ${r.counts.fitted} back-calculated, ${r.counts.failed} without an answer.` : ".")),
+        strip(null, good.map((s) => s.D0_um_at_common_pressure), `D0 at ${figure(r.common_pressure_kPa)} kPa [µm]`, { rangemode: "tozero" }),
+        strip(r.deflection_ratio.definition, good.map((s) => s.deflection_ratio), "deflection ratio", {}, [{ type: "line", xref: "paper", x0: 0, x1: 1,
+            y0: r.deflection_ratio.limit, y1: r.deflection_ratio.limit, line: { dash: "dash", color: colours[1] } }]),
+        names.map((n) => chart("strip", [{ type: "scatter", mode: "lines+markers", x: fitted.map((s) => s.chainage_m),
+            y: fitted.map((s) => s.fit.parameters[n]), text: fitted.map((s) => s.station), line: { width: 1 } }],
+        { xaxis: axis("chainage [m]"), yaxis: axis(n), height: 260 })),
+        fitted.length ? strip2(fitted) : [],
+        bad.length ? [part("Stations without a result"), table(["station", "chainage [m]", "why"], bad.map((s) => [s.station, s.chainage_m, s.reason]), [2])] : [],
+        part("Stations"), table(["station", "chainage [m]", "D0 [µm]", "deflection ratio", ...names, "rms [%]"], good.map((s) => [s.station, s.chainage_m, s.D0_um,
+            s.deflection_ratio, ...names.map((n) => (s.fit ? s.fit.parameters[n] : null)), s.fit ? s.fit.rms_percent : null])));
+    };
+    const strip2 = (fitted) => chart("strip", [{ type: "bar", x: fitted.map((s) => s.chainage_m), y: fitted.map((s) => s.fit.rms_percent) }],
+        { xaxis: axis("chainage [m]"), yaxis: axis("rms of the fit [%]"), height: 220 });
+
+    const show = { unique: showUnique, diagnose: showDiagnose, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: showSurvey };
+
+    // -- the page -------------------------------------------------------------------------------------------------
+
+    const titles = [...new Set(Object.values(results).map((r) => r.study && r.study.title).filter(Boolean))];
+    if (titles.length === 0 && results.survey) titles.push("Survey of " + results.survey.files.map((f) => f.split("/").pop()).join(", "));
+    document.title = (titles[0] || data.folder) + " – Pavescape";
+    const navigation = make("nav");
+    root.append(make("header", {}, make("h1", {}, titles[0] || data.folder),
+        make("p", { className: "soft" }, `Pavescape ${data.version}, run “${data.folder}”: ${Object.keys(results).join(", ") || "not finished"}`)), navigation);
+    const summary = ["unique", "diagnose", "fit"].filter((c) => results[c] && (results[c].findings || []).length);
+    if (summary.length > 0) {
+        root.append(make("div", { className: "verdict" }, results[summary[0]].findings[0]));
+    }
+    for (const [command, draw] of Object.entries(show)) {
+        if (results[command]) draw(results[command]);
+    }
+    if (Object.keys(results).length === 0) {
+        section("An unfinished run", make("p", {}, `No command has finished here yet. ${data.evaluations.rows.length} evaluations of “${data.evaluations.command}” are kept; the same command goes on from them.`));
+    }
+    section("What this rests on",
+        make("ul", {}, Object.entries(results).map(([command, r]) => make("li", {}, [`${command}: program ${r.version || data.version}`,
+            r.seed !== undefined ? `seed ${r.seed}` : "", r.misfit_kind ? `misfit ${r.misfit_kind}` : "",
+            r.noise ? `noise ${r.noise.source || r.noise}` : "", r.runs_per_second ? `${figure(r.runs_per_second)} forward runs a second` : "",
+            r.study ? `study hash ${r.study.hash}` : ""].filter(Boolean).join(", ")))),
+        make("p", { className: "soft" }, "Layers are cross-anisotropic and bonded unless the study says otherwise, on a rigid rough floor; loads act at rest." +
+            (data.studies.length ? " The study states the rest:" : "")),
+        data.studies.flatMap((s) => [make("h3", {}, s.file), s.note ? make("p", {}, s.note) : make("pre", {}, s.text)]));
+    for (const { id, title } of sections) navigation.append(make("a", { href: "#" + id }, title));
+    for (const draw of pending) draw();
+    document.documentElement.dataset.charts = String(pending.length);
+})();

@@ -1,0 +1,103 @@
+"""`report`: one page that draws what the runs hold, asks for nothing, and takes no text for markup. In headless Chromium."""
+import json
+import re
+import shutil
+
+from support import *
+
+BROWSER = shutil.which("chromium")
+SWITCHES = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+            "--disable-component-update", "--disable-sync", "--virtual-time-budget=20000"]
+# What the charts hold, for the test to read: added to a copy of the page.
+PROBE = """<script>setTimeout(() => {
+    const pre = document.createElement("pre");
+    pre.id = "probe";
+    pre.textContent = JSON.stringify({ requests: performance.getEntriesByType("resource").map((e) => e.name), charts: [...document.querySelectorAll(".chart")].map((c) => ({
+        chart: c.dataset.chart, drawn: c.querySelector("svg.main-svg") !== null,
+        traces: (c.data || []).map((t) => ({ name: t.name, x: Array.from(t.x || []), y: Array.from(t.y || []) })) })) });
+    document.body.append(pre);
+}, 3000);</script></body>"""
+folder = workspace()
+
+
+def opened(page):
+    """The page after its scripts ran: (attributes of the root, charts, requests beyond the file)."""
+    copy = folder / "probe.html"
+    copy.write_text(page.read_text().replace("</body>", PROBE))
+    done = subprocess.run([BROWSER, *SWITCHES, f"--user-data-dir={folder / 'profile'}", "--enable-logging=stderr", "--dump-dom",
+                           f"file://{copy}"], capture_output=True, text=True, timeout=120)
+    dom = done.stdout
+    root = re.search(r"<html[^>]*>", dom).group(0)
+    probe = re.search(r'<pre id="probe">(.*?)</pre>', dom, re.S)
+    check(probe is not None, f"the page runs to its end: {dom[-300:]}")
+    text = probe.group(1).replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&") if probe else '{"requests": [], "charts": []}'
+    console = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+    check(not console, f"nothing on the console: {console}")
+    found = json.loads(text)
+    # What the page's own policy refuses would stand in data-failures.
+    return root, found["charts"], [u for u in found["requests"] if not u.startswith(("data:", "blob:"))], dom
+
+
+def same(found, wanted):
+    return len(found) == len(wanted) and all(abs(a - b) <= 1e-9 * abs(b) for a, b in zip(found, wanted))
+
+
+# A run with a title and a layer that try to be markup.
+study = folder / "study.toml"
+shutil.copy(ROOT / "grids" / "captif-p1-fwd.csv", folder)
+text = (ROOT / "grids" / "captif-p1-fwd.toml").read_text()
+text = re.sub(r'^title = .*$', 'title = "<script>window.pwned = 1</script><img src=x onerror=alert(1)>"', text, flags=re.M)
+text = text.replace('"asphalt"', '"</script><b>"')
+study.write_text(text)
+run_folder = folder / "run"
+check(run("fit", study, "--explore", "48", "--starts", "3", "--out", run_folder).returncode == 0, "fit")
+check(run("map", study, "--design", "sobol", "--points", "32", "--out", run_folder).returncode == 0, "map")
+check(run("sensitivity", study, "--samples", "0", "--out", run_folder).returncode == 0, "sensitivity")
+made = run("report", run_folder)
+page = run_folder / "report.html"
+check(made.returncode == 0 and page.exists(), f"a report: {made.stderr}")
+check(page.stat().st_size < 6e6, "smaller than 6 MB")
+html = page.read_text()
+check("</script><b>" not in html and "<img src=x" not in html, "nothing of a study is markup")
+check(not re.search(r'(src|href)="https?:', html.split('<script type="application/json"')[0]), "no reference to elsewhere")
+
+survey_folder = folder / "road"
+check(run("survey", ROOT / "grids" / "road-example.csv", "--out", survey_folder).returncode == 0, "survey")
+check(run("report", survey_folder, "--out", folder / "road.html").returncode == 0 and (folder / "road.html").exists(), "a report elsewhere")
+
+for wrong, word in ((folder / "nothing", "no such folder"), (folder, "holds no run")):
+    done = run("report", wrong)
+    check(done.returncode == 2 and word in done.stderr, f"says '{word}': {done.stderr}")
+(survey_folder / "fit.json").write_text("[1")
+done = run("report", survey_folder)
+check(done.returncode == 2 and "fit.json" in done.stderr, f"names a file that is no result: {done.stderr}")
+
+if BROWSER is None:
+    check(False, "chromium is needed to open the report")
+    finish()
+root, charts, requests, dom = opened(page)
+check("data-failures" not in root, f"no failure: {root}")
+check(not requests, f"no request leaves the page: {requests}")
+check(len(charts) > 10 and all(c["drawn"] for c in charts), f"every chart is drawn: {[c['chart'] for c in charts if not c['drawn']]}")
+check("pwned" not in root and dom.count("<img") == 0, "the title stayed text")
+fit = json.loads((run_folder / "fit.json").read_text())
+measured = next(c for c in charts if c["chart"] == "measured")
+rows = sorted((r for r in fit["responses"] if "measured" in r), key=lambda r: r["x_mm"])
+check(same(measured["traces"][0]["y"], [r["measured"] for r in rows]), "the chart holds the measured deflections")
+check(same(measured["traces"][1]["y"], [r["value"] for r in rows]), "the chart holds the modelled deflections")
+ends = next(c for c in charts if c["chart"] == "waterfall")
+check(same(ends["traces"][0]["y"], sorted(e["misfit"] for e in fit["ends"])), "the waterfall holds the ends of the searches")
+pairs = [c for c in charts if c["chart"] == "pair"]
+points = [e for e in json.loads(run("export", run_folder, "--command", "map", "--format", "json").stdout)["evaluations"]]
+converged = sorted((e for e in points if e["status"] == "converged"), key=lambda e: -e["misfit"])
+check(pairs and same(pairs[-1]["traces"][0]["x"], [e["parameters"][-2] for e in converged]), "the landscape holds the points of the map")
+
+root, charts, requests, dom = opened(folder / "road.html")
+survey = json.loads((survey_folder / "survey.json").read_text())
+good = [s for s in survey["stations"] if "D0_um" in s]
+check("data-failures" not in root and not requests, f"the road opens: {root} {requests}")
+check(same(charts[0]["traces"][0]["y"], [s["D0_um_at_common_pressure"] for s in good]), "the strip chart holds D0")
+rejected = [s for s in survey["stations"] if s["status"] != "ok"]
+check(rejected and all(s["reason"] in dom for s in rejected), "the report says why a station is rejected")
+
+finish()
