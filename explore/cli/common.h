@@ -39,6 +39,7 @@ void add_forward(CLI::App& app, Action& action);
 void add_map(CLI::App& app, Action& action);
 void add_fit(CLI::App& app, Action& action);
 void add_sensitivity(CLI::App& app, Action& action);
+void add_compare(CLI::App& app, Action& action);
 void add_twin(CLI::App& app, Action& action);
 void add_effects(CLI::App& app, Action& action);
 void add_survey(CLI::App& app, Action& action);

@@ -37,50 +37,6 @@ std::vector<study::Variant> variants_of(const std::vector<study::Variant>& all, 
     return list;
 }
 
-Layout layout_of(const study::Study& study) {
-    Layout layout;
-    std::vector<diagnose::Fold> places;
-    for (const auto& group : study.groups) {
-        if (group.held_out) {
-            continue;
-        }
-        diagnose::ReadingGroup own{.name = group.name, .terms = {}};
-        for (const std::size_t row : group.rows) {
-            const std::size_t term = layout.rows.size();
-            layout.rows.push_back(row);
-            own.terms.push_back(term);
-            const auto& m = study.measurements[row];
-            const auto add = [&](std::vector<diagnose::Fold>& folds, const std::string& name) {
-                auto fold = std::find_if(folds.begin(), folds.end(), [&](const auto& f) { return f.name == name; });
-                if (fold == folds.end()) {
-                    fold = folds.insert(folds.end(), {.name = name, .terms = {}});
-                }
-                fold->terms.push_back(term);
-            };
-            add(places, place_words(m));
-            add(layout.loads, m.load);
-        }
-        std::stable_sort(own.terms.begin(), own.terms.end(), [&](std::size_t a, std::size_t b) {
-            const auto& first = study.measurements[layout.rows[a]];
-            const auto& second = study.measurements[layout.rows[b]];
-            return std::tie(first.x_mm, first.y_mm, first.depth_mm) <
-                   std::tie(second.x_mm, second.y_mm, second.depth_mm);
-        });
-        layout.groups.push_back(std::move(own));
-    }
-    constexpr std::size_t most = 10; // folds
-    for (std::size_t p = 0; p < places.size(); ++p) {
-        if (p < most) {
-            layout.places.push_back(places[p]);
-        } else {
-            auto& fold = layout.places[p % most];
-            fold.name += " and " + places[p].name;
-            fold.terms.insert(fold.terms.end(), places[p].terms.begin(), places[p].terms.end());
-        }
-    }
-    return layout;
-}
-
 Reported report_of(const study::Study& study, const std::vector<study::Variant>& all, diagnose::Workbench& bench,
                    const Judged& judged, double variance) {
     Reported r{.study = study::with_free_effects(study, variants_of(all, judged.model.members)),
@@ -92,19 +48,9 @@ Reported report_of(const study::Study& study, const std::vector<study::Variant>&
         r.parameters.push_back(diagnose::interval_of(problem, judged.model, k, variance));
     }
     Predictor(r.study).complete(r.evaluation);
-    double squares = 0.0;
+    r.held_out_rms = held_out_rms(study, r.evaluation.responses);
     for (const auto& group : study.groups) {
-        if (!group.held_out || study.sigma.empty()) {
-            continue;
-        }
-        for (const std::size_t i : group.rows) {
-            const double measured = study.measurements[i].value * study.measurements[i].unit.to_si;
-            squares += std::pow((r.evaluation.responses[i] - measured) / study.sigma[i], 2);
-            ++r.held_out;
-        }
-    }
-    if (r.held_out > 0) {
-        r.held_out_rms = std::sqrt(squares / static_cast<double>(r.held_out));
+        r.held_out += r.held_out_rms && group.held_out ? group.rows.size() : 0;
     }
     r.misfit = study::make_problem(study, study::Scope::fitted).misfit.residuals(r.evaluation.responses).norm();
     return r;

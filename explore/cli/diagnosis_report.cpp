@@ -255,12 +255,6 @@ Json separating_json(const Separating& s, const std::vector<diagnose::Candidate>
 
 } // namespace
 
-std::string place_words(const data::Measurement& m) {
-    return m.quantity == "deflection" ? fmt::format("deflection at {:g} mm", m.x_mm)
-           : m.x_mm != 0.0            ? fmt::format("{} {:g} mm deep at {:g} mm", m.quantity, m.depth_mm, m.x_mm)
-                                      : fmt::format("{} {:g} mm deep", m.quantity, m.depth_mm);
-}
-
 Json diagnosis_json(const Findings& f) {
     const Diagnosis& d = f.d;
     const bool is_extended = f.after && d.verdict != Verdict::unexplained;

@@ -1,18 +1,11 @@
 // What `pavescape diagnose` says of a diagnosis: its page and its JSON.
 #pragma once
 
-#include "diagnose/diagnosis.h"
+#include "cli/layout.h"
 #include "report/json.h"
 #include "study/variants.h"
 
 namespace explore::cli {
-
-// The study and everything that names its terms: the fitted readings in the order of its groups.
-struct Layout {
-    std::vector<std::size_t> rows; // the reading of each term
-    std::vector<diagnose::ReadingGroup> groups;
-    std::vector<diagnose::Fold> places, loads;
-};
 
 // A model of the diagnosis with everything a report asks of it.
 struct Reported {
@@ -46,9 +39,6 @@ struct Findings {
     const std::vector<std::optional<double>>& held_out; // of each explanation: see Reported
     const std::string& extended_path;                   // of the extended study; empty: none
 };
-
-// "deflection at 300 mm", "strain_zz 112 mm deep"
-std::string place_words(const data::Measurement& m);
 
 report::Json diagnosis_json(const Findings& f);
 std::string diagnosis_page(const Findings& f);

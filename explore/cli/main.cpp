@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
     cli::add_sensitivity(app, action);
     cli::add_unique(app, action);
     cli::add_diagnose(app, action);
+    cli::add_compare(app, action);
     cli::add_twin(app, action);
     cli::add_effects(app, action);
     cli::add_survey(app, action);

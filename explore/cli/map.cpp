@@ -78,13 +78,16 @@ int map(const MapOptions& options) {
     const double rate = tally.seconds > 0.0 ? static_cast<double>(tally.computed) / tally.seconds : 0.0;
     const auto lowest = run::distinct_starts(design, *evaluations, 10, 0.0);
 
-    report::Json json = {
-        {"design", design.name}, {"points", design.points.size()}, {"computed", tally.computed},
-        {"kept", tally.kept},    {"runs_per_second", rate},        {"statuses", report::status_counts(*evaluations)},
-        {"parameters", report::space_json(study.space)},
-        {"study", {{"file", study.file}, {"title", study.title}, {"hash", study.hash}}},
-        {"version", PAVESCAPE_VERSION},
-        {"run", folder}};
+    report::Json json = {{"design", design.name},
+                         {"points", design.points.size()},
+                         {"computed", tally.computed},
+                         {"kept", tally.kept},
+                         {"runs_per_second", rate},
+                         {"statuses", report::status_counts(*evaluations)},
+                         {"parameters", report::space_json(study.space)},
+                         {"study", {{"file", study.file}, {"title", study.title}, {"hash", study.hash}}},
+                         {"version", PAVESCAPE_VERSION},
+                         {"run", folder}};
     json["lowest"] = report::Json::array();
     for (const std::size_t i : lowest) {
         const auto& e = (*evaluations)[i];

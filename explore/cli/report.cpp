@@ -15,7 +15,7 @@ namespace {
 
 using report::Json;
 
-constexpr std::string_view commands[] = {"fit", "map", "unique", "diagnose", "sensitivity", "survey"};
+constexpr std::string_view commands[] = {"fit", "map", "unique", "diagnose", "compare", "sensitivity", "survey"};
 constexpr std::size_t most_points = 5000; // of a picture of the landscape
 
 std::string contents(const std::filesystem::path& path) {

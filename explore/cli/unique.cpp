@@ -1,5 +1,6 @@
 // pavescape unique: is the answer unique, along what is it not, and what does that do to the outputs?
 #include "cli/common.h"
+#include "cli/layout.h"
 #include "landscape/next_measurement.h"
 #include "landscape/uniqueness.h"
 #include "report/table.h"
@@ -511,27 +512,8 @@ int unique(const UniqueOptions& options) {
     run::Engine engine(fitted, &store, id, {.threads = options.common.threads, .show_progress = true});
     run::Engine everything_engine(everything, &store, all_id,
                                   {.threads = options.common.threads, .show_progress = true});
-    landscape::UniquenessTask task{.fitted = fitted,
-                                   .everything = everything,
-                                   .fitted_engine = engine,
-                                   .everything_engine = everything_engine,
-                                   .noise_is_stated = study.noise == study::NoiseSource::stated,
-                                   .outputs = {},
-                                   .groups = {},
-                                   .seed = options.common.seed};
-    for (std::size_t o = 0; o < study.outputs.size(); ++o) {
-        task.outputs.push_back(study.measurements.size() + o);
-    }
-    std::size_t term = 0;
-    for (const auto& group : study.groups) {
-        if (!group.held_out) {
-            task.groups.emplace_back();
-            for (std::size_t i = 0; i < group.rows.size(); ++i) {
-                task.groups.back().push_back(term++);
-            }
-        }
-    }
-    const auto result = landscape::uniqueness(task, options.analysis);
+    const auto result = landscape::uniqueness(
+        uniqueness_task(study, fitted, everything, engine, everything_engine, options.common.seed), options.analysis);
     if (!result) {
         return report_interrupt(folder);
     }

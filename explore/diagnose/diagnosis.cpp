@@ -105,16 +105,13 @@ private:
     Judged judge(Model model) {
         Judged j;
         const Mimicry mimicry = mimicry_of(model);
-        const auto n = static_cast<double>(model.residuals.size());
-        const auto k = static_cast<double>(model.unit.size());
         j.chi2 = model.sum / d_.variance;
         j.dof = static_cast<int>(model.residuals.size()) - mimicry.rank();
         if (task_.noise_is_stated && j.dof > 0) {
             j.p_value = gsl_cdf_chisq_Q(j.chi2, j.dof);
         }
-        const double free = k + (task_.noise_is_stated ? 0.0 : 1.0);
-        j.aicc = (task_.noise_is_stated ? j.chi2 : n * std::log(std::max(model.sum, 1e-300) / n)) + 2.0 * free +
-                 (n > free + 1.0 ? 2.0 * free * (free + 1.0) / (n - free - 1.0) : INFINITY);
+        j.aicc =
+            aicc(model.sum, static_cast<std::size_t>(model.residuals.size()), model.unit.size(), task_.noise_is_stated);
         j.pattern = test_pattern(model.residuals / std::sqrt(d_.variance), mimicry, task_.groups);
         j.model = std::move(model);
         return j;
@@ -868,6 +865,13 @@ private:
 };
 
 } // namespace
+
+double aicc(double sum, std::size_t readings, std::size_t parameters, bool noise_is_stated) {
+    const auto n = static_cast<double>(readings);
+    const double free = static_cast<double>(parameters) + (noise_is_stated ? 0.0 : 1.0);
+    return (noise_is_stated ? sum : n * std::log(std::max(sum, 1e-300) / n)) + 2.0 * free +
+           (n > free + 1.0 ? 2.0 * free * (free + 1.0) / (n - free - 1.0) : INFINITY);
+}
 
 Interval interval_of(const problem::Problem& problem, const Model& model, std::size_t axis, double variance) {
     const MatrixXd j = problem.residual_jacobian(model.evaluation);

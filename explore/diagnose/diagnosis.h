@@ -38,6 +38,11 @@ struct Judged {
     PatternTest pattern;
 };
 
+// Akaike's criterion for few data (Hurvich and Tsai 1989), up to a constant of the data; infinite where the parameters
+// are too many for it. sum: of the squared residuals, in units of their noise where it is stated (else the noise counts
+// as one more parameter).
+double aicc(double sum, std::size_t readings, std::size_t parameters, bool noise_is_stated);
+
 struct Interval {
     double value = 0.0, low = 0.0, high = 0.0; // physical
 };

@@ -86,9 +86,10 @@ std::string vtu_text(const Fields& f) {
     }
     const std::vector<std::uint8_t> types(static_cast<std::size_t>(elements),
                                           f.nodes == 8 ? quadratic_quadrilateral : quadratic_hexahedron);
-    const Eigen::Vector3d upwards{1.0, 1.0, -1.0};
-    const Eigen::MatrixXd position = upwards.asDiagonal() * f.position;
-    const Eigen::MatrixXd displacement = upwards.asDiagonal() * f.displacement;
+    Eigen::MatrixXd position = f.position;
+    Eigen::MatrixXd displacement = f.displacement;
+    position.row(2) *= -1.0;
+    displacement.row(2) *= -1.0;
 
     std::string text = "<?xml version=\"1.0\"?>\n"
                        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "

@@ -136,7 +136,8 @@ struct Solver<Element>::Work {
         variations = &run_variations;
         springs = &run_springs;
         motions = &run_motions;
-        prepared.assign(run_layers.size(), {});
+        prepared.clear();
+        prepared.resize(run_layers.size());
         for (std::size_t l = 0; l < run_layers.size(); ++l) {
             const LayerMaterial& layer = run_layers[l];
             PreparedLayer<N>& p = prepared[l];

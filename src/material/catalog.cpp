@@ -1,5 +1,6 @@
 #include "material/catalog.h"
 
+#include "material/bilinear.h"
 #include "material/k_theta.h"
 #include "material/lade_nelson.h"
 #include "material/linear.h"
@@ -10,7 +11,7 @@ namespace pave::material {
 
 std::span<const Law* const> laws() {
     static const Law* const all[] = {
-        &linear(), &uzan(), &k_theta(), &uzan_deviator(), &lade_nelson(),
+        &linear(), &uzan(), &k_theta(), &uzan_deviator(), &lade_nelson(), &bilinear(),
     };
     return all;
 }

@@ -20,15 +20,34 @@ public:
     }
     std::span<const ParameterInfo> parameters() const override {
         static const ParameterInfo infos[] = {
-            {"m", 1.0, 0.0, 1e6, true, {}, "modulus at theta = pa without shear, in units of pa = 100 kPa", {}},
-            {"lambda", 1.0, -2.0, 2.0, false, {}, "exponent; half of an exponent of theta", {}},
+            {"m",
+             1.0,
+             0.0,
+             1e6,
+             true,
+             {},
+             "modulus at theta = pa without shear, in units of pa = 100 kPa",
+             {},
+             UsualRange{200, 12000, 1000, true}},
+            {"lambda",
+             1.0,
+             -2.0,
+             2.0,
+             false,
+             {},
+             "exponent; half of an exponent of theta",
+             {},
+             UsualRange{0.0, 0.5, 0.3, false}},
             {"poisson", 1.0, -0.99, 0.49, false, {}, "Poisson's ratio", {}},
             {"tension_smoothing_kPa", unit::kPa, 0.0, 1e3, true, 5.0, "delta, keeps the modulus from zero", {}},
         };
         return infos;
     }
     bool stress_dependent() const override { return true; }
-    std::size_t scale_parameter() const override { return m; }
+    std::span<const std::size_t> scale_parameters() const override {
+        static constexpr std::size_t own[] = {m};
+        return own;
+    }
 
     Modulus modulus(std::span<const double> p, mechanics::Invariants at) const override {
         const double x = measure(p, at);

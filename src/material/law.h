@@ -15,6 +15,13 @@
 
 namespace pave::material {
 
+// Where a parameter is sought when nothing else is known of the material, in file units.
+struct UsualRange {
+    double low = 0.0, high = 0.0;
+    double start = 0.0;
+    bool log = false; // by equal ratios
+};
+
 // One number (or choice) of a law as it stands in a study file.
 struct ParameterInfo {
     std::string_view key; // with its unit: "modulus_MPa"
@@ -25,6 +32,7 @@ struct ParameterInfo {
     std::optional<double> default_value; // in file units; NaN = "derived from the others"; none = must be given
     std::string_view meaning;
     std::vector<std::string_view> choices; // words instead of a number: the value is the index of the word
+    std::optional<UsualRange> usual{};     // of what a fit of the law varies
 };
 
 // Value of an optional parameter that is not given.
@@ -51,8 +59,8 @@ public:
     // False: E depends on the parameters only, and the layer is linear elastic.
     virtual bool stress_dependent() const = 0;
 
-    // Index of the parameter that E is proportional to.
-    virtual std::size_t scale_parameter() const = 0;
+    // Indices of the parameters that E is proportional to, all together.
+    virtual std::span<const std::size_t> scale_parameters() const = 0;
 
     // E at a stress state. p: SI values in the order of parameters().
     virtual Modulus modulus(std::span<const double> p, mechanics::Invariants at) const = 0;

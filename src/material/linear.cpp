@@ -14,13 +14,24 @@ public:
     std::string_view summary() const override { return "isotropic linear elasticity"; }
     std::span<const ParameterInfo> parameters() const override {
         static const ParameterInfo infos[] = {
-            {"modulus_MPa", unit::MPa, 0.0, 1e6, true, {}, "Young's modulus", {}},
+            {"modulus_MPa",
+             unit::MPa,
+             0.0,
+             1e6,
+             true,
+             {},
+             "Young's modulus",
+             {},
+             UsualRange{20.0, 3000.0, 300.0, true}},
             {"poisson", 1.0, -0.99, 0.4999, false, {}, "Poisson's ratio", {}},
         };
         return infos;
     }
     bool stress_dependent() const override { return false; }
-    std::size_t scale_parameter() const override { return modulus_MPa; }
+    std::span<const std::size_t> scale_parameters() const override {
+        static constexpr std::size_t own[] = {modulus_MPa};
+        return own;
+    }
 
     Modulus modulus(std::span<const double> p, mechanics::Invariants) const override {
         return {.value = p[modulus_MPa]};

@@ -43,6 +43,11 @@ StressDependent::StressDependent(std::vector<ParameterInfo> own, std::optional<d
     infos_.insert(infos_.end(), std::begin(shared), std::end(shared));
 }
 
+std::span<const std::size_t> StressDependent::scale_parameters() const {
+    static constexpr std::size_t own[] = {first};
+    return own;
+}
+
 Modulus StressDependent::modulus(std::span<const double> p, mechanics::Invariants at) const {
     const double eta_here = p[place(eta)];
     const Floor floor(p[place(delta)], eta_here, at);

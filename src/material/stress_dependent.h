@@ -15,17 +15,19 @@ class StressDependent : public Law {
 public:
     std::span<const ParameterInfo> parameters() const final { return infos_; }
     bool stress_dependent() const final { return true; }
-    std::size_t scale_parameter() const final { return first; }
+    std::span<const std::size_t> scale_parameters() const override;
 
     Modulus modulus(std::span<const double> p, mechanics::Invariants at) const final;
     double modulus_derivative(std::span<const double> p, mechanics::Invariants at, std::size_t i) const final;
     mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const final;
     mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, std::size_t i) const final;
-    std::string impossible(std::span<const double> p) const final;
+    std::string impossible(std::span<const double> p) const override;
 
 protected:
-    // own: the law's parameters, the one that E is proportional to first. isotropic: n and Poisson's ratios have
-    // defaults.
+    static constexpr std::size_t first = 1; // of the law's own parameters, after modulus_axis
+
+    // own: the law's parameters; E is proportional to the first, unless the law says otherwise (scale_parameters).
+    // isotropic: n and Poisson's ratios have defaults.
     explicit StressDependent(std::vector<ParameterInfo> own, std::optional<double> default_n = {});
 
     struct Terms {
@@ -40,7 +42,6 @@ protected:
                                   std::size_t i) const = 0;
 
 private:
-    static constexpr std::size_t first = 1; // of the law's own parameters, after modulus_axis
     enum Common : std::size_t { n, poisson_12, poisson_31, shear_ratio, delta, eta, common };
 
     std::size_t place(Common which) const { return first + own_ + which; }

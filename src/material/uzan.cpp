@@ -16,9 +16,33 @@ class Uzan final : public StressDependent {
 public:
     Uzan()
         : StressDependent({
-              {"k1", 1.0, 0.0, 1e6, true, {}, "modulus at theta = pa without shear, in units of pa = 100 kPa", {}},
-              {"k2", 1.0, -5.0, 5.0, false, {}, "exponent of confinement: stiffens when positive", {}},
-              {"k3", 1.0, -50.0, 50.0, false, {}, "exponent of shear: softens when negative", {}},
+              {"k1",
+               1.0,
+               0.0,
+               1e6,
+               true,
+               {},
+               "modulus at theta = pa without shear, in units of pa = 100 kPa",
+               {},
+               UsualRange{300, 12000, 1500, true}},
+              {"k2",
+               1.0,
+               -5.0,
+               5.0,
+               false,
+               {},
+               "exponent of confinement: stiffens when positive",
+               {},
+               UsualRange{0.0, 1.0, 0.7, false}},
+              {"k3",
+               1.0,
+               -50.0,
+               50.0,
+               false,
+               {},
+               "exponent of shear: softens when negative",
+               {},
+               UsualRange{-2.0, 0.0, -0.4, false}},
           }) {}
     std::string_view name() const override { return "uzan"; }
     std::string_view summary() const override {

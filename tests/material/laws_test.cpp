@@ -190,3 +190,34 @@ TEST(UzanDeviator, IsThePrintedEquationInTheTriaxialTest) {
     EXPECT_NEAR(material::find_law("uzan-deviator")->modulus(with_floor, {5e5, tau}).value,
                 900e5 * std::pow(5.0, 0.6) * std::pow(2.0, -0.2), 1.0);
 }
+
+TEST(Bilinear, IsThePrintedEquationAwayFromItsCorners) {
+    const Law& law = *material::find_law("bilinear");
+    // Er = K1 + K3 (K2 - q) below K2, K1 - K4 (q - K2) above it; corners are rounded over 3 kPa.
+    const std::vector<double> p{0, 60e6, 1000, 178, 41e3, 14e3, 145e3, 1.0, 0.4, 0.4, NAN, 5e3, 0.0};
+    const auto at = [&](double q) { return law.modulus(p, {1e5, std::sqrt(2.0) / 3.0 * q}).value; };
+    EXPECT_EQ(law.impossible(p), "");
+    EXPECT_NEAR(at(28e3), 60e6 + 1000 * 13e3, 0.02 * 13e6);
+    EXPECT_NEAR(at(100e3), 60e6 - 178 * 59e3, 0.02 * 10e6);
+    EXPECT_NEAR(at(0.0), 60e6 + 1000 * 27e3, 0.02 * 27e6);   // as at the lowest deviator stress
+    EXPECT_NEAR(at(400e3), 60e6 - 178 * 104e3, 0.02 * 18e6); // as at the highest
+    auto weak = p;
+    weak[1] = 15e6;
+    EXPECT_NE(law.impossible(weak), "") << "negative at the highest deviator stress";
+}
+
+TEST(EveryLaw, IsProportionalToItsScaleParametersTogether) {
+    for (const Law* law : material::laws()) {
+        for (int k = 0; k < 10; ++k) {
+            const auto p = random_parameters(*law, k);
+            auto twice = p;
+            for (const std::size_t i : law->scale_parameters()) {
+                twice[i] *= 2.0;
+            }
+            const auto at = random_state(k);
+            EXPECT_NEAR(law->modulus(twice, at).value, 2.0 * law->modulus(p, at).value,
+                        1e-9 * law->modulus(p, at).value)
+                << law->name();
+        }
+    }
+}

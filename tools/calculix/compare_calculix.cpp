@@ -39,7 +39,7 @@ public:
     std::string_view summary() const override { return "one modulus of a stress-dependent law"; }
     std::span<const material::ParameterInfo> parameters() const override { return {}; }
     bool stress_dependent() const override { return false; }
-    std::size_t scale_parameter() const override { return 0; } // it has none, and nothing varies it
+    std::span<const std::size_t> scale_parameters() const override { return {}; }
     material::Modulus modulus(std::span<const double>, mechanics::Invariants) const override {
         return {.value = modulus_};
     }

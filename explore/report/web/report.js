@@ -368,6 +368,19 @@
                 ` (right with a rate of ${figure(100 * r.next_measurement.power)} %).`) : null);
     };
 
+    const showCompare = (r) => {
+        const good = r.laws.filter((l) => l.status === "converged");
+        section("Which law do the data prefer?", asked(r, `Laws of “${r.layer}”.`), words(r.findings),
+            table(["law", "misfit", "chi2", "degrees of freedom", "p", "AICc", "weight [%]", "left out", "held out", "answer"], r.laws.map((l) =>
+                l.status === "converged" ? [l.law, l.misfit, l.chi2, l.dof, l.p_value, l.aicc, 100 * l.weight, l.held_out_rms, l.study_held_out_rms, l.verdict]
+                    : [l.law, l.reason, "", "", "", "", "", "", "", ""])),
+            make("p", { className: "soft" }, "Left out: error of readings predicted place by place by fits without them; held out: of those that the study holds out."),
+            good.length ? [part("Measured and modelled"), againstMeasured(good[0].responses.filter((q) => q.measured !== undefined),
+                good[0].responses.map((q) => q.measured), good.map((l) => ({ name: l.law, values: l.responses.map((q) => q.value) })))] : [],
+            good.map((l) => [part(l.law), make("p", { className: "soft" }, l.summary), table(["", "best", "low", "high"],
+                [...Object.entries(l.parameters).map(([n, v]) => [n, v.value, v.low, v.high]), ...l.outputs.map((o) => [`${o.name} [${o.unit}]`, o.best, o.low, o.high])])]));
+    };
+
     const showSensitivity = (r) => {
         const responses = r.responses.map((s) => s.name);
         section("Sensitivity", asked(r, `One at a time over ±${figure(r.range_percent)} %.`), words(r.findings),
@@ -410,7 +423,7 @@
     const strip2 = (fitted) => chart("strip", [{ type: "bar", x: fitted.map((s) => s.chainage_m), y: fitted.map((s) => s.fit.rms_percent) }],
         { xaxis: axis("chainage [m]"), yaxis: axis("rms of the fit [%]"), height: 220 });
 
-    const show = { unique: showUnique, diagnose: showDiagnose, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: showSurvey };
+    const show = { unique: showUnique, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: showSurvey };
 
     // -- the page -------------------------------------------------------------------------------------------------
 
@@ -420,7 +433,7 @@
     const navigation = make("nav");
     root.append(make("header", {}, make("h1", {}, titles[0] || data.folder),
         make("p", { className: "soft" }, `Pavescape ${data.version}, run “${data.folder}”: ${Object.keys(results).join(", ") || "not finished"}`)), navigation);
-    const summary = ["unique", "diagnose", "fit"].filter((c) => results[c] && (results[c].findings || []).length);
+    const summary = ["unique", "diagnose", "compare", "fit"].filter((c) => results[c] && (results[c].findings || []).length);
     if (summary.length > 0) {
         root.append(make("div", { className: "verdict" }, results[summary[0]].findings[0]));
     }

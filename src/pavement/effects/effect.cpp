@@ -95,7 +95,9 @@ double top_of(const Case& c, std::size_t layer) {
 }
 
 void scale_modulus(Layer& layer, double factor) {
-    layer.parameters[layer.law->scale_parameter()] *= factor;
+    for (const std::size_t i : layer.law->scale_parameters()) {
+        layer.parameters[i] *= factor;
+    }
 }
 
 double slip_compliance(double size) {
@@ -106,6 +108,7 @@ double slip_compliance(double size) {
 
 Effect interface_slip() {
     return {
+        .name = {},
         .unit = "-",
         .null = 0.0,
         .low = 0.0,
@@ -117,6 +120,7 @@ Effect interface_slip() {
             "the interface: the layer above bends on its own.",
         .source = "Goodman, Taylor and Brekke (1968), joint elements; the shear spring compliance of BISAR (de Jong et "
                   "al. 1973)",
+        .acts_on = {},
         .layer = LayerRole::base,
         .takes_layer = true,
     };

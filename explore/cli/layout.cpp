@@ -1,0 +1,100 @@
+#include "cli/layout.h"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace explore::cli {
+
+Layout layout_of(const study::Study& study) {
+    Layout layout;
+    std::vector<diagnose::Fold> places;
+    for (const auto& group : study.groups) {
+        if (group.held_out) {
+            continue;
+        }
+        diagnose::ReadingGroup own{.name = group.name, .terms = {}};
+        for (const std::size_t row : group.rows) {
+            const std::size_t term = layout.rows.size();
+            layout.rows.push_back(row);
+            own.terms.push_back(term);
+            const auto& m = study.measurements[row];
+            const auto add = [&](std::vector<diagnose::Fold>& folds, const std::string& name) {
+                auto fold = std::find_if(folds.begin(), folds.end(), [&](const auto& f) { return f.name == name; });
+                if (fold == folds.end()) {
+                    fold = folds.insert(folds.end(), {.name = name, .terms = {}});
+                }
+                fold->terms.push_back(term);
+            };
+            add(places, place_words(m));
+            add(layout.loads, m.load);
+        }
+        std::stable_sort(own.terms.begin(), own.terms.end(), [&](std::size_t a, std::size_t b) {
+            const auto& first = study.measurements[layout.rows[a]];
+            const auto& second = study.measurements[layout.rows[b]];
+            return std::tie(first.x_mm, first.y_mm, first.depth_mm) <
+                   std::tie(second.x_mm, second.y_mm, second.depth_mm);
+        });
+        layout.groups.push_back(std::move(own));
+    }
+    constexpr std::size_t most = 10; // folds
+    for (std::size_t p = 0; p < places.size(); ++p) {
+        if (p < most) {
+            layout.places.push_back(places[p]);
+        } else {
+            auto& fold = layout.places[p % most];
+            fold.name += " and " + places[p].name;
+            fold.terms.insert(fold.terms.end(), places[p].terms.begin(), places[p].terms.end());
+        }
+    }
+    return layout;
+}
+
+std::string place_words(const data::Measurement& m) {
+    return m.quantity == "deflection" ? fmt::format("deflection at {:g} mm", m.x_mm)
+           : m.x_mm != 0.0            ? fmt::format("{} {:g} mm deep at {:g} mm", m.quantity, m.depth_mm, m.x_mm)
+                                      : fmt::format("{} {:g} mm deep", m.quantity, m.depth_mm);
+}
+
+std::optional<double> held_out_rms(const study::Study& study, const std::vector<double>& responses) {
+    double squares = 0.0;
+    std::size_t count = 0;
+    for (const auto& group : study.groups) {
+        if (!group.held_out || study.sigma.empty()) {
+            continue;
+        }
+        for (const std::size_t i : group.rows) {
+            const double measured = study.measurements[i].value * study.measurements[i].unit.to_si;
+            squares += std::pow((responses[i] - measured) / study.sigma[i], 2);
+            ++count;
+        }
+    }
+    return count > 0 ? std::optional(std::sqrt(squares / static_cast<double>(count))) : std::nullopt;
+}
+
+landscape::UniquenessTask uniqueness_task(const study::Study& study, const problem::Problem& fitted,
+                                          const problem::Problem& everything, run::Engine& fitted_engine,
+                                          run::Engine& everything_engine, std::uint64_t seed) {
+    landscape::UniquenessTask task{.fitted = fitted,
+                                   .everything = everything,
+                                   .fitted_engine = fitted_engine,
+                                   .everything_engine = everything_engine,
+                                   .noise_is_stated = study.noise == study::NoiseSource::stated,
+                                   .outputs = {},
+                                   .groups = {},
+                                   .seed = seed};
+    for (std::size_t o = 0; o < study.outputs.size(); ++o) {
+        task.outputs.push_back(study.measurements.size() + o);
+    }
+    std::size_t term = 0;
+    for (const auto& group : study.groups) {
+        if (!group.held_out) {
+            task.groups.emplace_back();
+            for (std::size_t i = 0; i < group.rows.size(); ++i) {
+                task.groups.back().push_back(term++);
+            }
+        }
+    }
+    return task;
+}
+
+} // namespace explore::cli

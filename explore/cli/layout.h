@@ -1,0 +1,32 @@
+// The fitted readings of a study as the terms of its misfit: their groups, and what is left out together.
+#pragma once
+
+#include "diagnose/diagnosis.h"
+#include "landscape/uniqueness.h"
+#include "study/study.h"
+
+namespace explore::cli {
+
+// Terms are the fitted readings in the order of the study's groups.
+struct Layout {
+    std::vector<std::size_t> rows; // the reading of each term
+    std::vector<diagnose::ReadingGroup> groups;
+    std::vector<diagnose::Fold> places, loads; // places: at most ten, those beyond share them
+};
+
+Layout layout_of(const study::Study& study);
+
+// "deflection at 300 mm", "strain_zz 112 mm deep"
+std::string place_words(const data::Measurement& m);
+
+// Root mean square of the residuals of the readings that the study holds out, in standard deviations of their stated
+// noise; nothing where there are none or none is stated. responses: all of them.
+std::optional<double> held_out_rms(const study::Study& study, const std::vector<double>& responses);
+
+// The question of uniqueness for a study: the ranges of its outputs, and whether its groups agree. All but the study
+// must outlive the task; problems: study::make_noise_problem of what is fitted and of everything.
+landscape::UniquenessTask uniqueness_task(const study::Study& study, const problem::Problem& fitted,
+                                          const problem::Problem& everything, run::Engine& fitted_engine,
+                                          run::Engine& everything_engine, std::uint64_t seed);
+
+} // namespace explore::cli

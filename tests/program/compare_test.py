@@ -1,0 +1,79 @@
+"""`compare`: data made with one law are not taken for those of another; keys, ranges and answers are those of the study."""
+import json
+
+from support import *
+
+folder = workspace()
+options = ["--explore", 24, "--verify", 4]
+
+# A plate at two pressures over a base that stiffens with confinement.
+loads = """[[loads]]
+name = "light"
+type = "plate"
+radius_mm = 150
+pressure_kPa = 200
+
+[[loads]]
+name = "heavy"
+type = "plate"
+radius_mm = 150
+pressure_kPa = 900
+"""
+text = STUDY.replace(STUDY[STUDY.index("[[loads]]"):STUDY.index("[mesh]")], loads + "\n").replace('load = "fwd"', 'load = "heavy"')
+text = text.replace("k2 = 0.5", "k2 = 0.8").replace("n = 0.5", "n = 1.0")
+text = text.replace('[[parameters]]\nname = "base.n"\nmin = 0.1\nmax = 4.5\npoints = 3\n',
+                    '[[parameters]]\nname = "base.k2"\nmin = 0\nmax = 1\n\n[[parameters]]\nname = "subgrade.modulus_MPa"\nmin = 20\nmax = 120\nscale = "log"\n')
+text = text.replace('misfit = "log"', 'misfit = "log"\nnoise_relative = 0.02')
+layout = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + "".join(
+    f"{load},{quantity},{x},0,{depth},{gauge},{value},{unit},\n"
+    for load in ("light", "heavy")
+    for quantity, x, depth, gauge, value, unit in [("deflection", x, 0, 0, 0.5, "mm") for x in (0, 200, 300, 450, 600, 900)]
+    + [("strain_zz", 0, 120, 75, 800, "microstrain"), ("strain_zz", 0, 220, 75, 800, "microstrain"), ("strain_zz", 0, 360, 75, 800, "microstrain")])
+made = write_study(folder / "made", text, layout)
+twin = run("twin", made, "--noise", "0.02", "--seed", "5", "--out", folder / "twin")
+check(twin.returncode == 0, f"twin: {twin.stderr}")
+study = write_study(folder / "s", text, (folder / "twin" / "twin.csv").read_text())
+
+done = run("compare", study, "--laws", "linear,uzan,k-theta,lade-nelson", "--json", "--out", folder / "run", *options)
+check(done.returncode == 0, f"compare runs: {done.stderr}")
+found = json.loads(done.stdout)
+laws = {law["law"]: law for law in found["laws"]}
+check(found["layer"] == "base" and set(laws) == {"linear", "uzan", "k-theta", "lade-nelson"}, "every law that was asked for")
+check(laws["uzan"]["p_value"] > 0.001, f"the law of the data fits: {laws['uzan']['p_value']}")
+check(laws["linear"]["p_value"] < 1e-4 and laws["linear"]["weight"] < 0.01, "a linear base does not fit what a stiffening one left")
+check(laws["linear"]["held_out_rms"] > 1.2 * laws["uzan"]["held_out_rms"], "and predicts worse what it was not shown")
+check(found["laws"][0]["law"] != "linear" and "linear" in found["findings"][0], f"the findings say so: {found['findings']}")
+check(abs(sum(law["weight"] for law in found["laws"]) - 1) < 1e-9, "weights are shares")
+check(found["laws"] == sorted(found["laws"], key=lambda law: law["aicc"]), "the preferred law stands first")
+# k3 = -0.3 is held in the study: uzan and k-theta vary the same, k-theta is uzan without it.
+check(set(laws["uzan"]["parameters"]) == set(laws["k-theta"]["parameters"]) == {"base.k1", "base.k2", "subgrade.modulus_MPa"}, "shared keys are kept")
+check(set(laws["linear"]["parameters"]) == {"base.modulus_MPa", "subgrade.modulus_MPa"}, "own keys of a law are varied")
+check(set(laws["lade-nelson"]["parameters"]) == {"base.m", "base.lambda", "subgrade.modulus_MPa"}, "own keys of a law are varied")
+for law in found["laws"]:
+    n, k = 18, len(law["parameters"])
+    check(abs(law["aicc"] - (law["chi2"] + 2 * k + 2 * k * (k + 1) / (n - k - 1))) < 1e-9, f"AICc of {law['law']} (Hurvich and Tsai)")
+    for output in law["outputs"]:
+        check(output["low"] <= output["best"] <= output["high"], f"{law['law']}: the best output lies in its range")
+
+# With its own law the study is what `unique` sees.
+own = json.loads(run("unique", study, "--json", "--out", folder / "unique", *options).stdout)
+for name, value in own["minima"][0]["parameters"].items():
+    check(value == laws["uzan"]["parameters"][name]["value"], f"unique and compare agree on {name}")
+check(own["verdict"] == laws["uzan"]["verdict"], "and on the verdict")
+
+total = evaluations(folder / "run")
+again = json.loads(run("compare", study, "--laws", "linear,uzan,k-theta,lade-nelson", "--json", "--out", folder / "run", *options).stdout)
+check(again == found and evaluations(folder / "run") == total, "the second time nothing is computed")
+table = run("compare", study, "--laws", "linear,uzan,k-theta,lade-nelson", "--out", folder / "run", *options).stdout
+check("AICc" in table and "lade-nelson" in table, "a person gets a table")
+check(run("report", folder / "run").returncode == 0, "and a report")
+
+wrong = run("compare", study, "--laws", "k_theta")
+check(wrong.returncode == 2 and "k-theta" in wrong.stderr, f"an unknown law: {wrong.stderr}")
+wrong = run("compare", study, "--layer", "bass")
+check(wrong.returncode == 2 and "base" in wrong.stderr, f"an unknown layer: {wrong.stderr}")
+effect = write_study(folder / "e", text + '\n[[effects]]\nname = "shear-ratio"\nsize = 0.3\n', layout)
+wrong = run("compare", effect, "--laws", "lade-nelson")
+check(wrong.returncode == 2 and "shear-ratio" in wrong.stderr, f"an effect that a law cannot have: {wrong.stderr}")
+
+finish()

@@ -1,0 +1,93 @@
+"""What other programs use: the installed library from ten lines of C++, the Python module, the Debian package, manual pages, completion."""
+import json
+import os
+
+from support import *
+
+BUILD = pathlib.Path(PROGRAM).resolve().parents[1]
+folder = workspace()
+study = ROOT / "grids" / "captif-p1-fwd.toml"
+forward = [r["value"] for r in json.loads(run("forward", study, "--json").stdout)["responses"]]
+
+
+def command(*arguments, **options):
+    done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True, timeout=600, **options)
+    check(done.returncode == 0, f"{arguments[0]} {arguments[1]}: {done.stdout[-1500:]}{done.stderr[-1500:]}")
+    return done.stdout
+
+
+# Installed, and called from another project.
+prefix = folder / "usr"
+command("cmake", "--install", BUILD, "--prefix", prefix)
+example = folder / "example"
+command("cmake", "-S", ROOT / "examples" / "forward", "-B", example, f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release", "-GNinja")
+command("cmake", "--build", example)
+values = [float(line) for line in command(example / "forward_example", study).split()]
+check(values == forward, f"ten lines of C++ give the bits of the program: {values} {forward}")
+lines = [line for line in (ROOT / "examples" / "forward" / "main.cpp").read_text().splitlines() if line.strip() not in ("", "{", "}") and not line.startswith(("//", "#"))]
+check(len(lines) <= 10, f"in ten lines: {len(lines)}")
+check(command(prefix / "bin" / "pavescape", "--version") == run("--version").stdout, "the installed program runs")
+
+pages = prefix / "share" / "man" / "man1"
+for page, word in (("pavescape.1", "diagnose"), ("pavescape-fit.1", "--starts"), ("pavescape-forward.1", "--vtu")):
+    text = (pages / page).read_text().replace("\\-", "-") if (pages / page).exists() else ""
+    check(word in text and text.lstrip().startswith((".TH", ".\\\"")), f"{page} tells of {word}")
+
+completion = prefix / "share" / "bash-completion" / "completions" / "pavescape"
+ask = ('source {0}; COMP_WORDS=({1} {2}); COMP_CWORD={3}; _pavescape; printf "%s\\n" "${{COMPREPLY[@]}}"')
+for words, place, wanted in (("dia", 1, "diagnose"), ("fit --sta", 2, "--starts")):
+    offered = command("bash", "-c", ask.format(completion, PROGRAM, words, place)).split()
+    check(offered == [wanted], f"completion of '{words}': {offered}")
+
+# The Debian package.
+command("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", folder / "package", cwd=BUILD)
+packages = list((folder / "package").glob("*.deb"))
+check(len(packages) == 1, f"one package: {packages}")
+if packages:
+    contents = command("dpkg-deb", "--contents", packages[0])
+    for path in ("./usr/bin/pavescape\n", "./usr/share/man/man1/pavescape.1", "completions/pavescape\n", "dist-packages/pavescape"):
+        check(path in contents, f"the package holds {path.strip()}")
+    check("libtbb" in command("dpkg-deb", "--field", packages[0], "Depends"), "the package names what it needs")
+
+# Python.
+script = """
+import json, sys
+import numpy as np, pavescape
+study = pavescape.Study(sys.argv[1])
+own = study.forward()
+there = study.start * 1.02
+responses, jacobian = study.jacobian(there)
+h = 1e-4
+numeric = np.stack([(study.forward(there + h * e * there) - study.forward(there - h * e * there)) / (2 * h * there @ e)
+                    for e in np.eye(len(there))], axis=1)
+residuals = study.residuals(there)
+numeric_residuals = np.stack([(study.residuals(there + h * e * there) - study.residuals(there - h * e * there)) / (2 * h * there @ e)
+                              for e in np.eye(len(there))], axis=1)
+def error(kind, call):
+    try:
+        call()
+    except kind as e:
+        return str(e)
+fit = study.fit(starts=3, explore=48)
+print(json.dumps({"forward": own.tolist(), "parameters": study.parameters, "measured": study.measured.tolist(), "again": (study.forward(there) == responses).all().item(),
+                  "jacobian": float(np.abs((jacobian - numeric) * there).max() / np.abs(jacobian * there).max()),
+                  "residual_jacobian": float(np.abs((study.residual_jacobian(there) - numeric_residuals) * there).max() / np.abs(numeric_residuals * there).max()),
+                  "fit": fit["misfit"], "fitted": float(np.linalg.norm(study.residuals(fit["parameters"]))), "minima": len(fit["minima"]),
+                  "length": error(ValueError, lambda: study.forward(there[:-1])), "range": error(pavescape.NoAnswer, lambda: study.forward(-there)),
+                  "file": error(ValueError, lambda: pavescape.Study("nothing.toml")), "units": [r["unit"] for r in study.responses]}))
+"""
+environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
+found = json.loads(command("/usr/bin/python3", "-c", script, study, env=environment) or "{}")
+if found:
+    check(found["forward"] == forward, "Python gives the bits of the program")
+    check(found["again"], "with and without derivatives the responses are the same")
+    check(found["jacobian"] < 1e-5 and found["residual_jacobian"] < 1e-5, f"derivatives against differences: {found['jacobian']} {found['residual_jacobian']}")
+    check(found["length"] and "parameters" in found["length"] and found["range"] and "invalid" in found["range"] and found["file"], "errors are Python's")
+    same = json.loads(run("fit", study, "--starts", 3, "--explore", 48, "--out", folder / "fit", "--json").stdout)
+    check(abs(found["fit"] - same["best"]["misfit"]) < 1e-12 and found["minima"] == len(same["minima"]), "fit is the command fit")
+    check(abs(found["fitted"] - found["fit"]) < 1e-9 * found["fit"], "the norm of the residuals is the misfit")
+    inverted = command("/usr/bin/python3", ROOT / "examples" / "invert.py", study, env=environment)
+    misfit = float(inverted.split("misfit ")[1].split()[0])
+    check(misfit < 1.001 * found["fit"] + 0.02, f"scipy with exact derivatives finds as good a fit: {misfit} {found['fit']}")
+
+finish()

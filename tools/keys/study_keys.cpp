@@ -1,0 +1,77 @@
+// Prints docs/keys.md: every number of a layer, a law, a load and an effect, from the tables that the program reads
+// studies by. usage: study_keys > docs/keys.md
+#include "material/catalog.h"
+#include "pavement/effects/catalog.h"
+#include "pavement/effects/effect.h"
+#include "pavement/parameter.h"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace {
+
+using namespace pave;
+
+std::string range(double low, double high, bool low_is_open) {
+    return fmt::format("{} {:g}, up to {:g}", low_is_open ? "above" : "from", low, high);
+}
+
+std::string fallback(const std::optional<double>& value, const std::vector<std::string_view>& choices) {
+    if (!value) {
+        return "must be given";
+    }
+    if (!choices.empty()) {
+        return fmt::format("`{}`", choices[static_cast<std::size_t>(*value)]);
+    }
+    return std::isnan(*value) ? "follows from the others" : fmt::format("{:g}", *value);
+}
+
+void table(const auto& keys) {
+    fmt::print("| key | range | default | meaning |\n|---|---|---|---|\n");
+    for (const auto& key : keys) {
+        fmt::print("| `{}` | {} | {} | {} |\n", key.key, range(key.low, key.high, key.low_is_open),
+                   fallback(key.default_value, {}), key.meaning);
+    }
+}
+
+} // namespace
+
+int main() {
+    fmt::print(
+        "# Keys of layers, laws, loads and effects\n\n"
+        "Made from the program's own tables by `build/release/tools/keys/study_keys`; a test fails when this page is "
+        "stale. The unit of a\nkey is the end of its name. The other parts of a study are in the README, *Study file*."
+        "\n\n## Layers\n\n");
+    table(pavement::layer_keys());
+    fmt::print("\n## Laws\n\nThe usual range is where `pavescape compare` looks for what a study does not bound.\n");
+    for (const material::Law* law : material::laws()) {
+        fmt::print("\n### `{}`\n\n{}.\n\n| key | range | default | usual range | meaning |\n|---|---|---|---|---|\n",
+                   law->name(), law->summary());
+        for (const auto& info : law->parameters()) {
+            std::string allowed = range(info.low, info.high, info.low_is_open);
+            if (!info.choices.empty()) {
+                allowed = fmt::format("`{}`", fmt::join(info.choices, "`, `"));
+            }
+            fmt::print("| `{}` | {} | {} | {} | {} |\n", info.key, allowed, fallback(info.default_value, info.choices),
+                       info.usual ? fmt::format("{:g} to {:g}{}", info.usual->low, info.usual->high,
+                                                info.usual->log ? ", by equal ratios" : "")
+                                  : "",
+                       info.meaning);
+        }
+    }
+    fmt::print("\n## Loads\n");
+    const std::pair<const char*, std::pair<pavement::LoadType, pavement::Patch>> loads[] = {
+        {"plate", {pavement::LoadType::plate, pavement::Patch::circle}},
+        {"wheel", {pavement::LoadType::wheel, pavement::Patch::rectangle}},
+        {"dual-wheel", {pavement::LoadType::dual_wheel, pavement::Patch::rectangle}}};
+    for (const auto& [name, kind] : loads) {
+        fmt::print("\n### `{}`\n\n", name);
+        table(pavement::load_keys(kind.first, kind.second));
+    }
+    fmt::print("\n## Effects\n\n| effect | unit of `size` | range | no effect | typical | what it is |\n"
+               "|---|---|---|---:|---:|---|\n");
+    for (const pavement::Effect* effect : pavement::effects()) {
+        fmt::print("| `{}` | {} | {:g} to {:g} | {:g} | {:g} | {} |\n", effect->name, effect->unit, effect->low,
+                   effect->high, effect->null, effect->typical, effect->mechanism);
+    }
+}
