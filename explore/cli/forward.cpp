@@ -132,8 +132,8 @@ void add_forward(CLI::App& app, Action& action) {
         ->add_option("--vtu", *vtu,
                      "also the fields of displacement, strain, stress and moduli, for ParaView; one file a load")
         ->type_name("FILE");
-    command->footer("Examples: pavescape forward grids/captif-p1-fwd.toml --jacobian\n"
-                    "          pavescape forward grids/dual-nonlinear.toml --vtu dual.vtu");
+    command->footer("Example: pavescape forward grids/captif-p1-fwd.toml --jacobian\n"
+                    "         pavescape forward grids/dual-nonlinear.toml --vtu dual.vtu");
     command->callback([=, &action] { action = [=] { return forward(*options, *jacobian, *vtu); }; });
 }
 

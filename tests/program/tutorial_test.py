@@ -1,0 +1,36 @@
+"""Every command of the tutorial, as it stands there: it works, and what the page shows of its output is its output."""
+import os
+import re
+import shutil
+
+from support import *
+
+folder = workspace()
+shutil.copytree(ROOT / "grids", folder / "grids")
+environment = {**os.environ, "PATH": f"{pathlib.Path(PROGRAM).resolve().parent}:{os.environ['PATH']}"}
+page = (ROOT / "docs" / "tutorial.md").read_text()
+# Indented blocks: "$ command", then lines of its output; "..." stands for lines left out.
+blocks = re.findall(r"(?:^    .*\n)+", page, re.M)
+commands = 0
+for block in blocks:
+    lines = [line[4:].rstrip() for line in block.splitlines()]
+    while lines:
+        command = lines.pop(0)
+        if not command.startswith("$ "):
+            check(False, f"a block begins with a command: {command}")
+            break
+        commands += 1
+        done = subprocess.run(command[2:], shell=True, executable="/bin/bash", capture_output=True, text=True, timeout=900, cwd=folder, env=environment)
+        check(done.returncode == 0, f"{command}: {done.stderr[-800:]}")
+        printed = [" ".join(line.split()) for line in done.stdout.splitlines()]
+        at = 0
+        while lines and not lines[0].startswith("$ "):
+            wanted = " ".join(lines.pop(0).split())
+            if wanted in ("", "..."):
+                continue
+            if wanted in printed[at:]:
+                at = printed.index(wanted, at) + 1
+            else:
+                check(False, f"{command} no longer prints: {wanted}\nbut\n{done.stdout}")
+check(commands >= 6, f"the tutorial has commands: {commands}")
+finish()
