@@ -17,24 +17,8 @@ public:
     KTheta()
         : StressDependent(
               {
-                  {"k1",
-                   1.0,
-                   0.0,
-                   1e6,
-                   true,
-                   {},
-                   "modulus at theta = pa, in units of pa = 100 kPa",
-                   {},
-                   UsualRange{300, 12000, 1500, true}},
-                  {"k2",
-                   1.0,
-                   -5.0,
-                   5.0,
-                   false,
-                   {},
-                   "exponent of confinement: stiffens when positive",
-                   {},
-                   UsualRange{0.0, 1.0, 0.6, false}},
+                  scale_info("modulus at theta = pa, in units of pa = 100 kPa"),
+                  confinement_info(UsualRange{0.0, 1.0, 0.6, false}),
               },
               1.0) {}
     std::string_view name() const override { return "k-theta"; }

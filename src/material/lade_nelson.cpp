@@ -1,7 +1,7 @@
 #include "material/lade_nelson.h"
 
 #include "base/units.h"
-#include "mechanics/cross_anisotropic.h"
+#include "material/isotropic.h"
 
 #include <cmath>
 
@@ -12,8 +12,9 @@ enum : std::size_t { m, lambda, poisson, delta };
 
 constexpr double pa = unit::reference_pressure;
 
-class LadeNelson final : public Law {
+class LadeNelson final : public Isotropic {
 public:
+    LadeNelson() : Isotropic(poisson) {}
     std::string_view name() const override { return "lade-nelson"; }
     std::string_view summary() const override {
         return "stress-dependent, isotropic, conserves energy: E = m pa ((theta^2 + R J2)/pa^2)^lambda";
@@ -74,17 +75,6 @@ public:
         }
         default: return e * p[lambda] / x * 2.0 * p[delta] / (pa * pa);
         }
-    }
-
-    mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const override {
-        return mechanics::CrossAnisotropy::isotropic(p[poisson]).unit_stiffness();
-    }
-    mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, std::size_t i) const override {
-        return i == poisson ? mechanics::CrossAnisotropy::isotropic_derivative(p[poisson])
-                            : mechanics::Stiffness<6>::Zero();
-    }
-    std::string impossible(std::span<const double> p) const override {
-        return mechanics::CrossAnisotropy::isotropic(p[poisson]).impossible();
     }
 
 private:

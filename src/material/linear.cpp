@@ -1,15 +1,16 @@
 #include "material/linear.h"
 
 #include "base/units.h"
-#include "mechanics/cross_anisotropic.h"
+#include "material/isotropic.h"
 
 namespace pave::material {
 namespace {
 
 enum : std::size_t { modulus_MPa, poisson };
 
-class Linear final : public Law {
+class Linear final : public Isotropic {
 public:
+    Linear() : Isotropic(poisson) {}
     std::string_view name() const override { return "linear"; }
     std::string_view summary() const override { return "isotropic linear elasticity"; }
     std::span<const ParameterInfo> parameters() const override {
@@ -38,18 +39,6 @@ public:
     }
     double modulus_derivative(std::span<const double>, mechanics::Invariants, std::size_t i) const override {
         return i == modulus_MPa ? 1.0 : 0.0;
-    }
-
-    mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const override {
-        return mechanics::CrossAnisotropy::isotropic(p[poisson]).unit_stiffness();
-    }
-    mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, std::size_t i) const override {
-        return i == poisson ? mechanics::CrossAnisotropy::isotropic_derivative(p[poisson])
-                            : mechanics::Stiffness<6>::Zero();
-    }
-
-    std::string impossible(std::span<const double> p) const override {
-        return mechanics::CrossAnisotropy::isotropic(p[poisson]).impossible();
     }
 };
 

@@ -43,6 +43,14 @@ StressDependent::StressDependent(std::vector<ParameterInfo> own, std::optional<d
     infos_.insert(infos_.end(), std::begin(shared), std::end(shared));
 }
 
+ParameterInfo StressDependent::scale_info(std::string_view meaning) {
+    return {"k1", 1.0, 0.0, 1e6, true, {}, meaning, {}, UsualRange{300, 12000, 1500, true}};
+}
+
+ParameterInfo StressDependent::confinement_info(UsualRange range) {
+    return {"k2", 1.0, -5.0, 5.0, false, {}, "exponent of confinement: stiffens when positive", {}, range};
+}
+
 std::span<const std::size_t> StressDependent::scale_parameters() const {
     static constexpr std::size_t own[] = {first};
     return own;

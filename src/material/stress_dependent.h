@@ -24,6 +24,10 @@ public:
     std::string impossible(std::span<const double> p) const override;
 
 protected:
+    // k1 and k2 as the laws of theta have them. range: where k2 is sought.
+    static ParameterInfo scale_info(std::string_view meaning);
+    static ParameterInfo confinement_info(UsualRange range);
+
     static constexpr std::size_t first = 1; // of the law's own parameters, after modulus_axis
 
     // own: the law's parameters; E is proportional to the first, unless the law says otherwise (scale_parameters).

@@ -1,0 +1,30 @@
+// What isotropic laws share: a unit stiffness of Poisson's ratio alone.
+#pragma once
+
+#include "material/law.h"
+#include "mechanics/cross_anisotropic.h"
+
+namespace pave::material {
+
+class Isotropic : public Law {
+public:
+    mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const final {
+        return mechanics::CrossAnisotropy::isotropic(p[poisson_]).unit_stiffness();
+    }
+    mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, std::size_t i) const final {
+        return i == poisson_ ? mechanics::CrossAnisotropy::isotropic_derivative(p[poisson_])
+                             : mechanics::Stiffness<6>::Zero();
+    }
+    std::string impossible(std::span<const double> p) const final {
+        return mechanics::CrossAnisotropy::isotropic(p[poisson_]).impossible();
+    }
+
+protected:
+    // poisson: index of Poisson's ratio among the parameters.
+    explicit Isotropic(std::size_t poisson) : poisson_(poisson) {}
+
+private:
+    std::size_t poisson_;
+};
+
+} // namespace pave::material
