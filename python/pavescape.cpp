@@ -218,7 +218,7 @@ PYBIND11_MODULE(pavescape, m) {
     py::register_exception<NoAnswer>(m, "NoAnswer", PyExc_RuntimeError);
     py::register_exception_translator([](std::exception_ptr p) {
         try {
-            std::rethrow_exception(p);
+            std::rethrow_exception(std::move(p));
         } catch (const pave::Error& error) {
             PyErr_SetString(PyExc_ValueError, error.what());
         }

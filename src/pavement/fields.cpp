@@ -50,7 +50,8 @@ Fields fields_of(const fe::Model<Element>& model, const std::vector<fe::LayerMat
         const auto moved = model.gather(e, solution.displacement.data());
         Eigen::Matrix<double, N, Element::gauss> strain;
         for (int g = 0; g < Element::gauss; ++g) {
-            strain.col(g) = Element::strain(model.points[static_cast<std::size_t>(e * Element::gauss + g)], moved);
+            strain.col(g) = Element::strain(
+                model.points[static_cast<std::size_t>(e) * Element::gauss + static_cast<std::size_t>(g)], moved);
         }
         const Eigen::Matrix<double, N, Element::nodes> strain_there = strain * at_nodes.transpose();
         const Eigen::Matrix<double, N, Element::nodes> stress_there =
