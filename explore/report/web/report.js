@@ -194,7 +194,7 @@
             const py = parameter.get(p.y);
             const z = Array.from({ length: p.cells }, (_, j) => p.misfit.slice(j * p.cells, (j + 1) * p.cells));
             return chart("projection", [{
-                type: "contour", x: centres(px, p.cells), y: centres(py, p.cells), z, connectgaps: false,
+                type: "contour", x: centres(px, p.cells), y: centres(py, p.cells), z, connectgaps: true,
                 colorscale: "Cividis", ncontours: 14, line: { width: 0.5 },
                 colorbar: { title: { text: "misfit" }, thickness: 10 },
             }, minimaTrace(unique.minima, px, py)], {
@@ -304,7 +304,10 @@
             "Range of each output over all sets of parameters that the data accept."),
             table(["output", "best", "low", "high", "unit"], r.outputs.map((o) => [o.name, o.best, o.low, o.high, o.unit]))] : [],
             responsesPart(r),
-            [part("Landscape: lowest explored misfit over pairs"), projectionCharts(r)],
+            data.evaluations && data.evaluations.command === "unique" && (r.parameters || []).length > 1
+                ? [part("Landscape of the misfit"), pairCharts(r.parameters, data.evaluations.rows, r.minima),
+                    make("p", { className: "soft" }, "Every point is a forward run, the lowest on top; stars are the minima; crosses have no answer.")]
+                : [part("Landscape: lowest explored misfit over pairs"), projectionCharts(r)],
             minimaPart(r.minima), mergeTree(r),
             profiles(r.profiles, "Profiles of the parameters", "profile",
                 `The least rise of chi2 at each value with everything else fitted again; the data accept a rise of ${allowed}.`, r.parameters),
