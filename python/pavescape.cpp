@@ -26,7 +26,12 @@ class Study {
 public:
     explicit Study(const std::string& file) : study_(explore::study::load_study(file)) {
         if (!study_.parameters.empty()) {
-            function_ = explore::study::make_prediction_problem(study_).function;
+            if (study_.measurements.empty()) {
+                function_ = explore::study::make_prediction_problem(study_).function;
+            } else {
+                problem_ = explore::study::make_problem(study_);
+                function_ = problem_->function;
+            }
         }
         for (std::size_t i = 0; i < study_.responses(); ++i) {
             to_si_.push_back(study_.response_to_si(i));
@@ -83,20 +88,20 @@ public:
     }
 
     Eigen::VectorXd residuals(const std::optional<Eigen::VectorXd>& values) const {
-        return explore::study::make_problem(study_).misfit.residuals(evaluate(values, false).responses);
+        return problem().misfit.residuals(evaluate(values, false).responses);
     }
 
     Eigen::MatrixXd residual_jacobian(const std::optional<Eigen::VectorXd>& values) const {
-        const auto problem = explore::study::make_problem(study_);
+        const auto& of = problem();
         const Computed computed = evaluate(values, true);
         explore::problem::Evaluation e;
         const std::vector<double> own = each(&explore::problem::Axis::start);
         e.parameters = values ? std::vector<double>(values->data(), values->data() + values->size()) : own;
         e.responses = computed.responses;
         e.jacobian = computed.jacobian;
-        Eigen::MatrixXd j = problem.residual_jacobian(e); // by unit coordinates
-        for (std::size_t k = 0; k < problem.space.axes.size(); ++k) {
-            const auto& axis = problem.space.axes[k];
+        Eigen::MatrixXd j = of.residual_jacobian(e); // by unit coordinates
+        for (std::size_t k = 0; k < of.space.axes.size(); ++k) {
+            const auto& axis = of.space.axes[k];
             j.col(static_cast<Eigen::Index>(k)) /= axis.d_physical(axis.unit(e.parameters[k]));
         }
         return j;
@@ -134,6 +139,14 @@ public:
     }
 
 private:
+    const explore::problem::Problem& problem() const {
+        if (!problem_) {
+            explore::study::make_problem(study_); // says what is missing
+            throw py::value_error("the study has no parameters");
+        }
+        return *problem_;
+    }
+
     template <class T>
     std::vector<T> each(T explore::problem::Axis::*member) const {
         std::vector<T> list;
@@ -203,6 +216,7 @@ private:
     };
 
     explore::study::Study study_;
+    std::optional<explore::problem::Problem> problem_;                  // with readings and parameters
     std::shared_ptr<const explore::problem::ForwardFunction> function_; // of the parameters; none: it varies nothing
     mutable std::mutex mutex_;
     mutable std::vector<std::unique_ptr<explore::problem::ForwardFunction::Workspace>> idle_;

@@ -49,18 +49,11 @@ pave::Outcome<Timing> measure(const study::Study& study) {
     timing.forward = seconds(model, {});
     if (!study.parameters.empty()) {
         timing.with_derivatives = seconds(model, study.parameters);
-        std::vector<bool> fitted(study.model.loads.size(), false);
-        for (const auto& group : study.groups) {
-            for (const std::size_t i : group.rows) {
-                fitted[static_cast<std::size_t>(study.model.sensors[i].load)] =
-                    fitted[static_cast<std::size_t>(study.model.sensors[i].load)] || !group.held_out;
-            }
-        }
-        const bool all = std::all_of(fitted.begin(), fitted.end(), [](bool is) { return is; });
-        const bool none = std::none_of(fitted.begin(), fitted.end(), [](bool is) { return is; });
+        const std::vector<bool> fitted = study::fitted_loads(study);
+        const auto count = std::count(fitted.begin(), fitted.end(), true);
         timing.fitted_forward = timing.forward;
         timing.fitted_with_derivatives = timing.with_derivatives;
-        if (!all && !none) {
+        if (count > 0 && count < static_cast<std::ptrdiff_t>(fitted.size())) {
             const pave::pavement::ForwardModel of_fit(study.model, fitted);
             timing.fitted_forward = seconds(of_fit, {});
             timing.fitted_with_derivatives = seconds(of_fit, study.parameters);

@@ -99,23 +99,13 @@ std::optional<double> left_out_rms(const problem::Problem& problem, run::Engine&
     const bool done =
         engine.chains("places left out", first_start, layout.places.size(), [&](std::size_t f, run::Chain& chain) {
             const auto& fold = layout.places[f];
-            diagnose::Target target;
-            target.left_out.assign(problem.misfit.size(), 0);
-            for (const std::size_t i : fold.terms) {
-                target.left_out[i] = 1;
-            }
-            const auto sum_of = [&](const problem::Evaluation& e) {
-                const Eigen::VectorXd r = problem.misfit.residuals(e.responses);
-                double sum = 0.0;
-                for (std::size_t i = 0; i < target.left_out.size(); ++i) {
-                    sum += target.left_out[i] != 0 ? 0.0 : std::pow(r[static_cast<Eigen::Index>(i)], 2);
-                }
-                return sum;
-            };
+            const diagnose::Target target = diagnose::leaving_out(fold.terms, problem.misfit.size());
             const problem::Evaluation* nearest = &answer.minima[0].evaluation;
             double lowest = std::numeric_limits<double>::infinity();
             for (const auto& e : answer.explored) {
-                if (const double sum = e.converged() ? sum_of(e) : lowest; sum < lowest) {
+                if (const double sum =
+                        e.converged() ? diagnose::counted_sum(problem.misfit.residuals(e.responses), target) : lowest;
+                    sum < lowest) {
                     lowest = sum;
                     nearest = &e;
                 }
@@ -251,7 +241,6 @@ std::vector<std::string> findings(const std::vector<Fitted>& laws, const std::st
 
 Json comparison_json(const std::vector<Fitted>& laws, const study::Study& study, const std::string& layer) {
     Json json = {{"layer", layer}, {"laws", Json::array()}};
-    const auto optional = [](const std::optional<double>& v) { return v ? Json(*v) : Json(nullptr); };
     for (const Fitted& f : laws) {
         Json law = {{"law", std::string(f.law->name())}, {"summary", std::string(f.law->summary())}};
         if (!f.failed.empty()) {
@@ -264,11 +253,11 @@ Json comparison_json(const std::vector<Fitted>& laws, const study::Study& study,
         law["misfit"] = study::make_problem(f.study, study::Scope::fitted).misfit.residuals(f.best.responses).norm();
         law["chi2"] = f.chi2;
         law["dof"] = f.dof;
-        law["p_value"] = optional(f.p_value);
+        law["p_value"] = report::optional_json(f.p_value);
         law["aicc"] = std::isfinite(f.aicc) ? Json(f.aicc) : Json(nullptr);
         law["weight"] = f.weight;
-        law["held_out_rms"] = optional(f.by_place);
-        law["study_held_out_rms"] = optional(f.study_holds);
+        law["held_out_rms"] = report::optional_json(f.by_place);
+        law["study_held_out_rms"] = report::optional_json(f.study_holds);
         law["verdict"] = std::string(landscape::verdict_names[static_cast<int>(f.answer.verdict)]);
         law["minima"] = f.answer.minima.size();
         law["parameters"] = Json::object();

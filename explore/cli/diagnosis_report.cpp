@@ -380,14 +380,9 @@ Json diagnosis_json(const Findings& f) {
     }
     json["readings"] = Json::array();
     for (std::size_t i = 0; i < f.study.measurements.size(); ++i) {
-        const auto& m = f.study.measurements[i];
-        json["readings"].push_back({{"load", f.study.model.loads[f.study.model.sensors[i].load].name},
-                                    {"quantity", m.quantity},
-                                    {"x_mm", m.x_mm},
-                                    {"y_mm", m.y_mm},
-                                    {"depth_mm", m.depth_mm},
-                                    {"gauge_mm", m.gauge_mm},
-                                    {"unit", std::string(f.study.response_unit(i))}});
+        Json reading = report::place_json(f.study, i);
+        reading["unit"] = std::string(f.study.response_unit(i));
+        json["readings"].push_back(std::move(reading));
     }
     json["responses"] = {{"measured", measured}, {"baseline", baseline}, {"extended", extended}};
     json["residuals"] = {{"baseline", residuals_of(f, d.baseline.model)},

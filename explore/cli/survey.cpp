@@ -376,10 +376,6 @@ std::string strip_chart(const Survey& survey) {
     return table.text();
 }
 
-report::Json optional_json(const std::optional<double>& value) {
-    return value ? report::Json(*value) : report::Json(nullptr);
-}
-
 report::Json row_json(const Survey& survey, const Row& row) {
     const auto& s = row.station;
     report::Json json = {{"station", s.name},
@@ -387,8 +383,8 @@ report::Json row_json(const Survey& survey, const Row& row) {
                          {"chainage_m", s.chainage_m},
                          {"file", s.file},
                          {"line", s.line},
-                         {"air_C", optional_json(s.air_C)},
-                         {"surface_C", optional_json(s.surface_C)},
+                         {"air_C", report::optional_json(s.air_C)},
+                         {"surface_C", report::optional_json(s.surface_C)},
                          {"drops", s.drops.size()},
                          {"status", state_words[static_cast<int>(row.state)]},
                          {"reason", row.reason}};
@@ -401,9 +397,9 @@ report::Json row_json(const Survey& survey, const Row& row) {
     json["pressure_kPa"] = bowl.pressure_kPa;
     json["D0_um"] = bowl.d0_um();
     json["D0_um_at_common_pressure"] = survey.d0_at_common(row);
-    json["D250_um"] = optional_json(bowl.d250_um);
+    json["D250_um"] = report::optional_json(bowl.d250_um);
     json["D250_is_interpolated"] = bowl.d250_is_interpolated;
-    json["deflection_ratio"] = optional_json(row.ratio());
+    json["deflection_ratio"] = report::optional_json(row.ratio());
     json["pass"] = row.ratio() ? report::Json(row.verdict() == "pass") : report::Json(nullptr);
     json["readings"] = report::Json::array();
     for (std::size_t i = 0; i < bowl.readings.size(); ++i) {

@@ -811,18 +811,8 @@ private:
     // begins without its effects: nothing of the readings is known to either.
     void predict_fold(const Fold& fold, const Model& best, int number,
                       const std::function<void(const Model&, const Model&)>& use) {
-        Target target;
-        target.left_out.assign(readings(), 0);
-        for (const std::size_t i : fold.terms) {
-            target.left_out[i] = 1;
-        }
-        const auto sum = [&](const Model& point) {
-            double s = 0.0;
-            for (std::size_t i = 0; i < readings(); ++i) {
-                s += target.left_out[i] != 0 ? 0.0 : std::pow(point.residuals[static_cast<Index>(i)], 2);
-            }
-            return s;
-        };
+        const Target target = leaving_out(fold.terms, readings());
+        const auto sum = [&](const Model& point) { return counted_sum(point.residuals, target); };
         const auto nearest = std::min_element(explored_.begin(), explored_.end(),
                                               [&](const Model& a, const Model& b) { return sum(a) < sum(b); });
         std::optional<Model> before = fit_from({}, number, nearest->unit, target);

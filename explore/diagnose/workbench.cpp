@@ -4,6 +4,24 @@
 
 namespace explore::diagnose {
 
+Target leaving_out(const std::vector<std::size_t>& terms, std::size_t residuals) {
+    Target target;
+    target.left_out.assign(residuals, 0);
+    for (const std::size_t i : terms) {
+        target.left_out[i] = 1;
+    }
+    return target;
+}
+
+double counted_sum(const Eigen::VectorXd& residuals, const Target& target) {
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < residuals.size(); ++i) {
+        const bool counts = target.left_out.empty() || target.left_out[static_cast<std::size_t>(i)] == 0;
+        sum += counts ? residuals[i] * residuals[i] : 0.0;
+    }
+    return sum;
+}
+
 std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, const Members& members,
                          const std::vector<double>& start, const Target& target, double enough) {
     Model best;

@@ -26,6 +26,11 @@ struct Target {
     std::vector<char> left_out; // of each: whether it does not count; empty: all count
 };
 
+// Without these of so many residuals.
+Target leaving_out(const std::vector<std::size_t>& terms, std::size_t residuals);
+// The sum of the squares of those that count.
+double counted_sum(const Eigen::VectorXd& residuals, const Target& target);
+
 // A fitted model.
 struct Model {
     Members members;

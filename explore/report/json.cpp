@@ -6,6 +6,10 @@
 
 namespace explore::report {
 
+Json optional_json(const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
 Json parameters_json(const problem::ParameterSpace& space, const std::vector<double>& values) {
     Json json = Json::object();
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -25,26 +29,30 @@ Json space_json(const problem::ParameterSpace& space) {
     return json;
 }
 
+Json place_json(const study::Study& study, std::size_t i) {
+    const auto& s = study.model.sensors[i];
+    const std::string& load = study.model.loads[static_cast<std::size_t>(s.load)].name;
+    if (i < study.measurements.size()) { // not metres turned back
+        const auto& m = study.measurements[i];
+        return {{"load", load},   {"quantity", m.quantity}, {"x_mm", m.x_mm},
+                {"y_mm", m.y_mm}, {"depth_mm", m.depth_mm}, {"gauge_mm", m.gauge_mm}};
+    }
+    return {{"load", load},
+            {"quantity", std::string(info(s.quantity).name)},
+            {"x_mm", s.x / pave::unit::mm},
+            {"y_mm", s.y / pave::unit::mm},
+            {"depth_mm", s.depth / pave::unit::mm},
+            {"gauge_mm", s.gauge / pave::unit::mm}};
+}
+
 Json responses_json(const study::Study& study, const std::vector<double>& responses) {
     Json json = Json::array();
     for (std::size_t i = 0; i < responses.size(); ++i) {
-        const auto& s = study.model.sensors[i];
-        Json row = {{"load", study.model.loads[s.load].name},
-                    {"quantity", std::string(info(s.quantity).name)},
-                    {"x_mm", s.x / pave::unit::mm},
-                    {"y_mm", s.y / pave::unit::mm},
-                    {"depth_mm", s.depth / pave::unit::mm},
-                    {"gauge_mm", s.gauge / pave::unit::mm},
-                    {"value", responses[i] / study.response_to_si(i)},
-                    {"unit", std::string(study.response_unit(i))}};
+        Json row = place_json(study, i);
+        row["value"] = responses[i] / study.response_to_si(i);
+        row["unit"] = std::string(study.response_unit(i));
         if (i < study.measurements.size()) {
-            const auto& m = study.measurements[i];
-            // As the file states them, not as metres turned back.
-            row["x_mm"] = m.x_mm;
-            row["y_mm"] = m.y_mm;
-            row["depth_mm"] = m.depth_mm;
-            row["gauge_mm"] = m.gauge_mm;
-            row["measured"] = m.value;
+            row["measured"] = study.measurements[i].value;
         } else {
             row["name"] = study.outputs[i - study.measurements.size()].name;
         }

@@ -5,16 +5,24 @@
 #include "study/study.h"
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace explore::report {
 
 using Json = nlohmann::ordered_json;
+
+// The number, or null.
+Json optional_json(const std::optional<double>& value);
 
 // {name: value}
 Json parameters_json(const problem::ParameterSpace& space, const std::vector<double>& values);
 
 // [{"name", "min", "max", "scale"}]
 Json space_json(const problem::ParameterSpace& space);
+
+// Where and what response number i is: {"load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm"}; of a reading as
+// its file states them.
+Json place_json(const study::Study& study, std::size_t i);
 
 // [{"load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm", "value", "unit", ("measured"), ("name")}], value in
 // unit.

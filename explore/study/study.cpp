@@ -644,6 +644,16 @@ problem::Problem make_prediction_problem(const Study& study) {
     return problem_of(study, {}, problem::Misfit(study.data.misfit, {}));
 }
 
+std::vector<bool> fitted_loads(const Study& study) {
+    std::vector<bool> loads(study.model.loads.size(), false);
+    for (const Group& group : study.groups) {
+        if (!group.held_out) {
+            loads[static_cast<std::size_t>(study.model.sensors[group.rows[0]].load)] = true;
+        }
+    }
+    return loads;
+}
+
 problem::Problem make_problem(const Study& study, Scope scope) {
     if (study.measurements.empty()) {
         throw pave::Error({.file = study.file, .key = "data"}, "this command needs measurements", {},
@@ -651,10 +661,10 @@ problem::Problem make_problem(const Study& study, Scope scope) {
     }
     std::vector<std::size_t> rows;
     std::vector<double> factor;
-    std::vector<bool> loads(study.model.loads.size(), scope == Scope::everything);
+    const std::vector<bool> loads =
+        scope == Scope::everything ? std::vector<bool>(study.model.loads.size(), true) : fitted_loads(study);
     for (const Group& group : study.groups) {
         if (!group.held_out) {
-            loads[static_cast<std::size_t>(study.model.sensors[group.rows[0]].load)] = true;
             rows.insert(rows.end(), group.rows.begin(), group.rows.end());
             factor.insert(factor.end(), group.rows.size(), std::sqrt(group.weight));
         }

@@ -83,6 +83,9 @@ Study with_effect(Study study, const std::string& name, double size, const pave:
 // others are then not numbers).
 enum class Scope { everything, fitted };
 
+// Of each load: whether readings under it are fitted.
+std::vector<bool> fitted_loads(const Study& study);
+
 // Its misfit: the readings that are not held out, weighed.
 problem::Problem make_problem(const Study& study, Scope scope = Scope::everything);
 // One group of readings alone, each with weight 1.

@@ -122,10 +122,10 @@
 
     // -- the landscape --------------------------------------------------------------------------------------------
 
-    const minimaPart = (minima, title) => {
+    const minimaPart = (minima) => {
         if (!minima || minima.length === 0) return [];
         const names = Object.keys(minima[0].parameters);
-        return [part(title || "Minima"),
+        return [part("Minima"),
             table(["minimum", "misfit", ...names, "starts", "remarks"], minima.map((m, i) =>
                 [i + 1, m.misfit, ...names.map((n) => figure(m.parameters[n]) +
                     (m.standard_errors && m.standard_errors[n] !== null ? " ± " + figure(m.standard_errors[n]) : "")),
