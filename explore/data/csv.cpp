@@ -1,5 +1,7 @@
 #include "data/csv.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -91,6 +93,12 @@ std::string_view trimmed(std::string_view cell) {
     const auto first = cell.find_first_not_of(" \t");
     const auto last = cell.find_last_not_of(" \t");
     return first == std::string_view::npos ? std::string_view{} : cell.substr(first, last - first + 1);
+}
+
+std::string lower_case(std::string_view text) {
+    std::string out(text);
+    std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
+    return out;
 }
 
 namespace {

@@ -24,6 +24,8 @@ std::string csv_cell(std::string_view text);
 
 // A cell without the blanks around it.
 std::string_view trimmed(std::string_view cell);
+// ASCII letters in lower case.
+std::string lower_case(std::string_view text);
 
 // A cell that must be a number. Throws pave::Error at `place`. The second also takes nan and inf for what they say.
 double finite_number(std::string_view cell, const pave::Place& place);

@@ -12,8 +12,11 @@ namespace {
 constexpr double same_level = 0.9; // of the highest pressure
 constexpr double resolution_um = 2.0;
 
-// What is wrong with the load of a drop, or "".
-std::string load_complaint(const FwdStation& station) {
+// What is wrong with the station or with the load of a drop, or "".
+std::string complaint_of(const FwdStation& station) {
+    if (!station.unusable.empty()) {
+        return station.unusable;
+    }
     std::set<int> numbers;
     for (const FwdDrop& d : station.drops) {
         if (!(d.pressure_kPa > 0.0 && std::isfinite(d.pressure_kPa))) {
@@ -62,7 +65,7 @@ double median(std::vector<double> values) {
 
 pave::Outcome<DeflectionBowl> bowl_of(const FwdStation& station) {
     const auto rejected = [](std::string reason) { return pave::Failure{.reason = std::move(reason)}; };
-    if (const std::string complaint = load_complaint(station); !complaint.empty()) {
+    if (const std::string complaint = complaint_of(station); !complaint.empty()) {
         return rejected(complaint);
     }
     double highest = 0.0;

@@ -3,6 +3,7 @@
 #include "data/csv.h"
 #include "data/fwd_csv.h"
 #include "data/fwd_f25.h"
+#include "data/fwd_ltpp.h"
 #include "data/fwd_pddx.h"
 
 namespace explore::data {
@@ -12,6 +13,7 @@ std::span<const FwdFormat> fwd_formats() {
         fwd_csv,
         fwd_f25,
         fwd_pddx,
+        fwd_ltpp,
     };
     return all;
 }

@@ -29,7 +29,8 @@ struct FwdStation {
     std::optional<double> air_C{}, surface_C{}; // temperatures
     std::vector<FwdDrop> drops{};
     std::string file;
-    int line = 0; // of its first drop
+    int line = 0;           // of its first drop
+    std::string unusable{}; // why nothing can be made of it; "": something can
 };
 
 // A file format. A new one is a file of its own and a line in fwd_formats().

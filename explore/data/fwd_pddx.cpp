@@ -3,7 +3,6 @@
 #include "data/csv.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
@@ -13,16 +12,10 @@
 namespace explore::data {
 namespace {
 
-std::string lower(std::string_view text) {
-    std::string out(text);
-    std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
-    return out;
-}
-
 // Lower case without blanks, hyphens and a plural s: "kilo-Newtons" and "kilonewton" are the same unit.
 std::string plain(std::string_view unit) {
     std::string out;
-    for (const char c : lower(unit)) {
+    for (const char c : lower_case(unit)) {
         if (c != ' ' && c != '-' && c != '_') {
             out += c;
         }
@@ -44,7 +37,7 @@ struct Section {
     std::map<std::string, Entry> entries; // keys in lower case
 
     const Entry* find(std::string_view key) const {
-        const auto at = entries.find(lower(key));
+        const auto at = entries.find(lower_case(key));
         return at == entries.end() ? nullptr : &at->second;
     }
 };
@@ -143,14 +136,14 @@ private:
                 throw pave::Error({.file = file_, .line = number}, "a section is never closed",
                                   "\"" + std::string(line) + "\"", "[name]");
             }
-            sections_.push_back({lower(trimmed(line.substr(1, line.size() - 2))), number, {}});
+            sections_.push_back({lower_case(trimmed(line.substr(1, line.size() - 2))), number, {}});
             return;
         }
         const std::size_t equals = line.find('=');
         if (equals == std::string_view::npos || sections_.empty()) {
             return; // a comment, or a line of a time history
         }
-        sections_.back().entries[lower(trimmed(line.substr(0, equals)))] = {
+        sections_.back().entries[lower_case(trimmed(line.substr(0, equals)))] = {
             std::string(trimmed(line.substr(equals + 1))), number};
     }
 
@@ -344,7 +337,7 @@ bool recognises_fwd_pddx(std::string_view text) {
     }
     const std::size_t at = text.find_first_not_of(" \t\r\n");
     return at != std::string_view::npos &&
-           lower(text.substr(at, 60)).starts_with("[pavement deflection data exchange file]");
+           lower_case(text.substr(at, 60)).starts_with("[pavement deflection data exchange file]");
 }
 
 std::vector<FwdStation> read_fwd_pddx(std::string_view text, const std::string& file) {

@@ -1,7 +1,9 @@
 // The files that falling weight deflectometers write.
 #include "base/error.h"
+#include "data/deflection_bowl.h"
 #include "data/fwd.h"
 
+#include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <numbers>
@@ -139,6 +141,93 @@ TEST(Pddx, SaysWhatIsWrongAndWhere) {
     EXPECT_NE(with("LoadPlateRadius = 150", "Radius = 150").find("LoadPlateRadius"), std::string::npos);
     EXPECT_NE(with("0,125", "somewhere").find("TestLocation"), std::string::npos);
     EXPECT_NE(with("[Units]", "[Units").find("never closed"), std::string::npos);
+}
+
+namespace {
+
+// The four tables, in the form of an export: another order of columns and other columns too, a sensor behind the plate,
+// an identifier that one table writes 06 and another 6.
+struct LtppTables {
+    std::string drops = "SHRP_ID,STATE_CODE,CONSTRUCTION_NO,LANE_NO,TEST_DATE,TEST_TIME,DEFL_UNIT_ID,POINT_LOC,DROP_NO,"
+                        "DROP_HEIGHT,DROP_LOAD,PEAK_DEFL_1,PEAK_DEFL_2,PEAK_DEFL_3,NON_DECREASING_DEFL,RECORD_STATUS\n"
+                        "1253,6,1,F3,5/15/2003 0:00,935,51,15.2,1,2,602,410,305,298,,E\n"
+                        "1253,6,1,F3,5/15/2003 0:00,935,51,15.2,2,2,597,405,300,,,E\n"
+                        "1253,6,1,F3,5/15/2003 0:00,940,51,30.5,1,2,601,420,310,300,,E\n"
+                        "1253,6,1,F3,5/15/2003 0:00,945,51,45.7,1,2,601,420,310,300,,E\n";
+    std::string places = "STATE_CODE,SHRP_ID,LANE_NO,TEST_DATE,TEST_TIME,DEFL_UNIT_ID,POINT_LOC,CONFIGURATION_NO,"
+                         "PVMT_SURF_TEMP,AIR_TEMP_TEST\n"
+                         "06,1253,F3,5/15/2003 0:00,0935,51,15.2,1001,31.5,24\n"
+                         "06,1253,F3,5/15/2003 0:00,0945,51,45.7,1002,,24\n";
+    std::string devices = "CONFIGURATION_NO,NO_ACTIVE_DEFLECTORS,PLATE_RADIUS\n1001,3,150\n";
+    std::string sensors = "CONFIGURATION_NO,SENSOR_NO,CENTER_OFFSET,CENTER_OFFSET_FLAG\n"
+                          "1001,1,0,\n1001,2,305,\n1001,3,-305,\n";
+
+    std::vector<data::FwdStation> stations() const {
+        const std::string folder = testing::TempDir();
+        for (const auto& [name, text] :
+             {std::pair{"a mon_defl_loc_info.CSV", places}, std::pair{"a MON_DEFL_DEV_CONFIG.csv", devices},
+              std::pair{"a MON_DEFL_DEV_SENSORS.csv", sensors}}) {
+            std::filesystem::remove(folder + name);
+            if (!text.empty()) {
+                std::ofstream(folder + name, std::ios::binary) << text;
+            }
+        }
+        return read(drops, "a MON_DEFL_DROP_DATA.csv");
+    }
+    std::string complaint() const {
+        try {
+            stations();
+        } catch (const pave::Error& error) {
+            return error.what();
+        }
+        return "";
+    }
+};
+
+} // namespace
+
+TEST(Ltpp, JoinsTheFourTables) {
+    const auto stations = LtppTables().stations();
+    ASSERT_EQ(stations.size(), 3U);
+    EXPECT_EQ(stations[0].name, "6-1253 5/15/2003");
+    EXPECT_EQ(stations[0].lane, "F3");
+    EXPECT_DOUBLE_EQ(stations[0].chainage_m, 15.2);
+    EXPECT_DOUBLE_EQ(*stations[0].surface_C, 31.5);
+    EXPECT_DOUBLE_EQ(*stations[0].air_C, 24.0);
+    EXPECT_EQ(stations[0].line, 2);
+    ASSERT_EQ(stations[0].drops.size(), 2U);
+    const data::FwdDrop& drop = stations[0].drops[0];
+    EXPECT_EQ(drop.radius_mm, 150.0);
+    EXPECT_EQ(drop.pressure_kPa, 602.0);
+    ASSERT_EQ(drop.readings.size(), 3U);
+    EXPECT_EQ(drop.readings[2].offset_mm, 305.0); // behind the plate, as far from its centre
+    EXPECT_EQ(drop.readings[2].deflection_um, 298.0);
+    EXPECT_EQ(stations[0].drops[1].readings.size(), 2U); // one was not read
+    const auto bowl = data::bowl_of(stations[0]);
+    ASSERT_TRUE(bowl);
+    EXPECT_EQ(bowl->readings.size(), 2U);
+}
+
+TEST(Ltpp, AStationTheOtherTablesDoNotKnowIsSaidAndStopsNothing) {
+    const auto stations = LtppTables().stations();
+    ASSERT_EQ(stations.size(), 3U);
+    EXPECT_NE(data::bowl_of(stations[1]).failure().reason.find("MON_DEFL_LOC_INFO"), std::string::npos);
+    EXPECT_NE(data::bowl_of(stations[2]).failure().reason.find("configuration 1002"), std::string::npos);
+}
+
+TEST(Ltpp, SaysWhatIsWrongAndWhere) {
+    LtppTables alone;
+    alone.sensors.clear();
+    EXPECT_NE(alone.complaint().find("MON_DEFL_DEV_SENSORS"), std::string::npos) << alone.complaint();
+    LtppTables word;
+    word.drops.replace(word.drops.find("597"), 3, "5x7");
+    EXPECT_NE(word.complaint().find(":3: DROP_LOAD"), std::string::npos) << word.complaint();
+    LtppTables nameless;
+    nameless.devices.replace(nameless.devices.find("PLATE_RADIUS"), 12, "RADIUS");
+    EXPECT_NE(nameless.complaint().find("PLATE_RADIUS"), std::string::npos) << nameless.complaint();
+    LtppTables half;
+    half.sensors.replace(half.sensors.find("1001,2"), 6, "1001,2.5");
+    EXPECT_NE(half.complaint().find("whole number"), std::string::npos) << half.complaint();
 }
 
 TEST(FwdFile, OfNoKnownFormatIsMetWithTheSignsOfAllThatAre) {

@@ -1,0 +1,202 @@
+#include "data/fwd_ltpp.h"
+
+#include "data/csv.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <map>
+#include <span>
+#include <unordered_map>
+
+namespace explore::data {
+namespace {
+
+constexpr std::string_view drop_table = "MON_DEFL_DROP_DATA";
+constexpr std::string_view configuration_column[] = {"CONFIGURATION_NO"};
+constexpr std::string_view station_columns[] = {"STATE_CODE",   "SHRP_ID", "TEST_DATE", "TEST_TIME",
+                                                "DEFL_UNIT_ID", "LANE_NO", "POINT_LOC"};
+
+// A table with named columns.
+class Table {
+public:
+    Table(std::string_view text, std::string file) : file_(std::move(file)), rows_(parse_csv(text, file_)) {
+        if (rows_.empty()) {
+            throw pave::Error({.file = file_}, "the table is empty", {}, "a header and at least one row");
+        }
+        for (std::size_t i = 0; i < rows_[0].cells.size(); ++i) {
+            columns_.try_emplace(lower_case(trimmed(rows_[0].cells[i])), i);
+        }
+        for (std::size_t r = 1; r < rows_.size(); ++r) {
+            if (rows_[r].cells.size() != rows_[0].cells.size()) {
+                throw pave::Error({.file = file_, .line = rows_[r].line}, "wrong number of cells",
+                                  std::to_string(rows_[r].cells.size()), std::to_string(rows_[0].cells.size()));
+            }
+        }
+    }
+
+    std::size_t rows() const { return rows_.size() - 1; }
+    bool has(std::string_view column) const { return columns_.contains(lower_case(column)); }
+    pave::Place place(std::size_t row, std::string_view column) const {
+        return {.file = file_, .line = rows_[row + 1].line, .key = std::string(column)};
+    }
+    std::string_view cell(std::size_t row, std::string_view column) const {
+        const auto at = columns_.find(lower_case(column));
+        if (at == columns_.end()) {
+            throw pave::Error({.file = file_, .line = rows_[0].line, .key = std::string(column)}, "column missing", {},
+                              "the columns of the LTPP database under their own names");
+        }
+        return trimmed(rows_[row + 1].cells[at->second]);
+    }
+    // A whole number from 1 on.
+    int number(std::size_t row, std::string_view column) const {
+        const double value = finite_number(cell(row, column), place(row, column));
+        if (!(value >= 1.0 && value <= 1e6) || value != std::floor(value)) {
+            throw pave::Error(place(row, column), "not a whole number", fmt::format("{:g}", value), "1, 2, 3, ...");
+        }
+        return static_cast<int>(value);
+    }
+    // What tells rows of two tables to belong together: 6 and 06 and 6.0 are one number.
+    std::string key(std::size_t row, std::span<const std::string_view> columns) const {
+        std::string out;
+        for (const std::string_view column : columns) {
+            const std::string_view text = has(column) ? cell(row, column) : std::string_view{};
+            const bool plain = text.find_first_not_of("+-.0123456789") == std::string_view::npos;
+            const auto number = plain ? number_or_nothing(text) : std::nullopt;
+            out += number ? fmt::format("{}", *number) : lower_case(text);
+            out += '\n';
+        }
+        return out;
+    }
+    std::unordered_map<std::string, std::size_t> index(std::span<const std::string_view> columns) const {
+        std::unordered_map<std::string, std::size_t> found;
+        for (std::size_t r = 0; r < rows(); ++r) {
+            found.try_emplace(key(r, columns), r);
+        }
+        return found;
+    }
+
+private:
+    std::string file_;
+    std::vector<CsvRow> rows_;
+    std::map<std::string, std::size_t> columns_;
+};
+
+// Another table, from the folder of the first.
+Table table_beside(const std::string& file, std::string_view table) {
+    const std::filesystem::path path(file);
+    std::string name = lower_case(path.filename().string());
+    const std::size_t at = name.find(lower_case(drop_table));
+    name =
+        at == std::string::npos ? lower_case(table) + ".csv" : name.replace(at, drop_table.size(), lower_case(table));
+    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    std::error_code unreadable;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, unreadable)) {
+        if (lower_case(entry.path().filename().string()) == name) {
+            const std::string found = entry.path().string();
+            return {read_file(found, "LTPP table"), found};
+        }
+    }
+    throw pave::Error({.file = file}, fmt::format("the table {} is not beside it", table), {},
+                      fmt::format("a file {} in the same folder", name));
+}
+
+struct Sensor {
+    int number = 0;
+    double offset_mm = 0.0;
+};
+
+struct Configuration {
+    double radius_mm = 0.0;
+    std::vector<Sensor> sensors;
+};
+
+std::map<std::string, Configuration> read_configurations(const std::string& file) {
+    std::map<std::string, Configuration> found;
+    const Table devices = table_beside(file, "MON_DEFL_DEV_CONFIG");
+    for (std::size_t r = 0; r < devices.rows(); ++r) {
+        found[devices.key(r, configuration_column)].radius_mm =
+            any_number(devices.cell(r, "PLATE_RADIUS"), devices.place(r, "PLATE_RADIUS"));
+    }
+    const Table sensors = table_beside(file, "MON_DEFL_DEV_SENSORS");
+    for (std::size_t r = 0; r < sensors.rows(); ++r) {
+        const double offset = finite_number(sensors.cell(r, "CENTER_OFFSET"), sensors.place(r, "CENTER_OFFSET"));
+        found[sensors.key(r, configuration_column)].sensors.push_back(
+            {sensors.number(r, "SENSOR_NO"), std::abs(offset)});
+    }
+    return found;
+}
+
+} // namespace
+
+bool recognises_fwd_ltpp(std::string_view text) {
+    const std::string header = lower_case(text.substr(0, text.find('\n')));
+    const auto holds = [&](std::string_view column) { return header.find(column) != std::string::npos; };
+    return holds("point_loc") && holds("drop_load") && holds("peak_defl_1");
+}
+
+std::vector<FwdStation> read_fwd_ltpp(std::string_view text, const std::string& file) {
+    const Table drops(text, file);
+    const Table places = table_beside(file, "MON_DEFL_LOC_INFO");
+    const auto place_of = places.index(station_columns);
+    const auto configurations = read_configurations(file);
+
+    std::vector<FwdStation> stations;
+    std::vector<const Configuration*> configuration_of; // null: not known
+    std::unordered_map<std::string, std::size_t> known;
+    for (std::size_t r = 0; r < drops.rows(); ++r) {
+        const std::string key = drops.key(r, station_columns);
+        const auto [at, is_new] = known.try_emplace(key, stations.size());
+        if (is_new) {
+            const std::string_view date = drops.cell(r, "TEST_DATE");
+            FwdStation station{.name = fmt::format("{}-{} {}", drops.cell(r, "STATE_CODE"), drops.cell(r, "SHRP_ID"),
+                                                   date.substr(0, date.find_first_of(" T"))),
+                               .lane = std::string(drops.cell(r, "LANE_NO")),
+                               .chainage_m = finite_number(drops.cell(r, "POINT_LOC"), drops.place(r, "POINT_LOC")),
+                               .file = file,
+                               .line = drops.place(r, "").line};
+            const Configuration* configuration = nullptr;
+            if (const auto place = place_of.find(key); place == place_of.end()) {
+                station.unusable = "MON_DEFL_LOC_INFO does not know this station";
+            } else {
+                const auto temperature = [&](std::string_view column) {
+                    return places.has(column) ? number_or_nothing(places.cell(place->second, column)) : std::nullopt;
+                };
+                station.air_C = temperature("AIR_TEMP_TEST");
+                station.surface_C = temperature("PVMT_SURF_TEMP");
+                const auto found = configurations.find(places.key(place->second, configuration_column));
+                if (found == configurations.end() || found->second.sensors.empty()) {
+                    station.unusable =
+                        fmt::format("no plate and sensors of configuration {} in MON_DEFL_DEV_CONFIG and _DEV_SENSORS",
+                                    places.cell(place->second, "CONFIGURATION_NO"));
+                } else {
+                    configuration = &found->second;
+                }
+            }
+            stations.push_back(std::move(station));
+            configuration_of.push_back(configuration);
+        }
+        FwdStation& station = stations[at->second];
+        const auto number_in = [&](std::string_view column) {
+            return any_number(drops.cell(r, column), drops.place(r, column));
+        };
+        FwdDrop drop{.number = drops.number(r, "DROP_NO"), .pressure_kPa = number_in("DROP_LOAD"), .readings = {}};
+        if (const Configuration* configuration = configuration_of[at->second]) {
+            drop.radius_mm = configuration->radius_mm;
+            for (const Sensor& sensor : configuration->sensors) {
+                const std::string column = fmt::format("PEAK_DEFL_{}", sensor.number);
+                if (drops.has(column) && !drops.cell(r, column).empty()) {
+                    drop.readings.push_back({sensor.offset_mm, number_in(column)});
+                }
+            }
+        }
+        station.drops.push_back(std::move(drop));
+    }
+    if (stations.empty()) {
+        throw pave::Error({.file = file}, "the file holds no drops", "a header and no rows", "at least one row");
+    }
+    return stations;
+}
+
+} // namespace explore::data
