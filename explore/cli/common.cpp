@@ -2,12 +2,16 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "fe/sparse_solver.h"
 #include "pavement/effects/effect.h"
 #include "report/table.h"
+#include "run/parallel.h"
 
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
+#include <nlopt.hpp>
+#include <oneapi/tbb/version.h>
 
 namespace explore::cli {
 
@@ -23,6 +27,24 @@ void add_run_options(CLI::App& app, CommonOptions& options, const std::string& d
 void add_common(CLI::App& app, CommonOptions& options) {
     app.add_option("STUDY", options.study, "study file (TOML)")->required();
     add_run_options(app, options, "output/<study name>");
+}
+
+namespace {
+std::vector<std::string> command_line; // one a process
+}
+
+void remember_command_line(int argc, const char* const* argv) {
+    command_line.assign(argv + 1, argv + argc);
+}
+
+run::Session session(const CommonOptions& options) {
+    return {.version = PAVESCAPE_VERSION,
+            .libraries = fmt::format("Eigen {}.{}.{}, {}, TBB {}.{}, NLopt {}.{}.{}, {}", EIGEN_WORLD_VERSION,
+                                     EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, pave::fe::sparse_solver_version(),
+                                     TBB_VERSION_MAJOR, TBB_VERSION_MINOR, nlopt::version_major(),
+                                     nlopt::version_minor(), nlopt::version_bugfix(), PAVESCAPE_COMPILER),
+            .arguments = command_line,
+            .threads = run::usable_threads(options.threads)};
 }
 
 run::RunHeader run_header(const study::Study& study, std::string command, std::string settings) {

@@ -48,6 +48,11 @@ void add_diagnose(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
 
+// What main was called with; kept for session().
+void remember_command_line(int argc, const char* const* argv);
+// This process, for the stores it writes to.
+run::Session session(const CommonOptions& options);
+
 // Header of a run of this study for the store.
 run::RunHeader run_header(const study::Study& study, std::string command, std::string settings);
 

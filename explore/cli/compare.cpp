@@ -357,7 +357,7 @@ int compare(const CompareOptions& options) {
         "{} explored, {} to verify, at most {} searches of {} evaluations, seed {}", options.analysis.explore,
         options.analysis.verify, options.analysis.max_searches, options.analysis.max_evaluations, options.common.seed);
     const std::string folder = options.common.folder(study);
-    run::Store store(folder, true);
+    run::Store store(folder, session(options.common));
     for (Fitted& f : laws) {
         if (!fit_law(f, options, store, settings)) {
             return report_interrupt(folder);

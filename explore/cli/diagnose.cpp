@@ -154,7 +154,7 @@ int diagnose_study(const DiagnoseOptions& options) {
     const std::string settings = fmt::format("{} explored, {} starts, {} simulated, seed {}", options.analysis.explore,
                                              options.analysis.starts, options.analysis.bootstrap, options.common.seed);
     const std::string folder = options.common.folder(study);
-    run::Store store(folder, true);
+    run::Store store(folder, session(options.common));
     const auto extended_study = [&](const Members& members) {
         return study::with_free_effects(study, variants_of(variants, members));
     };

@@ -12,7 +12,7 @@ namespace {
 
 // wanted: the command whose last run is exported; empty: the run used last.
 int export_run(const std::string& folder, const std::string& format, const std::string& wanted) {
-    const run::Store store(folder, false);
+    const run::Store store(folder);
     const auto runs = store.runs();
     const auto chosen = std::find_if(
         runs.begin(), runs.end(), [&](const run::RunHeader& r) { return wanted.empty() || r.key.command == wanted; });

@@ -193,7 +193,7 @@ int fit(FitOptions options) {
                     options.multistart.starts, options.multistart.start_distance, options.multistart.method,
                     search_settings.max_evaluations, search_settings.step_tolerance, search_settings.misfit_tolerance);
     const std::string folder = options.common.folder(study);
-    run::Store store(folder, true);
+    run::Store store(folder, session(options.common));
     const int id = store.begin(run_header(study, "fit", settings));
     run::Engine engine(problem, &store, id, {.threads = options.common.threads, .show_progress = true});
     auto result = landscape::multistart(engine, problem, design, options.multistart);

@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
         const int status = app.exit(error);
         return status == 0 ? cli::done : cli::wrong_input;
     }
+    cli::remember_command_line(argc, argv);
     explore::run::catch_interrupts();
     explore::run::prepare_blas();
     try {

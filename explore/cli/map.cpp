@@ -67,7 +67,7 @@ int map(const MapOptions& options) {
     const problem::Problem problem = study::make_problem(study);
     const search::Design design = make_design(options, study);
     const std::string folder = options.common.folder(study);
-    run::Store store(folder, true);
+    run::Store store(folder, session(options.common));
     const int id = store.begin(run_header(study, "map", design.name));
     run::Engine engine(problem, &store, id, {.threads = options.common.threads, .show_progress = true});
     const auto evaluations = engine.evaluate(design);

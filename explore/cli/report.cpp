@@ -46,12 +46,29 @@ Json results_in(const std::filesystem::path& folder) {
     return results;
 }
 
+// What was computed when, and how fast.
+Json sessions_in(const std::string& folder) {
+    Json sessions = Json::array();
+    if (std::filesystem::exists(std::filesystem::path(folder) / "run.sqlite")) {
+        for (const run::Session& s : run::Store(folder).sessions()) {
+            sessions.push_back({{"began", s.began},
+                                {"arguments", s.arguments},
+                                {"version", s.version},
+                                {"libraries", s.libraries},
+                                {"threads", s.threads},
+                                {"evaluations", s.evaluations},
+                                {"seconds", s.seconds}});
+        }
+    }
+    return sessions;
+}
+
 // The points of the run that shows the landscape best, lowest misfit first.
 Json evaluations_in(const std::string& folder) {
     if (!std::filesystem::exists(std::filesystem::path(folder) / "run.sqlite")) {
         return nullptr;
     }
-    const run::Store store(folder, false);
+    const run::Store store(folder);
     const auto runs = store.runs();
     for (const std::string_view command : {"map", "unique", "fit"}) {
         const auto found = std::find_if(runs.begin(), runs.end(),
@@ -135,6 +152,7 @@ int make_report(const std::string& folder, const std::string& out) {
                                            {"version", PAVESCAPE_VERSION},
                                            {"results", std::move(results)},
                                            {"evaluations", std::move(evaluations)},
+                                           {"sessions", sessions_in(folder)},
                                            {"studies", std::move(studies)}});
     const std::filesystem::path path =
         out.empty() ? std::filesystem::path(folder) / "report.html" : std::filesystem::path(out);

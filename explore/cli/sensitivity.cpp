@@ -345,7 +345,7 @@ int sensitivity(const SensitivityOptions& options) {
         }
     }
     const std::string folder = options.common.folder(study);
-    run::Store store(folder, true);
+    run::Store store(folder, session(options.common));
     Sensitivity s;
     s.responses = reported_responses(study);
     run::Tally tally;

@@ -216,7 +216,7 @@ bool fit_stations(Survey& survey, const CommonOptions& options, const std::strin
         throw *complaint;
     }
     const auto begin = std::chrono::steady_clock::now();
-    run::Store store(folder, true);
+    run::Store store(folder, session(options));
     std::vector<std::string> why_none; // should a station end without a result
     Exploration exploration(survey, design, store, options.threads);
     for (std::size_t i = 0; i < items.size(); ++i) {

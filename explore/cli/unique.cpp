@@ -506,7 +506,7 @@ int unique(const UniqueOptions& options) {
         "{} explored, {} to verify, at most {} searches of {} evaluations, seed {}", options.analysis.explore,
         options.analysis.verify, options.analysis.max_searches, options.analysis.max_evaluations, options.common.seed);
     const std::string folder = options.common.folder(study);
-    run::Store store(folder, true);
+    run::Store store(folder, session(options.common));
     const int all_id = store.begin(run_header(study, "unique-outputs", settings));
     const int id = store.begin(run_header(study, "unique", settings));
     run::Engine engine(fitted, &store, id, {.threads = options.common.threads, .show_progress = true});

@@ -9,9 +9,13 @@ namespace explore::run {
 int usable_threads(int asked) {
     const int threads = asked > 0 ? asked : tbb::this_task_arena::max_concurrency();
     if (!prepare_blas() && threads > 1) {
-        fmt::print(stderr, "warning: the BLAS of this machine is a build of OpenBLAS without threads, which cannot be "
-                           "used by two tasks at once; going on with one thread (package libopenblas0-pthread mends "
-                           "this)\n");
+        static std::once_flag said;
+        std::call_once(said, [] {
+            fmt::print(stderr,
+                       "warning: the BLAS of this machine is a build of OpenBLAS without threads, which cannot be "
+                       "used by two tasks at once; going on with one thread (package libopenblas0-pthread mends "
+                       "this)\n");
+        });
         return 1;
     }
     return threads;

@@ -3,6 +3,7 @@
 #include "base/error.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
@@ -40,6 +41,16 @@ CREATE TABLE evaluation (
     misfit REAL,
     PRIMARY KEY (run, start, number)
 ) WITHOUT ROWID;
+CREATE TABLE session (
+    id INTEGER PRIMARY KEY,
+    version TEXT NOT NULL,
+    libraries TEXT NOT NULL,
+    arguments TEXT NOT NULL,
+    threads INTEGER NOT NULL,
+    began TEXT NOT NULL,
+    seconds REAL NOT NULL,
+    evaluations INTEGER NOT NULL
+);
 )";
 
 void bind_doubles(SQLite::Statement& statement, int index, const double* data, std::size_t count) {
@@ -87,7 +98,9 @@ constexpr const char* select_columns =
 struct Store::Implementation {
     std::string file;
     SQLite::Database database;
-    std::unique_ptr<SQLite::Statement> insert;
+    std::unique_ptr<SQLite::Statement> insert, count;
+    std::optional<Session> session;
+    std::chrono::steady_clock::time_point opened;
 
     // SQLite's own words, as a complaint about the file.
     template <class F>
@@ -103,7 +116,12 @@ struct Store::Implementation {
     }
 };
 
-Store::Store(const std::string& folder, bool create) {
+Store::Store(const std::string& folder) : Store(folder, std::optional<Session>()) {}
+
+Store::Store(const std::string& folder, Session session) : Store(folder, std::optional(std::move(session))) {}
+
+Store::Store(const std::string& folder, std::optional<Session> session) {
+    const bool create = session.has_value();
     const std::string file = (std::filesystem::path(folder) / "run.sqlite").string();
     if (create) {
         std::error_code error;
@@ -118,7 +136,8 @@ Store::Store(const std::string& folder, bool create) {
     }
     try {
         implementation_ = std::unique_ptr<Implementation>(new Implementation{
-            file, SQLite::Database(file, SQLite::OPEN_READWRITE | (create ? SQLite::OPEN_CREATE : 0), 10000), nullptr});
+            file, SQLite::Database(file, SQLite::OPEN_READWRITE | (create ? SQLite::OPEN_CREATE : 0), 10000), nullptr,
+            nullptr, std::move(session), std::chrono::steady_clock::now()});
     } catch (const SQLite::Exception& error) {
         throw pave::Error({.file = file}, "the run store cannot be opened", error.what(),
                           "a folder that can be written (--out)");
@@ -147,6 +166,9 @@ Store::Store(const std::string& folder, bool create) {
         m.insert = std::make_unique<SQLite::Statement>(
             m.database, "INSERT OR IGNORE INTO evaluation (run, start, number, status, reason, parameters, responses, "
                         "jacobian, warnings, misfit) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+        if (m.session) {
+            m.session->began = m.database.execAndGet("SELECT strftime('%Y-%m-%dT%H:%M:%SZ', 'now')").getString();
+        }
     });
 }
 
@@ -213,6 +235,7 @@ void Store::put(int run, RunNumber number, const problem::Evaluation& e) {
     const std::scoped_lock lock(mutex_);
     auto& m = *implementation_;
     m.guarded([&] {
+        SQLite::Transaction transaction(m.database);
         SQLite::Statement& s = *m.insert;
         s.reset();
         s.bind(1, run);
@@ -229,7 +252,52 @@ void Store::put(int run, RunNumber number, const problem::Evaluation& e) {
         } else {
             s.bind(10);
         }
-        s.exec();
+        if (s.exec() > 0 && m.session) {
+            count_evaluation();
+        }
+        transaction.commit();
+    });
+}
+
+// The session stands in the store from its first evaluation on, so that ending the process leaves a true count.
+void Store::count_evaluation() {
+    auto& m = *implementation_;
+    if (!m.count) {
+        SQLite::Statement add(m.database,
+                              "INSERT INTO session (version, libraries, arguments, threads, began, seconds, "
+                              "evaluations) VALUES (?, ?, ?, ?, ?, 0, 0)");
+        add.bind(1, m.session->version);
+        add.bind(2, m.session->libraries);
+        add.bind(3, nlohmann::json(m.session->arguments).dump());
+        add.bind(4, m.session->threads);
+        add.bind(5, m.session->began);
+        add.exec();
+        m.count = std::make_unique<SQLite::Statement>(
+            m.database, fmt::format("UPDATE session SET seconds = ?, evaluations = evaluations + 1 WHERE id = {}",
+                                    m.database.getLastInsertRowid()));
+    }
+    m.count->reset();
+    m.count->bind(1, std::chrono::duration<double>(std::chrono::steady_clock::now() - m.opened).count());
+    m.count->exec();
+}
+
+std::vector<Session> Store::sessions() const {
+    const std::scoped_lock lock(mutex_);
+    const auto& m = *implementation_;
+    return m.guarded([&] {
+        std::vector<Session> list;
+        SQLite::Statement row(m.database, "SELECT version, libraries, arguments, threads, began, seconds, evaluations "
+                                          "FROM session ORDER BY id");
+        while (row.executeStep()) {
+            list.push_back({.version = row.getColumn(0).getString(),
+                            .libraries = row.getColumn(1).getString(),
+                            .arguments = nlohmann::json::parse(row.getColumn(2).getString()),
+                            .threads = row.getColumn(3).getInt(),
+                            .began = row.getColumn(4).getString(),
+                            .seconds = row.getColumn(5).getDouble(),
+                            .evaluations = row.getColumn(6).getInt64()});
+        }
+        return list;
     });
 }
 

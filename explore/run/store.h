@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace explore::run {
@@ -38,14 +39,27 @@ struct RunHeader {
     std::vector<double> response_to_si;
 };
 
+// What one process computed into a store.
+struct Session {
+    std::string version{};                // of the program
+    std::string libraries{};              // whose versions decide digits
+    std::vector<std::string> arguments{}; // of the command line
+    int threads = 0;
+    std::string began{};          // UTC, ISO 8601; filled in by the store
+    double seconds = 0.0;         // up to the last evaluation; by the store
+    std::int64_t evaluations = 0; // that it computed; by the store
+};
+
 // One file. All functions may be called from any thread. Throws pave::Error for a file that is not a store, is of
 // another version, or cannot be written.
 class Store {
 public:
-    static constexpr int format_version = 1;
+    static constexpr int format_version = 2;
 
-    // Opens DIR/run.sqlite; with create, makes folder and file when they are not there.
-    Store(const std::string& folder, bool create);
+    // Opens DIR/run.sqlite to read what is there.
+    explicit Store(const std::string& folder);
+    // Opens it to go on in it; makes folder and file when they are not there.
+    Store(const std::string& folder, Session session);
     ~Store();
 
     // The run with this key: the one begun before, or a new one. It becomes the newest of the store.
@@ -59,10 +73,16 @@ public:
     std::map<RunNumber, problem::Evaluation> get(int run, RunNumber first, RunNumber last) const;
     void each(int run, const std::function<void(RunNumber, const problem::Evaluation&)>& visit) const;
 
+    // In the order they began.
+    std::vector<Session> sessions() const;
+
     // Whole results, by name ("result" holds the JSON a command printed).
     void put_result(int run, const std::string& json);
 
 private:
+    Store(const std::string& folder, std::optional<Session> session);
+    void count_evaluation();
+
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
     mutable std::mutex mutex_;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cholmod.h>
 #include <cstring>
+#include <fmt/format.h>
 #include <new>
 #include <umfpack.h>
 
@@ -115,6 +116,10 @@ void SparseLu::solve(double* x, int columns) {
         umfpack_di_wsolve(UMFPACK_A, m.pattern->column_start.data(), m.pattern->row.data(), m.values.data(), column,
                           m.right.data(), m.numeric, m.control, m.info, m.work_int.data(), m.work.data());
     }
+}
+
+std::string sparse_solver_version() {
+    return fmt::format("CHOLMOD {}.{}.{}", CHOLMOD_MAIN_VERSION, CHOLMOD_SUB_VERSION, CHOLMOD_SUBSUB_VERSION);
 }
 
 } // namespace pave::fe

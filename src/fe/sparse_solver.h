@@ -5,9 +5,13 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace pave::fe {
+
+// "CHOLMOD 3.0.14"
+std::string sparse_solver_version();
 
 // Fill-reducing order and structure of the Cholesky factor of one pattern, shared by all threads. Immutable.
 class CholeskyAnalysis {

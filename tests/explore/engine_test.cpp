@@ -138,7 +138,7 @@ TEST(Engine, GivesTheSameTableForAnyNumberOfThreads) {
     for (const int threads : {1, 2, 4}) {
         const std::string folder = fresh_folder("threads" + std::to_string(threads));
         const auto problem = two_basins();
-        run::Store store(folder, true);
+        run::Store store(folder, run::Session{});
         const int id = store.begin(header());
         run::Engine engine(problem, &store, id, {.threads = threads, .show_progress = false});
         ASSERT_TRUE(landscape::multistart(engine, problem, search::sobol(problem.space, 64, 1), {.starts = 6}));
@@ -159,7 +159,7 @@ TEST(Engine, ContinuesACutOffRunWithoutRepeatingAnything) {
     {
         const auto function = std::make_shared<TwoBasins>();
         const auto problem = two_basins(function);
-        run::Store store(folder, true);
+        run::Store store(folder, run::Session{});
         const int id = store.begin(header());
         run::Engine engine(problem, &store, id, {.threads = 2, .show_progress = false});
         ASSERT_TRUE(landscape::multistart(engine, problem, design, settings));
@@ -177,7 +177,7 @@ TEST(Engine, ContinuesACutOffRunWithoutRepeatingAnything) {
     EXPECT_GT(removed, 20);
     const auto function = std::make_shared<TwoBasins>();
     const auto problem = two_basins(function);
-    run::Store store(folder, true);
+    run::Store store(folder, run::Session{});
     const int id = store.begin(header());
     run::Engine engine(problem, &store, id, {.threads = 2, .show_progress = false});
     ASSERT_TRUE(landscape::multistart(engine, problem, design, settings));
@@ -190,7 +190,7 @@ TEST(Engine, ContinuesACutOffRunWithoutRepeatingAnything) {
 
 TEST(Store, KeepsRunsWithOtherSettingsApart) {
     const std::string folder = fresh_folder("apart");
-    run::Store store(folder, true);
+    run::Store store(folder, run::Session{});
     const int one = store.begin(header("one"));
     const int two = store.begin(header("two"));
     EXPECT_NE(one, two);
@@ -206,6 +206,29 @@ TEST(Store, KeepsRunsWithOtherSettingsApart) {
     std::filesystem::remove_all(folder);
 }
 
+TEST(Store, SaysWhatEachProcessComputed) {
+    const std::string folder = fresh_folder("sessions");
+    problem::Evaluation e;
+    e.parameters = {1.0, 2.0};
+    for (const int computed : {3, 0, 5}) { // the second finds all in the store
+        run::Store store(folder, run::Session{.version = "v", .arguments = {"fit", "a \"b\".toml"}, .threads = 2});
+        const int id = store.begin(header());
+        for (int i = 0; i < computed; ++i) {
+            store.put(id, {-1, i}, e); // some of the third are kept already
+        }
+    }
+    const auto sessions = run::Store(folder).sessions();
+    ASSERT_EQ(sessions.size(), 2U);
+    EXPECT_EQ(sessions[0].evaluations, 3);
+    EXPECT_EQ(sessions[1].evaluations, 2);
+    EXPECT_EQ(sessions[0].arguments[1], "a \"b\".toml");
+    EXPECT_EQ(sessions[0].threads, 2);
+    EXPECT_EQ(sessions[0].version, "v");
+    EXPECT_GT(sessions[0].seconds, 0.0);
+    EXPECT_EQ(sessions[0].began.size(), std::string("2026-01-01T00:00:00Z").size());
+    std::filesystem::remove_all(folder);
+}
+
 TEST(Store, RefusesAFileThatIsNotAStoreAndOneOfAnotherVersion) {
     const std::string folder = fresh_folder("foreign");
     std::filesystem::create_directories(folder);
@@ -213,15 +236,15 @@ TEST(Store, RefusesAFileThatIsNotAStoreAndOneOfAnotherVersion) {
         std::ofstream stream(folder + "/run.sqlite");
         stream << std::string(5000, 'x');
     }
-    EXPECT_THROW(run::Store(folder, true), pave::Error);
+    EXPECT_THROW(run::Store(folder, run::Session{}), pave::Error);
     std::filesystem::remove(folder + "/run.sqlite");
-    { const run::Store store(folder, true); }
+    { const run::Store store(folder, run::Session{}); }
     {
         SQLite::Database database(folder + "/run.sqlite", SQLite::OPEN_READWRITE);
         database.exec("PRAGMA user_version = 999");
     }
-    EXPECT_THROW(run::Store(folder, true), pave::Error);
-    EXPECT_THROW(run::Store(folder + "/nowhere", false), pave::Error);
+    EXPECT_THROW(run::Store(folder, run::Session{}), pave::Error);
+    EXPECT_THROW(run::Store(folder + "/nowhere"), pave::Error);
     std::filesystem::remove_all(folder);
 }
 

@@ -85,6 +85,10 @@ measured = next(c for c in charts if c["chart"] == "measured")
 rows = sorted((r for r in fit["responses"] if "measured" in r), key=lambda r: r["x_mm"])
 check(same(measured["traces"][0]["y"], [r["measured"] for r in rows]), "the chart holds the measured deflections")
 check(same(measured["traces"][1]["y"], [r["value"] for r in rows]), "the chart holds the modelled deflections")
+for command in ("fit", "map"):
+    computed = len(json.loads(run("export", run_folder, "--command", command, "--format", "json").stdout)["evaluations"])
+    check(re.search(rf"<td[^>]*>pavescape {command} [^<]*</td><td[^>]*>\d+</td><td[^>]*>{computed}</td>", dom),
+          f"the timings count the {computed} forward runs of {command}")
 ends = next(c for c in charts if c["chart"] == "waterfall")
 check(same(ends["traces"][0]["y"], sorted(e["misfit"] for e in fit["ends"])), "the waterfall holds the ends of the searches")
 pairs = [c for c in charts if c["chart"] == "pair"]

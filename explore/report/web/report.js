@@ -446,11 +446,18 @@
     if (Object.keys(results).length === 0) {
         section("An unfinished run", make("p", {}, `No command has finished here yet. ${data.evaluations.rows.length} evaluations of “${data.evaluations.command}” are kept; the same command goes on from them.`));
     }
+    if (data.sessions.length > 0) {
+        section("Timings", table(["began (UTC)", "command", "threads", "forward runs", "seconds", "runs a second"],
+            data.sessions.map((s) => [s.began.replace("T", " ").replace("Z", ""), "pavescape " + s.arguments.join(" "), s.threads,
+                s.evaluations, figure(s.seconds), figure(s.evaluations / s.seconds)]), [0, 1]),
+            make("p", { className: "soft" }, "Wall time from opening the folder to the last forward run that was computed there; what was found in the folder is not counted again."));
+    }
     section("What this rests on",
         make("ul", {}, Object.entries(results).map(([command, r]) => make("li", {}, [`${command}: program ${r.version || data.version}`,
             r.seed !== undefined ? `seed ${r.seed}` : "", r.misfit_kind ? `misfit ${r.misfit_kind}` : "",
             r.noise ? `noise ${r.noise.source || r.noise}` : "", r.runs_per_second ? `${figure(r.runs_per_second)} forward runs a second` : "",
             r.study ? `study hash ${r.study.hash}` : ""].filter(Boolean).join(", ")))),
+        make("p", { className: "soft" }, [...new Set(data.sessions.map((s) => `Computed by pavescape ${s.version} with ${s.libraries}.`))].join(" ")),
         make("p", { className: "soft" }, "Layers are cross-anisotropic and bonded unless the study says otherwise, on a rigid rough floor; loads act at rest." +
             (data.studies.length ? " The study states the rest:" : "")),
         data.studies.flatMap((s) => [make("h3", {}, s.file), s.note ? make("p", {}, s.note) : make("pre", {}, s.text)]));
