@@ -44,6 +44,7 @@ run::Session session(const CommonOptions& options) {
                                      TBB_VERSION_MAJOR, TBB_VERSION_MINOR, nlopt::version_major(),
                                      nlopt::version_minor(), nlopt::version_bugfix(), PAVESCAPE_COMPILER),
             .arguments = command_line,
+            .directory = std::filesystem::current_path().string(),
             .threads = run::usable_threads(options.threads)};
 }
 

@@ -47,6 +47,7 @@ void add_unique(CLI::App& app, Action& action);
 void add_diagnose(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
+void add_rerun(CLI::App& app, Action& action);
 
 // What main was called with; kept for session().
 void remember_command_line(int argc, const char* const* argv);

@@ -5,8 +5,39 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <fmt/format.h>
 #include <malloc.h>
+#include <new>
+
+namespace {
+
+// The exit status of a command, and its complaint on standard error.
+int perform(const explore::cli::Action& action) {
+    namespace cli = explore::cli;
+    try {
+        if (!explore::run::blas_has_room(1)) {
+            throw std::bad_alloc();
+        }
+        const int status = action();
+        if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+            fmt::print(stderr, "pavescape: the output could not be written in full\n");
+            return cli::computation_failed;
+        }
+        return status;
+    } catch (const pave::Error& error) {
+        fmt::print(stderr, "pavescape: {}\n", error.what());
+        return cli::wrong_input;
+    } catch (const std::bad_alloc&) {
+        fmt::print(stderr, "pavescape: the computation failed: memory has run out; what was finished is kept\n");
+        return cli::computation_failed;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "pavescape: the computation failed: {}\n", error.what());
+        return cli::computation_failed;
+    }
+}
+
+} // namespace
 
 int main(int argc, char** argv) {
     namespace cli = explore::cli;
@@ -33,6 +64,7 @@ int main(int argc, char** argv) {
     cli::add_survey(app, action);
     cli::add_report(app, action);
     cli::add_export(app, action);
+    cli::add_rerun(app, action);
     std::vector<std::string> names;
     for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; })) {
         names.push_back(command->get_name());
@@ -52,18 +84,8 @@ int main(int argc, char** argv) {
     cli::remember_command_line(argc, argv);
     explore::run::catch_interrupts();
     explore::run::prepare_blas();
-    try {
-        const int status = action();
-        if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-            fmt::print(stderr, "pavescape: the output could not be written in full\n");
-            return cli::computation_failed;
-        }
-        return status;
-    } catch (const pave::Error& error) {
-        fmt::print(stderr, "pavescape: {}\n", error.what());
-        return cli::wrong_input;
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "pavescape: the computation failed: {}\n", error.what());
-        return cli::computation_failed;
-    }
+    const int status = perform(action);
+    std::fflush(nullptr);
+    // OpenBLAS joins threads of its own at exit, for ever where one of them finds no room in memory.
+    std::_Exit(status);
 }

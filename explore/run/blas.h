@@ -8,4 +8,7 @@ namespace explore::run {
 // when two tasks use it at once.
 bool prepare_blas();
 
+// Whether so many threads can work: OpenBLAS waits for ever where a thread finds no room for its buffer.
+bool blas_has_room(int threads);
+
 } // namespace explore::run

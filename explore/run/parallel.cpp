@@ -3,6 +3,7 @@
 #include "run/blas.h"
 
 #include <fmt/format.h>
+#include <stdexcept>
 
 namespace explore::run {
 
@@ -17,6 +18,10 @@ int usable_threads(int asked) {
                        "this)\n");
         });
         return 1;
+    }
+    if (!blas_has_room(threads)) {
+        throw std::runtime_error(fmt::format("there is not enough memory for {} thread{}; --threads asks for fewer",
+                                             threads, threads == 1 ? "" : "s"));
     }
     return threads;
 }

@@ -11,7 +11,7 @@
 namespace explore::run {
 
 // How many threads to use when so many are asked for (0: as many as the machine has). One, with a warning on standard
-// error, where the BLAS of the machine allows no more.
+// error, where the BLAS of the machine allows no more. Throws where memory has no room for them.
 int usable_threads(int asked);
 
 // Calls body(i) for i in [0, n) in parallel, each on its own. The first exception of a body comes out here, after all

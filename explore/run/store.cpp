@@ -10,6 +10,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sqlite3.h>
+#include <thread>
 
 namespace explore::run {
 namespace {
@@ -46,6 +47,7 @@ CREATE TABLE session (
     version TEXT NOT NULL,
     libraries TEXT NOT NULL,
     arguments TEXT NOT NULL,
+    directory TEXT NOT NULL,
     threads INTEGER NOT NULL,
     began TEXT NOT NULL,
     seconds REAL NOT NULL,
@@ -66,13 +68,54 @@ std::vector<double> doubles(const SQLite::Column& column) {
     return values;
 }
 
-problem::Evaluation evaluation_of(SQLite::Statement& row, int first) {
+// How many numbers the evaluations of a run hold.
+struct Shape {
+    std::size_t parameters = 0, responses = 0;
+};
+
+// A complaint about what a cell holds; guarded() adds the file.
+struct Damage {
+    std::string what;
+};
+
+void fill_header(RunHeader& header, const std::string& text) {
+    const auto columns = nlohmann::json::parse(text, nullptr, false);
+    try {
+        header.parameters = columns.at("parameters").get<std::vector<std::string>>();
+        header.responses = columns.at("responses").get<std::vector<std::string>>();
+        header.response_to_si = columns.at("response_to_si").get<std::vector<double>>();
+    } catch (const nlohmann::json::exception&) {
+        throw Damage{"the list of parameters and responses"};
+    }
+    if (header.response_to_si.size() != header.responses.size()) {
+        throw Damage{"the units of the responses"};
+    }
+}
+
+std::vector<std::string> arguments_of(const std::string& text) {
+    try {
+        return nlohmann::json::parse(text).get<std::vector<std::string>>();
+    } catch (const nlohmann::json::exception&) {
+        throw Damage{"the arguments of a command"};
+    }
+}
+
+problem::Evaluation evaluation_of(SQLite::Statement& row, int first, Shape shape) {
     problem::Evaluation e;
-    e.status = static_cast<pave::Status>(row.getColumn(first).getInt());
+    const int status = row.getColumn(first).getInt();
+    if (status < 0 || status >= static_cast<int>(std::size(pave::all_statuses))) {
+        throw Damage{"the status of an evaluation"};
+    }
+    e.status = static_cast<pave::Status>(status);
     e.reason = row.getColumn(first + 1).getString();
     e.parameters = doubles(row.getColumn(first + 2));
     e.responses = doubles(row.getColumn(first + 3));
     const auto jacobian = doubles(row.getColumn(first + 4));
+    if (e.parameters.size() != shape.parameters ||
+        (e.responses.size() != shape.responses && (e.converged() || !e.responses.empty())) ||
+        (!jacobian.empty() && jacobian.size() != shape.parameters * shape.responses)) {
+        throw Damage{"the numbers of an evaluation"};
+    }
     if (!jacobian.empty()) {
         const auto columns = static_cast<Eigen::Index>(e.parameters.size());
         e.jacobian = Eigen::Map<const Eigen::MatrixXd>(jacobian.data(),
@@ -102,11 +145,39 @@ struct Store::Implementation {
     std::optional<Session> session;
     std::chrono::steady_clock::time_point opened;
 
+    // The write-ahead log. SQLite does not wait for another process that is about to ask for the same.
+    void use_log() {
+        for (int attempt = 0;; ++attempt) {
+            try {
+                database.exec("PRAGMA journal_mode = WAL");
+                return;
+            } catch (const SQLite::Exception& error) {
+                if (error.getErrorCode() != SQLITE_BUSY || attempt == 1000) {
+                    throw;
+                }
+                std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            }
+        }
+    }
+
+    Shape shape_of(int run) const {
+        SQLite::Statement row(database, "SELECT header FROM run WHERE id = ?");
+        row.bind(1, run);
+        if (!row.executeStep()) {
+            throw Damage{"no run of this number"};
+        }
+        RunHeader header;
+        fill_header(header, row.getColumn(0).getString());
+        return {header.parameters.size(), header.responses.size()};
+    }
+
     // SQLite's own words, as a complaint about the file.
     template <class F>
     auto guarded(F f) const {
         try {
             return f();
+        } catch (const Damage& damage) {
+            throw pave::Error({.file = file}, "the run store is damaged", damage.what, "another folder (--out)");
         } catch (const SQLite::Exception& error) {
             const bool no_store = error.getErrorCode() == SQLITE_NOTADB || error.getErrorCode() == SQLITE_CORRUPT;
             throw pave::Error(
@@ -146,7 +217,10 @@ Store::Store(const std::string& folder, std::optional<Session> session) {
     m.guarded([&] {
         const int id = m.database.execAndGet("PRAGMA application_id").getInt();
         const int version = m.database.execAndGet("PRAGMA user_version").getInt();
-        const bool is_new = m.database.execAndGet("SELECT count(*) FROM sqlite_master").getInt() == 0;
+        const auto has_nothing = [&] {
+            return m.database.execAndGet("SELECT count(*) FROM sqlite_master").getInt() == 0;
+        };
+        const bool is_new = has_nothing();
         if (!is_new && (id != application_id || version != format_version)) {
             throw pave::Error({.file = file}, "this store is not of this program's format",
                               fmt::format("application {:#x}, version {}", id, version),
@@ -154,13 +228,15 @@ Store::Store(const std::string& folder, std::optional<Session> session) {
         }
         // Each evaluation is a transaction of its own in the write-ahead log: ending the process loses none, and a
         // power cut loses at most the last ones.
-        m.database.exec("PRAGMA journal_mode = WAL");
+        m.use_log();
         m.database.exec("PRAGMA synchronous = NORMAL");
         if (is_new) {
-            SQLite::Transaction transaction(m.database);
-            m.database.exec(schema);
-            m.database.exec(fmt::format("PRAGMA application_id = {}", application_id));
-            m.database.exec(fmt::format("PRAGMA user_version = {}", format_version));
+            SQLite::Transaction transaction(m.database, SQLite::TransactionBehavior::IMMEDIATE);
+            if (has_nothing()) { // another process may have been faster
+                m.database.exec(schema);
+                m.database.exec(fmt::format("PRAGMA application_id = {}", application_id));
+                m.database.exec(fmt::format("PRAGMA user_version = {}", format_version));
+            }
             transaction.commit();
         }
         m.insert = std::make_unique<SQLite::Statement>(
@@ -178,7 +254,7 @@ int Store::begin(const RunHeader& header) {
     const std::scoped_lock lock(mutex_);
     auto& m = *implementation_;
     return m.guarded([&] {
-        SQLite::Transaction transaction(m.database);
+        SQLite::Transaction transaction(m.database, SQLite::TransactionBehavior::IMMEDIATE);
         const nlohmann::json columns = {{"parameters", header.parameters},
                                         {"responses", header.responses},
                                         {"response_to_si", header.response_to_si}};
@@ -214,10 +290,7 @@ std::vector<RunHeader> Store::runs() const {
             header.id = row.getColumn(0).getInt();
             header.key = {row.getColumn(1).getString(), row.getColumn(2).getString(), row.getColumn(3).getString()};
             header.version = row.getColumn(4).getString();
-            const auto columns = nlohmann::json::parse(row.getColumn(5).getString());
-            header.parameters = columns["parameters"].get<std::vector<std::string>>();
-            header.responses = columns["responses"].get<std::vector<std::string>>();
-            header.response_to_si = columns["response_to_si"].get<std::vector<double>>();
+            fill_header(header, row.getColumn(5).getString());
             list.push_back(std::move(header));
         }
         if (list.empty()) {
@@ -235,7 +308,7 @@ void Store::put(int run, RunNumber number, const problem::Evaluation& e) {
     const std::scoped_lock lock(mutex_);
     auto& m = *implementation_;
     m.guarded([&] {
-        SQLite::Transaction transaction(m.database);
+        SQLite::Transaction transaction(m.database, SQLite::TransactionBehavior::IMMEDIATE);
         SQLite::Statement& s = *m.insert;
         s.reset();
         s.bind(1, run);
@@ -252,7 +325,8 @@ void Store::put(int run, RunNumber number, const problem::Evaluation& e) {
         } else {
             s.bind(10);
         }
-        if (s.exec() > 0 && m.session) {
+        s.exec();
+        if (m.session) {
             count_evaluation();
         }
         transaction.commit();
@@ -264,13 +338,14 @@ void Store::count_evaluation() {
     auto& m = *implementation_;
     if (!m.count) {
         SQLite::Statement add(m.database,
-                              "INSERT INTO session (version, libraries, arguments, threads, began, seconds, "
-                              "evaluations) VALUES (?, ?, ?, ?, ?, 0, 0)");
+                              "INSERT INTO session (version, libraries, arguments, directory, threads, began, seconds, "
+                              "evaluations) VALUES (?, ?, ?, ?, ?, ?, 0, 0)");
         add.bind(1, m.session->version);
         add.bind(2, m.session->libraries);
         add.bind(3, nlohmann::json(m.session->arguments).dump());
-        add.bind(4, m.session->threads);
-        add.bind(5, m.session->began);
+        add.bind(4, m.session->directory);
+        add.bind(5, m.session->threads);
+        add.bind(6, m.session->began);
         add.exec();
         m.count = std::make_unique<SQLite::Statement>(
             m.database, fmt::format("UPDATE session SET seconds = ?, evaluations = evaluations + 1 WHERE id = {}",
@@ -286,16 +361,18 @@ std::vector<Session> Store::sessions() const {
     const auto& m = *implementation_;
     return m.guarded([&] {
         std::vector<Session> list;
-        SQLite::Statement row(m.database, "SELECT version, libraries, arguments, threads, began, seconds, evaluations "
-                                          "FROM session ORDER BY id");
+        SQLite::Statement row(m.database,
+                              "SELECT version, libraries, arguments, directory, threads, began, seconds, evaluations "
+                              "FROM session ORDER BY id");
         while (row.executeStep()) {
             list.push_back({.version = row.getColumn(0).getString(),
                             .libraries = row.getColumn(1).getString(),
-                            .arguments = nlohmann::json::parse(row.getColumn(2).getString()),
-                            .threads = row.getColumn(3).getInt(),
-                            .began = row.getColumn(4).getString(),
-                            .seconds = row.getColumn(5).getDouble(),
-                            .evaluations = row.getColumn(6).getInt64()});
+                            .arguments = arguments_of(row.getColumn(2).getString()),
+                            .directory = row.getColumn(3).getString(),
+                            .threads = row.getColumn(4).getInt(),
+                            .began = row.getColumn(5).getString(),
+                            .seconds = row.getColumn(6).getDouble(),
+                            .evaluations = row.getColumn(7).getInt64()});
         }
         return list;
     });
@@ -305,6 +382,7 @@ std::map<RunNumber, problem::Evaluation> Store::get(int run, RunNumber first, Ru
     const std::scoped_lock lock(mutex_);
     const auto& m = *implementation_;
     return m.guarded([&] {
+        const Shape shape = m.shape_of(run);
         std::map<RunNumber, problem::Evaluation> found;
         SQLite::Statement row(m.database, std::string(select_columns) +
                                               "run = ? AND (start, number) >= (?, ?) AND (start, number) <= (?, ?)");
@@ -314,7 +392,8 @@ std::map<RunNumber, problem::Evaluation> Store::get(int run, RunNumber first, Ru
         row.bind(4, last.start);
         row.bind(5, last.number);
         while (row.executeStep()) {
-            found.emplace(RunNumber{row.getColumn(0).getInt(), row.getColumn(1).getInt()}, evaluation_of(row, 2));
+            found.emplace(RunNumber{row.getColumn(0).getInt(), row.getColumn(1).getInt()},
+                          evaluation_of(row, 2, shape));
         }
         return found;
     });
@@ -324,10 +403,11 @@ void Store::each(int run, const std::function<void(RunNumber, const problem::Eva
     const std::scoped_lock lock(mutex_);
     const auto& m = *implementation_;
     m.guarded([&] {
+        const Shape shape = m.shape_of(run);
         SQLite::Statement row(m.database, std::string(select_columns) + "run = ? ORDER BY start, number");
         row.bind(1, run);
         while (row.executeStep()) {
-            visit({row.getColumn(0).getInt(), row.getColumn(1).getInt()}, evaluation_of(row, 2));
+            visit({row.getColumn(0).getInt(), row.getColumn(1).getInt()}, evaluation_of(row, 2, shape));
         }
     });
 }

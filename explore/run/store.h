@@ -44,10 +44,11 @@ struct Session {
     std::string version{};                // of the program
     std::string libraries{};              // whose versions decide digits
     std::vector<std::string> arguments{}; // of the command line
+    std::string directory{};              // that it was started in
     int threads = 0;
     std::string began{};          // UTC, ISO 8601; filled in by the store
     double seconds = 0.0;         // up to the last evaluation; by the store
-    std::int64_t evaluations = 0; // that it computed; by the store
+    std::int64_t evaluations = 0; // that it computed, new to the store or not; by the store
 };
 
 // One file. All functions may be called from any thread. Throws pave::Error for a file that is not a store, is of

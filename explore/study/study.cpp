@@ -18,23 +18,16 @@ namespace {
 using namespace pave::pavement;
 namespace unit = pave::unit;
 
-std::vector<std::string> load_type_words() {
-    return {"plate", "wheel", "dual-wheel"};
-}
-std::vector<std::string> patch_words() {
-    return {"circle", "rectangle"};
-}
-
 Layer read_layer(const toml::table& table, const std::string& file) {
     TableReader reader(table, file, "[[layers]]");
     Layer layer;
-    layer.name = reader.text("name");
+    layer.name = reader.text(keys::layer_name);
     reader.rename("layer \"" + layer.name + "\"");
     std::vector<std::string> law_names;
     for (const auto* law : pave::material::laws()) {
         law_names.emplace_back(law->name());
     }
-    layer.law = pave::material::laws()[reader.choice("law", law_names)];
+    layer.law = pave::material::laws()[reader.choice(keys::layer_law, law_names)];
     reader.expect(layer_keys());
     reader.expect(layer.law->parameters());
     for (const KeyInfo& key : layer_keys()) {
@@ -69,14 +62,13 @@ Layer read_layer(const toml::table& table, const std::string& file) {
 Load read_load(const toml::table& table, const std::string& file) {
     TableReader reader(table, file, "[[loads]]");
     Load load;
-    load.name = reader.text("name");
+    load.name = reader.text(keys::load_name);
     reader.rename("load \"" + load.name + "\"");
-    load.type = static_cast<LoadType>(reader.choice("type", load_type_words()));
+    load.type = static_cast<LoadType>(reader.choice(keys::load_type));
     if (load.type == LoadType::plate) {
         load.patch = Patch::circle;
     } else {
-        load.patch =
-            static_cast<Patch>(reader.choice("patch", patch_words(), static_cast<std::size_t>(Patch::rectangle)));
+        load.patch = static_cast<Patch>(reader.choice(keys::load_patch));
     }
     for (const KeyInfo& key : load_keys(load.type, load.patch)) {
         key.of_load(load) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, key.default_value);
@@ -147,14 +139,14 @@ Sensor sensor_of(const data::Measurement& m, const Case& model) {
 Output read_output(const toml::table& table, const std::string& file, const Case& model) {
     TableReader reader(table, file, "[[outputs]]");
     Output output;
-    output.name = reader.text("name");
+    output.name = reader.text(keys::output_name);
     reader.rename("output \"" + output.name + "\"");
-    output.sensor.load = find_load(model, reader.text("load"), reader.place("load"));
-    output.sensor.quantity = find_quantity(reader.text("quantity"), reader.place("quantity"));
-    output.sensor.x = unit::mm * reader.number("x_mm", -1e5, 1e5, false, 0.0);
-    output.sensor.y = unit::mm * reader.number("y_mm", -1e5, 1e5, false, 0.0);
-    output.sensor.depth = unit::mm * reader.number("depth_mm", 0.0, 1e5, false, 0.0);
-    output.sensor.gauge = unit::mm * reader.number("gauge_mm", 0.0, 1e4, false, 0.0);
+    output.sensor.load = find_load(model, reader.text(keys::output_load), reader.place(keys::output_load));
+    output.sensor.quantity = find_quantity(reader.text(keys::output_quantity), reader.place(keys::output_quantity));
+    output.sensor.x = unit::mm * reader.number(keys::output_x);
+    output.sensor.y = unit::mm * reader.number(keys::output_y);
+    output.sensor.depth = unit::mm * reader.number(keys::output_depth);
+    output.sensor.gauge = unit::mm * reader.number(keys::output_gauge);
     output.sensor.measured = false;
     reader.done();
     check_sensor(model, output.sensor, reader.place(""));
@@ -181,32 +173,32 @@ void check_effect(const Study& study, const AppliedEffect& applied, const pave::
 void read_effect(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[[effects]]");
     AppliedEffect applied;
-    applied.effect = effects()[reader.choice("name", effect_names())];
+    applied.effect = effects()[reader.choice(keys::effect_name, effect_names())];
     const Effect& effect = *applied.effect;
     reader.rename("effect \"" + std::string(effect.name) + "\"");
-    applied.size = reader.number("size", effect.low, effect.high, false, effect.null);
+    applied.size = reader.number(keys::effect_size, effect.low, effect.high, false, effect.null);
     Case& model = study.model;
     if (effect.takes_layer) {
-        applied.layer = reader.text("layer", "");
+        applied.layer = reader.text(keys::effect_layer, "");
         const auto names = names_of(model.layers);
         if (!applied.layer.empty() && std::find(names.begin(), names.end(), applied.layer) == names.end()) {
-            throw pave::Error(reader.place("layer"), "this layer is not in the study", "\"" + applied.layer + "\"",
-                              pave::join(names));
+            throw pave::Error(reader.place(keys::effect_layer), "this layer is not in the study",
+                              "\"" + applied.layer + "\"", pave::join(names));
         }
     }
     if (effect.takes_load) {
-        if (const std::string load = reader.text("load", ""); !load.empty()) {
-            applied.load = find_load(model, load, reader.place("load"));
+        if (const std::string load = reader.text(keys::effect_load, ""); !load.empty()) {
+            applied.load = find_load(model, load, reader.place(keys::effect_load));
         }
     }
     if (effect.takes_quantity) {
-        if (const std::string quantity = reader.text("quantity", ""); !quantity.empty()) {
-            applied.quantity = find_quantity(quantity, reader.place("quantity"));
+        if (const std::string quantity = reader.text(keys::effect_quantity, ""); !quantity.empty()) {
+            applied.quantity = find_quantity(quantity, reader.place(keys::effect_quantity));
         }
     }
     if (effect.takes_reading) {
         const int last = std::max(1, static_cast<int>(study.measurements.size()));
-        applied.reading = reader.integer("reading", 1, last, 1) - 1;
+        applied.reading = reader.integer(keys::effect_reading, 1, last, 1) - 1;
     }
     reader.done();
     for (const AppliedEffect& other : model.effects) {
@@ -222,17 +214,17 @@ void read_effect(const toml::table& table, Study& study) {
 void read_parameter(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[[parameters]]");
     problem::Axis axis;
-    axis.name = reader.text("name");
+    axis.name = reader.text(keys::parameter_name);
     const Parameter parameter = find_parameter(study.model, axis.name, reader.place("name"));
     reader.rename("parameter \"" + axis.name + "\"");
-    axis.scale = static_cast<problem::Scale>(reader.choice("scale", {"linear", "log"}, 0));
+    axis.scale = static_cast<problem::Scale>(reader.choice(keys::parameter_scale));
     const bool is_log = axis.scale == problem::Scale::log;
     const double low = is_log ? std::max(parameter.low, 0.0) : parameter.low;
-    axis.low = reader.number("min", low, parameter.high, parameter.low_is_open || is_log);
-    axis.high = reader.number("max", low, parameter.high, parameter.low_is_open || is_log);
-    axis.points = reader.integer("points", 1, 100000, 0);
+    axis.low = reader.number(keys::parameter_min, low, parameter.high, parameter.low_is_open || is_log);
+    axis.high = reader.number(keys::parameter_max, low, parameter.high, parameter.low_is_open || is_log);
+    axis.points = reader.has(keys::parameter_points) ? reader.integer(keys::parameter_points) : 0;
     if (!(axis.low < axis.high)) {
-        throw pave::Error(reader.place("min"), "the bounds are swapped or equal",
+        throw pave::Error(reader.place(keys::parameter_min), "the bounds are swapped or equal",
                           fmt::format("min = {}, max = {}", axis.low, axis.high), "min < max");
     }
     axis.start = parameter.get(study.model);
@@ -241,7 +233,7 @@ void read_parameter(const toml::table& table, Study& study) {
                           "\"" + axis.name + "\"", "a value for it in the layer");
     }
     if (axis.points == 1 && !(axis.start >= axis.low && axis.start <= axis.high)) {
-        throw pave::Error(reader.place("points"),
+        throw pave::Error(reader.place(keys::parameter_points),
                           "one point means held at the study's own value, which is out of bounds",
                           fmt::format("{}", axis.start), fmt::format("{} to {}", axis.low, axis.high));
     }
@@ -311,25 +303,24 @@ void set_groups(Study& study, const pave::Place& place, const std::vector<std::s
 
 void read_data(const toml::table& table, Study& study, Readings readings) {
     TableReader reader(table, study.file, "[data]");
-    std::vector<std::string> misfits(std::begin(problem::misfit_names), std::end(problem::misfit_names));
-    if (reader.has("files")) {
-        study.data.files = reader.texts("files");
+    if (reader.has(keys::data_files)) {
+        study.data.files = reader.texts(keys::data_files);
         if (study.data.files.empty()) {
-            throw pave::Error(reader.place("files"), "the list of measurement files is empty", "[]",
+            throw pave::Error(reader.place(keys::data_files), "the list of measurement files is empty", "[]",
                               "at least one file");
         }
     }
-    study.data.misfit = static_cast<problem::MisfitKind>(reader.choice("misfit", misfits, 0));
-    study.data.log_floor = reader.number("log_floor", 0.0, 1.0, true, 0.01);
-    if (reader.has("noise_relative")) {
-        study.data.noise_relative = reader.number("noise_relative", 0.0, 10.0, true);
+    study.data.misfit = static_cast<problem::MisfitKind>(reader.choice(keys::data_misfit));
+    study.data.log_floor = reader.number(keys::data_log_floor);
+    if (reader.has(keys::data_noise_relative)) {
+        study.data.noise_relative = reader.number(keys::data_noise_relative);
     }
-    if (reader.has("noise_floor")) {
-        study.data.noise_floor = reader.number("noise_floor", 0.0, 10.0, true);
+    if (reader.has(keys::data_noise_floor)) {
+        study.data.noise_floor = reader.number(keys::data_noise_floor);
     }
     const std::vector<std::string> held_out =
-        reader.has("held_out") ? reader.texts("held_out") : std::vector<std::string>{};
-    const toml::table* weights = reader.table("weights");
+        reader.has(keys::data_held_out) ? reader.texts(keys::data_held_out) : std::vector<std::string>{};
+    const toml::table* weights = reader.table(keys::data_weights);
     reader.done();
     if (readings == Readings::elsewhere) {
         return;
@@ -338,15 +329,15 @@ void read_data(const toml::table& table, Study& study, Readings readings) {
     for (const std::string& file : study.data.files) {
         const std::string path = (folder / file).string();
         if (!std::filesystem::exists(path)) {
-            throw pave::Error(reader.place("files"), "this measurement file does not exist", "\"" + path + "\"",
-                              "a path relative to the study's own folder");
+            throw pave::Error(reader.place(keys::data_files), "this measurement file does not exist",
+                              "\"" + path + "\"", "a path relative to the study's own folder");
         }
         for (auto& m : data::read_measurements(path)) {
             study.model.sensors.push_back(sensor_of(m, study.model));
             study.measurements.push_back(std::move(m));
         }
     }
-    set_groups(study, reader.place("held_out"), held_out, weights);
+    set_groups(study, reader.place(keys::data_held_out), held_out, weights);
 }
 
 // The largest |measured| [SI] of the load and quantity of each measurement.
@@ -508,8 +499,8 @@ Study load_study(const std::string& file, Readings readings) {
                           std::string(error.description()), "see toml.io for the format");
     }
     TableReader reader(table, file, "");
-    reader.integer("schema", 1, 1);
-    study.title = reader.text("title", study.stem());
+    reader.integer(keys::schema);
+    study.title = reader.text(keys::title, study.stem());
 
     // Layers and loads share one list of names: parameter paths begin with one.
     std::set<std::string> names;
@@ -536,17 +527,16 @@ Study load_study(const std::string& file, Readings readings) {
     if (const auto* solver = reader.table("solver")) {
         TableReader r(*solver, file, "[solver]");
         auto& settings = study.model.settings;
-        settings.integration = static_cast<Integration>(r.choice("integration", {"incremental", "secant"}, 0));
-        settings.solver.path_tolerance = r.number("path_tolerance", 1e-7, 0.1, false, settings.solver.path_tolerance);
-        settings.solver.equilibrium_tolerance =
-            r.number("equilibrium_tolerance", 1e-12, 1e-4, false, settings.solver.equilibrium_tolerance);
+        settings.integration = static_cast<Integration>(r.choice(keys::solver_integration));
+        settings.solver.path_tolerance = r.number(keys::solver_path);
+        settings.solver.equilibrium_tolerance = r.number(keys::solver_equilibrium);
         r.done();
     }
     study.model.settings.extent = not_stated;
     if (const auto* mesh = reader.table("mesh")) {
         TableReader r(*mesh, file, "[mesh]");
-        study.model.settings.extent = r.number("extent_m", 0.1, 1000.0, false, not_stated);
-        study.model.settings.refine = r.number("refine", 0.25, 16.0, false, 1.0);
+        study.model.settings.extent = r.has(keys::mesh_extent) ? r.number(keys::mesh_extent) : not_stated;
+        study.model.settings.refine = r.number(keys::mesh_refine);
         r.done();
     }
     if (const auto* data = reader.table("data")) {

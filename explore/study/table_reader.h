@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/error.h"
+#include "study/keys.h"
 
 #include <fmt/format.h>
 #include <set>
@@ -61,6 +62,16 @@ public:
                           "\"" + word + "\"", pave::join(words));
     }
 
+    std::size_t choice(const Key& key) {
+        std::optional<std::size_t> fallback;
+        if (key.default_value) {
+            fallback = static_cast<std::size_t>(*key.default_value);
+        }
+        return choice(key, {key.choices.begin(), key.choices.end()}, fallback);
+    }
+
+    double number(const Key& key) { return number(key, key.low, key.high, key.low_is_open, key.default_value); }
+
     double number(std::string_view key, double low, double high, bool low_is_open,
                   std::optional<double> fallback = {}) {
         const std::string allowed = fmt::format("{} {} value <= {}", low, low_is_open ? "<" : "<=", high);
@@ -92,6 +103,14 @@ public:
             throw pave::Error(place(key), "value out of range", fmt::format("{}", value), allowed);
         }
         return static_cast<int>(value);
+    }
+
+    int integer(const Key& key) {
+        std::optional<int> fallback;
+        if (key.default_value) {
+            fallback = static_cast<int>(*key.default_value);
+        }
+        return integer(key, static_cast<int>(key.low), static_cast<int>(key.high), fallback);
     }
 
     std::vector<std::string> texts(std::string_view key) {

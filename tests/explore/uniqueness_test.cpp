@@ -5,6 +5,7 @@
 #include "base/random.h"
 
 #include <cmath>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <numbers>
 
@@ -52,7 +53,7 @@ private:
 problem::Problem problem_of(int dimension, Formula formula, const std::vector<double>& measured, double sigma) {
     problem::ParameterSpace space;
     for (int k = 0; k < dimension; ++k) {
-        space.axes.push_back({"p" + std::to_string(k), 0.0, 1.0, problem::Scale::linear, 0, 0.5});
+        space.axes.push_back({fmt::format("p{}", k), 0.0, 1.0, problem::Scale::linear, 0, 0.5});
     }
     std::vector<problem::Misfit::Term> terms;
     for (std::size_t i = 0; i < measured.size(); ++i) {

@@ -1,9 +1,10 @@
-// Prints docs/keys.md: every number of a layer, a law, a load and an effect, from the tables that the program reads
-// studies by. usage: study_keys > docs/keys.md
+// Prints docs/keys.md: every key of a study, from the tables that the program reads studies by.
+// usage: study_keys > docs/keys.md
 #include "material/catalog.h"
 #include "pavement/effects/catalog.h"
 #include "pavement/effects/effect.h"
 #include "pavement/parameter.h"
+#include "study/keys.h"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -34,14 +35,39 @@ void table(const auto& keys) {
     }
 }
 
+std::string range(const explore::study::Key& key) {
+    if (!key.allowed.empty()) {
+        return std::string(key.allowed);
+    }
+    return key.choices.empty() ? range(key.low, key.high, key.low_is_open)
+                               : fmt::format("`{}`", fmt::join(key.choices, "`, `"));
+}
+
+// The keys of a study's own tables.
+void study_tables() {
+    std::string_view heading = "-";
+    for (const auto& key : explore::study::study_keys()) {
+        if (key.table != heading) {
+            heading = key.table;
+            fmt::print("\n### {}\n\n| key | what may stand there | default | meaning |\n|---|---|---|---|\n",
+                       heading.empty() ? "Above all tables" : fmt::format("`{}`", heading));
+        }
+        fmt::print("| `{}` | {} | {} | {} |\n", key.key, range(key),
+                   key.without.empty() ? fallback(key.default_value, {key.choices.begin(), key.choices.end()})
+                                       : std::string(key.without),
+                   key.meaning);
+    }
+}
+
 } // namespace
 
 int main() {
     fmt::print(
-        "# Keys of layers, laws, loads and effects\n\n"
+        "# Keys of a study\n\n"
         "Made from the program's own tables by `build/release/tools/keys/study_keys`; a test fails when this page is "
-        "stale. The unit of a\nkey is the end of its name. The other parts of a study are in the README, *Study file*."
-        "\n\n## Layers\n\n");
+        "stale. The unit of a\nkey is the end of its name.\n\n## Tables\n");
+    study_tables();
+    fmt::print("\n## Layers\n\nThe numbers of a layer, whatever its law.\n\n");
     table(pavement::layer_keys());
     fmt::print("\n## Laws\n\nThe usual range is where `pavescape compare` looks for what a study does not bound.\n");
     for (const material::Law* law : material::laws()) {

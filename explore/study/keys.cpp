@@ -1,0 +1,31 @@
+#include "study/keys.h"
+
+namespace explore::study {
+
+std::span<const Key> study_keys() {
+    using namespace keys;
+    static constexpr Key all[] = {
+        schema,           title,
+        layer_name,       layer_law,
+        load_name,        load_type,
+        load_patch,       solver_integration,
+        solver_path,      solver_equilibrium,
+        mesh_extent,      mesh_refine,
+        data_files,       data_misfit,
+        data_log_floor,   data_noise_relative,
+        data_noise_floor, data_held_out,
+        data_weights,     output_name,
+        output_load,      output_quantity,
+        output_x,         output_y,
+        output_depth,     output_gauge,
+        effect_name,      effect_size,
+        effect_layer,     effect_load,
+        effect_quantity,  effect_reading,
+        parameter_name,   parameter_scale,
+        parameter_min,    parameter_max,
+        parameter_points,
+    };
+    return all;
+}
+
+} // namespace explore::study

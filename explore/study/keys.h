@@ -1,0 +1,252 @@
+// Every key of a study but the numbers of layers, laws and loads, which stand with what they belong to
+// (pavement/parameter.h, material/law.h): where it is read from, and what docs/keys.md is made of.
+#pragma once
+
+#include "fe/solver.h"
+#include "problem/misfit.h"
+
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace explore::study {
+
+struct Key {
+    enum class Kind { number, whole_number, word, text, texts, table };
+
+    std::string_view table; // as it is headed; "": above all tables
+    std::string_view key;
+    Kind kind = Kind::text;
+    double low = 0.0; // of numbers: inclusive unless low_is_open
+    double high = 0.0;
+    bool low_is_open = false;
+    std::optional<double> default_value{};       // of numbers; of words, which one
+    std::span<const std::string_view> choices{}; // words
+    std::string_view allowed{};                  // what may stand there, of a text or a table, or bounds set elsewhere
+    std::string_view without{};                  // what holds when it is missing, in words
+    std::string_view meaning{};
+
+    constexpr operator std::string_view() const { return key; }
+};
+
+namespace keys {
+
+using enum Key::Kind;
+
+inline constexpr std::string_view load_types[] = {"plate", "wheel", "dual-wheel"};
+inline constexpr std::string_view patches[] = {"circle", "rectangle"};
+inline constexpr std::string_view integrations[] = {"incremental", "secant"};
+inline constexpr std::string_view scales[] = {"linear", "log"};
+
+inline constexpr Key schema{
+    .table = "", .key = "schema", .kind = whole_number, .low = 1, .high = 1, .meaning = "version of this format"};
+inline constexpr Key title{
+    .table = "", .key = "title", .allowed = "a text", .without = "the name of the file", .meaning = "heads reports"};
+
+inline constexpr Key layer_name{.table = "[[layers]]",
+                                .key = "name",
+                                .allowed = "a text without a full stop",
+                                .meaning = "layers and loads have each a name of their own"};
+inline constexpr Key layer_law{
+    .table = "[[layers]]", .key = "law", .allowed = "a law, below", .meaning = "how its stiffness follows stress"};
+
+inline constexpr Key load_name{.table = "[[loads]]",
+                               .key = "name",
+                               .allowed = "a text without a full stop",
+                               .meaning = "layers and loads have each a name of their own"};
+inline constexpr Key load_type{
+    .table = "[[loads]]", .key = "type", .kind = word, .choices = load_types, .meaning = "what presses"};
+inline constexpr Key load_patch{.table = "[[loads]]",
+                                .key = "patch",
+                                .kind = word,
+                                .default_value = 1,
+                                .choices = patches,
+                                .meaning = "shape of a tyre's contact; a plate is a circle"};
+
+inline constexpr Key solver_integration{.table = "[solver]",
+                                        .key = "integration",
+                                        .kind = word,
+                                        .default_value = 0,
+                                        .choices = integrations,
+                                        .meaning = "how the load path is followed: in steps, or at once (secant)"};
+inline constexpr Key solver_path{.table = "[solver]",
+                                 .key = "path_tolerance",
+                                 .kind = number,
+                                 .low = 1e-7,
+                                 .high = 0.1,
+                                 .default_value = pave::fe::SolverSettings{}.path_tolerance,
+                                 .meaning = "relative error of the load path"};
+inline constexpr Key solver_equilibrium{.table = "[solver]",
+                                        .key = "equilibrium_tolerance",
+                                        .kind = number,
+                                        .low = 1e-12,
+                                        .high = 1e-4,
+                                        .default_value = pave::fe::SolverSettings{}.equilibrium_tolerance,
+                                        .meaning = "unbalanced over applied force where a run ends"};
+
+inline constexpr Key mesh_extent{.table = "[mesh]",
+                                 .key = "extent_m",
+                                 .kind = number,
+                                 .low = 0.1,
+                                 .high = 1000.0,
+                                 .without = "4, twice the depth or twice the farthest sensor, whichever is most",
+                                 .meaning = "distance of the smooth wall; nearer than twice the depth is warned of"};
+inline constexpr Key mesh_refine{.table = "[mesh]",
+                                 .key = "refine",
+                                 .kind = number,
+                                 .low = 0.25,
+                                 .high = 16.0,
+                                 .default_value = 1.0,
+                                 .meaning = "elements along every edge, times this"};
+
+inline constexpr Key data_files{.table = "[data]",
+                                .key = "files",
+                                .kind = texts,
+                                .allowed = "paths from the study's own folder",
+                                .without = "no measurements",
+                                .meaning = "files of measurements"};
+inline constexpr Key data_misfit{.table = "[data]",
+                                 .key = "misfit",
+                                 .kind = word,
+                                 .default_value = 0,
+                                 .choices = problem::misfit_names,
+                                 .meaning = "what is made small"};
+inline constexpr Key data_log_floor{.table = "[data]",
+                                    .key = "log_floor",
+                                    .kind = number,
+                                    .low = 0.0,
+                                    .high = 1.0,
+                                    .low_is_open = true,
+                                    .default_value = 0.01,
+                                    .meaning = "of misfit `log`: share of the largest reading of its group"};
+inline constexpr Key data_noise_relative{.table = "[data]",
+                                         .key = "noise_relative",
+                                         .kind = number,
+                                         .low = 0.0,
+                                         .high = 10.0,
+                                         .low_is_open = true,
+                                         .without = "not stated",
+                                         .meaning = "standard deviation of a reading without a sigma, over its size"};
+inline constexpr Key data_noise_floor{.table = "[data]",
+                                      .key = "noise_floor",
+                                      .kind = number,
+                                      .low = 0.0,
+                                      .high = 10.0,
+                                      .low_is_open = true,
+                                      .without = "not stated",
+                                      .meaning =
+                                          "standard deviation of a reading at least, over the largest of its group"};
+inline constexpr Key data_held_out{.table = "[data]",
+                                   .key = "held_out",
+                                   .kind = texts,
+                                   .allowed = "loads, or LOAD.QUANTITY",
+                                   .without = "none",
+                                   .meaning = "groups of readings that are predicted, not fitted"};
+inline constexpr Key data_weights{.table = "[data]",
+                                  .key = "weights",
+                                  .kind = table,
+                                  .allowed = "LOAD or LOAD.QUANTITY = above 0, up to 1e+06",
+                                  .without = "1 each",
+                                  .meaning = "weights of groups of readings"};
+
+inline constexpr Key output_name{
+    .table = "[[outputs]]", .key = "name", .allowed = "a text", .meaning = "what reports call it"};
+inline constexpr Key output_load{
+    .table = "[[outputs]]", .key = "load", .allowed = "a load of the study", .meaning = "under which load"};
+inline constexpr Key output_quantity{.table = "[[outputs]]",
+                                     .key = "quantity",
+                                     .allowed = "a quantity, as in measurement files",
+                                     .meaning = "what is wanted"};
+inline constexpr Key output_x{.table = "[[outputs]]",
+                              .key = "x_mm",
+                              .kind = number,
+                              .low = -1e5,
+                              .high = 1e5,
+                              .default_value = 0.0,
+                              .meaning = "across the road, from the middle of the load"};
+inline constexpr Key output_y{.table = "[[outputs]]",
+                              .key = "y_mm",
+                              .kind = number,
+                              .low = -1e5,
+                              .high = 1e5,
+                              .default_value = 0.0,
+                              .meaning = "along the road"};
+inline constexpr Key output_depth{.table = "[[outputs]]",
+                                  .key = "depth_mm",
+                                  .kind = number,
+                                  .low = 0.0,
+                                  .high = 1e5,
+                                  .default_value = 0.0,
+                                  .meaning = "below the surface"};
+inline constexpr Key output_gauge{.table = "[[outputs]]",
+                                  .key = "gauge_mm",
+                                  .kind = number,
+                                  .low = 0.0,
+                                  .high = 1e4,
+                                  .default_value = 0.0,
+                                  .meaning = "length over which a strain is averaged"};
+
+inline constexpr Key effect_name{
+    .table = "[[effects]]", .key = "name", .allowed = "an effect, below", .meaning = "what is added to the model"};
+inline constexpr Key effect_size{.table = "[[effects]]",
+                                 .key = "size",
+                                 .kind = number,
+                                 .allowed = "by effect, below",
+                                 .without = "no effect",
+                                 .meaning = "how much of it"};
+inline constexpr Key effect_layer{.table = "[[effects]]",
+                                  .key = "layer",
+                                  .allowed = "a layer of the study",
+                                  .without = "by effect",
+                                  .meaning = "of an effect that takes one: where it is"};
+inline constexpr Key effect_load{.table = "[[effects]]",
+                                 .key = "load",
+                                 .allowed = "a load of the study",
+                                 .without = "all it can act on",
+                                 .meaning = "of an effect that takes one: on which load"};
+inline constexpr Key effect_quantity{.table = "[[effects]]",
+                                     .key = "quantity",
+                                     .allowed = "a quantity",
+                                     .without = "all it can act on",
+                                     .meaning = "of an effect that takes one: on which readings"};
+inline constexpr Key effect_reading{.table = "[[effects]]",
+                                    .key = "reading",
+                                    .kind = whole_number,
+                                    .default_value = 1,
+                                    .allowed = "from 1, up to the number of readings",
+                                    .meaning = "of an effect that takes one: which reading"};
+
+inline constexpr Key parameter_name{.table = "[[parameters]]",
+                                    .key = "name",
+                                    .allowed = "LAYER.KEY, LOAD.KEY or EFFECT.size",
+                                    .meaning = "what is varied"};
+inline constexpr Key parameter_scale{.table = "[[parameters]]",
+                                     .key = "scale",
+                                     .kind = word,
+                                     .default_value = 0,
+                                     .choices = scales,
+                                     .meaning = "equal steps, or equal ratios"};
+inline constexpr Key parameter_min{.table = "[[parameters]]",
+                                   .key = "min",
+                                   .kind = number,
+                                   .allowed = "the range of its key",
+                                   .meaning = "lower bound"};
+inline constexpr Key parameter_max{.table = "[[parameters]]",
+                                   .key = "max",
+                                   .kind = number,
+                                   .allowed = "the range of its key, above min",
+                                   .meaning = "upper bound"};
+inline constexpr Key parameter_points{.table = "[[parameters]]",
+                                      .key = "points",
+                                      .kind = whole_number,
+                                      .low = 1,
+                                      .high = 100000,
+                                      .without = "as many as the design asks for",
+                                      .meaning = "of a grid along this axis; 1 holds it at the study's value"};
+
+} // namespace keys
+
+// In the order of docs/keys.md.
+std::span<const Key> study_keys();
+
+} // namespace explore::study

@@ -1,0 +1,56 @@
+"""`rerun` repeats what a folder holds and finds the first bit that differs."""
+import json
+import struct
+
+from support import *
+
+folder = workspace()
+study = write_study(folder)
+out = folder / "run"
+check(run("map", study, "--design", "sobol", "--points", 24, "--out", out).returncode == 0, "map")
+check(run("fit", "small.toml", "--explore", 24, "--starts", 2, f"--out={out}", cwd=folder).returncode == 0, "fit")
+
+done = run("rerun", out)
+check(done.returncode == 0 and "The same to the last bit" in done.stdout and "4 runs" in done.stdout, f"the same: {done.stdout} {done.stderr}")
+same = json.loads(run("rerun", out, "--json").stdout)
+check(same["same"] and same["first_difference"] == "" and same["evaluations"] == evaluations(out), f"the same: {same}")
+check(same["then"][0]["arguments"][0] == "map" and "Eigen" in same["now"]["libraries"], "what was repeated, and with what")
+
+# One bit of one response.
+database = sqlite3.connect(out / "run.sqlite")
+where = "run = (SELECT id FROM run WHERE command = 'fit') AND start = 1 AND number = 2"
+responses, = database.execute(f"SELECT responses FROM evaluation WHERE {where}").fetchone()
+values = list(struct.unpack(f"{len(responses) // 8}d", responses))
+bits = bytearray(responses)
+bits[8] ^= 1
+database.execute(f"UPDATE evaluation SET responses = ? WHERE {where}", (bytes(bits),))
+database.commit()
+done = run("rerun", out)
+check(done.returncode == 1 and "fit, search 1, evaluation 2: response fwd.deflection@300,0,0" in done.stdout, f"one bit: {done.stdout}")
+database.execute(f"UPDATE evaluation SET responses = ? WHERE {where}", (responses,))
+
+# One evaluation more, and one less.
+database.execute("DELETE FROM evaluation WHERE run = 1 AND number = 5")
+database.commit()
+check("map, point 5: not computed then" in run("rerun", out).stdout, "an evaluation that the run lacks")
+database.execute("UPDATE evaluation SET number = 99 WHERE run = 1 AND number = 6")
+database.commit()
+check("map, point 99: not computed now" in run("rerun", out).stdout, "an evaluation that only the run has")
+
+# What a store names is not obeyed.
+database.execute("""UPDATE session SET arguments = '["export", "/etc"]' WHERE id = 1""")
+database.commit()
+done = run("rerun", out)
+check(done.returncode == 2 and '"export"' in done.stderr and done.stdout == "", f"another command: {done.stderr}")
+database.close()
+
+# Other data.
+(folder / "small.csv").write_text(DATA.replace("520", "521"))
+out = folder / "other"
+check(run("map", study, "--design", "sobol", "--points", 4, "--out", out).returncode == 0, "map")
+(folder / "small.csv").write_text(DATA)
+done = run("rerun", out)
+check(done.returncode == 1 and "changed since" in done.stdout, f"other data: {done.stdout} {done.stderr}")
+check(run("rerun", folder / "nowhere").returncode == 2, "no such folder")
+
+finish()
