@@ -11,7 +11,7 @@ _pavescape() {
         mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
     else
         case $command in
-            report | export) mapfile -t COMPREPLY < <(compgen -d -- "$word") ;;
+            report | export | rerun) mapfile -t COMPREPLY < <(compgen -d -- "$word") ;;
             survey) mapfile -t COMPREPLY < <(compgen -f -- "$word") ;;
             *) mapfile -t COMPREPLY < <(compgen -f -X '!*.toml' -- "$word"; compgen -d -- "$word") ;;
         esac

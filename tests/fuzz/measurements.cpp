@@ -1,0 +1,10 @@
+// A file of measurements.
+#include "data/measurement.h"
+#include "target.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    static const fuzz::Folder folder;
+    const std::string file = folder.write("measurements.csv", fuzz::text_of(data, size));
+    fuzz::expect_message([&] { explore::data::read_measurements(file); });
+    return 0;
+}
