@@ -12,7 +12,7 @@
 namespace explore::study {
 
 struct Key {
-    enum class Kind { number, whole_number, word, text, texts, table };
+    enum class Kind { number, whole_number, word, text, texts, table, boolean };
 
     std::string_view table; // as it is headed; "": above all tables
     std::string_view key;
@@ -105,6 +105,12 @@ inline constexpr Key data_files{.table = "[data]",
                                 .allowed = "paths from the study's own folder",
                                 .without = "no measurements",
                                 .meaning = "files of measurements"};
+inline constexpr Key data_outside{.table = "[data]",
+                                  .key = "outside",
+                                  .kind = boolean,
+                                  .allowed = "`true`, `false`",
+                                  .without = "`false`",
+                                  .meaning = "whether files may lie outside the study's own folder"};
 inline constexpr Key data_misfit{.table = "[data]",
                                  .key = "misfit",
                                  .kind = word,

@@ -251,6 +251,12 @@ void read_parameter(const toml::table& table, Study& study) {
     study.space.axes.push_back(std::move(axis));
 }
 
+// Whether a path that is read from a folder may lead out of it.
+bool leaves_folder(const std::filesystem::path& path) {
+    const auto normal = path.lexically_normal();
+    return normal.is_absolute() || (!normal.empty() && *normal.begin() == "..");
+}
+
 // Sorts the measurements into groups. A name in held_out or weights is that of a group or of a load (all its groups).
 void set_groups(Study& study, const pave::Place& place, const std::vector<std::string>& held_out,
                 const toml::table* weights) {
@@ -308,6 +314,13 @@ void read_data(const toml::table& table, Study& study, Readings readings) {
         if (study.data.files.empty()) {
             throw pave::Error(reader.place(keys::data_files), "the list of measurement files is empty", "[]",
                               "at least one file");
+        }
+    }
+    const bool outside = reader.flag(keys::data_outside);
+    for (const std::string& file : study.data.files) {
+        if (!outside && leaves_folder(file)) {
+            throw pave::Error(reader.place(keys::data_files), "this file lies outside the study's own folder",
+                              "\"" + file + "\"", "a file in it or below, or outside = true");
         }
     }
     study.data.misfit = static_cast<problem::MisfitKind>(reader.choice(keys::data_misfit));

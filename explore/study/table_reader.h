@@ -113,6 +113,15 @@ public:
         return integer(key, static_cast<int>(key.low), static_cast<int>(key.high), fallback);
     }
 
+    // True or false; false when it is missing.
+    bool flag(std::string_view key) {
+        const toml::node* node = find(key, true, "true or false");
+        if (node != nullptr && !node->is_boolean()) {
+            throw wrong_type(key, *node, "true or false");
+        }
+        return node != nullptr && node->as_boolean()->get();
+    }
+
     std::vector<std::string> texts(std::string_view key) {
         const toml::node* node = find(key, false, "a list of texts");
         std::vector<std::string> list;

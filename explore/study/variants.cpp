@@ -178,9 +178,21 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
     Editor editor(text);
     const auto own = std::filesystem::absolute(extended.file).parent_path();
     if (const toml::array* files = root["data"]["files"].as_array()) {
+        bool outside = false;
         for (const toml::node& file : *files) {
-            const auto path = (own / file.value_or(std::string())).lexically_normal();
-            editor.replace(file, quoted(path.lexically_proximate(std::filesystem::absolute(folder)).generic_string()));
+            const auto path = (own / file.value_or(std::string()))
+                                  .lexically_normal()
+                                  .lexically_proximate(std::filesystem::absolute(folder));
+            editor.replace(file, quoted(path.generic_string()));
+            outside = outside || path.is_absolute() || *path.begin() == "..";
+        }
+        if (outside && root["data"]["outside"].value_or(false) == false) {
+            const toml::table& data = *root["data"].as_table();
+            if (const toml::node* stated = data.get("outside")) {
+                editor.replace(*stated, "true");
+            } else {
+                editor.insert(data, "outside", "true");
+            }
         }
     }
     const std::size_t known = values.size() - variants.size();

@@ -33,6 +33,9 @@ expect("unknown key", ["thicknes_mm", "thickness_mm", "asphalt"], changed("thick
        line="thicknes_mm")
 expect("wrong unit", ["unit", "kPa", "mm, um"], data=DATA.replace("0.95,mm", "0.95,kPa"), line="0.95", file="small.csv")
 expect("missing file", ["small.csv", "does not exist"], data=None, line="files =")
+for outside in ("../small.csv", "/etc/passwd", "a/../../small.csv"):
+    expect(f"a file outside {outside.replace('/', '-')}", ["outside", outside, "outside = true"], changed('"small.csv"', f'"{outside}"'), line="files =")
+expect("a file outside with leave", ["does not exist"], changed('files = ["small.csv"]', 'files = ["../nowhere.csv"]\noutside = true'), line="files =")
 expect("bounds swapped", ["base.k1", "min = 8000, max = 500", "min < max"],
        changed("min = 500\nmax = 8000", "min = 8000\nmax = 500"), line="min = 8000")
 expect("thickness not positive", ["thickness_mm", "0 < value"], changed("thickness_mm = 250", "thickness_mm = 0"),

@@ -47,7 +47,7 @@ study = folder / "study.toml"
 shutil.copy(ROOT / "grids" / "captif-p1-fwd.csv", folder)
 text = (ROOT / "grids" / "captif-p1-fwd.toml").read_text()
 text = re.sub(r'^title = .*$', 'title = "<script>window.pwned = 1</script><img src=x onerror=alert(1)>"', text, flags=re.M)
-text = text.replace('"asphalt"', '"</script><b>"')
+text = text.replace('"asphalt"', '"</script><b>"').replace('"subgrade"', '"\'); drop table run; --"').replace('"subgrade.', '"\'); drop table run; --.')
 study.write_text(text)
 run_folder = folder / "run"
 check(run("fit", study, "--explore", "48", "--starts", "3", "--out", run_folder).returncode == 0, "fit")
