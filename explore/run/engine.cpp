@@ -40,24 +40,17 @@ struct Engine::Implementation {
     std::atomic<std::int64_t> computed{0};
     std::atomic<std::int64_t> forward_ns{0};
 
-    // One evaluation on the workspace of this thread. Running out of memory is an answer for this point, not the end.
+    // One evaluation on the workspace of this thread. std::bad_alloc passes through: it is no answer for this point,
+    // which another time may have room.
     Evaluation evaluate(std::span<const double> unit, bool with_jacobian) {
         auto& workspace = workspaces.local();
-        try {
-            const std::int64_t begin = thread_cpu_ns();
-            if (workspace == nullptr) {
-                workspace = problem.function->make_workspace();
-            }
-            Evaluation e = problem.evaluate(unit, with_jacobian, *workspace);
-            forward_ns += thread_cpu_ns() - begin;
-            return e;
-        } catch (const std::bad_alloc&) {
-            workspace.reset();
-            Evaluation e;
-            e.parameters = problem.space.physical(unit);
-            e.reason = "out of memory";
-            return e;
+        const std::int64_t begin = thread_cpu_ns();
+        if (workspace == nullptr) {
+            workspace = problem.function->make_workspace();
         }
+        Evaluation e = problem.evaluate(unit, with_jacobian, *workspace);
+        forward_ns += thread_cpu_ns() - begin;
+        return e;
     }
 
     void keep(RunNumber number, const Evaluation& e) {

@@ -188,6 +188,53 @@ TEST(Engine, ContinuesACutOffRunWithoutRepeatingAnything) {
     std::filesystem::remove_all(folder);
 }
 
+TEST(Engine, WithoutMemoryForOneRunEndsAndGoesOnLaterAsIfNothingHadHappened) {
+    // Two basins, but one of its calls finds no memory.
+    class Starved final : public problem::ForwardFunction {
+    public:
+        explicit Starved(int at) : left_(at) {}
+        std::unique_ptr<Workspace> make_workspace() const override { return whole_.make_workspace(); }
+        pave::Outcome<problem::Prediction> evaluate(std::span<const double> p, bool with_jacobian,
+                                                    Workspace& workspace) const override {
+            if (left_-- == 0) {
+                throw std::bad_alloc();
+            }
+            return whole_.evaluate(p, with_jacobian, workspace);
+        }
+
+    private:
+        TwoBasins whole_;
+        mutable std::atomic<int> left_;
+    };
+    const landscape::MultistartSettings settings{.starts = 4};
+    const auto design = search::sobol(two_basins().space, 32, 1);
+    const auto table_after = [&](int starved_at) {
+        const std::string folder = fresh_folder("starved");
+        std::string table;
+        for (const bool starved : {starved_at >= 0, false}) {
+            problem::Problem problem = two_basins();
+            if (starved) {
+                problem.function = std::make_shared<Starved>(starved_at);
+            }
+            run::Store store(folder, run::Session{});
+            const int id = store.begin(header());
+            run::Engine engine(problem, &store, id, {.threads = 2, .show_progress = false});
+            const auto go = [&] { return landscape::multistart(engine, problem, design, settings); };
+            if (starved) {
+                EXPECT_THROW(go(), std::bad_alloc);
+            } else {
+                EXPECT_TRUE(go());
+            }
+            table = table_of(store, id);
+        }
+        std::filesystem::remove_all(folder);
+        return table;
+    };
+    const std::string whole = table_after(-1);
+    EXPECT_EQ(table_after(7), whole);  // in the design
+    EXPECT_EQ(table_after(45), whole); // in a search
+}
+
 TEST(Store, KeepsRunsWithOtherSettingsApart) {
     const std::string folder = fresh_folder("apart");
     run::Store store(folder, run::Session{});
