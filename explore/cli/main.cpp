@@ -86,6 +86,9 @@ int main(int argc, char** argv) {
     explore::run::prepare_blas();
     const int status = perform(action);
     std::fflush(nullptr);
+#ifndef __SANITIZE_ADDRESS__ // which looks for leaks at exit
     // OpenBLAS joins threads of its own at exit, for ever where one of them finds no room in memory.
     std::_Exit(status);
+#endif
+    return status;
 }

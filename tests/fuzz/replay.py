@@ -9,7 +9,7 @@ import tempfile
 
 here = pathlib.Path(__file__).resolve().parent
 program, target = sys.argv[1:3]
-changes = sys.argv[3] if len(sys.argv) > 3 else "5000"
+changes = sys.argv[3] if len(sys.argv) > 3 else "20000"
 seed = sys.argv[4] if len(sys.argv) > 4 else str(random.SystemRandom().randrange(10**9))
 with tempfile.TemporaryDirectory() as folder:
     with tarfile.open(here / "corpus" / f"{target}.tar.gz") as kept:
