@@ -60,6 +60,7 @@
             height: 360, colorway: colours, hovermode: "closest",
             legend: { orientation: "h", y: -0.22 }, paper_bgcolor: "#fff", plot_bgcolor: "#fff",
             ...layout,
+            ...(layout.title ? { title: { x: 0, xanchor: "left", ...layout.title } } : {}), // beside the buttons
         }, { displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: "",
             modeBarButtonsToRemove: ["sendDataToCloud", "select2d", "lasso2d"] }).catch(note));
         return make("figure", {}, place, caption ? make("figcaption", {}, caption) : null);
@@ -333,6 +334,8 @@
 
     const showDiagnose = (r) => {
         const named = (r.readings || []).map((q, i) => `${i + 1}: ${q.load} ${q.quantity.replace("_", " ")}, ${placeOf(q)}`);
+        const fitted = r.residuals.baseline.map((v, i) => (v === null ? -1 : i)).filter((i) => i >= 0); // not held out
+        const of = (list) => fitted.map((i) => list[i]);
         const extended = r.residuals && r.residuals.extended && r.residuals.extended.length > 0;
         const candidates = (r.candidates || []).slice(0, 20).reverse();
         const alike = [...(r.confounding || [])].sort((a, b) => Math.abs(a.cosine) - Math.abs(b.cosine));
@@ -343,11 +346,12 @@
                 [{ name: "study's model", values: r.responses.baseline },
                     ...(extended ? [{ name: "extended model", values: r.responses.extended }] : [])])] : [],
             part("Residuals in standard deviations"), chart("residuals", [
-                { type: "bar", name: "study's model", x: named.length ? named : r.residuals.baseline.map((_, i) => i + 1), y: r.residuals.baseline,
+                { type: "bar", name: "study's model", x: of(named), y: of(r.residuals.baseline),
                     marker: { color: "#999" } },
-                ...(extended ? [{ type: "bar", name: "extended model", x: named.length ? named : undefined, y: r.residuals.extended,
+                ...(extended ? [{ type: "bar", name: "extended model", x: of(named), y: of(r.residuals.extended),
                     marker: { color: colours[0], pattern: { shape: "/" } } }] : []),
-            ], { xaxis: axis("reading", { showticklabels: false }), yaxis: axis("model less measured [sigma]"), barmode: "group",
+            ], { xaxis: axis("", { automargin: true, tickangle: -60, tickfont: { size: 10 } }), height: 460,
+                legend: { orientation: "h", y: 1.15 }, yaxis: axis("model less measured [sigma]"), barmode: "group",
                 shapes: [-2, 2].map((y) => ({ type: "line", xref: "paper", x0: 0, x1: 1, y0: y, y1: y, line: { dash: "dot", color: "#555" } })) }),
             candidates.length ? [part("Candidates: what each effect alone would gain"), chart("candidates", [{
                 type: "bar", orientation: "h", y: candidates.map((c) => c.effect + (c.on ? " – " + c.on : "")),
