@@ -1,7 +1,6 @@
 """Replays the kept inputs of a fuzz target and random changes of them. usage: replay.py PROGRAM TARGET [CHANGES [SEED]]"""
 import pathlib
 import random
-import shutil
 import subprocess
 import sys
 import tarfile
@@ -14,8 +13,6 @@ seed = sys.argv[4] if len(sys.argv) > 4 else str(random.SystemRandom().randrange
 with tempfile.TemporaryDirectory() as folder:
     with tarfile.open(here / "corpus" / f"{target}.tar.gz") as kept:
         kept.extractall(folder)
-    for found in (here / "found").glob(f"{target}-*"):
-        shutil.copy(found, folder)
     print("seed", seed)
     done = subprocess.run([program, folder, changes, seed], timeout=600)
 sys.exit(done.returncode)
