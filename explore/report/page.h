@@ -6,9 +6,8 @@
 namespace explore::report {
 
 // data: {"folder", "version", "results": {command: the JSON of the command}, "evaluations": {"command", "parameters",
-// "statuses", "rows": [[status, misfit, parameter values...]], "left_out"} or null, "sessions": [what
-// one process computed: {"began", "arguments", "version", "libraries", "threads", "evaluations", "seconds"}],
-// "studies":
+// "statuses", "rows": [[status, misfit, parameter values...]], "left_out"} or null, "sessions": [what one
+// process computed: {"began", "arguments", "version", "libraries", "threads", "evaluations", "seconds"}], "studies":
 // [{"file", "text" or "note"}]}. What is in it is shown as text, whatever it holds.
 std::string page(const Json& data);
 

@@ -251,12 +251,6 @@ void read_parameter(const toml::table& table, Study& study) {
     study.space.axes.push_back(std::move(axis));
 }
 
-// Whether a path that is read from a folder may lead out of it.
-bool leaves_folder(const std::filesystem::path& path) {
-    const auto normal = path.lexically_normal();
-    return normal.is_absolute() || (!normal.empty() && *normal.begin() == "..");
-}
-
 // Sorts the measurements into groups. A name in held_out or weights is that of a group or of a load (all its groups).
 void set_groups(Study& study, const pave::Place& place, const std::vector<std::string>& held_out,
                 const toml::table* weights) {
@@ -498,6 +492,11 @@ std::string_view Study::response_unit(std::size_t i) const {
 
 double Study::response_to_si(std::size_t i) const {
     return i < measurements.size() ? measurements[i].unit.to_si : info(model.sensors[i].quantity).to_si;
+}
+
+bool leaves_folder(const std::filesystem::path& path) {
+    const auto normal = path.lexically_normal();
+    return normal.is_absolute() || (!normal.empty() && *normal.begin() == "..");
 }
 
 Study load_study(const std::string& file, Readings readings) {

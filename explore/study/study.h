@@ -7,6 +7,7 @@
 #include "problem/problem.h"
 
 #include <cstdint>
+#include <filesystem>
 
 namespace explore::study {
 
@@ -82,6 +83,9 @@ Study with_effect(Study study, const std::string& name, double size, const pave:
 // What a problem computes at every point: all responses, or those of the loads with readings that are fitted (the
 // others are then not numbers).
 enum class Scope { everything, fitted };
+
+// Whether a path that is read from a folder may lead out of it.
+bool leaves_folder(const std::filesystem::path& path);
 
 // Of each load: whether readings under it are fitted.
 std::vector<bool> fitted_loads(const Study& study);

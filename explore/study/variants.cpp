@@ -184,7 +184,7 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
                                   .lexically_normal()
                                   .lexically_proximate(std::filesystem::absolute(folder));
             editor.replace(file, quoted(path.generic_string()));
-            outside = outside || path.is_absolute() || *path.begin() == "..";
+            outside = outside || leaves_folder(path);
         }
         if (outside && root["data"]["outside"].value_or(false) == false) {
             const toml::table& data = *root["data"].as_table();

@@ -336,7 +336,7 @@
         const named = (r.readings || []).map((q, i) => `${i + 1}: ${q.load} ${q.quantity.replace("_", " ")}, ${placeOf(q)}`);
         const fitted = r.residuals.baseline.map((v, i) => (v === null ? -1 : i)).filter((i) => i >= 0); // not held out
         const of = (list) => fitted.map((i) => list[i]);
-        const extended = r.residuals && r.residuals.extended && r.residuals.extended.length > 0;
+        const extended = r.residuals.extended.length > 0;
         const candidates = (r.candidates || []).slice(0, 20).reverse();
         const alike = [...(r.confounding || [])].sort((a, b) => Math.abs(a.cosine) - Math.abs(b.cosine));
         section("What the model gets wrong",
