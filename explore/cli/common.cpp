@@ -37,15 +37,26 @@ void remember_command_line(int argc, const char* const* argv) {
     command_line.assign(argv + 1, argv + argc);
 }
 
+namespace {
+
+std::string library_words() {
+    return fmt::format("Eigen {}.{}.{}, {}, TBB {}.{}, NLopt {}.{}.{}, {}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
+                       EIGEN_MINOR_VERSION, pave::fe::sparse_solver_version(), TBB_VERSION_MAJOR, TBB_VERSION_MINOR,
+                       nlopt::version_major(), nlopt::version_minor(), nlopt::version_bugfix(), PAVESCAPE_COMPILER);
+}
+
+} // namespace
+
+std::string build_words() {
+    return fmt::format("{}, {}", PAVESCAPE_VERSION, library_words());
+}
+
 run::Session session(const CommonOptions& options) {
     return {.version = PAVESCAPE_VERSION,
-            .libraries = fmt::format("Eigen {}.{}.{}, {}, TBB {}.{}, NLopt {}.{}.{}, {}", EIGEN_WORLD_VERSION,
-                                     EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, pave::fe::sparse_solver_version(),
-                                     TBB_VERSION_MAJOR, TBB_VERSION_MINOR, nlopt::version_major(),
-                                     nlopt::version_minor(), nlopt::version_bugfix(), PAVESCAPE_COMPILER),
+            .libraries = library_words(),
             .arguments = command_line,
             .directory = std::filesystem::current_path().string(),
-            .threads = run::usable_threads(options.threads)};
+            .threads = run::concurrency(options.threads)};
 }
 
 run::RunHeader run_header(const study::Study& study, std::string command, std::string settings) {

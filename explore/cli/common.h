@@ -51,6 +51,8 @@ void add_rerun(CLI::App& app, Action& action);
 
 // What main was called with; kept for session().
 void remember_command_line(int argc, const char* const* argv);
+// The versions of the program and of the libraries that decide digits.
+std::string build_words();
 // This process, for the stores it writes to.
 run::Session session(const CommonOptions& options);
 

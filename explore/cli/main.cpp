@@ -1,12 +1,15 @@
 #include "base/error.h"
 #include "cli/common.h"
 #include "run/blas.h"
+#include "run/cluster.h"
 #include "run/interrupt.h"
+#include "study/pavement_function.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fmt/format.h>
+#include <iostream>
 #include <malloc.h>
 #include <new>
 
@@ -34,6 +37,33 @@ int perform(const explore::cli::Action& action) {
     } catch (const std::exception& error) {
         fmt::print(stderr, "pavescape: the computation failed: {}\n", error.what());
         return cli::computation_failed;
+    }
+}
+
+// As one process of a job of many: the first performs the command, the others compute what it asks for.
+int perform_together(const explore::cli::Action& action) {
+    namespace run = explore::run;
+    const std::string build = explore::cli::build_words();
+    try {
+        auto transport = run::join_mpi();
+        if (transport->rank() == 0) {
+            const int processes = transport->ranks();
+            const run::Cluster cluster(std::move(transport), build);
+            const int status = perform(action);
+            const auto traffic = cluster.traffic();
+            fmt::print(stderr,
+                       "{} processes: {} evaluations by the others ({:.1f} s), {} kB out, {} kB in, {:.2f} s of post\n",
+                       processes, traffic.requests, traffic.cpu_seconds, traffic.bytes_out / 1000,
+                       traffic.bytes_in / 1000, traffic.post_cpu_seconds);
+            return status;
+        }
+        run::serve(*transport, build, [](const std::string& d) { return explore::study::make_function(d); });
+        return explore::cli::done;
+    } catch (const std::exception& error) {
+        if (run::is_first_of_job()) {
+            fmt::print(stderr, "pavescape: the processes cannot work together: {}\n", error.what());
+        }
+        return explore::cli::computation_failed;
     }
 }
 
@@ -71,20 +101,24 @@ int main(int argc, char** argv) {
     }
     if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
         const std::string near = pave::nearest_name(argv[1], names);
-        fmt::print(stderr, "pavescape: unknown command \"{}\"{}; allowed: {}\n", argv[1],
-                   near.empty() ? "" : ", did you mean \"" + near + "\"?", pave::join(names));
+        if (explore::run::is_first_of_job()) {
+            fmt::print(stderr, "pavescape: unknown command \"{}\"{}; allowed: {}\n", argv[1],
+                       near.empty() ? "" : ", did you mean \"" + near + "\"?", pave::join(names));
+        }
         return cli::wrong_input;
     }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        const int status = app.exit(error);
+        std::ostream nowhere(nullptr); // one process of a job speaks
+        const bool speaks = explore::run::is_first_of_job();
+        const int status = app.exit(error, speaks ? std::cout : nowhere, speaks ? std::cerr : nowhere);
         return status == 0 ? cli::done : cli::wrong_input;
     }
     cli::remember_command_line(argc, argv);
     explore::run::catch_interrupts();
     explore::run::prepare_blas();
-    const int status = perform(action);
+    const int status = explore::run::begun_by_mpi() ? perform_together(action) : perform(action);
     std::fflush(nullptr);
 #ifndef __SANITIZE_ADDRESS__ // which looks for leaks at exit
     // OpenBLAS joins threads of its own at exit, for ever where one of them finds no room in memory.

@@ -63,7 +63,7 @@ public:
         : task_(task),
           bench_(task.bench),
           settings_(settings),
-          arena_(run::usable_threads(task.bench.threads())) {}
+          arena_(run::concurrency(task.bench.threads())) {}
 
     // False: interrupted.
     bool run() {

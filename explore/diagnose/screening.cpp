@@ -202,7 +202,7 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
     };
     std::vector<Signature> signatures(candidates.size());
     std::vector<double> least(candidates.size(), base.sum);
-    tbb::task_arena arena(run::usable_threads(bench.threads()));
+    tbb::task_arena arena(run::concurrency(bench.threads()));
     {
         run::Progress progress(base.members.empty() ? "effects" : "further effects",
                                static_cast<std::int64_t>(candidates.size()));

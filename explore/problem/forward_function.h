@@ -33,6 +33,9 @@ public:
     // parameters: physical values in the order of the parameter space. Throws nothing but std::bad_alloc.
     virtual pave::Outcome<Prediction> evaluate(std::span<const double> parameters, bool with_jacobian,
                                                Workspace& workspace) const = 0;
+
+    // Bytes that another process of the same build makes the same function from; empty: it cannot travel.
+    virtual std::string description() const { return {}; }
 };
 
 } // namespace explore::problem

@@ -1,5 +1,6 @@
 #include "run/engine.h"
 
+#include "run/cluster.h"
 #include "run/parallel.h"
 #include "run/progress.h"
 
@@ -30,7 +31,7 @@ std::int64_t thread_cpu_ns() {
 } // namespace
 
 struct Engine::Implementation {
-    const problem::Problem& problem;
+    problem::Problem problem;
     Store* store;
     int run;
     EngineSettings settings;
@@ -66,9 +67,13 @@ struct Engine::Implementation {
 };
 
 Engine::Engine(const problem::Problem& problem, Store* store, int run, EngineSettings settings) {
-    const int threads = usable_threads(settings.threads);
+    problem::Problem spread = problem;
+    if (Cluster* cluster = Cluster::current()) {
+        spread.function = cluster->spread(problem.function, usable_threads(settings.threads), settings.threads);
+    }
+    const int threads = concurrency(settings.threads);
     implementation_ = std::unique_ptr<Implementation>(
-        new Implementation{problem,
+        new Implementation{std::move(spread),
                            store,
                            run,
                            settings,
@@ -106,7 +111,11 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
         progress.add(static_cast<std::int64_t>(n - missing.size()), false);
         for_each_index(m.arena, missing.size(), [&](std::size_t k) {
             const std::size_t i = missing[k];
-            evaluations[i] = m.evaluate(design.points[i], with_jacobian);
+            try {
+                evaluations[i] = m.evaluate(design.points[i], with_jacobian);
+            } catch (const Interrupted&) { // the program's own flag tells
+                return;
+            }
             m.keep({-1, static_cast<int>(i)}, evaluations[i]);
             progress.add(1, true);
         });
@@ -183,7 +192,7 @@ bool Engine::chains(const std::string& what, int first, std::size_t count,
                 [&](std::span<const double> unit) { return m.evaluate(unit, with_jacobian); }, progress);
             try {
                 body(i, chain);
-            } catch (const Interrupted&) { // the program's own flag tells
+            } catch (const Interrupted&) { // as above
             }
             m.computed += chain.computed;
             kept += chain.kept;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "optimise/local_search.h"
+#include "run/interrupt.h"
 #include "run/store.h"
 #include "search/design.h"
 
@@ -27,7 +28,7 @@ struct Tally {
     std::int64_t computed = 0; // by this process
     std::int64_t kept = 0;     // were in the store
     double seconds = 0.0;
-    double forward_cpu_seconds = 0.0; // processor time of the forward runs, all threads
+    double forward_cpu_seconds = 0.0; // processor time of the forward runs, all threads of this process
 };
 
 // Evaluations that follow from each other: what a chain asks for next depends on what it was answered.
@@ -39,7 +40,6 @@ public:
     // Throws Interrupted, and pave::Error when the store fails.
     virtual problem::Evaluation at(std::span<const double> unit) = 0;
 };
-struct Interrupted {};
 
 class Engine {
 public:

@@ -7,4 +7,7 @@ namespace explore::run {
 void catch_interrupts();
 bool interrupted();
 
+// Thrown by what cannot go on because of it.
+struct Interrupted {};
+
 } // namespace explore::run

@@ -1,6 +1,7 @@
 #include "run/parallel.h"
 
 #include "run/blas.h"
+#include "run/cluster.h"
 
 #include <fmt/format.h>
 #include <stdexcept>
@@ -8,7 +9,10 @@
 namespace explore::run {
 
 int usable_threads(int asked) {
-    const int threads = asked > 0 ? asked : tbb::this_task_arena::max_concurrency();
+    const Cluster* cluster = Cluster::current();
+    const int threads = asked > 0            ? asked
+                        : cluster != nullptr ? cluster->own_threads()
+                                             : tbb::this_task_arena::max_concurrency();
     if (!prepare_blas() && threads > 1) {
         static std::once_flag said;
         std::call_once(said, [] {
@@ -24,6 +28,11 @@ int usable_threads(int asked) {
                                              threads, threads == 1 ? "" : "s"));
     }
     return threads;
+}
+
+int concurrency(int asked) {
+    const Cluster* cluster = Cluster::current();
+    return usable_threads(asked) + (cluster != nullptr ? cluster->threads(asked) : 0);
 }
 
 } // namespace explore::run

@@ -13,6 +13,8 @@ namespace explore::run {
 // How many threads to use when so many are asked for (0: as many as the machine has). One, with a warning on standard
 // error, where the BLAS of the machine allows no more. Throws where memory has no room for them.
 int usable_threads(int asked);
+// How many evaluations to have under way: as many as that, and those that other processes of the job have room for.
+int concurrency(int asked);
 
 // Calls body(i) for i in [0, n) in parallel, each on its own. The first exception of a body comes out here, after all
 // tasks have ended; indices not begun when it is thrown, or when the program is interrupted, are left out.

@@ -4,6 +4,7 @@
 #include "data/csv.h"
 #include "material/catalog.h"
 #include "pavement/effects/catalog.h"
+#include "study/pavement_function.h"
 #include "study/table_reader.h"
 
 #include <algorithm>
@@ -437,49 +438,6 @@ problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& ro
 // Unless stated, the wall stands where the sensors and the depth want it: set when all of them are known.
 constexpr double not_stated = 1e9;
 
-class PavementFunction final : public problem::ForwardFunction {
-public:
-    PavementFunction(const Study& study, const std::vector<bool>& loads)
-        : model_(study.model, loads),
-          parameters_(study.parameters) {}
-
-    std::unique_ptr<Workspace> make_workspace() const override {
-        auto workspace = std::make_unique<Own>();
-        workspace->own = model_.make_workspace();
-        return workspace;
-    }
-
-    pave::Outcome<problem::Prediction> evaluate(std::span<const double> values, bool with_jacobian,
-                                                Workspace& workspace) const override {
-        Case c = model_.nominal();
-        for (std::size_t k = 0; k < parameters_.size(); ++k) {
-            const Parameter& p = parameters_[k];
-            if (!((p.low_is_open ? values[k] > p.low : values[k] >= p.low) && values[k] <= p.high)) {
-                return pave::Failure{pave::Status::invalid_parameters,
-                                     fmt::format("{} = {:g} is out of its range: {:g} {} value <= {:g}", p.path,
-                                                 values[k], p.low, p.low_is_open ? "<" : "<=", p.high)};
-            }
-            p.in(c) = values[k] * p.to_si;
-        }
-        static const std::vector<Parameter> none;
-        auto outcome = model_.run(c, with_jacobian ? parameters_ : none, *static_cast<Own&>(workspace).own);
-        if (!outcome) {
-            return outcome.failure();
-        }
-        Response response = std::move(outcome).value();
-        return problem::Prediction{std::move(response.values),
-                                   with_jacobian ? std::move(response.jacobian) : Eigen::MatrixXd(),
-                                   std::move(response.warnings)};
-    }
-
-private:
-    struct Own : Workspace {
-        ForwardModel::WorkspacePointer own;
-    };
-    ForwardModel model_;
-    std::vector<Parameter> parameters_;
-};
-
 } // namespace
 
 std::string Study::stem() const {
@@ -637,7 +595,7 @@ problem::Problem problem_of(const Study& study, const std::vector<bool>& loads, 
         throw pave::Error({.file = study.file, .key = "parameters"}, "too many parameters",
                           fmt::format("{}", study.space.dimension()), "at most 40");
     }
-    return {study.space, std::make_shared<PavementFunction>(study, loads), std::move(misfit)};
+    return {study.space, make_function(study.model, study.parameters, loads), std::move(misfit)};
 }
 
 } // namespace

@@ -1,6 +1,5 @@
 """Nothing finished is lost, nothing is repeated, nothing is spoilt: killed at random moments, without room, two at once, with a
 clock that jumps, without memory. usage: faults_test.py PROGRAM LIBRARY [KILLS]        LIBRARY: jumping_clock"""
-import json
 import os
 import random
 import resource
@@ -11,8 +10,6 @@ from support import *
 
 JUMPING_CLOCK = sys.argv[2]
 KILLS = int(sys.argv[3]) if len(sys.argv) > 3 else 50  # of each command
-# What is of this process, not of the result.
-OF_THE_PROCESS = {"run", "runs_per_second", "computed", "kept", "seconds"}
 seed = random.SystemRandom().randrange(10**6)
 random.seed(seed)
 print(f"seed {seed}")
@@ -22,19 +19,6 @@ commands = {"map": ["--design", "sobol", "--points", 300],
             "fit": ["--explore", 60, "--starts", 6],
             "unique": ["--explore", 32, "--verify", 8],
             "diagnose": ["--explore", 8, "--starts", 1, "--bootstrap", 2]}
-
-
-def lasting(value):
-    if isinstance(value, dict):
-        return {k: lasting(v) for k, v in value.items() if k not in OF_THE_PROCESS}
-    return [lasting(v) for v in value] if isinstance(value, list) else value
-
-
-def result(out, name):
-    """Everything that lasts of a finished run, out of its folder."""
-    text = (out / f"{name}.json").read_text().replace(str(out), "OUT")
-    tables = run("export", out, "--command", name, "--format", "csv")
-    return lasting(json.loads(text)), tables.stdout if tables.returncode == 0 else tables.stderr
 
 
 def counted(out):

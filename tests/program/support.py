@@ -1,4 +1,5 @@
 """What the tests of the program share: a small study, running the program, checking."""
+import json
 import os
 import pathlib
 import shutil
@@ -47,6 +48,23 @@ def evaluations(out):
         return 0
     finally:
         database.close()
+
+
+# Of a result: what is of the process that printed it.
+OF_THE_PROCESS = {"run", "runs_per_second", "computed", "kept", "seconds"}
+
+
+def lasting(value):
+    if isinstance(value, dict):
+        return {k: lasting(v) for k, v in value.items() if k not in OF_THE_PROCESS}
+    return [lasting(v) for v in value] if isinstance(value, list) else value
+
+
+def result(out, name):
+    """Everything that lasts of a finished run, out of its folder."""
+    text = (out / f"{name}.json").read_text().replace(str(out), "OUT")
+    tables = run("export", out, "--command", name, "--format", "csv")
+    return lasting(json.loads(text)), tables.stdout if tables.returncode == 0 else tables.stderr
 
 
 STUDY = """schema = 1

@@ -1,0 +1,75 @@
+"""Many processes compute what one does, to the last bit; one that is killed costs what it was computing and no more.
+usage: mpi_test.py PROGRAM MPIRUN"""
+import random
+import re
+import signal
+import time
+
+from support import *
+
+MPIRUN = sys.argv[2]
+# Open MPI's own words for: a small machine, a test that runs as root in a container.
+ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+folder = workspace()
+study = write_study(folder, STUDY.replace('misfit = "log"', 'misfit = "log"\nnoise_relative = 0.05'))
+commands = {"map": ["--design", "sobol", "--points", 200],
+            "fit": ["--explore", 40, "--starts", 5],
+            "unique": ["--explore", 32, "--verify", 8],
+            "diagnose": ["--explore", 8, "--starts", 1, "--bootstrap", 2]}
+
+
+def start(ranks, name, out, *options):
+    return subprocess.Popen([MPIRUN, "-n", str(ranks), "--oversubscribe", PROGRAM, name, str(study), *map(str, options),
+                             "--threads", "1", "--out", str(out)],
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT)
+
+
+truth = {}
+for name, options in commands.items():
+    alone = run(name, study, *options, "--threads", 1, "--out", folder / name)
+    check(alone.returncode == 0, f"{name}: alone")
+    truth[name] = result(folder / name, name)
+    out = folder / f"{name}-4"
+    process = start(4, name, out, *options)
+    printed, complaints = process.communicate(timeout=600)
+    check(process.returncode == 0, f"{name}: four processes: {complaints}")
+    check(result(out, name) == truth[name], f"{name}: four processes end with what one ends with")
+    # Others did compute, and each answer came once.
+    said = re.search(r"(\d+) processes: (\d+) evaluations by the others", complaints)
+    check(said and said[1] == "4" and int(said[2]) > evaluations(out) / 4, f"{name}: the others help: {complaints}")
+    check(printed.count(str(out)) == alone.stdout.count(str(folder / name)), f"{name}: one process speaks")
+
+# One of four is killed in the middle.
+seed = random.SystemRandom().randrange(10**6)
+random.seed(seed)
+print(f"seed {seed}")
+killed = 0
+while killed < 3:
+    out = folder / f"killed-{killed}"
+    process = start(4, "map", out, *commands["map"])
+    while evaluations(out) < 20 and process.poll() is None:
+        time.sleep(0.01)
+    children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True).stdout.split()
+    time.sleep(random.uniform(0.0, 0.3))
+    if len(children) != 4 or process.poll() is not None:
+        process.communicate()
+        shutil.rmtree(out)
+        continue
+    os.kill(int(random.choice(children)), signal.SIGKILL)
+    process.communicate(timeout=60)
+    check(process.returncode != 0, "a job that lost a process says so")
+    kept = evaluations(out)
+    check(kept >= 20, "nothing finished is lost")
+    process = start(4, "map", out, *commands["map"], "--json")
+    again = json.loads(process.communicate(timeout=600)[0])
+    check(again["kept"] == kept and again["computed"] == 200 - kept, f"what was finished is not repeated: {kept}, {again['kept']}")
+    check(result(out, "map") == truth["map"], "the continuation ends with the same table")
+    killed += 1
+
+# One message, whatever the number of processes.
+for arguments in (["map", folder / "missing.toml"], ["map", study, "--points", "many"], ["mapp", study]):
+    done = subprocess.run([MPIRUN, "-n", "3", "--oversubscribe", PROGRAM, *map(str, arguments)], capture_output=True, text=True,
+                          env=ENVIRONMENT, timeout=120)
+    own = [line for line in done.stderr.splitlines() if line.startswith("pavescape:") or "--points:" in line]
+    check(done.returncode != 0 and len(own) == 1, f"{arguments[1:]}: one message: {done.stderr}")
+finish()
