@@ -63,19 +63,16 @@ double station_unit(const Line& line) {
     if (kind == 1.0) {
         return 1.0;
     }
-    switch (static_cast<int>(line.value(4, "unit of station"))) {
-    case 2: return 1.0;
-    case 3:
-    case 4: return 1000.0;
-    case 5: return 0.3048;
-    case 6: return 0.9144;
-    case 7:
-    case 8:
-    case 9: return 1609.344;
-    default:
-        throw pave::Error(line.place("unit of station"), "unknown unit", "\"" + line.cells[4] + "\"",
-                          "2 (m), 3 or 4 (km), 5 (feet), 6 (yards), 7 to 9 (miles)");
+    constexpr std::pair<double, double> units[] = {{2, 1.0},    {3, 1000.0},   {4, 1000.0},   {5, 0.3048},
+                                                   {6, 0.9144}, {7, 1609.344}, {8, 1609.344}, {9, 1609.344}};
+    const double number = line.value(4, "unit of station");
+    for (const auto& [known, metres] : units) {
+        if (number == known) {
+            return metres;
+        }
     }
+    throw pave::Error(line.place("unit of station"), "unknown unit", "\"" + line.cells[4] + "\"",
+                      "2 (m), 3 or 4 (km), 5 (feet), 6 (yards), 7 to 9 (miles)");
 }
 
 struct Sensor {

@@ -3,32 +3,6 @@
 #include <cmath>
 
 namespace pave::fe {
-namespace {
-
-// The embedded pair of Bogacki and Shampine (1989), order 3(2): three solves a step, the last stage of a step is the
-// first of the next.
-struct Pair {
-    static constexpr int stages = 4;
-    static constexpr double a[stages][stages] = {{}, {1.0 / 2.0}, {0.0, 3.0 / 4.0}, {2.0 / 9.0, 1.0 / 3.0, 4.0 / 9.0}};
-    // Difference of the two solutions.
-    static constexpr double error[stages] = {2.0 / 9.0 - 7.0 / 24.0, 1.0 / 3.0 - 1.0 / 4.0, 4.0 / 9.0 - 1.0 / 3.0,
-                                             -1.0 / 8.0};
-    static constexpr double order = 3.0;
-};
-
-// The load factor as a function of the path coordinate s in [0, 1]. The soil is nearly unstressed at the start and its
-// modulus changes with the logarithm of the load: equal steps in s are small steps in load there.
-constexpr double path_growth = 4.0;
-double load_factor(double s) {
-    return std::expm1(path_growth * s) / std::expm1(path_growth);
-}
-
-constexpr int coarsest_level = 2; // steps of 1/4
-constexpr int first_level = 3;    // the first step tried is 1/8
-constexpr int finest_level = 14;
-
-} // namespace
-
 template <class Element>
 Outcome<Solution<Element>>
 Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
@@ -44,24 +18,24 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
     Statistics& statistics = solution.statistics;
 
     using State = PathState<Element>;
-    w.path.resize(Pair::stages + 2);
-    for (State& state : w.path) {
-        state.set_zero(w.model->free_unknowns(), points, count);
+    auto& path = w.path;
+    for (State* state : {&path.now, &path.trial, path.slope, path.slope + 1, path.slope + 2, path.slope + 3}) {
+        state->set_zero(w.model->free_unknowns(), points, count);
     }
-    State* slope = w.path.data();
-    State& now = w.path[Pair::stages];
-    State& trial = w.path[Pair::stages + 1];
+    State* slope = path.slope;
+    State& now = path.now;
+    State& trial = path.trial;
     Eigen::VectorXd& modulus = w.modulus;
     Eigen::VectorXd& modulus_rate = w.modulus_rate;
     modulus.resize(points);
     modulus_rate.resize(static_cast<Eigen::Index>(points) * count);
 
     // Rates found before span something near the next one; so do, for the derivatives of a rate, they and the rates.
-    std::array<bool, Pair::stages> known{};
+    std::array<bool, LoadPath<State>::stages> known{};
     using Guess = Eigen::Map<const Eigen::MatrixXd>;
     const auto guesses = [&](const State& out, bool of_derivatives) {
         std::vector<Guess> list;
-        for (int i = 0; i < Pair::stages; ++i) {
+        for (int i = 0; i < LoadPath<State>::stages; ++i) {
             const State& state = slope[i];
             const bool before = known[i] && &state != &out;
             if (before || (of_derivatives && &state == &out)) {
@@ -89,7 +63,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
                 for (int k = 0; k < count; ++k) {
                     const Eigen::Index qk = static_cast<Eigen::Index>(q) * count + k;
                     modulus_rate[qk] = gradient.dot(w.initial_rate[qk] + x.d_stress.col(qk)) +
-                                       w.explicit_modulus_rate(layer, w.topology->layer[e], at, k);
+                                       w.explicit_modulus_rate(layer, w.topology->layer[e], at, m, k);
                 }
             }
         }
@@ -150,44 +124,13 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         return true;
     };
 
-    const Failure not_definite{Status::failed, "the stiffness matrix of the section is not positive definite: a layer "
-                                               "has lost its stiffness along the load path"};
-    if (!rate(now, 0)) {
-        return not_definite;
-    }
-    if (points == 0) { // linear: the rate is the same all along
-        now.u = slope[0].u;
-        now.du = slope[0].du;
-        statistics.load_steps = 1;
-    }
-
-    // Steps are 2^-level, and start at multiples of themselves: the path changes only when a step is accepted or not.
-    constexpr long whole = 1L << finest_level;
-    long position = points == 0 ? whole : 0;
-    int level = first_level;
-    while (position < whole) {
-        const long step = whole >> level;
-        const double h = load_factor(static_cast<double>(position + step) / whole) -
-                         load_factor(static_cast<double>(position) / whole);
-        for (int i = 1; i < Pair::stages; ++i) {
-            trial = now;
-            for (int j = 0; j < i; ++j) {
-                if (const double f = h * Pair::a[i][j]; f != 0.0) {
-                    trial.u += f * slope[j].u;
-                    trial.stress += f * slope[j].stress;
-                    trial.du += f * slope[j].du;
-                    trial.d_stress += f * slope[j].d_stress;
-                }
-            }
-            if (!rate(trial, i)) {
-                return not_definite;
-            }
-        }
-        // Error of the step in stress and in strain, as energies with the current modulus, against those of the stress
-        // and strain reached. Both: where statics alone fix the stress, only the strain tells.
+    // Error of a step in stress and in strain, as energies with the current modulus, against those of the stress and
+    // strain reached. Both: where statics alone fix the stress, only the strain tells.
+    const auto step_error = [&](const double* gaps) {
+        constexpr int stages = LoadPath<State>::stages;
         w.step_error.setZero(w.model->free_unknowns());
-        for (int i = 0; i < Pair::stages; ++i) {
-            w.step_error += (h * Pair::error[i]) * slope[i].u;
+        for (int i = 0; i < stages; ++i) {
+            w.step_error += gaps[i] * slope[i].u;
         }
         double error = 0.0;
         double energy = 0.0;
@@ -199,8 +142,8 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
                 const int q = static_cast<int>(a) * Element::gauss + g;
                 const auto& point = w.point(e, g);
                 Stress difference = Stress::Zero();
-                for (int i = 0; i < Pair::stages; ++i) {
-                    difference += (h * Pair::error[i]) * slope[i].stress.col(q);
+                for (int i = 0; i < stages; ++i) {
+                    difference += gaps[i] * slope[i].stress.col(q);
                 }
                 const Stress stress = trial.stress.col(q);
                 const Stress wrong_strain = Element::strain(point, wrong);
@@ -214,24 +157,28 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
                 energy += softness * stress.dot(compliance * stress) + stiffness * strain.dot(unit * strain);
             }
         }
-        const double relative = std::sqrt(error / energy);
-        if (!(relative <= settings.path_tolerance)) {
-            ++statistics.rejected_steps;
-            if (++level > finest_level) {
-                return Failure{Status::failed,
-                               "the load path cannot be followed to the tolerance: the modulus changes too abruptly "
-                               "with stress for these parameters"};
+        return std::sqrt(error / energy);
+    };
+
+    const Failure not_definite{Status::failed, "the stiffness matrix of the section is not positive definite"};
+    if (points == 0) { // linear: the rate is the same all along
+        if (!rate(now, 0)) {
+            return not_definite;
+        }
+        now.u = slope[0].u;
+        now.du = slope[0].du;
+        statistics.load_steps = 1;
+    } else {
+        const auto steps = path.follow(settings.path_tolerance, rate, step_error, [&](double load_factor) {
+            if (on_step_) {
+                on_step_(load_factor, slope[0].u, modulus);
             }
-            continue;
+        });
+        if (!steps) {
+            return steps.failure();
         }
-        ++statistics.load_steps;
-        position += step;
-        std::swap(now, trial);
-        std::swap(slope[0], slope[Pair::stages - 1]);
-        const bool easy = relative < settings.path_tolerance * std::pow(0.5, Pair::order + 1.0);
-        if (easy && level > coarsest_level && position % (2 * step) == 0) {
-            --level;
-        }
+        statistics.load_steps = steps->accepted;
+        statistics.rejected_steps = steps->rejected;
     }
 
     // The errors of iterative solutions leave some force unbalanced: one more solve with the last matrix.

@@ -104,4 +104,16 @@ mechanics::Voigt<N> initial_stress_rate(const std::vector<LayerMaterial>& layers
     return s;
 }
 
+// dE/dsigma, a vector in the Voigt order (tension positive stress).
+template <int N>
+mechanics::Voigt<N> modulus_gradient(const material::Modulus& m, mechanics::Invariants at,
+                                     const mechanics::Voigt<N>& stress) {
+    mechanics::Voigt<N> q = mechanics::Voigt<N>::Zero();
+    q[0] = q[1] = q[2] = -m.d_theta;
+    if (at.tau > 0.0) {
+        q += (m.d_tau / at.tau) * mechanics::tau_times_gradient<N>(stress);
+    }
+    return q;
+}
+
 } // namespace pave::fe

@@ -354,6 +354,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
             const Stress s = w.unit(e, g) * strain;
             solution.stress.col(to) = point.modulus * s;
             solution.modulus[to] = point.modulus;
+            const auto here = layer.law->modulus(layer.parameters, point.at);
             for (int k = 0; k < count; ++k) {
                 Vector force = Vector::Zero();
                 Stress turned = point.modulus * (w.unit_rate(e, g, k) * strain);
@@ -361,7 +362,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
                     turned +=
                         w.subtract_motion(*motion, e, g, ue, point.modulus * s, point.modulus * w.unit(e, g), force);
                 }
-                const double explicit_rate = w.explicit_modulus_rate(layer, w.topology->layer[e], point.at, k);
+                const double explicit_rate = w.explicit_modulus_rate(layer, w.topology->layer[e], point.at, here, k);
                 const double e_rate =
                     (explicit_rate +
                      point.gradient.dot(w.initial_rate[static_cast<std::size_t>(q) * count + k] + turned)) /

@@ -14,6 +14,7 @@
 #include "fe/model.h"
 #include "fe/sparse_solver.h"
 
+#include <functional>
 #include <memory>
 
 namespace pave::fe {
@@ -97,6 +98,12 @@ public:
                                       const std::vector<double>& springs = {},
                                       const std::vector<Motion<Element>>& motions = {});
 
+    // Called by `incremental` at the start of a stress-dependent load path and after every step, with the load factor,
+    // the rate of the displacement by it and the modulus at the Gauss points of the stress-dependent elements, in the
+    // order of elements.
+    using OnStep = std::function<void(double load_factor, const Eigen::VectorXd& rate, const Eigen::VectorXd& modulus)>;
+    void on_step(OnStep f) { on_step_ = std::move(f); }
+
     // What inertia adds to readings at the end of the run before this call, whose layers, springs and variations must
     // still exist (no motion among them): the extreme of each over time (that of the larger magnitude) under a pulse of
     // the load, less its value under the same load at rest. Linear about that end, with the modulus reached there as
@@ -109,6 +116,7 @@ public:
 private:
     struct Work;
     std::unique_ptr<Work> work_;
+    OnStep on_step_;
 };
 
 } // namespace pave::fe

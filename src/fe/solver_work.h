@@ -1,6 +1,7 @@
 // What both integrations share: the layers prepared for one run, assembly, and the closing figures. Private to fe/.
 #pragma once
 
+#include "fe/load_path.h"
 #include "fe/solver.h"
 #include "fe/symmetric_system.h"
 
@@ -43,6 +44,12 @@ struct PathState {
         stress.setZero(Element::voigt, points);
         du.setZero(unknowns, count);
         d_stress.setZero(Element::voigt, static_cast<Eigen::Index>(points) * count);
+    }
+    void add(double factor, const PathState& rate) {
+        u += factor * rate.u;
+        stress += factor * rate.stress;
+        du += factor * rate.du;
+        d_stress += factor * rate.d_stress;
     }
 };
 
@@ -100,7 +107,7 @@ struct Solver<Element>::Work {
     std::vector<Held> held;
 
     // Buffers of a load path, kept so that runs do not allocate.
-    std::vector<PathState<Element>> path;
+    LoadPath<PathState<Element>> path;
     Eigen::VectorXd modulus;
     Eigen::VectorXd modulus_rate;
     Eigen::VectorXd step_error; // of the displacement
@@ -148,7 +155,9 @@ struct Solver<Element>::Work {
             for (const Variation& v : run_variations) {
                 const bool own = v.kind == Variation::Kind::law_parameter && v.layer == static_cast<int>(l);
                 p.modulus_rate.push_back(
-                    own && !p.stress_dependent ? layer.law->modulus_derivative(layer.parameters, {}, v.index) : 0.0);
+                    own && !p.stress_dependent
+                        ? layer.law->modulus_derivative(layer.parameters, {}, {.value = p.modulus}, v.index)
+                        : 0.0);
                 p.unit_rate.push_back(own ? cut(layer.law->unit_stiffness_derivative(layer.parameters, v.index))
                                           : mechanics::Stiffness<N>::Zero());
                 p.turns.push_back(!p.unit_rate.back().isZero(0.0));
@@ -563,24 +572,13 @@ struct Solver<Element>::Work {
     }
 
     // dE/dp_k explicitly (parameters of the law) at a point of an active element.
-    double explicit_modulus_rate(const LayerMaterial& layer, int layer_index, mechanics::Invariants at, int k) const {
+    double explicit_modulus_rate(const LayerMaterial& layer, int layer_index, mechanics::Invariants at,
+                                 const material::Modulus& here, int k) const {
         const Variation& v = (*variations)[k];
         return v.kind == Variation::Kind::law_parameter && v.layer == layer_index
-                   ? layer.law->modulus_derivative(layer.parameters, at, v.index)
+                   ? layer.law->modulus_derivative(layer.parameters, at, here, v.index)
                    : 0.0;
     }
 };
-
-// dE/dsigma, a vector in the Voigt order (tension positive stress).
-template <int N>
-mechanics::Voigt<N> modulus_gradient(const material::Modulus& m, mechanics::Invariants at,
-                                     const mechanics::Voigt<N>& stress) {
-    mechanics::Voigt<N> q = mechanics::Voigt<N>::Zero();
-    q[0] = q[1] = q[2] = -m.d_theta;
-    if (at.tau > 0.0) {
-        q += (m.d_tau / at.tau) * mechanics::tau_times_gradient<N>(stress);
-    }
-    return q;
-}
 
 } // namespace pave::fe

@@ -289,12 +289,13 @@ Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& e
         const LayerMaterial& layer = w.layer_of(e);
         const typename Element::Stress total = w.initial[q] + end.stress.col(at_model);
         const auto at = mechanics::invariants<Element::voigt>(total);
-        const auto gradient = modulus_gradient<Element::voigt>(layer.law->modulus(layer.parameters, at), at, total);
+        const auto here = layer.law->modulus(layer.parameters, at);
+        const auto gradient = modulus_gradient<Element::voigt>(here, at, total);
         for (int k = 0; k < count; ++k) {
             modulus_rate(at_model, k) =
                 gradient.dot(w.initial_rate[static_cast<std::size_t>(q) * count + k] +
                              end.d_stress.col(static_cast<Eigen::Index>(at_model) * count + k)) +
-                w.explicit_modulus_rate(layer, w.topology->layer[e], at, k);
+                w.explicit_modulus_rate(layer, w.topology->layer[e], at, here, k);
         }
     }
     w.assemble(active_modulus);

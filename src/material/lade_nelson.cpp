@@ -60,7 +60,8 @@ public:
         return {
             .value = e, .d_theta = by_x * 2.0 * at.theta, .d_tau = by_x * 3.0 * ratio(p) * at.tau, .limited = false};
     }
-    double modulus_derivative(std::span<const double> p, mechanics::Invariants at, std::size_t i) const override {
+    double modulus_derivative(std::span<const double> p, mechanics::Invariants at, const Modulus&,
+                              std::size_t i) const override {
         const double x = measure(p, at);
         const double e = p[m] * pa * std::exp(p[lambda] * std::log(x));
         if (!(e < modulus_limit)) {

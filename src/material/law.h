@@ -64,8 +64,10 @@ public:
 
     // E at a stress state. p: SI values in the order of parameters().
     virtual Modulus modulus(std::span<const double> p, mechanics::Invariants at) const = 0;
-    // dE/dp[i] [SI] at the same state, i an index into parameters(); 0 where E does not depend on it.
-    virtual double modulus_derivative(std::span<const double> p, mechanics::Invariants at, std::size_t i) const = 0;
+    // dE/dp[i] [SI] at the same state, i an index into parameters(); 0 where E does not depend on it. here: modulus(p,
+    // at).
+    virtual double modulus_derivative(std::span<const double> p, mechanics::Invariants at, const Modulus& here,
+                                      std::size_t i) const = 0;
 
     // C and dC/dp[i].
     virtual mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const = 0;

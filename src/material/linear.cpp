@@ -37,7 +37,8 @@ public:
     Modulus modulus(std::span<const double> p, mechanics::Invariants) const override {
         return {.value = p[modulus_MPa]};
     }
-    double modulus_derivative(std::span<const double>, mechanics::Invariants, std::size_t i) const override {
+    double modulus_derivative(std::span<const double>, mechanics::Invariants, const Modulus&,
+                              std::size_t i) const override {
         return i == modulus_MPa ? 1.0 : 0.0;
     }
 };

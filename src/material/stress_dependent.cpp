@@ -69,20 +69,18 @@ Modulus StressDependent::modulus(std::span<const double> p, mechanics::Invariant
             .limited = false};
 }
 
-double StressDependent::modulus_derivative(std::span<const double> p, mechanics::Invariants at, std::size_t i) const {
-    const double eta_here = p[place(eta)];
-    const Floor floor(p[place(delta)], eta_here, at);
-    const Terms t = terms(own(p), floor.thp, at.tau);
-    if (!(t.value < modulus_limit)) {
+double StressDependent::modulus_derivative(std::span<const double> p, mechanics::Invariants at, const Modulus& here,
+                                           std::size_t i) const {
+    const bool is_own = i >= first && i < first + own_;
+    if (here.limited || !(is_own || i == place(delta) || i == place(eta))) {
         return 0.0;
     }
-    if (i >= first && i < first + own_) {
-        return own_derivative(own(p), floor.thp, at.tau, t.value, i - first);
+    const Floor floor(p[place(delta)], p[place(eta)], at);
+    if (is_own) {
+        return own_derivative(own(p), floor.thp, at.tau, here.value, i - first);
     }
-    if (i == place(delta)) {
-        return t.d_thp * 2.0 * p[i] / floor.root;
-    }
-    return i == place(eta) ? t.d_thp * 2.0 * p[i] * at.tau * at.tau / floor.root : 0.0;
+    const double by_square = terms(own(p), floor.thp, at.tau).d_thp / floor.root; // of delta, or of eta tau
+    return by_square * 2.0 * p[i] * (i == place(delta) ? 1.0 : at.tau * at.tau);
 }
 
 namespace {

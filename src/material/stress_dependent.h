@@ -18,7 +18,8 @@ public:
     std::span<const std::size_t> scale_parameters() const override;
 
     Modulus modulus(std::span<const double> p, mechanics::Invariants at) const final;
-    double modulus_derivative(std::span<const double> p, mechanics::Invariants at, std::size_t i) const final;
+    double modulus_derivative(std::span<const double> p, mechanics::Invariants at, const Modulus& here,
+                              std::size_t i) const final;
     mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const final;
     mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, std::size_t i) const final;
     std::string impossible(std::span<const double> p) const override;

@@ -158,6 +158,10 @@ ForwardModel::ForwardModel(Case nominal, const std::vector<bool>& loads) : nomin
     }
 }
 
+ForwardModel::ForwardModel(Case nominal, std::vector<std::shared_ptr<const LoadModel>> models)
+    : nominal_(std::move(nominal)),
+      models_(std::move(models)) {}
+
 std::vector<int> ForwardModel::unknowns() const {
     std::vector<int> counts;
     for (const auto& model : models_) {
@@ -339,6 +343,10 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
             const auto row = static_cast<Eigen::Index>(i);
             const double gain = c.sensors[i].gain;
             response.values[i] = gain * reading->values[i];
+            if (!reading->errors.empty()) {
+                response.errors.resize(sensors, 0.0);
+                response.errors[i] = std::abs(gain) * reading->errors[i];
+            }
             for (std::size_t k = 0; k < parameters.size(); ++k) {
                 double& d = response.jacobian(row, static_cast<Eigen::Index>(k));
                 for (const auto& [variation, factor] : shares[k]) {

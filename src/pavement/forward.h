@@ -15,6 +15,7 @@ struct Response {
     Eigen::MatrixXd jacobian;   // sensors x parameters, SI per file unit of the parameter
     fe::Statistics statistics;  // sums over the loads; residual: the largest
     std::vector<std::string> warnings;
+    std::vector<double> errors; // of reduced models: estimates of |error| of the values; empty: none are made
 };
 
 // Throws Error at `place` when no parameter value can make the sensor of the case readable: outside the mesh, a gauge
@@ -27,6 +28,9 @@ public:
     // nominal: its geometry fixes the mesh; other thicknesses and radii move the lines of that mesh.
     // loads: which of them to compute; empty: all.
     explicit ForwardModel(Case nominal, const std::vector<bool>& loads = {});
+    // With models of the loads made elsewhere, that stand for those of the finite element model; none: the load is left
+    // out.
+    ForwardModel(Case nominal, std::vector<std::shared_ptr<const LoadModel>> models);
 
     // Meshes and factors of one thread. A workspace makes a run faster, never different.
     class Workspace;

@@ -68,6 +68,7 @@ public:
         std::vector<double> values;  // of every sensor of the case, SI; 0 for those of other loads
         Eigen::MatrixXd derivatives; // sensors x variations, SI
         fe::Statistics statistics;
+        std::vector<double> errors{}; // of a reduced model: estimates of |error| of the values; empty: none is made
     };
     // values differ from the nominal case in numbers only. moving: of each motion of the mesh that a variation is the
     // number of.

@@ -74,7 +74,7 @@ TEST(EveryLaw, HasPositiveModulusAndDerivativesThatAgreeWithFiniteDifferences) {
                 low[i] -= step;
                 high[i] += step;
                 const double numeric = (law->modulus(high, at).value - law->modulus(low, at).value) / (2 * step);
-                EXPECT_NEAR(law->modulus_derivative(p, at, i), numeric, 1e-6 * (m.value / std::abs(p[i])));
+                EXPECT_NEAR(law->modulus_derivative(p, at, m, i), numeric, 1e-6 * (m.value / std::abs(p[i])));
                 const mechanics::Stiffness<6> c = (law->unit_stiffness(high) - law->unit_stiffness(low)) / (2 * step);
                 EXPECT_LT((law->unit_stiffness_derivative(p, i) - c).norm(), 1e-6 * (1.0 + c.norm()));
             }

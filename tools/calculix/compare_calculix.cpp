@@ -43,7 +43,8 @@ public:
     material::Modulus modulus(std::span<const double>, mechanics::Invariants) const override {
         return {.value = modulus_};
     }
-    double modulus_derivative(std::span<const double>, mechanics::Invariants, std::size_t) const override {
+    double modulus_derivative(std::span<const double>, mechanics::Invariants, const pave::material::Modulus&,
+                              std::size_t) const override {
         return 0.0;
     }
     mechanics::Stiffness<6> unit_stiffness(std::span<const double>) const override { return unit_; }

@@ -1,0 +1,490 @@
+#include "pavement/effects/effect.h"
+#include "reduced/nonnegative.h"
+#include "reduced/reduced_load.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numeric>
+#include <random>
+
+namespace pave::reduced {
+namespace {
+
+using namespace pavement;
+
+// What a run of the full model leaves: the rates along its load path, and its readings.
+struct Snapshots {
+    std::vector<Eigen::VectorXd> rates;  // d(displacement)/d(load factor)
+    std::vector<Eigen::VectorXd> moduli; // at the Gauss points of the stress-dependent elements
+    std::vector<double> lengths;         // in load factor, that each rate stands for
+    std::vector<fe::LayerMaterial> layers;
+    Eigen::VectorXd force;
+    std::vector<double> values; // of the sensors
+};
+
+template <class Kind>
+class Builder {
+public:
+    using Element = typename Kind::Element;
+    static constexpr int N = Element::voigt;
+    using Strains = Eigen::Matrix<double, N, Eigen::Dynamic>;
+
+    Builder(const Case& nominal, int load, std::span<const Case> samples, const BuildSettings& settings,
+            const ForEach& for_each)
+        : nominal_(nominal),
+          load_(load),
+          samples_(samples),
+          settings_(settings),
+          for_each_(for_each),
+          own_(with_effects(nominal, load)),
+          mesh_(Kind::nominal_mesh(own_, load)),
+          model_(fe::make_model(mesh_, linear_layers(own_))) {
+        for (int e = 0; e < model_.elements(); ++e) {
+            if (own_.layers[static_cast<std::size_t>(model_.topology->layer[static_cast<std::size_t>(e)])]
+                    .law->stress_dependent()) {
+                active_.push_back(e);
+            }
+        }
+        for (const Sensor& sensor : own_.sensors) {
+            observations_.push_back(sensor.load == load ? observe(sensor, mesh_, model_, mesh_)
+                                                        : Observation<Element>{});
+        }
+    }
+
+    Outcome<Basis> build(BuildReport& report) {
+        const auto calibration = static_cast<std::size_t>(settings_.calibration);
+        if (samples_.size() < 2 * calibration) {
+            return Failure{Status::failed, "too few samples to build a reduced model from"};
+        }
+        const std::size_t candidates = samples_.size() - calibration;
+        std::vector<char> used(candidates, 0);
+        std::vector<std::size_t> chosen;
+        for (std::size_t i = 0; i < std::min<std::size_t>(first_runs, candidates); ++i) {
+            chosen.push_back(i);
+        }
+        Basis basis;
+        for (;;) {
+            for (const std::size_t i : chosen) {
+                used[i] = 1;
+            }
+            add_runs(chosen);
+            report.full_runs += static_cast<int>(chosen.size());
+            if (runs_.size() < 2) {
+                return Failure{Status::failed, "the full model has no answer at the samples of the build"};
+            }
+            basis = make_basis();
+            // Where the estimate is worst, the full model is asked next.
+            const auto trial = make_load_model(nominal_, load_, basis);
+            std::vector<double> estimate(candidates, -1.0);
+            for_each_(candidates, [&](std::size_t i) {
+                if (used[i] == 0) {
+                    estimate[i] = indicator(*trial, samples_[i]);
+                }
+            });
+            std::vector<std::size_t> order(candidates);
+            std::iota(order.begin(), order.end(), 0);
+            std::stable_sort(order.begin(), order.end(),
+                             [&](std::size_t a, std::size_t b) { return estimate[a] > estimate[b]; });
+            const int left = settings_.most_runs - settings_.calibration - report.full_runs;
+            if (left < runs_a_round || estimate[order[0]] < settings_.tolerance) {
+                break;
+            }
+            const int next = std::min(left, std::max(runs_a_round, report.full_runs / 2));
+            chosen.assign(order.begin(), order.begin() + next);
+        }
+        report.modes = static_cast<int>(basis.modes.cols());
+        report.points = static_cast<int>(basis.points.size());
+        calibrate(basis, candidates, report);
+        return basis;
+    }
+
+private:
+    static constexpr std::size_t first_runs = 12;
+    static constexpr int runs_a_round = 8;
+
+    std::optional<Snapshots> full_run(const Case& values, bool with_path) const {
+        const Case c = with_effects(values, load_);
+        for (const Layer& layer : c.layers) {
+            if (!layer.law->impossible(layer.parameters).empty()) {
+                return std::nullopt;
+            }
+        }
+        Snapshots s;
+        s.layers = materials_of(c);
+        const Load& load = c.loads[static_cast<std::size_t>(load_)];
+        s.force = load.pressure * load.factor * Kind::unit_load(mesh_, model_, load);
+        fe::Solver<Element> solver(model_);
+        std::vector<double> factors;
+        if (with_path) {
+            solver.on_step([&](double factor, const Eigen::VectorXd& rate, const Eigen::VectorXd& modulus) {
+                factors.push_back(factor);
+                s.rates.push_back(rate);
+                s.moduli.push_back(modulus);
+            });
+        }
+        const auto solved = solver.incremental(s.layers, s.force, {}, c.settings.solver);
+        if (!solved) {
+            return std::nullopt;
+        }
+        for (std::size_t i = 0; i < factors.size(); ++i) { // half the steps before and after
+            const double before = i > 0 ? factors[i] - factors[i - 1] : 0.0;
+            const double after = i + 1 < factors.size() ? factors[i + 1] - factors[i] : 0.0;
+            s.lengths.push_back((before + after) / 2.0);
+        }
+        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+            const auto& o = observations_[i];
+            s.values.push_back(c.sensors[i].load != load_ ? 0.0
+                               : o.on_stress.empty()      ? o.of_displacement(solved->displacement.data())
+                                                          : o.of_stress(solved->stress, 1, 0));
+        }
+        return s;
+    }
+
+    void add_runs(const std::vector<std::size_t>& chosen) {
+        std::vector<std::optional<Snapshots>> done(chosen.size());
+        for_each_(chosen.size(), [&](std::size_t i) { done[i] = full_run(samples_[chosen[i]], true); });
+        for (auto& s : done) {
+            if (s) {
+                runs_.push_back(std::move(*s));
+            }
+        }
+    }
+
+    // A case as the load model of a run meets it; the largest estimate over the sensors, relative.
+    double indicator(const LoadModel& reduced, const Case& values) const {
+        const auto reading = read(reduced, values);
+        if (!reading) {
+            return -1.0;
+        }
+        const auto scale = scales(own_, load_, reading->values);
+        double largest = 0.0;
+        for (std::size_t i = 0; i < scale.size(); ++i) {
+            largest = std::max(largest, reading->errors[i] / scale[i]);
+        }
+        return largest;
+    }
+    std::optional<LoadModel::Reading> read(const LoadModel& reduced, const Case& values) const {
+        const Case c = with_effects(values, load_);
+        for (const Layer& layer : c.layers) {
+            if (!layer.law->impossible(layer.parameters).empty()) {
+                return std::nullopt;
+            }
+        }
+        const auto workspace = reduced.make_workspace();
+        auto outcome = reduced.run(c, materials_of(c), {}, {}, *workspace);
+        if (!outcome) {
+            return std::nullopt;
+        }
+        return std::move(outcome).value();
+    }
+
+    Strains strains(int gauss, const Eigen::MatrixXd& fields) const {
+        Strains b(N, fields.cols());
+        for (Eigen::Index i = 0; i < fields.cols(); ++i) {
+            b.col(i) = Element::strain(model_.points[static_cast<std::size_t>(gauss)],
+                                       model_.gather(gauss / Element::gauss, fields.col(i).data()));
+        }
+        return b;
+    }
+
+    Basis make_basis() const {
+        Basis basis;
+        basis.free_unknowns = model_.free_unknowns();
+        // Snapshots: what each rate adds to the displacement, relative to all of it in energy.
+        std::vector<std::pair<std::size_t, std::size_t>> which;
+        for (std::size_t r = 0; r < runs_.size(); ++r) {
+            for (std::size_t s = 0; s < runs_[r].rates.size(); ++s) {
+                which.emplace_back(r, s);
+            }
+        }
+        Eigen::MatrixXd snapshots(model_.free_unknowns(), static_cast<Eigen::Index>(which.size()));
+        for (std::size_t k = 0; k < which.size(); ++k) {
+            const auto& run = runs_[which[k].first];
+            snapshots.col(static_cast<Eigen::Index>(k)) = run.lengths[which[k].second] * run.rates[which[k].second];
+        }
+        Eigen::MatrixXd gram = snapshots.transpose() * Eigen::MatrixXd(energy() * snapshots);
+        // A run counts as much as another: by the energy of its own sum.
+        Eigen::VectorXd scale(gram.rows());
+        for (std::size_t begin = 0; begin < which.size();) {
+            std::size_t end = begin;
+            while (end < which.size() && which[end].first == which[begin].first) {
+                ++end;
+            }
+            const auto from = static_cast<Eigen::Index>(begin);
+            const auto size = static_cast<Eigen::Index>(end - begin);
+            scale.segment(from, size).setConstant(1.0 / std::sqrt(gram.block(from, from, size, size).sum()));
+            begin = end;
+        }
+        gram = scale.asDiagonal() * gram * scale.asDiagonal();
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+        const Eigen::VectorXd& values = eigen.eigenvalues(); // increasing
+        const double all = values.sum();
+        Eigen::Index modes = 0;
+        double left = all;
+        while (modes < std::min(most_modes(), values.size()) && left > mode_tolerance * all) {
+            left -= values[values.size() - 1 - modes];
+            ++modes;
+        }
+        Eigen::MatrixXd factors(values.size(), modes);
+        for (Eigen::Index i = 0; i < modes; ++i) {
+            const Eigen::Index from = values.size() - 1 - i;
+            factors.col(i) = scale.asDiagonal() * eigen.eigenvectors().col(from) / std::sqrt(values[from]);
+        }
+        basis.modes = snapshots * factors;
+        basis.coarse = std::max(2, static_cast<int>(modes * 4 / 5));
+        make_cubature(basis, which);
+        return basis;
+    }
+
+    // The stiffness of a section with fixed moduli, as a measure of displacement fields.
+    Eigen::SparseMatrix<double> energy() const {
+        const auto& run = runs_.front();
+        std::vector<Eigen::Triplet<double>> entries;
+        for (int e = 0; e < model_.elements(); ++e) {
+            const auto& layer =
+                run.layers[static_cast<std::size_t>(model_.topology->layer[static_cast<std::size_t>(e)])];
+            const double modulus = layer.law->stress_dependent() ? run.moduli.back().mean()
+                                                                 : layer.law->modulus(layer.parameters, {}).value;
+            const mechanics::Stiffness<N> d =
+                modulus * layer.law->unit_stiffness(layer.parameters).template topLeftCorner<N, N>();
+            Eigen::Matrix<double, Element::dofs, Element::dofs> own =
+                Eigen::Matrix<double, Element::dofs, Element::dofs>::Zero();
+            for (int g = 0; g < Element::gauss; ++g) {
+                const auto& point = model_.points[static_cast<std::size_t>(e * Element::gauss + g)];
+                const auto b = Element::strain_operator(point);
+                const typename Element::Operator db = point.weight * d * b;
+                own += b.transpose() * db;
+            }
+            const auto& unknowns = model_.topology->unknowns[static_cast<std::size_t>(e)];
+            for (int i = 0; i < Element::dofs; ++i) {
+                for (int j = 0; j < Element::dofs; ++j) {
+                    if (unknowns[static_cast<std::size_t>(i)] >= 0 && unknowns[static_cast<std::size_t>(j)] >= 0) {
+                        entries.emplace_back(unknowns[static_cast<std::size_t>(i)],
+                                             unknowns[static_cast<std::size_t>(j)], own(i, j));
+                    }
+                }
+            }
+        }
+        Eigen::SparseMatrix<double> k(model_.free_unknowns(), model_.free_unknowns());
+        k.setFromTriplets(entries.begin(), entries.end());
+        return k;
+    }
+
+    // Points and weights that give the forces of the snapshots on the modes.
+    void make_cubature(Basis& basis, const std::vector<std::pair<std::size_t, std::size_t>>& which) const {
+        std::mt19937_64 random(settings_.seed);
+        std::vector<std::pair<std::size_t, std::size_t>> taken = which;
+        std::shuffle(taken.begin(), taken.end(), random);
+        taken.resize(std::min<std::size_t>(taken.size(), most_force_snapshots));
+        Eigen::MatrixXd rates(model_.free_unknowns(), static_cast<Eigen::Index>(taken.size()));
+        for (std::size_t k = 0; k < taken.size(); ++k) {
+            rates.col(static_cast<Eigen::Index>(k)) = runs_[taken[k].first].rates[taken[k].second];
+        }
+        const Eigen::Index modes = basis.modes.cols();
+        const Eigen::Index forces = modes * static_cast<Eigen::Index>(taken.size());
+        // Random combinations of the forces keep their distances (Johnson and Lindenstrauss); the volume is kept as it
+        // is.
+        const auto rows = Eigen::Index{3} * most_points();
+        std::normal_distribution<double> normal;
+        Eigen::MatrixXd mix(rows, forces);
+        for (double& x : mix.reshaped()) {
+            x = normal(random) / std::sqrt(static_cast<double>(rows));
+        }
+        // Forces of a snapshot are relative to the work of the load, and count as what happens over its step.
+        for (std::size_t k = 0; k < taken.size(); ++k) {
+            const auto& run = runs_[taken[k].first];
+            double total = 0.0;
+            for (std::size_t s = 0; s < run.rates.size(); ++s) {
+                total += run.lengths[s] * run.force.dot(run.rates[s]);
+            }
+            const double work = run.force.dot(run.rates[taken[k].second]);
+            const double own = std::sqrt(run.lengths[taken[k].second] * work / total);
+            mix.middleCols(static_cast<Eigen::Index>(k) * modes, modes) *= own / std::sqrt(work);
+        }
+        const auto points = static_cast<Eigen::Index>(active_.size()) * Element::gauss;
+        std::vector<std::vector<Eigen::Matrix<double, N, N>>> units(runs_.size());
+        for (std::size_t r = 0; r < runs_.size(); ++r) {
+            for (const auto& layer : runs_[r].layers) {
+                units[r].push_back(layer.law->unit_stiffness(layer.parameters).template topLeftCorner<N, N>());
+            }
+        }
+        // All points make the forces that are wanted; some of them, drawn at random, are candidates for the cubature.
+        std::vector<Eigen::Index> candidates(static_cast<std::size_t>(points));
+        std::iota(candidates.begin(), candidates.end(), 0);
+        std::shuffle(candidates.begin(), candidates.end(), random);
+        candidates.resize(std::min<std::size_t>(candidates.size(), most_candidates));
+        std::vector<Eigen::Index> column_of(static_cast<std::size_t>(points), -1);
+        for (std::size_t j = 0; j < candidates.size(); ++j) {
+            column_of[static_cast<std::size_t>(candidates[j])] = static_cast<Eigen::Index>(j);
+        }
+        Eigen::MatrixXd columns(rows + 1, static_cast<Eigen::Index>(candidates.size()));
+        constexpr std::size_t parts = 32; // of the elements: sums in a fixed order, whoever makes them
+        std::vector<Eigen::VectorXd> force_of_part(parts, Eigen::VectorXd::Zero(forces));
+        std::vector<double> volume_of_part(parts, 0.0);
+        for_each_(parts, [&](std::size_t part) {
+            for (std::size_t a = part * active_.size() / parts; a < (part + 1) * active_.size() / parts; ++a) {
+                const auto layer =
+                    static_cast<std::size_t>(model_.topology->layer[static_cast<std::size_t>(active_[a])]);
+                for (int g = 0; g < Element::gauss; ++g) {
+                    const int q = active_[a] * Element::gauss + g;
+                    const auto at = static_cast<Eigen::Index>(a) * Element::gauss + g;
+                    const double weight = model_.points[static_cast<std::size_t>(q)].weight;
+                    const Strains of_modes = strains(q, basis.modes);
+                    Strains stress = strains(q, rates);
+                    for (std::size_t k = 0; k < taken.size(); ++k) {
+                        const auto& [run, step] = taken[k];
+                        const auto column = static_cast<Eigen::Index>(k);
+                        const Eigen::Matrix<double, N, 1> strain = stress.col(column);
+                        stress.col(column) = weight * runs_[run].moduli[step][at] * (units[run][layer] * strain);
+                    }
+                    const Eigen::MatrixXd work = of_modes.transpose() * stress; // modes x snapshots
+                    force_of_part[part] += work.reshaped();
+                    volume_of_part[part] += weight;
+                    if (const Eigen::Index j = column_of[static_cast<std::size_t>(at)]; j >= 0) {
+                        columns.col(j).head(rows).noalias() = mix * work.reshaped();
+                        columns(rows, j) = weight;
+                    }
+                }
+            }
+        });
+        Eigen::VectorXd whole(rows + 1);
+        whole.head(rows) = mix * std::accumulate(force_of_part.begin() + 1, force_of_part.end(), force_of_part[0]);
+        whole[rows] = std::accumulate(volume_of_part.begin(), volume_of_part.end(), 0.0);
+        const double volume_counts = 0.05 * whole.head(rows).norm() / whole[rows]; // a little
+        columns.row(rows) *= volume_counts;
+        whole[rows] *= volume_counts;
+        const Eigen::VectorXd weights = nonnegative_least_squares(columns, whole, cubature_tolerance, most_points());
+        basis.points.clear();
+        for (std::size_t j = 0; j < candidates.size(); ++j) {
+            if (const double weight = weights[static_cast<Eigen::Index>(j)]; weight > 0.0) {
+                const int q = active_[static_cast<std::size_t>(candidates[j] / Element::gauss)] * Element::gauss +
+                              static_cast<int>(candidates[j] % Element::gauss);
+                basis.points.push_back({q, weight * model_.points[static_cast<std::size_t>(q)].weight});
+            }
+        }
+    }
+
+    // What the estimates are worth: at samples that the build has not seen.
+    void calibrate(Basis& basis, std::size_t first, BuildReport& report) const {
+        const std::size_t count = samples_.size() - first;
+        basis.factor.clear();
+        basis.floor.clear();
+        const auto reduced = make_load_model(nominal_, load_, basis);
+        const std::size_t sensors = own_.sensors.size();
+        std::vector<std::vector<double>> error(count), estimate(count);
+        for_each_(count, [&](std::size_t k) {
+            const auto full = full_run(samples_[first + k], false);
+            const auto quick = read(*reduced, samples_[first + k]);
+            if (!full || !quick) {
+                return;
+            }
+            const auto scale = scales(own_, load_, full->values);
+            for (std::size_t i = 0; i < sensors; ++i) {
+                error[k].push_back(std::abs(quick->values[i] - full->values[i]) / scale[i]);
+                estimate[k].push_back(quick->errors[i] / scale[i]);
+            }
+        });
+        report.full_runs += static_cast<int>(count);
+        const auto quantile = [](std::vector<double> values, double share) {
+            std::sort(values.begin(), values.end());
+            return values.empty() ? 0.0
+                                  : values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+        };
+        basis.floor.assign(sensors, 0.0);
+        for (std::size_t i = 0; i < sensors; ++i) {
+            std::vector<double> own;
+            for (const auto& e : error) {
+                if (!e.empty()) {
+                    own.push_back(e[i]);
+                }
+            }
+            basis.floor[i] = quantile(own, 0.5);
+        }
+        std::vector<double> largest;
+        for (std::size_t k = 0; k < count; ++k) {
+            if (!error[k].empty()) {
+                largest.push_back(*std::max_element(error[k].begin(), error[k].end()));
+            }
+        }
+        // Of each sensor: the mixture of gap and floor with the smallest estimates that cover nine errors of ten; then
+        // one factor, so that together they cover the errors at nearly every sample.
+        for (std::size_t i = 0; i < sensors; ++i) {
+            double least = std::numeric_limits<double>::infinity();
+            basis.factor.push_back(0.0);
+            const double floor = basis.floor[i];
+            for (const double share : {0.1, 0.3, 1.0, 3.0, 10.0}) {
+                std::vector<double> ratio, guesses;
+                for (std::size_t k = 0; k < count; ++k) {
+                    if (!error[k].empty() && floor > 0.0) {
+                        guesses.push_back(share * estimate[k][i] + floor);
+                        ratio.push_back(error[k][i] / guesses.back());
+                    }
+                }
+                const double factor = quantile(ratio, 0.95);
+                const double typical = factor * quantile(guesses, 0.8);
+                if (floor > 0.0 && typical < least) {
+                    least = typical;
+                    basis.factor[i] = factor * share;
+                    basis.floor[i] = factor * floor;
+                }
+            }
+        }
+        std::vector<double> ratio;
+        for (std::size_t k = 0; k < count; ++k) {
+            double worst = 0.0;
+            for (std::size_t i = 0; i < error[k].size(); ++i) {
+                const double guess = basis.factor[i] * estimate[k][i] + basis.floor[i];
+                worst = std::max(worst, guess > 0.0 ? error[k][i] / guess : 0.0);
+            }
+            ratio.push_back(worst);
+        }
+        const double together = quantile(ratio, 0.99);
+        for (std::size_t i = 0; i < sensors; ++i) {
+            basis.factor[i] *= together;
+            basis.floor[i] *= together;
+        }
+        report.error_95 = quantile(largest, 0.95);
+    }
+
+    static constexpr double mode_tolerance = 1e-8; // of the energy of the snapshots that the modes leave out
+    static constexpr double cubature_tolerance = 3e-4;
+    static constexpr std::size_t most_force_snapshots = 120;
+    static constexpr std::size_t most_candidates = 6000;
+    // Deflections need fewer modes than what is read within a layer.
+    bool reads_within() const {
+        return std::any_of(own_.sensors.begin(), own_.sensors.end(),
+                           [&](const Sensor& s) { return s.load == load_ && s.quantity != Quantity::deflection; });
+    }
+    Eigen::Index most_modes() const { return reads_within() ? 64 : 32; }
+    int most_points() const { return reads_within() ? 220 : 84; }
+
+    const Case& nominal_;
+    int load_;
+    std::span<const Case> samples_;
+    BuildSettings settings_;
+    const ForEach& for_each_;
+    Case own_;
+    typename Kind::Mesh mesh_;
+    fe::Model<Element> model_;
+    std::vector<int> active_; // stress-dependent elements
+    std::vector<Observation<Element>> observations_;
+    std::vector<Snapshots> runs_;
+};
+
+} // namespace
+
+Outcome<Basis> build(const Case& nominal, int load, std::span<const Case> samples, const BuildSettings& settings,
+                     const ForEach& for_each, BuildReport* report) {
+    BuildReport own;
+    BuildReport& said = report != nullptr ? *report : own;
+    said = {};
+    if (nominal.loads[static_cast<std::size_t>(load)].is_axisymmetric()) {
+        return Builder<Axisymmetric>(nominal, load, samples, settings, for_each).build(said);
+    }
+    return Builder<Solid>(nominal, load, samples, settings, for_each).build(said);
+}
+
+} // namespace pave::reduced
