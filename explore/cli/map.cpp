@@ -1,9 +1,11 @@
 // pavescape map: the misfit landscape over a grid or a space-filling design.
-#include "cli/common.h"
+#include "cli/model.h"
 #include "report/table.h"
 #include "run/engine.h"
 #include "run/progress.h"
+#include "study/reduced_function.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -14,6 +16,7 @@ namespace {
 
 struct MapOptions {
     CommonOptions common;
+    ModelOptions model;
     std::string design; // empty: grid when every parameter states its points, else sobol
     int points = 0;     // grid: an axis; sobol: in all
 };
@@ -62,13 +65,36 @@ std::string axis_profiles(const study::Study& study, const std::vector<problem::
     return table.text();
 }
 
+// The full model where the reduced one found the lowest misfits; best first.
+std::optional<std::vector<problem::Evaluation>> confirm(const study::Study& study, const search::Design& design,
+                                                        const std::vector<std::size_t>& lowest, run::Store& store,
+                                                        const MapOptions& options, const std::string& settings) {
+    search::Design again{design.name, {}};
+    for (const std::size_t i : lowest) {
+        again.points.push_back(design.points[i]);
+    }
+    const problem::Problem full = study::make_problem(study);
+    const int id = store.begin(run_header(study, "map", settings + ", its lowest by the full model"));
+    run::Engine engine(full, &store, id, {.threads = options.common.threads, .show_progress = false});
+    return engine.evaluate(again);
+}
+
 int map(const MapOptions& options) {
     const study::Study study = study::load_study(options.common.study);
-    const problem::Problem problem = study::make_problem(study);
-    const search::Design design = make_design(options, study);
     const std::string folder = options.common.folder(study);
+    std::optional<ReducedProblem> reduced;
+    if (options.model.reduced()) {
+        try {
+            reduced = reduced_problem(study, options.model, folder, options.common.threads);
+        } catch (const run::Interrupted&) {
+            return report_interrupt(folder);
+        }
+    }
+    const problem::Problem problem = reduced ? reduced->problem : study::make_problem(study);
+    const search::Design design = make_design(options, study);
+    const std::string settings = design.name + (reduced ? reduced->settings : "");
     run::Store store(folder, session(options.common));
-    const int id = store.begin(run_header(study, "map", design.name));
+    const int id = store.begin(run_header(study, "map", settings));
     run::Engine engine(problem, &store, id, {.threads = options.common.threads, .show_progress = true});
     const auto evaluations = engine.evaluate(design);
     if (!evaluations) {
@@ -77,8 +103,21 @@ int map(const MapOptions& options) {
     const run::Tally& tally = engine.tally();
     const double rate = tally.seconds > 0.0 ? static_cast<double>(tally.computed) / tally.seconds : 0.0;
     const auto lowest = run::distinct_starts(design, *evaluations, 10, 0.0);
+    std::vector<problem::Evaluation> reported;
+    for (const std::size_t i : lowest) {
+        reported.push_back((*evaluations)[i]);
+    }
+    if (options.model.model == "auto") {
+        auto confirmed = confirm(study, design, lowest, store, options, settings);
+        if (!confirmed) {
+            return report_interrupt(folder);
+        }
+        reported = std::move(*confirmed);
+        store.begin(run_header(study, "map", settings)); // the map is the run used last
+    }
 
     report::Json json = {{"design", design.name},
+                         {"model", options.model.model},
                          {"points", design.points.size()},
                          {"computed", tally.computed},
                          {"kept", tally.kept},
@@ -88,11 +127,19 @@ int map(const MapOptions& options) {
                          {"study", {{"file", study.file}, {"title", study.title}, {"hash", study.hash}}},
                          {"version", PAVESCAPE_VERSION},
                          {"run", folder}};
+    if (reduced) {
+        json["reduced_model"] = reduced->json;
+        json["by_full_model"] = std::count_if(evaluations->begin(), evaluations->end(), study::is_by_full_model);
+    }
     json["lowest"] = report::Json::array();
-    for (const std::size_t i : lowest) {
-        const auto& e = (*evaluations)[i];
-        json["lowest"].push_back(
-            {{"number", i}, {"misfit", e.misfit}, {"parameters", report::parameters_json(study.space, e.parameters)}});
+    for (std::size_t k = 0; k < lowest.size(); ++k) {
+        const auto& e = reported[k];
+        json["lowest"].push_back({{"number", lowest[k]},
+                                  {"misfit", e.misfit},
+                                  {"parameters", report::parameters_json(study.space, e.parameters)}});
+        if (options.model.model == "auto") {
+            json["lowest"].back()["misfit_of_reduced_model"] = (*evaluations)[lowest[k]].misfit;
+        }
     }
     store.put_result(id, json.dump());
     write_file(folder, "map.json", json.dump(2) + "\n");
@@ -103,6 +150,12 @@ int map(const MapOptions& options) {
     fmt::print("{}\n  {}: {} computed in {} ({:.1f} runs/s), {} kept from before\n", study_summary(study), design.name,
                report::counted(static_cast<std::size_t>(tally.computed), "point", "points"),
                run::duration_words(tally.seconds), rate, tally.kept);
+    if (reduced) {
+        fmt::print("{}  {} of the points by the full model, where the reduced one estimates an error above {:g} %\n{}",
+                   reduced->words, json["by_full_model"].get<std::int64_t>(), options.model.limit_percent,
+                   options.model.model == "reduced" ? "  misfits below are those of the reduced model\n"
+                                                    : "  the lowest below are computed again by the full model\n");
+    }
     for (const auto& [status, count] : json["statuses"].items()) {
         fmt::print("    {:<19} {}\n", status, count.get<std::int64_t>());
     }
@@ -119,9 +172,9 @@ int map(const MapOptions& options) {
         header.push_back(axis.name);
     }
     report::Table table(header);
-    for (const std::size_t i : lowest) {
-        std::vector<std::string> row{fmt::format("{}", i), report::figure((*evaluations)[i].misfit)};
-        for (const double value : (*evaluations)[i].parameters) {
+    for (std::size_t k = 0; k < lowest.size(); ++k) {
+        std::vector<std::string> row{fmt::format("{}", lowest[k]), report::figure(reported[k].misfit)};
+        for (const double value : reported[k].parameters) {
             row.push_back(report::figure(value));
         }
         table.add(std::move(row));
@@ -136,6 +189,7 @@ void add_map(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("map", "the misfit landscape over a grid or a space-filling design");
     auto options = std::make_shared<MapOptions>();
     add_common(*command, options->common);
+    add_model(*command, options->model);
     command->add_option("--design", options->design, "grid or sobol (default: grid when the study states the points)")
         ->check(CLI::IsMember({"grid", "sobol"}));
     command->add_option("--points", options->points, "sobol: points in all; grid: points of each parameter")

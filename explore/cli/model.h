@@ -1,0 +1,31 @@
+// --model: whether the full or the reduced model answers.
+#pragma once
+
+#include "cli/common.h"
+#include "problem/problem.h"
+
+namespace explore::cli {
+
+struct ModelOptions {
+    std::string model = "full"; // full, reduced, auto
+    double limit_percent = 3.0; // estimated error above which the full model runs
+
+    bool reduced() const { return model != "full"; }
+};
+
+void add_model(CLI::App& app, ModelOptions& options);
+
+struct ReducedProblem {
+    problem::Problem problem;
+    std::string settings; // what to add to those of a run
+    report::Json json;    // what was built
+    std::string words;    // a line a load
+};
+
+// The study with its reduced model: that of the run's folder when it is still the right one, else built and kept there.
+// Throws pave::Error for a study that has none, run::Interrupted, std::runtime_error where the full model has too few
+// answers.
+ReducedProblem reduced_problem(const study::Study& study, const ModelOptions& options, const std::string& folder,
+                               int threads);
+
+} // namespace explore::cli

@@ -1,0 +1,264 @@
+#include "study/reduced_function.h"
+
+#include "study/pavement_function.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <xxhash.h>
+
+namespace explore::study {
+namespace {
+
+using namespace pave::pavement;
+using Json = nlohmann::json;
+
+// Of this layout of the file, and of the algorithm that builds.
+constexpr int format_version = 1;
+
+constexpr const char* by_full_model = "computed by the full model: the reduced one is not sure enough here";
+
+class ReducedFunction final : public problem::ForwardFunction {
+public:
+    ReducedFunction(std::shared_ptr<const problem::ForwardFunction> full, const Study& study, std::vector<bool> loads,
+                    const ReducedBases& bases, double limit)
+        : full_(std::move(full)),
+          model_(study.model, models(study, bases)),
+          parameters_(study.parameters),
+          loads_(std::move(loads)),
+          limit_(limit) {}
+
+    std::unique_ptr<Workspace> make_workspace() const override {
+        auto workspace = std::make_unique<Own>();
+        workspace->reduced = model_.make_workspace();
+        return workspace;
+    }
+
+    pave::Outcome<problem::Prediction> evaluate(std::span<const double> values, bool with_jacobian,
+                                                Workspace& workspace) const override {
+        Own& own = static_cast<Own&>(workspace);
+        Case c = model_.nominal();
+        for (std::size_t k = 0; k < parameters_.size(); ++k) {
+            parameters_[k].in(c) = values[k] * parameters_[k].to_si;
+        }
+        static const std::vector<Parameter> none;
+        auto outcome = model_.run(c, with_jacobian ? parameters_ : none, *own.reduced);
+        if (outcome.status() == pave::Status::invalid_parameters) {
+            return outcome.failure();
+        }
+        if (outcome && largest_error(c, *outcome) <= limit_) {
+            Response response = std::move(outcome).value();
+            return problem::Prediction{std::move(response.values),
+                                       with_jacobian ? std::move(response.jacobian) : Eigen::MatrixXd(),
+                                       std::move(response.warnings)};
+        }
+        if (own.full == nullptr) {
+            own.full = full_->make_workspace();
+        }
+        auto answer = full_->evaluate(values, with_jacobian, *own.full);
+        if (!answer) {
+            return answer;
+        }
+        problem::Prediction prediction = std::move(answer).value();
+        prediction.warnings.emplace_back(by_full_model);
+        return prediction;
+    }
+
+private:
+    struct Own : Workspace {
+        ForwardModel::WorkspacePointer reduced;
+        std::unique_ptr<Workspace> full; // made when it is needed
+    };
+
+    static std::vector<std::shared_ptr<const LoadModel>> models(const Study& study, const ReducedBases& bases) {
+        std::vector<std::shared_ptr<const LoadModel>> list(bases.size());
+        for (std::size_t l = 0; l < bases.size(); ++l) {
+            if (bases[l]) {
+                list[l] = pave::reduced::make_load_model(study.model, static_cast<int>(l), *bases[l]);
+            }
+        }
+        return list;
+    }
+
+    double largest_error(const Case& c, const Response& response) const {
+        double largest = 0.0;
+        for (std::size_t l = 0; l < loads_.size(); ++l) {
+            if (!loads_[l]) {
+                continue;
+            }
+            const auto scale = pave::reduced::scales(c, static_cast<int>(l), response.values);
+            for (std::size_t i = 0; i < scale.size(); ++i) {
+                if (c.sensors[i].load == static_cast<int>(l)) {
+                    largest = std::max(largest, response.errors[i] / scale[i]);
+                }
+            }
+        }
+        return largest;
+    }
+
+    std::shared_ptr<const problem::ForwardFunction> full_;
+    ForwardModel model_;
+    std::vector<Parameter> parameters_;
+    std::vector<bool> loads_;
+    double limit_;
+};
+
+constexpr std::ptrdiff_t hash_length = 32;
+std::string hash_of(const std::string& bytes) {
+    const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+template <class T>
+Json packed(const T* data, std::size_t count) {
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(data);
+    return Json::binary({bytes, bytes + count * sizeof(T)});
+}
+
+template <class T>
+std::vector<T> unpacked(const Json& json) {
+    const auto& bytes = json.get_binary();
+    std::vector<T> values(bytes.size() / sizeof(T));
+    std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::uint8_t*>(values.data()));
+    return values;
+}
+
+} // namespace
+
+std::string why_no_reduced_model(const Study& study) {
+    const auto loads = fitted_loads(study);
+    for (std::size_t l = 0; l < loads.size(); ++l) {
+        if (loads[l]) {
+            if (std::string why = pave::reduced::why_not(study.model, static_cast<int>(l)); !why.empty()) {
+                return fmt::format("load \"{}\": {}", study.model.loads[l].name, why);
+            }
+        }
+    }
+    for (const Parameter& p : study.parameters) {
+        if (p.changes_geometry() || p.in_effect) {
+            return fmt::format("{} changes more than materials, initial stress and the size of the load", p.path);
+        }
+    }
+    return {};
+}
+
+std::string reduced_key(const Study& study, std::size_t samples) {
+    std::string text = fmt::format("{} {} ", format_version, samples);
+    text += make_function(study.model, study.parameters, fitted_loads(study))->description();
+    for (const auto& axis : study.space.axes) {
+        text += fmt::format("{} {:a} {:a} {} ", axis.name, axis.low, axis.high, static_cast<int>(axis.scale));
+    }
+    return hash_of(text);
+}
+
+pave::Outcome<ReducedBases>
+build_reduced(const Study& study, const std::vector<std::vector<double>>& samples,
+              const pave::reduced::ForEach& for_each,
+              const std::function<void(const std::string& load, const pave::reduced::BuildReport&)>& told) {
+    std::vector<Case> cases;
+    for (const auto& unit : samples) {
+        const auto values = study.space.physical(unit);
+        Case& c = cases.emplace_back(study.model);
+        for (std::size_t k = 0; k < values.size(); ++k) {
+            study.parameters[k].in(c) = values[k] * study.parameters[k].to_si;
+        }
+    }
+    ReducedBases bases(study.model.loads.size());
+    const auto loads = fitted_loads(study);
+    for (std::size_t l = 0; l < loads.size(); ++l) {
+        if (!loads[l]) {
+            continue;
+        }
+        pave::reduced::BuildReport report;
+        auto outcome = pave::reduced::build(study.model, static_cast<int>(l), cases, {}, for_each, &report);
+        if (!outcome) {
+            return outcome.failure();
+        }
+        bases[l] = std::move(outcome).value();
+        told(study.model.loads[l].name, report);
+    }
+    return bases;
+}
+
+void save_reduced(const std::string& file, const std::string& key, const ReducedBases& bases) {
+    Json list = Json::array();
+    for (const auto& basis : bases) {
+        if (!basis) {
+            list.push_back(nullptr);
+            continue;
+        }
+        std::vector<int> places;
+        std::vector<double> weights;
+        for (const auto& point : basis->points) {
+            places.push_back(point.gauss);
+            weights.push_back(point.weight);
+        }
+        list.push_back({{"free_unknowns", basis->free_unknowns},
+                        {"modes", packed(basis->modes.data(), static_cast<std::size_t>(basis->modes.size()))},
+                        {"coarse", basis->coarse},
+                        {"points", packed(places.data(), places.size())},
+                        {"weights", packed(weights.data(), weights.size())},
+                        {"factor", packed(basis->factor.data(), basis->factor.size())},
+                        {"floor", packed(basis->floor.data(), basis->floor.size())}});
+    }
+    std::string bytes;
+    Json::to_cbor(Json{{"key", key}, {"loads", list}}, bytes);
+    std::ofstream out(file, std::ios::binary);
+    out << hash_of(bytes) << bytes;
+    out.flush();
+    if (!out) {
+        throw pave::Error({.file = file}, "the reduced model cannot be written", {}, "a folder with room");
+    }
+}
+
+std::optional<ReducedBases> load_reduced(const std::string& file, const std::string& key) {
+    std::ifstream in(file, std::ios::binary);
+    std::stringstream bytes;
+    bytes << in.rdbuf();
+    const std::string all = bytes.str();
+    if (!in || all.size() < static_cast<std::size_t>(hash_length) ||
+        hash_of(all.substr(hash_length)) != all.substr(0, hash_length)) {
+        return std::nullopt;
+    }
+    const Json json = Json::from_cbor(all.begin() + hash_length, all.end());
+    if (json.at("key") != key) {
+        return std::nullopt;
+    }
+    ReducedBases bases;
+    for (const Json& load : json.at("loads")) {
+        auto& basis = bases.emplace_back();
+        if (load.is_null()) {
+            continue;
+        }
+        basis.emplace();
+        load.at("free_unknowns").get_to(basis->free_unknowns);
+        const auto numbers = unpacked<double>(load.at("modes"));
+        basis->modes = Eigen::Map<const Eigen::MatrixXd>(numbers.data(), basis->free_unknowns,
+                                                         static_cast<Eigen::Index>(numbers.size()) /
+                                                             std::max(1, basis->free_unknowns));
+        load.at("coarse").get_to(basis->coarse);
+        const auto places = unpacked<int>(load.at("points"));
+        const auto weights = unpacked<double>(load.at("weights"));
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            basis->points.push_back({places[i], weights[i]});
+        }
+        basis->factor = unpacked<double>(load.at("factor"));
+        basis->floor = unpacked<double>(load.at("floor"));
+    }
+    return bases;
+}
+
+problem::Problem make_reduced_problem(const Study& study, const ReducedBases& bases, double limit) {
+    problem::Problem p = make_problem(study, Scope::fitted);
+    p.function = std::make_shared<ReducedFunction>(p.function, study, fitted_loads(study), bases, limit);
+    return p;
+}
+
+bool is_by_full_model(const problem::Evaluation& evaluation) {
+    return std::find(evaluation.warnings.begin(), evaluation.warnings.end(), by_full_model) !=
+           evaluation.warnings.end();
+}
+
+} // namespace explore::study

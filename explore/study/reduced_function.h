@@ -1,0 +1,37 @@
+// The reduced model (src/reduced) as the explorer sees it: built for a study's box, kept in a file, checked before use.
+#pragma once
+
+#include "reduced/reduced_load.h"
+#include "study/study.h"
+
+namespace explore::study {
+
+// One basis a load; none where nothing is fitted.
+using ReducedBases = std::vector<std::optional<pave::reduced::Basis>>;
+
+// Why this study has no reduced model, or "".
+std::string why_no_reduced_model(const Study& study);
+
+// What a reduced model is a function of: section, loads, sensors, parameters and their ranges, samples.
+std::string reduced_key(const Study& study, std::size_t samples);
+
+// samples: points of the unit cube in random order. told: after every load. Failure: the full model has too few
+// answers.
+pave::Outcome<ReducedBases>
+build_reduced(const Study& study, const std::vector<std::vector<double>>& samples,
+              const pave::reduced::ForEach& for_each,
+              const std::function<void(const std::string& load, const pave::reduced::BuildReport&)>& told);
+
+// Throws pave::Error where the file cannot be written. Nothing: there is none, it is of another key, or damaged.
+void save_reduced(const std::string& file, const std::string& key, const ReducedBases& bases);
+std::optional<ReducedBases> load_reduced(const std::string& file, const std::string& key);
+
+// make_problem with the reduced model in place of the full one, which runs where the reduced one estimates an error of
+// any fitted reading above `limit` (relative to pave::reduced::scales) or does not cover the point; such evaluations
+// carry a warning.
+problem::Problem make_reduced_problem(const Study& study, const ReducedBases& bases, double limit);
+
+// Whether an evaluation of such a problem carries it.
+bool is_by_full_model(const problem::Evaluation& evaluation);
+
+} // namespace explore::study

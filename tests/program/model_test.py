@@ -1,0 +1,69 @@
+"""The reduced model in use: what it maps is what the full model maps, it says what it is, and it is built again where it no longer fits.
+usage: model_test.py PROGRAM"""
+import csv
+import io
+import math
+
+from support import *
+
+folder = workspace()
+study = write_study(folder)
+
+
+def table(out):
+    rows = csv.DictReader(line for line in io.StringIO(run("export", out, "--command", "map").stdout) if not line.startswith("#"))
+    return [float(row["misfit"]) if row["misfit"] else None for row in rows]
+
+
+def mapped(out, *options, source=study):
+    done = run("map", source, "--design", "sobol", "--points", 300, "--json", "--out", out, *options)
+    check(done.returncode == 0, f"map {options}: {done.stderr}")
+    return json.loads(done.stdout)
+
+
+full = mapped(folder / "full")
+reduced = mapped(folder / "reduced", "--model", "reduced")
+auto = mapped(folder / "auto", "--model", "auto")
+check(full["model"] == "full" and reduced["model"] == "reduced" and auto["model"] == "auto", "the result says which model")
+pairs = list(zip(table(folder / "full"), table(folder / "reduced"), strict=True))
+check(all((a is None) == (b is None) for a, b in pairs), "points without an answer are the same")
+errors = sorted(abs(a - b) / a for a, b in pairs if a is not None)
+print(f"{len(errors)} misfits: median error {100 * errors[len(errors) // 2]:.2f} %, 95 % below {100 * errors[len(errors) * 95 // 100]:.2f} %")
+check(len(errors) > 100 and errors[len(errors) * 95 // 100] < 0.03, "95 of 100 misfits within 3 %")
+check(errors[-1] > 0.0, "they are not the full model's")
+
+# What auto reports is the full model's.
+truth = [entry["number"] for entry in full["lowest"]]
+all_full = table(folder / "full")
+for entry in auto["lowest"]:
+    check(math.isclose(entry["misfit"], all_full[entry["number"]], rel_tol=1e-12), "auto reports misfits of the full model")
+    check(entry["misfit_of_reduced_model"] != entry["misfit"], "and those of the reduced one beside them")
+check(auto["lowest"][0]["number"] in truth, "the lowest point is among the lowest of the full model")
+
+# Built once, kept, built again where it is damaged or of another study.
+check(reduced["reduced_model"]["built"] and reduced["reduced_model"]["loads"][0]["full_runs"] < 300, "built from fewer than 300 runs")
+again = mapped(folder / "reduced", "--model", "reduced")
+check(not again["reduced_model"]["built"] and again["kept"] == 300, "neither model nor map is made twice")
+kept = folder / "reduced" / "reduced.bin"
+before = kept.read_bytes()
+kept.write_bytes(before[:1000] + bytes([before[1000] ^ 1]) + before[1001:])
+again = mapped(folder / "reduced", "--model", "reduced")
+check(again["reduced_model"]["built"] and kept.read_bytes() == before, "a damaged one is built again, bit for bit")
+again = mapped(folder / "reduced", "--model", "reduced", "--threads", 1)
+check(not again["reduced_model"]["built"], "whatever the number of threads")
+other = write_study(folder, STUDY.replace("thickness_mm = 250", "thickness_mm = 300"), name="other")
+again = mapped(folder / "reduced", "--model", "reduced", source=other)
+check(again["reduced_model"]["built"], "that of another section is not used")
+
+# Where the estimate is above the limit the full model runs.
+strict = mapped(folder / "strict", "--model", "reduced", "--model-error", 0.01)
+check(strict["by_full_model"] == strict["statuses"]["converged"], "no estimate is below a hundredth of a percent")
+check(table(folder / "strict") == all_full, "then all is the full model's")
+
+# What has no reduced model.
+for change, word in ((("name = \"base.n\"\nmin = 0.1\nmax = 4.5", "name = \"base.thickness_mm\"\nmin = 200\nmax = 300"), "thickness"),
+                     (("[mesh]", "[solver]\nintegration = \"secant\"\n\n[mesh]"), "secant")):
+    refused = run("map", write_study(folder, STUDY.replace(*change), name=word), "--model", "reduced", "--out", folder / word)
+    check(refused.returncode == 2 and word in refused.stderr and len(refused.stderr.strip().splitlines()) == 1, f"{word}: {refused.stderr}")
+    check(not (folder / word).exists(), f"{word}: nothing is written")
+finish()
