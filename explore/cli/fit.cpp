@@ -1,6 +1,7 @@
 // pavescape fit: explore, then refine the best starts.
 #include "cli/common.h"
 #include "cli/groups.h"
+#include "cli/model.h"
 #include "landscape/multistart.h"
 #include "report/table.h"
 #include "run/progress.h"
@@ -18,6 +19,7 @@ using report::figure;
 
 struct FitOptions {
     CommonOptions common;
+    ModelOptions model;
     std::string scheme = "multistart";
     int explore = fit_points;
     bool joint_only = false;
@@ -185,18 +187,41 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
 
 int fit(FitOptions options) {
     const study::Study study = study::load_study(options.common.study);
-    const problem::Problem problem = study::make_problem(study, study::Scope::fitted);
+    const std::string folder = options.common.folder(study);
+    std::optional<ReducedProblem> reduced;
+    if (options.model.reduced()) {
+        try {
+            reduced = reduced_problem(study, options.model, folder, options.common.threads);
+        } catch (const run::Interrupted&) {
+            return report_interrupt(folder);
+        }
+    }
+    const bool reduced_alone = options.model.model == "reduced";
+    const problem::Problem problem =
+        reduced_alone ? reduced->problem : study::make_problem(study, study::Scope::fitted);
     const search::Design design = make_design(options, study);
     const auto& search_settings = options.multistart.search;
     const std::string settings =
-        fmt::format("{}; {} starts, distance {}; {}, {} evaluations, tolerances {} {}", design.name,
+        fmt::format("{}; {} starts, distance {}; {}, {} evaluations, tolerances {} {}{}{}", design.name,
                     options.multistart.starts, options.multistart.start_distance, options.multistart.method,
-                    search_settings.max_evaluations, search_settings.step_tolerance, search_settings.misfit_tolerance);
-    const std::string folder = options.common.folder(study);
+                    search_settings.max_evaluations, search_settings.step_tolerance, search_settings.misfit_tolerance,
+                    reduced ? reduced->settings : "", reduced && !reduced_alone ? " to explore" : "");
     run::Store store(folder, session(options.common));
+    run::Tally of_exploration;
+    std::optional<std::vector<problem::Evaluation>> explored;
+    if (reduced && !reduced_alone) { // a run of its own: its evaluations are not the full model's
+        const int id = store.begin(run_header(study, "explore", settings));
+        run::Engine engine(reduced->problem, &store, id, {.threads = options.common.threads, .show_progress = true});
+        explored = engine.evaluate(design);
+        if (!explored) {
+            return report_interrupt(folder);
+        }
+        of_exploration = engine.tally();
+    }
     const int id = store.begin(run_header(study, "fit", settings));
     run::Engine engine(problem, &store, id, {.threads = options.common.threads, .show_progress = true});
-    auto result = landscape::multistart(engine, problem, design, options.multistart);
+    auto result = explored ? landscape::refine(engine, problem, design, std::move(*explored), {}, options.multistart)
+                           : landscape::multistart(engine, problem, design, options.multistart);
     if (!result) {
         return report_interrupt(folder);
     }
@@ -216,7 +241,7 @@ int fit(FitOptions options) {
     const GroupFit joint{"all", best.evaluation, report::minimum_json(problem, best),
                          group_rms(study, best.evaluation)};
     std::optional<std::vector<GroupFit>> alone = std::vector<GroupFit>{};
-    if (!options.joint_only) {
+    if (!options.joint_only && !reduced_alone) {
         alone =
             fit_alone(study, predictor, design, *result, store, settings, options.multistart, options.common.threads);
         if (!alone) {
@@ -238,6 +263,7 @@ int fit(FitOptions options) {
                          {"search_evaluations", evaluations},
                          {"starts", result->ends.size()},
                          {"explored", design.name},
+                         {"model", options.model.model},
                          {"scheme", options.scheme},
                          {"method", options.multistart.method},
                          {"seed", options.common.seed},
@@ -253,6 +279,9 @@ int fit(FitOptions options) {
                          {"responses", report::responses_json(study, best.evaluation.responses)},
                          {"warnings", best.evaluation.warnings},
                          {"run", folder}};
+    if (reduced) {
+        json["reduced_model"] = reduced->json;
+    }
     json.update(group_json(study, joint, *alone));
     json["parameters"] = report::space_json(problem.space);
     json["ends"] = report::Json::array();
@@ -282,6 +311,14 @@ int fit(FitOptions options) {
     fmt::print("  {} computed in {} ({:.1f} runs/s), {} kept from before\n",
                counted(static_cast<std::size_t>(tally.computed), "run", "runs"), run::duration_words(tally.seconds),
                tally.seconds > 0.0 ? static_cast<double>(tally.computed) / tally.seconds : 0.0, tally.kept);
+    if (reduced) {
+        fmt::print("{}  {}\n", reduced->words,
+                   reduced_alone
+                       ? "the fit below is that of the reduced model; --model auto refines it with the full one"
+                       : fmt::format("{} explored by the reduced model in {}, all below is the full model's",
+                                     counted(design.points.size(), "point", "points"),
+                                     run::duration_words(of_exploration.seconds)));
+    }
     for (const auto& [status, count] : statuses.items()) {
         if (status != "converged" && count.get<std::int64_t>() > 0) {
             fmt::print("    {} of the explored points: {}\n", count.get<std::int64_t>(), status);
@@ -342,6 +379,7 @@ void add_fit(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("fit", "explore, then refine the best starts: the main job");
     auto options = std::make_shared<FitOptions>();
     add_common(*command, options->common);
+    add_model(*command, options->model);
     std::vector<std::string> names;
     for (const auto& method : optimise::methods()) {
         names.emplace_back(method.name);

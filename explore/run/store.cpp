@@ -215,12 +215,18 @@ Store::Store(const std::string& folder, std::optional<Session> session) {
     }
     auto& m = *implementation_;
     m.guarded([&] {
-        const int id = m.database.execAndGet("PRAGMA application_id").getInt();
-        const int version = m.database.execAndGet("PRAGMA user_version").getInt();
         const auto has_nothing = [&] {
             return m.database.execAndGet("SELECT count(*) FROM sqlite_master").getInt() == 0;
         };
-        const bool is_new = has_nothing();
+        int id = 0;
+        int version = 0;
+        bool is_new = false;
+        { // one look: another process may be making the store
+            SQLite::Transaction look(m.database, SQLite::TransactionBehavior::DEFERRED);
+            is_new = has_nothing();
+            id = m.database.execAndGet("PRAGMA application_id").getInt();
+            version = m.database.execAndGet("PRAGMA user_version").getInt();
+        }
         if (!is_new && (id != application_id || version != format_version)) {
             throw pave::Error({.file = file}, "this store is not of this program's format",
                               fmt::format("application {:#x}, version {}", id, version),

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "data/deflection_bowl.h"
 #include "data/fwd.h"
+#include "support/folder.h"
 
 #include <filesystem>
 #include <fstream>
@@ -13,7 +14,7 @@ using namespace explore;
 namespace {
 
 std::vector<data::FwdStation> read(const std::string& text, const char* name) {
-    const std::string file = testing::TempDir() + name;
+    const std::string file = test::own_folder() + name;
     std::ofstream(file, std::ios::binary) << text;
     return data::read_fwd(file);
 }
@@ -108,6 +109,8 @@ TEST(F25, SaysWhatIsWrongAndWhere) {
     EXPECT_NE(word.find("station"), std::string::npos) << word;
     EXPECT_NE(complaint("5001,25\n 1, 574, 434\n", "a.f25").find("before any station"), std::string::npos);
     EXPECT_NE(complaint("5001,25\n5301,1,1,4,12, 1.2,1,1,\"R\"\n", "a.f25").find("unknown unit"), std::string::npos);
+    // A number that no unit has: found by the fuzzer, on its way into an integer.
+    EXPECT_NE(complaint("5001,25\n5301,1,1,4,3e86, 1.2,1,1,\"R\"\n", "a.f25").find("unknown unit"), std::string::npos);
 }
 
 TEST(Pddx, GivesStationsDropsAndSensorsInItsOwnUnits) {
@@ -163,7 +166,7 @@ struct LtppTables {
                           "1001,1,0,\n1001,2,305,\n1001,3,-305,\n";
 
     std::vector<data::FwdStation> stations() const {
-        const std::string folder = testing::TempDir();
+        const std::string folder = test::own_folder();
         for (const auto& [name, text] :
              {std::pair{"a mon_defl_loc_info.CSV", places}, std::pair{"a MON_DEFL_DEV_CONFIG.csv", devices},
               std::pair{"a MON_DEFL_DEV_SENSORS.csv", sensors}}) {

@@ -1,6 +1,7 @@
 // FWD files and what is read off a deflection bowl. Expected values are calculated by hand, as written beside them.
 #include "data/deflection_bowl.h"
 #include "study/station.h"
+#include "support/folder.h"
 
 #include "base/error.h"
 
@@ -15,7 +16,7 @@ using data::FwdStation;
 namespace {
 
 std::vector<FwdStation> read(const std::string& text) {
-    const std::string file = testing::TempDir() + "survey.csv";
+    const std::string file = test::own_folder() + "survey.csv";
     std::ofstream(file) << text;
     return data::read_fwd(file);
 }
@@ -173,7 +174,7 @@ TEST(DeflectionBowl, SaysWhyReadingsCannotBeRight) {
 // The study takes the station's plate, pressure, sensors and deflections; unless it states where the wall stands, the
 // wall makes room for the farthest sensor (README: the most of 4 m, twice the depth, twice the farthest sensor).
 TEST(StationStudy, TakesLoadAndDeflectionsOfTheStation) {
-    const std::string file = testing::TempDir() + "station.toml";
+    const std::string file = test::own_folder() + "station.toml";
     std::ofstream(file) << R"(schema = 1
 [[layers]]
 name = "soil"

@@ -60,6 +60,17 @@ strict = mapped(folder / "strict", "--model", "reduced", "--model-error", 0.01)
 check(strict["by_full_model"] == strict["statuses"]["converged"], "no estimate is below a hundredth of a percent")
 check(table(folder / "strict") == all_full, "then all is the full model's")
 
+# A fit that the reduced model explores ends where that of the full model ends; one of the reduced model alone near it, and says so.
+fits = {}
+for model in ("full", "auto", "reduced"):
+    done = run("fit", study, "--explore", 64, "--starts", 4, "--joint-only", "--model", model, "--out", folder / f"fit-{model}")
+    check(done.returncode == 0, f"fit --model {model}: {done.stderr}")
+    fits[model] = json.loads((folder / f"fit-{model}" / "fit.json").read_text())
+    check(("of the reduced model;" in done.stdout) == (model == "reduced"), "what is of the reduced model alone says so")
+best = {model: fit["best"]["misfit"] for model, fit in fits.items()}
+check(math.isclose(best["auto"], best["full"], rel_tol=1e-6), f"auto: {best}")
+check(math.isclose(best["reduced"], best["full"], rel_tol=0.05) and best["reduced"] != best["full"], f"reduced: {best}")
+
 # What has no reduced model.
 for change, word in ((("name = \"base.n\"\nmin = 0.1\nmax = 4.5", "name = \"base.thickness_mm\"\nmin = 200\nmax = 300"), "thickness"),
                      (("[mesh]", "[solver]\nintegration = \"secant\"\n\n[mesh]"), "secant")):
