@@ -104,6 +104,7 @@ int map(const MapOptions& options) {
     const double rate = tally.seconds > 0.0 ? static_cast<double>(tally.computed) / tally.seconds : 0.0;
     const auto lowest = run::distinct_starts(design, *evaluations, 10, 0.0);
     std::vector<problem::Evaluation> reported;
+    reported.reserve(lowest.size());
     for (const std::size_t i : lowest) {
         reported.push_back((*evaluations)[i]);
     }

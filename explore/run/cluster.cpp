@@ -184,6 +184,7 @@ void serve(Transport& transport, const std::string& build, const MakeFunction& m
     std::deque<std::string> done;
     bool home = false;
     std::vector<std::thread> workers;
+    workers.reserve(static_cast<std::size_t>(threads));
     for (int t = 0; t < threads; ++t) {
         workers.emplace_back([&] {
             for (;;) {

@@ -253,7 +253,8 @@ private:
             Eigen::Matrix<double, Element::dofs, Element::dofs> own =
                 Eigen::Matrix<double, Element::dofs, Element::dofs>::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
-                const auto& point = model_.points[static_cast<std::size_t>(e * Element::gauss + g)];
+                const auto& point =
+                    model_.points[static_cast<std::size_t>(e) * Element::gauss + static_cast<std::size_t>(g)];
                 const auto b = Element::strain_operator(point);
                 const typename Element::Operator db = point.weight * d * b;
                 own += b.transpose() * db;

@@ -123,6 +123,7 @@ TEST(Cluster, GivesTheAnswersOfTheFunctionWhoeverComputes) {
     for (const int own_threads : {0, 1}) { // 0: everything is computed elsewhere
         const auto line = job.cluster->spread(std::make_shared<Line>(7), own_threads, 0);
         std::vector<std::thread> askers;
+        askers.reserve(6);
         std::atomic<int> wrong{0};
         for (int t = 0; t < 6; ++t) {
             askers.emplace_back([&, t] {
