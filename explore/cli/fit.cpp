@@ -190,9 +190,8 @@ int fit(FitOptions options) {
     const std::string folder = options.common.folder(study);
     std::optional<ReducedProblem> reduced;
     if (options.model.reduced()) {
-        try {
-            reduced = reduced_problem(study, options.model, folder, options.common.threads);
-        } catch (const run::Interrupted&) {
+        reduced = reduced_problem(study, options.model, folder, options.common.threads);
+        if (!reduced) {
             return report_interrupt(folder);
         }
     }

@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fmt/format.h>
-#include <iostream>
 #include <malloc.h>
 #include <new>
 
@@ -101,18 +100,20 @@ int main(int argc, char** argv) {
     }
     if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
         const std::string near = pave::nearest_name(argv[1], names);
-        if (explore::run::is_first_of_job()) {
-            fmt::print(stderr, "pavescape: unknown command \"{}\"{}; allowed: {}\n", argv[1],
-                       near.empty() ? "" : ", did you mean \"" + near + "\"?", pave::join(names));
+        if (!explore::run::is_first_of_job()) {
+            return cli::done; // an exit status of another process would end the first before it has spoken
         }
+        fmt::print(stderr, "pavescape: unknown command \"{}\"{}; allowed: {}\n", argv[1],
+                   near.empty() ? "" : ", did you mean \"" + near + "\"?", pave::join(names));
         return cli::wrong_input;
     }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        std::ostream nowhere(nullptr); // one process of a job speaks
-        const bool speaks = explore::run::is_first_of_job();
-        const int status = app.exit(error, speaks ? std::cout : nowhere, speaks ? std::cerr : nowhere);
+        if (!explore::run::is_first_of_job()) {
+            return cli::done; // as above
+        }
+        const int status = app.exit(error);
         return status == 0 ? cli::done : cli::wrong_input;
     }
     cli::remember_command_line(argc, argv);

@@ -31,8 +31,8 @@ void add_model(CLI::App& app, ModelOptions& options) {
         ->capture_default_str();
 }
 
-ReducedProblem reduced_problem(const study::Study& study, const ModelOptions& options, const std::string& folder,
-                               int threads) {
+std::optional<ReducedProblem> reduced_problem(const study::Study& study, const ModelOptions& options,
+                                              const std::string& folder, int threads) {
     ReducedProblem result{study::make_problem(study, study::Scope::fitted), {}, {}, {}}; // complains of what is missing
     if (const std::string why = study::why_no_reduced_model(study); !why.empty()) {
         throw pave::Error({.file = study.file}, "this study has no reduced model", why, "--model full");
@@ -56,23 +56,28 @@ ReducedProblem reduced_problem(const study::Study& study, const ModelOptions& op
             }
         };
         result.json = {{"built", true}, {"loads", report::Json::array()}};
-        auto outcome =
-            study::build_reduced(study, search::sobol(study.space, samples, sample_seed).points, for_each,
-                                 [&](const std::string& load, const pave::reduced::BuildReport& r) {
-                                     result.words += fmt::format(
-                                         "  reduced model of load {}: {} modes, {} points, from {} full runs; errors "
-                                         "at new points below {:.2g} % in 95 of 100\n",
-                                         load, r.modes, r.points, r.full_runs, 100.0 * r.error_95);
-                                     result.json["loads"].push_back({{"load", load},
-                                                                     {"modes", r.modes},
-                                                                     {"points", r.points},
-                                                                     {"full_runs", r.full_runs},
-                                                                     {"error_95", r.error_95}});
-                                 });
-        if (!outcome) {
-            throw std::runtime_error(outcome.failure().reason);
+        std::optional<pave::Outcome<study::ReducedBases>> outcome;
+        try {
+            outcome = study::build_reduced(
+                study, search::sobol(study.space, samples, sample_seed).points, for_each,
+                [&](const std::string& load, const pave::reduced::BuildReport& r) {
+                    result.words +=
+                        fmt::format("  reduced model of load {}: {} modes, {} points, from {} full runs; errors "
+                                    "at new points below {:.2g} % in 95 of 100\n",
+                                    load, r.modes, r.points, r.full_runs, 100.0 * r.error_95);
+                    result.json["loads"].push_back({{"load", load},
+                                                    {"modes", r.modes},
+                                                    {"points", r.points},
+                                                    {"full_runs", r.full_runs},
+                                                    {"error_95", r.error_95}});
+                });
+        } catch (const run::Interrupted&) {
+            return std::nullopt;
         }
-        bases = std::move(outcome).value();
+        if (!*outcome) {
+            throw std::runtime_error(outcome->failure().reason);
+        }
+        bases = std::move(*outcome).value();
         std::filesystem::create_directories(folder);
         study::save_reduced(file, key, *bases);
     }

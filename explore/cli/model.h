@@ -23,9 +23,9 @@ struct ReducedProblem {
 };
 
 // The study with its reduced model: that of the run's folder when it is still the right one, else built and kept there.
-// Throws pave::Error for a study that has none, run::Interrupted, std::runtime_error where the full model has too few
-// answers.
-ReducedProblem reduced_problem(const study::Study& study, const ModelOptions& options, const std::string& folder,
-                               int threads);
+// Nothing: interrupted. Throws pave::Error for a study that has none, std::runtime_error where the full model has too
+// few answers.
+std::optional<ReducedProblem> reduced_problem(const study::Study& study, const ModelOptions& options,
+                                              const std::string& folder, int threads);
 
 } // namespace explore::cli

@@ -1,11 +1,10 @@
 #include "run/cluster.h"
 
-#include "run/interrupt.h"
+#include "run/parallel.h"
 
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <ctime>
 #include <deque>
 #include <exception>
 #include <fmt/format.h>
@@ -58,12 +57,6 @@ Prediction prediction_of(const Json& json) {
     p.jacobian = Eigen::Map<const Eigen::MatrixXd>(numbers.data(), json.at(1), json.at(2));
     json.at(4).get_to(p.warnings);
     return p;
-}
-
-double thread_cpu_seconds() {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 // Between two looks at the post: short while letters come, longer when none do.
@@ -198,9 +191,10 @@ void serve(Transport& transport, const std::string& build, const MakeFunction& m
                     ask = std::move(asked.front());
                     asked.pop_front();
                 }
-                const double begin = thread_cpu_seconds();
+                const std::int64_t begin = thread_cpu_ns();
                 Json tell = answer_to(ask, functions, make_function);
-                std::string bytes = packed({"tell", ask.at(1), thread_cpu_seconds() - begin, std::move(tell)});
+                std::string bytes =
+                    packed({"tell", ask.at(1), 1e-9 * static_cast<double>(thread_cpu_ns() - begin), std::move(tell)});
                 const std::scoped_lock lock(mutex);
                 done.push_back(std::move(bytes));
             }
@@ -334,7 +328,7 @@ struct Cluster::Implementation {
                     told.notify_all();
                 }
             }
-            traffic.post_cpu_seconds = thread_cpu_seconds();
+            traffic.post_cpu_seconds = 1e-9 * static_cast<double>(thread_cpu_ns());
             if (quiet) {
                 post_came.wait_for(lock, patience.next());
             } else {

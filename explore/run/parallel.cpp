@@ -3,6 +3,7 @@
 #include "run/blas.h"
 #include "run/cluster.h"
 
+#include <ctime>
 #include <fmt/format.h>
 #include <stdexcept>
 
@@ -33,6 +34,12 @@ int usable_threads(int asked) {
 int concurrency(int asked) {
     const Cluster* cluster = Cluster::current();
     return usable_threads(asked) + (cluster != nullptr ? cluster->threads(asked) : 0);
+}
+
+std::int64_t thread_cpu_ns() {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return std::int64_t{1'000'000'000} * t.tv_sec + t.tv_nsec;
 }
 
 } // namespace explore::run

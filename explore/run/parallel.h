@@ -4,6 +4,7 @@
 #include "run/interrupt.h"
 
 #include <atomic>
+#include <cstdint>
 #include <exception>
 #include <mutex>
 #include <oneapi/tbb.h>
@@ -15,6 +16,9 @@ namespace explore::run {
 int usable_threads(int asked);
 // How many evaluations to have under way: as many as that, and those that other processes of the job have room for.
 int concurrency(int asked);
+
+// Processor time of this thread.
+std::int64_t thread_cpu_ns();
 
 // Calls body(i) for i in [0, n) in parallel, each on its own. The first exception of a body comes out here, after all
 // tasks have ended; indices not begun when it is thrown, or when the program is interrupted, are left out.
