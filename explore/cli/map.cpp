@@ -107,7 +107,7 @@ int map(const MapOptions& options) {
     for (const std::size_t i : lowest) {
         reported.push_back((*evaluations)[i]);
     }
-    if (options.model.model == "auto") {
+    if (options.model.confirmed()) {
         auto confirmed = confirm(study, design, lowest, store, options, settings);
         if (!confirmed) {
             return report_interrupt(folder);
@@ -137,7 +137,7 @@ int map(const MapOptions& options) {
         json["lowest"].push_back({{"number", lowest[k]},
                                   {"misfit", e.misfit},
                                   {"parameters", report::parameters_json(study.space, e.parameters)}});
-        if (options.model.model == "auto") {
+        if (options.model.confirmed()) {
             json["lowest"].back()["misfit_of_reduced_model"] = (*evaluations)[lowest[k]].misfit;
         }
     }

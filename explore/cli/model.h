@@ -11,6 +11,7 @@ struct ModelOptions {
     double limit_percent = 3.0; // estimated error above which the full model runs
 
     bool reduced() const { return model != "full"; }
+    bool confirmed() const { return model == "auto"; } // what is reported: by the full model
 };
 
 void add_model(CLI::App& app, ModelOptions& options);

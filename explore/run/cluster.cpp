@@ -1,5 +1,6 @@
 #include "run/cluster.h"
 
+#include "data/hash.h"
 #include "run/parallel.h"
 
 #include <atomic>
@@ -16,7 +17,6 @@
 #include <stdexcept>
 #include <thread>
 #include <unistd.h>
-#include <xxhash.h>
 
 namespace explore::run {
 namespace {
@@ -38,11 +38,6 @@ std::string packed(const Json& json) {
     std::string bytes;
     Json::to_cbor(json, bytes);
     return bytes;
-}
-
-std::string key_of(const std::string& description) {
-    const XXH128_hash_t hash = XXH3_128bits(description.data(), description.size());
-    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
 Json told(const Prediction& p) {
@@ -475,7 +470,7 @@ std::shared_ptr<const ForwardFunction> Cluster::spread(std::shared_ptr<const For
                int own_threads, int asked)
             : own_(std::move(function)),
               description_(std::move(description)),
-              key_(key_of(description_)),
+              key_(data::hash_of(description_)),
               cluster_(cluster),
               own_threads_(own_threads),
               asked_(asked) {}

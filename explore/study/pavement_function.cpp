@@ -161,25 +161,11 @@ public:
 
     pave::Outcome<problem::Prediction> evaluate(std::span<const double> values, bool with_jacobian,
                                                 Workspace& workspace) const override {
-        Case c = model_.nominal();
-        for (std::size_t k = 0; k < parameters_.size(); ++k) {
-            const Parameter& p = parameters_[k];
-            if (!((p.low_is_open ? values[k] > p.low : values[k] >= p.low) && values[k] <= p.high)) {
-                return pave::Failure{pave::Status::invalid_parameters,
-                                     fmt::format("{} = {:g} is out of its range: {:g} {} value <= {:g}", p.path,
-                                                 values[k], p.low, p.low_is_open ? "<" : "<=", p.high)};
-            }
-            p.in(c) = values[k] * p.to_si;
-        }
-        static const std::vector<Parameter> none;
-        auto outcome = model_.run(c, with_jacobian ? parameters_ : none, *static_cast<Own&>(workspace).own);
+        auto outcome = respond(model_, parameters_, values, with_jacobian, *static_cast<Own&>(workspace).own);
         if (!outcome) {
             return outcome.failure();
         }
-        Response response = std::move(outcome).value();
-        return problem::Prediction{std::move(response.values),
-                                   with_jacobian ? std::move(response.jacobian) : Eigen::MatrixXd(),
-                                   std::move(response.warnings)};
+        return prediction_of(std::move(outcome).value(), with_jacobian);
     }
 
     std::string description() const override {
@@ -203,6 +189,37 @@ private:
 };
 
 } // namespace
+
+pave::Outcome<Case> case_at(const Case& model, const std::vector<Parameter>& parameters,
+                            std::span<const double> values) {
+    Case c = model;
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+        const Parameter& p = parameters[k];
+        if (!((p.low_is_open ? values[k] > p.low : values[k] >= p.low) && values[k] <= p.high)) {
+            return pave::Failure{pave::Status::invalid_parameters,
+                                 fmt::format("{} = {:g} is out of its range: {:g} {} value <= {:g}", p.path, values[k],
+                                             p.low, p.low_is_open ? "<" : "<=", p.high)};
+        }
+        p.in(c) = values[k] * p.to_si;
+    }
+    return c;
+}
+
+pave::Outcome<Response> respond(const ForwardModel& model, const std::vector<Parameter>& parameters,
+                                std::span<const double> values, bool with_jacobian,
+                                ForwardModel::Workspace& workspace) {
+    const auto c = case_at(model.nominal(), parameters, values);
+    if (!c) {
+        return c.failure();
+    }
+    static const std::vector<Parameter> none;
+    return model.run(*c, with_jacobian ? parameters : none, workspace);
+}
+
+problem::Prediction prediction_of(Response response, bool with_jacobian) {
+    return {std::move(response.values), with_jacobian ? std::move(response.jacobian) : Eigen::MatrixXd(),
+            std::move(response.warnings)};
+}
 
 std::shared_ptr<const problem::ForwardFunction>
 make_function(const Case& model, const std::vector<Parameter>& parameters, const std::vector<bool>& loads) {

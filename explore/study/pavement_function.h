@@ -6,6 +6,18 @@
 
 namespace explore::study {
 
+// The case at these values of its parameters, in file units; invalid-parameters where one is out of its range.
+pave::Outcome<pave::pavement::Case> case_at(const pave::pavement::Case& model,
+                                            const std::vector<pave::pavement::Parameter>& parameters,
+                                            std::span<const double> values);
+// The response there. with_jacobian: with its derivatives by all of them.
+pave::Outcome<pave::pavement::Response> respond(const pave::pavement::ForwardModel& model,
+                                                const std::vector<pave::pavement::Parameter>& parameters,
+                                                std::span<const double> values, bool with_jacobian,
+                                                pave::pavement::ForwardModel::Workspace& workspace);
+// What the explorer sees of a response. with_jacobian: else it has none.
+problem::Prediction prediction_of(pave::pavement::Response response, bool with_jacobian);
+
 // The responses of a case as a function of its parameters' values in file units. loads: which to compute, empty: all.
 std::shared_ptr<const problem::ForwardFunction> make_function(const pave::pavement::Case& model,
                                                               const std::vector<pave::pavement::Parameter>& parameters,

@@ -1,5 +1,6 @@
 #include "study/reduced_function.h"
 
+#include "data/hash.h"
 #include "study/pavement_function.h"
 
 #include <algorithm>
@@ -7,7 +8,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <xxhash.h>
 
 namespace explore::study {
 namespace {
@@ -39,20 +39,12 @@ public:
     pave::Outcome<problem::Prediction> evaluate(std::span<const double> values, bool with_jacobian,
                                                 Workspace& workspace) const override {
         Own& own = static_cast<Own&>(workspace);
-        Case c = model_.nominal();
-        for (std::size_t k = 0; k < parameters_.size(); ++k) {
-            parameters_[k].in(c) = values[k] * parameters_[k].to_si;
-        }
-        static const std::vector<Parameter> none;
-        auto outcome = model_.run(c, with_jacobian ? parameters_ : none, *own.reduced);
+        auto outcome = respond(model_, parameters_, values, with_jacobian, *own.reduced);
         if (outcome.status() == pave::Status::invalid_parameters) {
             return outcome.failure();
         }
-        if (outcome && largest_error(c, *outcome) <= limit_) {
-            Response response = std::move(outcome).value();
-            return problem::Prediction{std::move(response.values),
-                                       with_jacobian ? std::move(response.jacobian) : Eigen::MatrixXd(),
-                                       std::move(response.warnings)};
+        if (outcome && largest_error(*outcome) <= limit_) {
+            return prediction_of(std::move(outcome).value(), with_jacobian);
         }
         if (own.full == nullptr) {
             own.full = full_->make_workspace();
@@ -82,7 +74,8 @@ private:
         return list;
     }
 
-    double largest_error(const Case& c, const Response& response) const {
+    double largest_error(const Response& response) const {
+        const Case& c = model_.nominal(); // whose sensors every point shares
         double largest = 0.0;
         for (std::size_t l = 0; l < loads_.size(); ++l) {
             if (!loads_[l]) {
@@ -106,11 +99,6 @@ private:
 };
 
 constexpr std::ptrdiff_t hash_length = 32;
-std::string hash_of(const std::string& bytes) {
-    const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
-}
-
 template <class T>
 Json packed(const T* data, std::size_t count) {
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(data);
@@ -150,7 +138,7 @@ std::string reduced_key(const Study& study, std::size_t samples) {
     for (const auto& axis : study.space.axes) {
         text += fmt::format("{} {:a} {:a} {} ", axis.name, axis.low, axis.high, static_cast<int>(axis.scale));
     }
-    return hash_of(text);
+    return data::hash_of(text);
 }
 
 pave::Outcome<ReducedBases>
@@ -159,11 +147,11 @@ build_reduced(const Study& study, const std::vector<std::vector<double>>& sample
               const std::function<void(const std::string& load, const pave::reduced::BuildReport&)>& told) {
     std::vector<Case> cases;
     for (const auto& unit : samples) {
-        const auto values = study.space.physical(unit);
-        Case& c = cases.emplace_back(study.model);
-        for (std::size_t k = 0; k < values.size(); ++k) {
-            study.parameters[k].in(c) = values[k] * study.parameters[k].to_si;
+        auto c = case_at(study.model, study.parameters, study.space.physical(unit));
+        if (!c) {
+            return c.failure();
         }
+        cases.push_back(std::move(c).value());
     }
     ReducedBases bases(study.model.loads.size());
     const auto loads = fitted_loads(study);
@@ -195,7 +183,7 @@ void save_reduced(const std::string& file, const std::string& key, const Reduced
             places.push_back(point.gauss);
             weights.push_back(point.weight);
         }
-        list.push_back({{"free_unknowns", basis->free_unknowns},
+        list.push_back({{"free_unknowns", basis->modes.rows()},
                         {"modes", packed(basis->modes.data(), static_cast<std::size_t>(basis->modes.size()))},
                         {"coarse", basis->coarse},
                         {"points", packed(places.data(), places.size())},
@@ -206,7 +194,7 @@ void save_reduced(const std::string& file, const std::string& key, const Reduced
     std::string bytes;
     Json::to_cbor(Json{{"key", key}, {"loads", list}}, bytes);
     std::ofstream out(file, std::ios::binary);
-    out << hash_of(bytes) << bytes;
+    out << data::hash_of(bytes) << bytes;
     out.flush();
     if (!out) {
         throw pave::Error({.file = file}, "the reduced model cannot be written", {}, "a folder with room");
@@ -219,7 +207,7 @@ std::optional<ReducedBases> load_reduced(const std::string& file, const std::str
     bytes << in.rdbuf();
     const std::string all = bytes.str();
     if (!in || all.size() < static_cast<std::size_t>(hash_length) ||
-        hash_of(all.substr(hash_length)) != all.substr(0, hash_length)) {
+        data::hash_of(all.substr(hash_length)) != all.substr(0, hash_length)) {
         return std::nullopt;
     }
     const Json json = Json::from_cbor(all.begin() + hash_length, all.end());
@@ -233,11 +221,10 @@ std::optional<ReducedBases> load_reduced(const std::string& file, const std::str
             continue;
         }
         basis.emplace();
-        load.at("free_unknowns").get_to(basis->free_unknowns);
+        const auto free_unknowns = load.at("free_unknowns").get<Eigen::Index>();
         const auto numbers = unpacked<double>(load.at("modes"));
-        basis->modes = Eigen::Map<const Eigen::MatrixXd>(numbers.data(), basis->free_unknowns,
-                                                         static_cast<Eigen::Index>(numbers.size()) /
-                                                             std::max(1, basis->free_unknowns));
+        basis->modes = Eigen::Map<const Eigen::MatrixXd>(numbers.data(), free_unknowns,
+                                                         static_cast<Eigen::Index>(numbers.size()) / free_unknowns);
         load.at("coarse").get_to(basis->coarse);
         const auto places = unpacked<int>(load.at("points"));
         const auto weights = unpacked<double>(load.at("weights"));

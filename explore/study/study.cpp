@@ -2,6 +2,7 @@
 
 #include "base/units.h"
 #include "data/csv.h"
+#include "data/hash.h"
 #include "material/catalog.h"
 #include "pavement/effects/catalog.h"
 #include "study/pavement_function.h"
@@ -11,7 +12,6 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <xxhash.h>
 
 namespace explore::study {
 namespace {
@@ -399,8 +399,7 @@ std::string hash_of(std::string text, const std::vector<data::Measurement>& meas
         text += fmt::format("\n{},{},{},{},{},{},{},{},{}", m.load, m.quantity, m.x_mm, m.y_mm, m.depth_mm, m.gauge_mm,
                             m.value, m.unit.name, m.sigma.value_or(0.0));
     }
-    const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
-    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+    return data::hash_of(text);
 }
 
 std::string hash_of(toml::table table, const Study& study) {

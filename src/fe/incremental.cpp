@@ -19,9 +19,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
 
     using State = PathState<Element>;
     auto& path = w.path;
-    for (State* state : {&path.now, &path.trial, path.slope, path.slope + 1, path.slope + 2, path.slope + 3}) {
-        state->set_zero(w.model->free_unknowns(), points, count);
-    }
+    path.set_zero(w.model->free_unknowns(), points, count);
     State* slope = path.slope;
     State& now = path.now;
     State& trial = path.trial;
@@ -160,7 +158,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         return std::sqrt(error / energy);
     };
 
-    const Failure not_definite{Status::failed, "the stiffness matrix of the section is not positive definite"};
+    const Failure not_definite = stiffness_not_definite();
     if (points == 0) { // linear: the rate is the same all along
         if (!rate(now, 0)) {
             return not_definite;

@@ -14,6 +14,11 @@ struct PathSteps {
     int rejected = 0;
 };
 
+inline Failure stiffness_not_definite() {
+    return {Status::failed, "the stiffness matrix of the section is not positive definite: a layer has lost its "
+                            "stiffness along the load path"};
+}
+
 // State: zero at the start, with add(factor, rate) that adds a multiple of its rate (of the same type).
 template <class State>
 class LoadPath {
@@ -22,17 +27,26 @@ public:
     // of the next.
     static constexpr int stages = 4;
 
-    // The path so far and its rates; the caller sizes them and sets `now` to zero.
+    // The path so far and its rates.
     State now, trial;
     State slope[stages];
+
+    // Begins anew; size: what State::set_zero takes.
+    template <class... Size>
+    void set_zero(Size... size) {
+        now.set_zero(size...);
+        trial.set_zero(size...);
+        for (State& s : slope) {
+            s.set_zero(size...);
+        }
+    }
 
     // rate(state, i) sets slope[i] to d(state)/d(load factor), false: the stiffness there is not positive definite.
     // error(gaps) is that of a step to `trial`, relative to what is reached, where gaps[i] times slope[i] add up to
     // the difference of the two solutions. accepted(load factor): `now` and slope[0] belong to it; called at 0 too.
     template <class Rate, class Error, class Accepted>
     Outcome<PathSteps> follow(double tolerance, Rate rate, Error error, Accepted accepted) {
-        const Failure not_definite{Status::failed, "the stiffness matrix of the section is not positive definite: a "
-                                                   "layer has lost its stiffness along the load path"};
+        const Failure not_definite = stiffness_not_definite();
         if (!rate(now, 0)) {
             return not_definite;
         }

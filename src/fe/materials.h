@@ -35,6 +35,16 @@ struct LayerMaterial {
     double residual_stress = 0.0; // Pa
     std::vector<Field> fields{};
 
+    // C of the law, without fields, and its derivative by a parameter.
+    template <int N>
+    mechanics::Stiffness<N> unit_stiffness() const {
+        return law->unit_stiffness(parameters).template topLeftCorner<N, N>();
+    }
+    template <int N>
+    mechanics::Stiffness<N> unit_stiffness_rate(std::size_t parameter) const {
+        return law->unit_stiffness_derivative(parameters, parameter).template topLeftCorner<N, N>();
+    }
+
     double vertical_stress(double z) const { return top_stress + unit_weight * (z - top); }
     double horizontal_stress(double z) const { return k0 * vertical_stress(z) + residual_stress; }
 

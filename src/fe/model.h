@@ -95,6 +95,18 @@ struct Model {
 template <class Element>
 Eigen::Vector3d position_of(const Model<Element>& model, int element, int gauss);
 
+// Strain at a Gauss point of displacement fields, a column a field.
+template <class Element>
+Eigen::Matrix<double, Element::voigt, Eigen::Dynamic> strains(const Model<Element>& model, int point,
+                                                              const Eigen::MatrixXd& fields) {
+    Eigen::Matrix<double, Element::voigt, Eigen::Dynamic> strain(Element::voigt, fields.cols());
+    for (Eigen::Index i = 0; i < fields.cols(); ++i) {
+        strain.col(i) = Element::strain(model.points[static_cast<std::size_t>(point)],
+                                        model.gather(point / Element::gauss, fields.col(i).data()));
+    }
+    return strain;
+}
+
 // u_r = 0 on the axis and on the smooth wall, u = 0 on the floor (rigid, rough).
 // linear: of each layer, whether it is linear elastic. It is used to order the unknowns; a run may have it otherwise.
 Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const std::vector<bool>& linear,

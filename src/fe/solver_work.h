@@ -150,7 +150,7 @@ struct Solver<Element>::Work {
             PreparedLayer<N>& p = prepared[l];
             p.stress_dependent = layer.law->stress_dependent();
             p.modulus = p.stress_dependent ? 0.0 : layer.law->modulus(layer.parameters, {}).value;
-            p.unit = cut(layer.law->unit_stiffness(layer.parameters));
+            p.unit = layer.template unit_stiffness<N>();
             p.compliance = p.unit.inverse();
             for (const Variation& v : run_variations) {
                 const bool own = v.kind == Variation::Kind::law_parameter && v.layer == static_cast<int>(l);
@@ -158,7 +158,7 @@ struct Solver<Element>::Work {
                     own && !p.stress_dependent
                         ? layer.law->modulus_derivative(layer.parameters, {}, {.value = p.modulus}, v.index)
                         : 0.0);
-                p.unit_rate.push_back(own ? cut(layer.law->unit_stiffness_derivative(layer.parameters, v.index))
+                p.unit_rate.push_back(own ? layer.template unit_stiffness_rate<N>(v.index)
                                           : mechanics::Stiffness<N>::Zero());
                 p.turns.push_back(!p.unit_rate.back().isZero(0.0));
             }

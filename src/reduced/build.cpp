@@ -105,13 +105,21 @@ private:
     static constexpr std::size_t first_runs = 12;
     static constexpr int runs_a_round = 8;
 
+    // The case as the load meets it; nothing: no material has these parameters.
+    std::optional<Case> as_met(const Case& values) const {
+        Case c = with_effects(values, load_);
+        const bool possible = std::all_of(c.layers.begin(), c.layers.end(), [](const Layer& layer) {
+            return layer.law->impossible(layer.parameters).empty();
+        });
+        return possible ? std::optional(std::move(c)) : std::nullopt;
+    }
+
     std::optional<Snapshots> full_run(const Case& values, bool with_path) const {
-        const Case c = with_effects(values, load_);
-        for (const Layer& layer : c.layers) {
-            if (!layer.law->impossible(layer.parameters).empty()) {
-                return std::nullopt;
-            }
+        const auto possible = as_met(values);
+        if (!possible) {
+            return std::nullopt;
         }
+        const Case& c = *possible;
         Snapshots s;
         s.layers = materials_of(c);
         const Load& load = c.loads[static_cast<std::size_t>(load_)];
@@ -167,12 +175,11 @@ private:
         return largest;
     }
     std::optional<LoadModel::Reading> read(const LoadModel& reduced, const Case& values) const {
-        const Case c = with_effects(values, load_);
-        for (const Layer& layer : c.layers) {
-            if (!layer.law->impossible(layer.parameters).empty()) {
-                return std::nullopt;
-            }
+        const auto possible = as_met(values);
+        if (!possible) {
+            return std::nullopt;
         }
+        const Case& c = *possible;
         const auto workspace = reduced.make_workspace();
         auto outcome = reduced.run(c, materials_of(c), {}, {}, *workspace);
         if (!outcome) {
@@ -181,18 +188,8 @@ private:
         return std::move(outcome).value();
     }
 
-    Strains strains(int gauss, const Eigen::MatrixXd& fields) const {
-        Strains b(N, fields.cols());
-        for (Eigen::Index i = 0; i < fields.cols(); ++i) {
-            b.col(i) = Element::strain(model_.points[static_cast<std::size_t>(gauss)],
-                                       model_.gather(gauss / Element::gauss, fields.col(i).data()));
-        }
-        return b;
-    }
-
     Basis make_basis() const {
         Basis basis;
-        basis.free_unknowns = model_.free_unknowns();
         // Snapshots: what each rate adds to the displacement, relative to all of it in energy.
         std::vector<std::pair<std::size_t, std::size_t>> which;
         for (std::size_t r = 0; r < runs_.size(); ++r) {
@@ -248,8 +245,7 @@ private:
                 run.layers[static_cast<std::size_t>(model_.topology->layer[static_cast<std::size_t>(e)])];
             const double modulus = layer.law->stress_dependent() ? run.moduli.back().mean()
                                                                  : layer.law->modulus(layer.parameters, {}).value;
-            const mechanics::Stiffness<N> d =
-                modulus * layer.law->unit_stiffness(layer.parameters).template topLeftCorner<N, N>();
+            const mechanics::Stiffness<N> d = modulus * layer.template unit_stiffness<N>();
             Eigen::Matrix<double, Element::dofs, Element::dofs> own =
                 Eigen::Matrix<double, Element::dofs, Element::dofs>::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
@@ -309,7 +305,7 @@ private:
         std::vector<std::vector<Eigen::Matrix<double, N, N>>> units(runs_.size());
         for (std::size_t r = 0; r < runs_.size(); ++r) {
             for (const auto& layer : runs_[r].layers) {
-                units[r].push_back(layer.law->unit_stiffness(layer.parameters).template topLeftCorner<N, N>());
+                units[r].push_back(layer.template unit_stiffness<N>());
             }
         }
         // All points make the forces that are wanted; some of them, drawn at random, are candidates for the cubature.
@@ -333,8 +329,8 @@ private:
                     const int q = active_[a] * Element::gauss + g;
                     const auto at = static_cast<Eigen::Index>(a) * Element::gauss + g;
                     const double weight = model_.points[static_cast<std::size_t>(q)].weight;
-                    const Strains of_modes = strains(q, basis.modes);
-                    Strains stress = strains(q, rates);
+                    const Strains of_modes = fe::strains(model_, q, basis.modes);
+                    Strains stress = fe::strains(model_, q, rates);
                     for (std::size_t k = 0; k < taken.size(); ++k) {
                         const auto& [run, step] = taken[k];
                         const auto column = static_cast<Eigen::Index>(k);
@@ -358,7 +354,6 @@ private:
         columns.row(rows) *= volume_counts;
         whole[rows] *= volume_counts;
         const Eigen::VectorXd weights = nonnegative_least_squares(columns, whole, cubature_tolerance, most_points());
-        basis.points.clear();
         for (std::size_t j = 0; j < candidates.size(); ++j) {
             if (const double weight = weights[static_cast<Eigen::Index>(j)]; weight > 0.0) {
                 const int q = active_[static_cast<std::size_t>(candidates[j] / Element::gauss)] * Element::gauss +
@@ -371,8 +366,6 @@ private:
     // What the estimates are worth: at samples that the build has not seen.
     void calibrate(Basis& basis, std::size_t first, BuildReport& report) const {
         const std::size_t count = samples_.size() - first;
-        basis.factor.clear();
-        basis.floor.clear();
         const auto reduced = make_load_model(nominal_, load_, basis);
         const std::size_t sensors = own_.sensors.size();
         std::vector<std::vector<double>> error(count), estimate(count);

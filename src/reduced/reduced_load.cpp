@@ -144,15 +144,8 @@ private:
 
     int modes() const { return static_cast<int>(basis_.modes.cols()); }
 
-    // Strain of every mode at a Gauss point.
     Eigen::Matrix<double, N, Eigen::Dynamic> strains(int gauss) const {
-        Eigen::Matrix<double, N, Eigen::Dynamic> b(N, modes());
-        const int e = gauss / Element::gauss;
-        for (int i = 0; i < modes(); ++i) {
-            b.col(i) = Element::strain(model_.points[static_cast<std::size_t>(gauss)],
-                                       model_.gather(e, basis_.modes.col(i).data()));
-        }
-        return b;
+        return fe::strains(model_, gauss, basis_.modes);
     }
 
     Reduced project(const Observation<Element>& o) {
@@ -217,13 +210,10 @@ private:
     }
 
     void project_points() {
-        const auto add = [this](const std::vector<Basis::Point>& list) {
-            for (const auto& p : list) {
-                points_.push_back({p.gauss, model_.topology->layer[static_cast<std::size_t>(p.gauss / Element::gauss)],
-                                   p.weight, model_.depth[static_cast<std::size_t>(p.gauss)]});
-            }
-        };
-        add(basis_.points);
+        for (const auto& p : basis_.points) {
+            points_.push_back({p.gauss, model_.topology->layer[static_cast<std::size_t>(p.gauss / Element::gauss)],
+                               p.weight, model_.depth[static_cast<std::size_t>(p.gauss)]});
+        }
         cubature_ = points_.size();
         points_.insert(points_.end(), followed_.begin(), followed_.end());
         strains_.resize(N * static_cast<Eigen::Index>(points_.size()), modes());
@@ -245,11 +235,8 @@ private:
                           });
     }
 
-    static Stiffness unit_of(const fe::LayerMaterial& layer) {
-        return layer.law->unit_stiffness(layer.parameters).template topLeftCorner<N, N>();
-    }
-    static Stiffness unit_rate_of(const fe::LayerMaterial& layer, std::size_t index) {
-        return layer.law->unit_stiffness_derivative(layer.parameters, index).template topLeftCorner<N, N>();
+    static double linear_modulus(const fe::LayerMaterial& layer) {
+        return layer.law->modulus(layer.parameters, {}).value;
     }
     Eigen::MatrixXd linear_stiffness(std::size_t layer, const Stiffness& d) const {
         Eigen::MatrixXd k = Eigen::MatrixXd::Zero(modes(), modes());
@@ -302,9 +289,9 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
     Eigen::MatrixXd linear = Eigen::MatrixXd::Zero(modes(), modes());
     std::vector<Stiffness> units(layers.size());
     for (std::size_t l = 0; l < layers.size(); ++l) {
-        units[l] = unit_of(layers[l]);
+        units[l] = layers[l].template unit_stiffness<N>();
         if (!linear_[l].empty()) {
-            linear += linear_stiffness(l, layers[l].law->modulus(layers[l].parameters, {}).value * units[l]);
+            linear += linear_stiffness(l, linear_modulus(layers[l]) * units[l]);
         }
     }
     // What each variation changes: the stiffness of a linear layer, C of a stress-dependent one, the load.
@@ -318,11 +305,10 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
         switch (v.kind) {
         case fe::Variation::Kind::law_parameter: {
             const auto l = static_cast<std::size_t>(v.layer);
-            unit_rate[k] = unit_rate_of(layers[l], v.index);
+            unit_rate[k] = layers[l].template unit_stiffness_rate<N>(v.index);
             if (!linear_[l].empty()) {
-                const auto& law = *layers[l].law;
-                linear_d_rate[k] = law.modulus_derivative(layers[l].parameters, {}, {}, v.index) * units[l] +
-                                   law.modulus(layers[l].parameters, {}).value * unit_rate[k];
+                linear_d_rate[k] = layers[l].law->modulus_derivative(layers[l].parameters, {}, {}, v.index) * units[l] +
+                                   linear_modulus(layers[l]) * unit_rate[k];
                 linear_rate[k] = linear_stiffness(l, linear_d_rate[k]);
             } else {
                 turns[k] = unit_rate[k].isZero(0.0) ? 0 : 1;
@@ -370,9 +356,7 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
     }
 
     auto& path = own.path;
-    for (State* state : {&path.now, &path.trial, path.slope, path.slope + 1, path.slope + 2, path.slope + 3}) {
-        state->set_zero(modes(), points, points - cubature, count);
-    }
+    path.set_zero(modes(), points, points - cubature, count);
     own.modulus.resize(points);
     own.stiffness.resize(cubature);
     own.weight.resize(N * cubature);
@@ -533,7 +517,7 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
                 continue;
             }
             const auto l = static_cast<std::size_t>(linear_points_[point].layer);
-            const Stiffness d = layers[l].law->modulus(layers[l].parameters, {}).value * units[l];
+            const Stiffness d = linear_modulus(layers[l]) * units[l];
             const auto& b = linear_strains_[point];
             reading.values[i] += weight.dot(d * (b * end.a));
             gap += weight.dot(d * (b * end.gap));

@@ -22,7 +22,6 @@ std::string why_not(const pavement::Case& c, int load);
 
 // What fixes a reduced model besides the case; plain numbers that can be written to a file.
 struct Basis {
-    int free_unknowns = 0; // of the full model it belongs to
     Eigen::MatrixXd modes; // free unknowns x modes
     int coarse = 0;        // the first so many make the model that errors are estimated against
     struct Point {

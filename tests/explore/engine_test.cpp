@@ -2,6 +2,7 @@
 #include "landscape/multistart.h"
 
 #include "base/error.h"
+#include "support/folder.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <atomic>
@@ -44,10 +45,9 @@ problem::Problem two_basins(std::shared_ptr<TwoBasins> function = std::make_shar
 }
 
 std::string fresh_folder(const std::string& name) {
-    const auto folder =
-        std::filesystem::temp_directory_path() / ("pavescape-" + name + "-" + std::to_string(::getpid()));
+    const std::string folder = test::own_folder() + name;
     std::filesystem::remove_all(folder);
-    return folder.string();
+    return folder;
 }
 
 run::RunHeader header(const std::string& settings = "test") {

@@ -2,11 +2,11 @@
 // made with.
 #include "landscape/multistart.h"
 #include "study/study.h"
+#include "support/folder.h"
 #include "support/sections.h"
 
 #include "base/random.h"
 
-#include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ std::string write_twin(const std::string& folder, const std::vector<double>& tru
         ADD_FAILURE() << response.failure().reason;
         return {};
     }
-    std::ofstream data(folder + "/twin.csv");
+    std::ofstream data(folder + "twin.csv");
     data << data::measurement_header() << "\n";
     for (std::size_t i = 0; i < c.sensors.size(); ++i) {
         const Sensor& s = c.sensors[i];
@@ -36,7 +36,7 @@ std::string write_twin(const std::string& folder, const std::vector<double>& tru
         data << fmt::format("fwd,{},{},0,{},{},{},{},\n", kind.name, s.x * 1e3, s.depth * 1e3, s.gauge * 1e3,
                             response->values[i] / kind.to_si, kind.unit);
     }
-    std::ofstream study(folder + "/twin.toml");
+    std::ofstream study(folder + "twin.toml");
     study << R"(schema = 1
 [[layers]]
 name = "asphalt"
@@ -79,14 +79,12 @@ files = ["twin.csv"]
         study << fmt::format("[[parameters]]\nname = \"{}\"\nmin = {}\nmax = {}\nscale = \"{}\"\n", names[k], low[k],
                              high[k], k == 0 ? "log" : "linear");
     }
-    return folder + "/twin.toml";
+    return folder + "twin.toml";
 }
 
 } // namespace
 
 TEST(TwinExperiment, GivesBackTheParametersOfNoiseFreeDataFromAtLeast19Of20RandomTruths) {
-    const auto folder = std::filesystem::temp_directory_path() / ("pavescape-twin-" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder);
     int recovered = 0;
     constexpr int truths = 20;
     for (int t = 0; t < truths; ++t) {
@@ -96,7 +94,7 @@ TEST(TwinExperiment, GivesBackTheParametersOfNoiseFreeDataFromAtLeast19Of20Rando
             const double u = random.uniform(k);
             truth.push_back(k == 0 ? low[0] * std::pow(high[0] / low[0], u) : low[k] + u * (high[k] - low[k]));
         }
-        const study::Study study = study::load_study(write_twin(folder.string(), truth));
+        const study::Study study = study::load_study(write_twin(test::own_folder(), truth));
         const problem::Problem problem = study::make_problem(study);
         run::Engine engine(problem, nullptr, 0, {.threads = 0, .show_progress = false});
         const auto result = landscape::multistart(engine, problem, search::sobol(problem.space, 64, 1), {.starts = 3});
@@ -112,5 +110,4 @@ TEST(TwinExperiment, GivesBackTheParametersOfNoiseFreeDataFromAtLeast19Of20Rando
         recovered += worst < 0.01 ? 1 : 0;
     }
     EXPECT_GE(recovered, truths - 1);
-    std::filesystem::remove_all(folder);
 }

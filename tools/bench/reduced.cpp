@@ -2,6 +2,7 @@
 // usage: reduced STUDY [POINTS]
 #include "reduced/reduced_load.h"
 #include "search/design.h"
+#include "study/pavement_function.h"
 #include "study/study.h"
 
 #include <algorithm>
@@ -21,12 +22,7 @@ double seconds() {
 std::vector<Case> cases(const explore::study::Study& study, int count, std::uint64_t seed) {
     std::vector<Case> list;
     for (const auto& unit : explore::search::sobol(study.space, count, seed).points) {
-        const auto values = study.space.physical(unit);
-        Case c = study.model;
-        for (std::size_t k = 0; k < values.size(); ++k) {
-            study.parameters[k].in(c) = values[k] * study.parameters[k].to_si;
-        }
-        list.push_back(std::move(c));
+        list.push_back(explore::study::case_at(study.model, study.parameters, study.space.physical(unit)).value());
     }
     return list;
 }
@@ -49,7 +45,6 @@ int main(int argc, char** argv) {
         }
     };
     double begin = seconds();
-    int runs = 0;
     for (std::size_t l = 0; l < models.size(); ++l) {
         if (std::none_of(study.model.sensors.begin(), study.model.sensors.end(),
                          [&](const Sensor& s) { return s.load == static_cast<int>(l); })) {
@@ -67,7 +62,6 @@ int main(int argc, char** argv) {
         }
         fmt::print("{}: {} full runs, {} modes, {} points, 95 % of calibration errors below {:.2f} %\n",
                    study.model.loads[l].name, report.full_runs, report.modes, report.points, 100.0 * report.error_95);
-        runs = std::max(runs, report.full_runs);
         models[l] = pave::reduced::make_load_model(study.model, static_cast<int>(l), std::move(basis).value());
     }
     fmt::print("built in {:.1f} s\n", seconds() - begin);

@@ -4,10 +4,12 @@
 //
 // Balances are worked out from the fields alone. With a virtual displacement that is 1 above a row of elements, 0 below
 // and linear in it, the vertical stress over the row carries the load; with the displacement itself, the work of the
-// load is that of the stress on the strain. Both hold exactly for a discrete equilibrium. usage: forward_load [--points
-// 20000] [--solid 500] [--lines 100] [--seed 1]        exit status 1: a bound is not kept
+// load is that of the stress on the strain. Both hold exactly for a discrete equilibrium.
+// usage: forward_load [--points 20000] [--solid 500] [--lines 100] [--seed 1]
+// exit status 1: a bound is not kept
 #include "base/random.h"
 #include "run/blas.h"
+#include "run/parallel.h"
 #include "run/progress.h"
 #include "study/study.h"
 
@@ -63,9 +65,7 @@ struct Setting {
 };
 
 double cpu_seconds() {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+    return 1e-9 * static_cast<double>(explore::run::thread_cpu_ns());
 }
 
 // An element as a box: its corners among its nodes, and values inside by their linear interpolation.
