@@ -2,6 +2,7 @@
 #include "cli/common.h"
 #include "cli/diagnosis_report.h"
 #include "cli/groups.h"
+#include "cli/model.h"
 #include "pavement/effects/effect.h"
 #include "report/table.h"
 #include "run/progress.h"
@@ -24,6 +25,7 @@ using report::Json;
 
 struct DiagnoseOptions {
     CommonOptions common;
+    ModelOptions model;
     std::vector<std::string> without;
     diagnose::DiagnosisSettings analysis;
 };
@@ -145,15 +147,23 @@ std::vector<Separating> separating_readings(const study::Study& study, const std
 int diagnose_study(const DiagnoseOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
     const study::Study study = study::load_study(options.common.study);
-    study::make_problem(study, study::Scope::fitted); // complains of what is missing
+    const problem::Problem baseline = study::make_noise_problem(study, study::Scope::fitted);
     for (const std::string& name : options.without) {
         study::effect_named(name, {.key = "--without"});
     }
     const std::vector<study::Variant> variants = study::variants(study, options.without);
     const Layout layout = layout_of(study);
-    const std::string settings = fmt::format("{} explored, {} starts, {} simulated, seed {}", options.analysis.explore,
-                                             options.analysis.starts, options.analysis.bootstrap, options.common.seed);
     const std::string folder = options.common.folder(study);
+    std::optional<ReducedProblem> reduced;
+    if (options.model.reduced()) {
+        reduced = reduced_problem(baseline, study, options.model, folder, options.common.threads);
+        if (!reduced) {
+            return report_interrupt(folder);
+        }
+    }
+    const std::string settings = fmt::format("{} explored{}, {} starts, {} simulated, seed {}",
+                                             options.analysis.explore, reduced ? reduced->settings : "",
+                                             options.analysis.starts, options.analysis.bootstrap, options.common.seed);
     run::Store store(folder, session(options.common));
     const auto extended_study = [&](const Members& members) {
         return study::with_free_effects(study, variants_of(variants, members));
@@ -189,6 +199,13 @@ int diagnose_study(const DiagnoseOptions& options) {
                 layout.rows.begin();
         }
         task.candidates.push_back(std::move(candidate));
+    }
+    if (reduced) {
+        task.explore = [&](const search::Design& sample) {
+            run::Engine engine(reduced->problem, &store, store.begin(run_header(study, "explore", settings)),
+                               {.threads = options.common.threads, .show_progress = true});
+            return engine.evaluate(sample);
+        };
     }
     const auto result = diagnose::diagnose(task, options.analysis);
     if (!result) {
@@ -228,6 +245,10 @@ int diagnose_study(const DiagnoseOptions& options) {
     json["study"] = {{"file", study.file}, {"title", study.title}, {"hash", study.hash}};
     json["version"] = PAVESCAPE_VERSION;
     json["seed"] = options.common.seed;
+    json["model"] = options.model.model;
+    if (reduced) {
+        json["reduced_model"] = reduced->json;
+    }
     json["run"] = folder;
     store.put_result(store.begin(run_header(study, "diagnose", settings)), json.dump());
     write_file(folder, "diagnose.json", json.dump(2) + "\n");
@@ -238,11 +259,16 @@ int diagnose_study(const DiagnoseOptions& options) {
         return done;
     }
     const run::Tally tally = bench.tally();
-    fmt::print(
-        "{}\n  {} computed in {}, {} kept from before\n\n{}\n  results: {}/diagnose.json, this page: {}/diagnose.txt\n",
-        study_summary(study), counted(static_cast<std::size_t>(tally.computed), "run", "runs"),
-        run::duration_words(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()),
-        tally.kept, text, folder, folder);
+    fmt::print("{}\n  {} computed in {}, {} kept from before\n{}\n{}\n  results: {}/diagnose.json, this page: "
+               "{}/diagnose.txt\n",
+               study_summary(study), counted(static_cast<std::size_t>(tally.computed), "run", "runs"),
+               run::duration_words(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()),
+               tally.kept,
+               reduced ? fmt::format("{}  {} explored by the reduced model, all below is the full model's\n",
+                                     reduced->words,
+                                     counted(static_cast<std::size_t>(options.analysis.explore), "point", "points"))
+                       : "",
+               text, folder, folder);
     if (!extended_path.empty()) {
         fmt::print("  the extended study: {}\n", extended_path);
     }
@@ -256,6 +282,7 @@ void add_diagnose(CLI::App& app, Action& action) {
         app.add_subcommand("diagnose", "what the simulation gets wrong, the cause, the extended model, the gain");
     auto options = std::make_shared<DiagnoseOptions>();
     add_common(*command, options->common);
+    add_model(*command, options->model, false); // effects change what a reduced model is made for
     command
         ->add_option("--without", options->without,
                      "NAME: an effect that is known not to be there (repeatable; `pavescape effects` lists them)")

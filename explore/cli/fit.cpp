@@ -188,16 +188,16 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
 int fit(FitOptions options) {
     const study::Study study = study::load_study(options.common.study);
     const std::string folder = options.common.folder(study);
+    const problem::Problem full = study::make_problem(study, study::Scope::fitted);
     std::optional<ReducedProblem> reduced;
     if (options.model.reduced()) {
-        reduced = reduced_problem(study, options.model, folder, options.common.threads);
+        reduced = reduced_problem(full, study, options.model, folder, options.common.threads);
         if (!reduced) {
             return report_interrupt(folder);
         }
     }
-    const bool reduced_alone = options.model.model == "reduced";
-    const problem::Problem problem =
-        reduced_alone ? reduced->problem : study::make_problem(study, study::Scope::fitted);
+    const bool reduced_alone = options.model.alone();
+    const problem::Problem& problem = reduced_alone ? reduced->problem : full;
     const search::Design design = make_design(options, study);
     const auto& search_settings = options.multistart.search;
     const std::string settings =

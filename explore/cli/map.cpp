@@ -1,5 +1,6 @@
 // pavescape map: the misfit landscape over a grid or a space-filling design.
 #include "cli/model.h"
+#include "landscape/adaptive_map.h"
 #include "report/table.h"
 #include "run/engine.h"
 #include "run/progress.h"
@@ -18,7 +19,7 @@ struct MapOptions {
     CommonOptions common;
     ModelOptions model;
     std::string design; // empty: grid when every parameter states its points, else sobol
-    int points = 0;     // grid: an axis; sobol: in all
+    int points = 0;     // grid: an axis; others: in all
 };
 
 constexpr std::int64_t most_points = 10'000'000;
@@ -65,7 +66,7 @@ std::string axis_profiles(const study::Study& study, const std::vector<problem::
     return table.text();
 }
 
-// The full model where the reduced one found the lowest misfits; best first.
+// The full model at the points where the reduced one found the lowest misfits.
 std::optional<std::vector<problem::Evaluation>> confirm(const study::Study& study, const search::Design& design,
                                                         const std::vector<std::size_t>& lowest, run::Store& store,
                                                         const MapOptions& options, const std::string& settings) {
@@ -84,24 +85,38 @@ int map(const MapOptions& options) {
     const std::string folder = options.common.folder(study);
     std::optional<ReducedProblem> reduced;
     if (options.model.reduced()) {
-        reduced = reduced_problem(study, options.model, folder, options.common.threads);
+        reduced = reduced_problem(study::make_problem(study, study::Scope::fitted), study, options.model, folder,
+                                  options.common.threads);
         if (!reduced) {
             return report_interrupt(folder);
         }
     }
     const problem::Problem problem = reduced ? reduced->problem : study::make_problem(study);
-    const search::Design design = make_design(options, study);
+    const bool adaptive = options.design == "adaptive";
+    const int points = options.points > 0 ? options.points : map_points;
+    search::Design design = adaptive ? search::Design{landscape::adaptive_name(points, options.common.seed), {}}
+                                     : make_design(options, study);
     const std::string settings = design.name + (reduced ? reduced->settings : "");
     run::Store store(folder, session(options.common));
     const int id = store.begin(run_header(study, "map", settings));
     run::Engine engine(problem, &store, id, {.threads = options.common.threads, .show_progress = true});
-    const auto evaluations = engine.evaluate(design);
+    std::optional<std::vector<problem::Evaluation>> evaluations;
+    std::optional<landscape::Explored> explored;
+    if (adaptive) {
+        if (auto map = landscape::adaptive_map(engine, problem, points, options.common.seed, options.common.threads)) {
+            design = std::move(map->design);
+            evaluations = std::move(map->evaluations);
+            explored = map->explored;
+        }
+    } else {
+        evaluations = engine.evaluate(design);
+    }
     if (!evaluations) {
         return report_interrupt(folder);
     }
     const run::Tally& tally = engine.tally();
     const double rate = tally.seconds > 0.0 ? static_cast<double>(tally.computed) / tally.seconds : 0.0;
-    const auto lowest = run::distinct_starts(design, *evaluations, 10, 0.0);
+    auto lowest = run::distinct_starts(design, *evaluations, 10, 0.0);
     std::vector<problem::Evaluation> reported;
     reported.reserve(lowest.size());
     for (const std::size_t i : lowest) {
@@ -112,7 +127,17 @@ int map(const MapOptions& options) {
         if (!confirmed) {
             return report_interrupt(folder);
         }
-        reported = std::move(*confirmed);
+        std::vector<std::pair<std::size_t, problem::Evaluation>> sorted;
+        for (std::size_t k = 0; k < lowest.size(); ++k) {
+            sorted.emplace_back(lowest[k], std::move((*confirmed)[k]));
+        }
+        std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
+            return a.second.converged() && !(a.second.misfit >= b.second.misfit); // the others have no misfit
+        });
+        for (std::size_t k = 0; k < lowest.size(); ++k) {
+            lowest[k] = sorted[k].first;
+            reported[k] = std::move(sorted[k].second);
+        }
         store.begin(run_header(study, "map", settings)); // the map is the run used last
     }
 
@@ -129,7 +154,16 @@ int map(const MapOptions& options) {
                          {"run", folder}};
     if (reduced) {
         json["reduced_model"] = reduced->json;
+        json["reduced_model"]["built"] = reduced->built;
         json["by_full_model"] = std::count_if(evaluations->begin(), evaluations->end(), study::is_by_full_model);
+    }
+    if (explored) {
+        json["explored"] = {{"checks", explored->checks},
+                            {"foretold", explored->foretold},
+                            {"tolerance", landscape::Explored::tolerance},
+                            {"share_low", explored->low},
+                            {"share_high", explored->high},
+                            {"median_error", explored->median_error}};
     }
     json["lowest"] = report::Json::array();
     for (std::size_t k = 0; k < lowest.size(); ++k) {
@@ -158,6 +192,13 @@ int map(const MapOptions& options) {
     }
     for (const auto& [status, count] : json["statuses"].items()) {
         fmt::print("    {:<19} {}\n", status, count.get<std::int64_t>());
+    }
+    if (explored) {
+        fmt::print(
+            "  explored: from the map the misfit of a point drawn at random is foretold within {:g} % in {} of {} "
+            "draws,\n    so in {:.0f} to {:.0f} % of the box (95 %); median error {:.2g} %\n",
+            100.0 * landscape::Explored::tolerance, explored->foretold, explored->checks, 100.0 * explored->low,
+            100.0 * explored->high, 100.0 * explored->median_error);
     }
     if (lowest.empty()) {
         fmt::print(stderr, "pavescape: not one point of the map has an answer; the first says: {}\n",
@@ -190,9 +231,13 @@ void add_map(CLI::App& app, Action& action) {
     auto options = std::make_shared<MapOptions>();
     add_common(*command, options->common);
     add_model(*command, options->model);
-    command->add_option("--design", options->design, "grid or sobol (default: grid when the study states the points)")
-        ->check(CLI::IsMember({"grid", "sobol"}));
-    command->add_option("--points", options->points, "sobol: points in all; grid: points of each parameter")
+    command
+        ->add_option(
+            "--design", options->design,
+            "grid, sobol, or adaptive: more points where the landscape bends and is low, and a word on how much of the "
+            "box is explored (default: grid when the study states the points, else sobol)")
+        ->check(CLI::IsMember({"grid", "sobol", "adaptive"}));
+    command->add_option("--points", options->points, "sobol, adaptive: points in all; grid: points of each parameter")
         ->check(CLI::Range(1, 10'000'000));
     command->footer("Example: pavescape map grids/captif-p1-fwd.toml");
     command->callback([=, &action] { action = [=] { return map(*options); }; });

@@ -1,6 +1,7 @@
 // pavescape unique: is the answer unique, along what is it not, and what does that do to the outputs?
 #include "cli/common.h"
 #include "cli/layout.h"
+#include "cli/model.h"
 #include "landscape/next_measurement.h"
 #include "landscape/uniqueness.h"
 #include "report/table.h"
@@ -26,6 +27,7 @@ using report::Json;
 
 struct UniqueOptions {
     CommonOptions common;
+    ModelOptions model;
     landscape::UniquenessSettings analysis;
 };
 
@@ -497,23 +499,53 @@ Json uniqueness_json(const study::Study& study, const problem::Problem& problem,
     return json;
 }
 
+std::string model_words(const ModelOptions& model) {
+    return model.alone()
+               ? fmt::format(
+                     "All of this is the reduced model's, whose error is estimated below {} % of a reading "
+                     "where it was used; --model auto says it of the full model, with the ranges of the outputs.",
+                     figure(model.limit_percent))
+               : "The reduced model explored and searched. Every minimum it found was sought again by the full model, "
+                 "whose are the minima, ranges and verdict here.";
+}
+
 int unique(const UniqueOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
     const study::Study study = study::load_study(options.common.study);
-    const problem::Problem fitted = study::make_noise_problem(study, study::Scope::fitted);
+    const problem::Problem full = study::make_noise_problem(study, study::Scope::fitted);
     const problem::Problem everything = study::make_noise_problem(study, study::Scope::everything);
-    const std::string settings = fmt::format(
-        "{} explored, {} to verify, at most {} searches of {} evaluations, seed {}", options.analysis.explore,
-        options.analysis.verify, options.analysis.max_searches, options.analysis.max_evaluations, options.common.seed);
     const std::string folder = options.common.folder(study);
+    std::optional<ReducedProblem> reduced;
+    if (options.model.reduced()) {
+        reduced = reduced_problem(full, study, options.model, folder, options.common.threads);
+        if (!reduced) {
+            return report_interrupt(folder);
+        }
+    }
+    const problem::Problem& fitted = options.model.alone() ? reduced->problem : full;
+    const std::string settings =
+        fmt::format("{} explored, {} to verify, at most {} searches of {} evaluations, seed {}{}",
+                    options.analysis.explore, options.analysis.verify, options.analysis.max_searches,
+                    options.analysis.max_evaluations, options.common.seed, reduced ? reduced->settings : "");
     run::Store store(folder, session(options.common));
+    const run::EngineSettings engine_settings{.threads = options.common.threads, .show_progress = true};
+    std::optional<run::Engine> exploring_engine;
+    std::optional<landscape::Explorer> explorer;
+    if (options.model.confirmed()) { // a run of its own: its evaluations are not the full model's
+        exploring_engine.emplace(reduced->problem, &store, store.begin(run_header(study, "explore", settings)),
+                                 engine_settings);
+        explorer.emplace(landscape::Explorer{reduced->problem, *exploring_engine});
+    }
     const int all_id = store.begin(run_header(study, "unique-outputs", settings));
     const int id = store.begin(run_header(study, "unique", settings));
-    run::Engine engine(fitted, &store, id, {.threads = options.common.threads, .show_progress = true});
-    run::Engine everything_engine(everything, &store, all_id,
-                                  {.threads = options.common.threads, .show_progress = true});
-    const auto result = landscape::uniqueness(
-        uniqueness_task(study, fitted, everything, engine, everything_engine, options.common.seed), options.analysis);
+    run::Engine engine(fitted, &store, id, engine_settings);
+    run::Engine everything_engine(everything, &store, all_id, engine_settings);
+    auto task = uniqueness_task(study, fitted, everything, engine, everything_engine, options.common.seed);
+    task.explorer = explorer ? &*explorer : nullptr;
+    if (options.model.alone()) {
+        task.outputs.clear(); // of loads that it may not have
+    }
+    const auto result = landscape::uniqueness(task, options.analysis);
     if (!result) {
         return report_interrupt(folder);
     }
@@ -524,8 +556,15 @@ int unique(const UniqueOptions& options) {
         return computation_failed;
     }
     const NextMeasurement next = u.acceptance ? next_measurement(study, fitted, u) : NextMeasurement{};
-    const auto words = findings(study, fitted, u, next);
+    auto words = findings(study, fitted, u, next);
+    if (reduced) {
+        words.push_back(model_words(options.model));
+    }
     Json json = uniqueness_json(study, fitted, u, next);
+    json["model"] = options.model.model;
+    if (reduced) {
+        json["reduced_model"] = reduced->json;
+    }
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     const auto computed = engine.tally().computed + everything_engine.tally().computed;
     const auto kept = engine.tally().kept + everything_engine.tally().kept;
@@ -546,12 +585,17 @@ int unique(const UniqueOptions& options) {
     }
 
     const double cpu = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-    const double forward_cpu =
-        engine.tally().forward_cpu_seconds + everything_engine.tally().forward_cpu_seconds + next.forward_cpu_seconds;
-    fmt::print("{}\n  {} explored, {}; {} computed in {}, {} kept from before\n", study_summary(study), u.sample.name,
+    const double forward_cpu = engine.tally().forward_cpu_seconds + everything_engine.tally().forward_cpu_seconds +
+                               (exploring_engine ? exploring_engine->tally().forward_cpu_seconds : 0.0) +
+                               next.forward_cpu_seconds;
+    fmt::print("{}\n  {} explored, {}; {} computed in {}, {} kept from before\n{}", study_summary(study), u.sample.name,
                counted(u.ends.size(), "search", "searches"), counted(static_cast<std::size_t>(computed), "run", "runs"),
-               run::duration_words(seconds), kept);
-    if (computed > 0) {
+               run::duration_words(seconds), kept, reduced ? reduced->words : "");
+    if (exploring_engine) {
+        fmt::print("    {} more by the reduced model, which explored and searched\n",
+                   counted(static_cast<std::size_t>(exploring_engine->tally().computed), "run", "runs"));
+    }
+    if (computed > 0 && !reduced) { // else it was built too
         fmt::print("    {:.1f} % of the processor time outside forward runs\n",
                    100.0 * std::max(0.0, 1.0 - forward_cpu / cpu));
     }
@@ -673,6 +717,7 @@ void add_unique(CLI::App& app, Action& action) {
         app.add_subcommand("unique", "is the answer unique? valleys, profiles, and what they do to the outputs");
     auto options = std::make_shared<UniqueOptions>();
     add_common(*command, options->common);
+    add_model(*command, options->model);
     command->add_option("--explore", options->analysis.explore, "points of the Sobol sample, with derivatives")
         ->check(CLI::Range(1, 100'000))
         ->capture_default_str();

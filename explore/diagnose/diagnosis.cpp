@@ -145,7 +145,12 @@ private:
         multistart.starts = settings_.starts;
         multistart.search.enough = close_enough;
         auto result = bench_.use({}, [&](const problem::Problem& own, run::Engine& engine) {
-            return landscape::multistart(engine, own, design, multistart);
+            if (!task_.explore) {
+                return landscape::multistart(engine, own, design, multistart);
+            }
+            auto explored = task_.explore(design);
+            return explored ? landscape::refine(engine, own, design, std::move(*explored), {}, multistart)
+                            : std::nullopt;
         });
         if (!result) {
             return false;

@@ -20,6 +20,8 @@ struct DiagnosisTask {
     std::vector<Fold> places; // of the sensors; every term in one
     std::vector<Fold> loads;
     std::uint64_t seed = 1;
+    // The sample by a quicker model of the baseline; empty: by the baseline's. Nothing: interrupted.
+    std::function<std::optional<std::vector<problem::Evaluation>>(const search::Design& sample)> explore = {};
 };
 
 struct DiagnosisSettings {

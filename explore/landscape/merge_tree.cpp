@@ -1,5 +1,7 @@
 #include "landscape/merge_tree.h"
 
+#include "search/neighbours.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -24,22 +26,16 @@ std::vector<std::size_t> by_misfit(std::span<const double> misfit) {
 std::vector<std::vector<std::size_t>> nearest(std::span<const std::vector<double>> points,
                                               const std::vector<std::size_t>& among, int count) {
     std::vector<std::vector<std::size_t>> result(points.size());
-    std::vector<std::pair<double, std::size_t>> near;
+    std::vector<std::vector<double>> cloud;
     for (const std::size_t i : among) {
-        near.clear();
-        for (const std::size_t j : among) {
-            if (j != i) {
-                double d2 = 0.0;
-                for (std::size_t k = 0; k < points[i].size(); ++k) {
-                    d2 += (points[i][k] - points[j][k]) * (points[i][k] - points[j][k]);
-                }
-                near.emplace_back(d2, j);
+        cloud.push_back(points[i]);
+    }
+    const search::Neighbours tree(cloud);
+    for (const std::size_t i : among) {
+        for (const auto& n : tree.nearest(points[i], static_cast<std::size_t>(count) + 1)) {
+            if (among[n.point] != i && result[i].size() < static_cast<std::size_t>(count)) {
+                result[i].push_back(among[n.point]);
             }
-        }
-        const auto kept = std::min(near.size(), static_cast<std::size_t>(count));
-        std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(kept), near.end());
-        for (std::size_t k = 0; k < kept; ++k) {
-            result[i].push_back(near[k].second);
         }
     }
     return result;

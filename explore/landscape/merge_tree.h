@@ -20,8 +20,7 @@ struct SampledMinimum {
 };
 
 // points: of the unit cube; misfit: not a number where there is no answer (a hole: no edge of the graph meets it). Two
-// points are neighbours when one is among the `neighbours` nearest of the other. Sorted by misfit. Cost: points
-// squared.
+// points are neighbours when one is among the `neighbours` nearest of the other. Sorted by misfit.
 std::vector<SampledMinimum> merge_tree(std::span<const std::vector<double>> points, std::span<const double> misfit,
                                        int neighbours);
 

@@ -16,9 +16,13 @@ using Eigen::VectorXd;
 // Which start numbers the chains of each part are kept under.
 constexpr int chain_range = 100'000;
 enum Part { searches, verification, polishing, passes, traces, profiles, predictions, groups, parts };
-int first_of(Part part, int round = 0) {
+constexpr int first_of(Part part, int round = 0) {
     return (round * parts + part) * chain_range;
 }
+
+// Rounds that are none of the walks': of the comparison of groups, of the searches that follow those of an explorer.
+constexpr int groups_round = 99;
+constexpr int confirming_round = 98;
 
 constexpr std::string_view search_method = "gauss-newton";
 
@@ -74,9 +78,16 @@ private:
         return s;
     }
 
+    const problem::Problem& explored_problem() const {
+        return task_.explorer != nullptr ? task_.explorer->problem : task_.fitted;
+    }
+    run::Engine& exploring_engine() const {
+        return task_.explorer != nullptr ? task_.explorer->engine : task_.fitted_engine;
+    }
+
     bool explore() {
         result_.sample = search::sobol(task_.fitted.space, settings_.explore, task_.seed);
-        auto explored = task_.fitted_engine.evaluate(result_.sample, true);
+        auto explored = exploring_engine().evaluate(result_.sample, true);
         if (!explored) {
             return false;
         }
@@ -92,8 +103,8 @@ private:
         std::vector<VectorXd> gradients;
         for (const auto& e : result_.explored) {
             misfit.push_back(e.misfit);
-            gradients.push_back(e.converged() ? VectorXd(task_.fitted.residual_jacobian(e).transpose() *
-                                                         task_.fitted.misfit.residuals(e.responses))
+            gradients.push_back(e.converged() ? VectorXd(explored_problem().residual_jacobian(e).transpose() *
+                                                         explored_problem().misfit.residuals(e.responses))
                                               : VectorXd());
         }
         result_.tree = merge_tree(result_.sample.points, misfit, neighbours);
@@ -109,7 +120,7 @@ private:
             starts.push_back(result_.sample.points[i]);
         }
         const auto& method = *optimise::find_method(search_method);
-        auto ends = task_.fitted_engine.search(starts, method, search_settings(), first_of(searches));
+        auto ends = exploring_engine().search(starts, method, search_settings(), first_of(searches));
         if (!ends) {
             return false;
         }
@@ -123,7 +134,7 @@ private:
             const int left = settings_.max_searches - static_cast<int>(ends_.size());
             const int wanted = std::min(settings_.verify - result_.unseen.since_new, left);
             if (wanted <= 0) {
-                return true;
+                return task_.explorer == nullptr || confirm();
             }
             starts.clear();
             for (int i = 0; i < wanted; ++i) {
@@ -133,7 +144,7 @@ private:
                 }
                 starts.push_back(std::move(unit));
             }
-            auto more = task_.fitted_engine.search(starts, method, search_settings(), first_of(verification) + drawn);
+            auto more = exploring_engine().search(starts, method, search_settings(), first_of(verification) + drawn);
             if (!more) {
                 return false;
             }
@@ -143,13 +154,47 @@ private:
     }
 
     void group() {
-        result_.minima = distinct_minima(ends_, task_.fitted, task_.noise_is_stated ? 1.0 : 0.0);
+        const double noise = task_.noise_is_stated ? 1.0 : 0.0;
         home_.clear();
+        if (followed_by_.empty()) {
+            result_.minima = distinct_minima(ends_, explored_problem(), noise);
+        } else { // a minimum is what the model itself has; the explorer's ends belong where searches from them ended
+            std::vector<run::Endpoint> own;
+            std::copy_if(ends_.begin(), ends_.end(), std::back_inserter(own),
+                         [](const auto& end) { return end.start >= first_of(polishing); });
+            result_.minima = distinct_minima(own, task_.fitted, noise);
+        }
         for (std::size_t m = 0; m < result_.minima.size(); ++m) {
             for (const int start : result_.minima[m].members) {
                 home_[start] = static_cast<int>(m);
             }
         }
+        for (const auto& [start, next] : followed_by_) {
+            if (const auto home = home_.find(next); home != home_.end()) {
+                home_[start] = home->second;
+                result_.minima[static_cast<std::size_t>(home->second)].members.push_back(start);
+            }
+        }
+    }
+
+    // The explorer's minima, sought again by the model itself.
+    bool confirm() {
+        constexpr int first = first_of(polishing, confirming_round);
+        std::vector<std::vector<double>> starts;
+        for (std::size_t m = 0; m < result_.minima.size(); ++m) {
+            starts.push_back(result_.minima[m].unit);
+            for (const int start : result_.minima[m].members) {
+                followed_by_[start] = first + static_cast<int>(m);
+            }
+        }
+        auto ends = task_.fitted_engine.search(starts, *optimise::find_method(search_method), search_settings(), first);
+        if (!ends) {
+            return false;
+        }
+        std::move(ends->begin(), ends->end(), std::back_inserter(ends_));
+        group();
+        result_.unseen = count_unseen();
+        return true;
     }
 
     Unseen count_unseen() const {
@@ -372,7 +417,7 @@ private:
             starts.push_back(result_.sample.points[i]);
         }
         result_.conflict = conflict_of(task_.fitted_engine, task_.fitted, *result_.acceptance, result_.minima[0],
-                                       task_.groups, starts, first_of(groups, 99));
+                                       task_.groups, starts, first_of(groups, groups_round));
         return result_.conflict.has_value();
     }
 
@@ -501,7 +546,8 @@ private:
     const UniquenessSettings& settings_;
     Uniqueness result_;
     std::vector<run::Endpoint> ends_;
-    std::map<int, int> home_; // minimum of a start
+    std::map<int, int> home_;        // minimum of a start
+    std::map<int, int> followed_by_; // of a start of the explorer: the start from where it ended
 };
 
 } // namespace

@@ -79,15 +79,18 @@ Engine::Engine(const problem::Problem& problem, Store* store, int run, EngineSet
 
 Engine::~Engine() = default;
 
-std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& design, bool with_jacobian) {
+std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& design, bool with_jacobian,
+                                                        std::size_t first) {
     Implementation& m = *implementation_;
     const auto begin = Clock::now();
-    const std::size_t n = design.points.size();
+    const std::size_t n = design.points.size() - first;
+    const auto point = [&](std::size_t i) -> const std::vector<double>& { return design.points[first + i]; };
+    const auto number = [&](std::size_t i) { return static_cast<int>(first + i); };
     std::vector<Evaluation> evaluations(n);
     std::vector<char> done(n, 0);
-    for (auto& [number, e] : m.known({-1, 0}, {-1, std::numeric_limits<int>::max()})) {
-        const auto i = static_cast<std::size_t>(number.number);
-        if (i < n && e.parameters == m.problem.space.physical(design.points[i])) {
+    for (auto& [known, e] : m.known({-1, number(0)}, {-1, std::numeric_limits<int>::max()})) {
+        const auto i = static_cast<std::size_t>(known.number) - first;
+        if (i < n && e.parameters == m.problem.space.physical(point(i))) {
             evaluations[i] = std::move(e);
             done[i] = 1;
         }
@@ -105,11 +108,11 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
         for_each_index(m.arena, missing.size(), [&](std::size_t k) {
             const std::size_t i = missing[k];
             try {
-                evaluations[i] = m.evaluate(design.points[i], with_jacobian);
+                evaluations[i] = m.evaluate(point(i), with_jacobian);
             } catch (const Interrupted&) { // the program's own flag tells
                 return;
             }
-            m.keep({-1, static_cast<int>(i)}, evaluations[i]);
+            m.keep({-1, number(i)}, evaluations[i]);
             progress.add(1, true);
         });
     }

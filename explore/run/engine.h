@@ -47,8 +47,10 @@ public:
     Engine(const problem::Problem& problem, Store* store, int run, EngineSettings settings);
     ~Engine();
 
-    // Evaluations of the design's points, in run order. Nothing: interrupted (what was finished is in the store).
-    std::optional<std::vector<problem::Evaluation>> evaluate(const search::Design& design, bool with_jacobian = false);
+    // Evaluations of the design's points from number `first` on, in run order. Nothing: interrupted (what was finished
+    // is in the store).
+    std::optional<std::vector<problem::Evaluation>> evaluate(const search::Design& design, bool with_jacobian = false,
+                                                             std::size_t first = 0);
 
     // Local searches from these points of the unit cube; search i is kept as start first + i. Nothing: interrupted.
     std::optional<std::vector<Endpoint>> search(const std::vector<std::vector<double>>& starts,

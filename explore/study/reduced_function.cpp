@@ -23,9 +23,9 @@ constexpr const char* by_full_model = "computed by the full model: the reduced o
 class ReducedFunction final : public problem::ForwardFunction {
 public:
     ReducedFunction(std::shared_ptr<const problem::ForwardFunction> full, const Study& study, std::vector<bool> loads,
-                    const ReducedBases& bases, double limit)
+                    const ReducedLoads& reduced, double limit)
         : full_(std::move(full)),
-          model_(study.model, models(study, bases)),
+          model_(study.model, models(study, reduced)),
           parameters_(study.parameters),
           loads_(std::move(loads)),
           limit_(limit) {}
@@ -64,11 +64,11 @@ private:
         std::unique_ptr<Workspace> full; // made when it is needed
     };
 
-    static std::vector<std::shared_ptr<const LoadModel>> models(const Study& study, const ReducedBases& bases) {
-        std::vector<std::shared_ptr<const LoadModel>> list(bases.size());
-        for (std::size_t l = 0; l < bases.size(); ++l) {
-            if (bases[l]) {
-                list[l] = pave::reduced::make_load_model(study.model, static_cast<int>(l), *bases[l]);
+    static std::vector<std::shared_ptr<const LoadModel>> models(const Study& study, const ReducedLoads& reduced) {
+        std::vector<std::shared_ptr<const LoadModel>> list(reduced.size());
+        for (std::size_t l = 0; l < reduced.size(); ++l) {
+            if (reduced[l]) {
+                list[l] = pave::reduced::make_load_model(study.model, static_cast<int>(l), reduced[l]->basis);
             }
         }
         return list;
@@ -141,10 +141,8 @@ std::string reduced_key(const Study& study, std::size_t samples) {
     return data::hash_of(text);
 }
 
-pave::Outcome<ReducedBases>
-build_reduced(const Study& study, const std::vector<std::vector<double>>& samples,
-              const pave::reduced::ForEach& for_each,
-              const std::function<void(const std::string& load, const pave::reduced::BuildReport&)>& told) {
+pave::Outcome<ReducedLoads> build_reduced(const Study& study, const std::vector<std::vector<double>>& samples,
+                                          const pave::reduced::ForEach& for_each) {
     std::vector<Case> cases;
     for (const auto& unit : samples) {
         auto c = case_at(study.model, study.parameters, study.space.physical(unit));
@@ -153,7 +151,7 @@ build_reduced(const Study& study, const std::vector<std::vector<double>>& sample
         }
         cases.push_back(std::move(c).value());
     }
-    ReducedBases bases(study.model.loads.size());
+    ReducedLoads reduced(study.model.loads.size());
     const auto loads = fitted_loads(study);
     for (std::size_t l = 0; l < loads.size(); ++l) {
         if (!loads[l]) {
@@ -164,32 +162,34 @@ build_reduced(const Study& study, const std::vector<std::vector<double>>& sample
         if (!outcome) {
             return outcome.failure();
         }
-        bases[l] = std::move(outcome).value();
-        told(study.model.loads[l].name, report);
+        reduced[l] = {std::move(outcome).value(), report};
     }
-    return bases;
+    return reduced;
 }
 
-void save_reduced(const std::string& file, const std::string& key, const ReducedBases& bases) {
+void save_reduced(const std::string& file, const std::string& key, const ReducedLoads& loads) {
     Json list = Json::array();
-    for (const auto& basis : bases) {
-        if (!basis) {
+    for (const auto& load : loads) {
+        if (!load) {
             list.push_back(nullptr);
             continue;
         }
+        const auto& basis = load->basis;
         std::vector<int> places;
         std::vector<double> weights;
-        for (const auto& point : basis->points) {
+        for (const auto& point : basis.points) {
             places.push_back(point.gauss);
             weights.push_back(point.weight);
         }
-        list.push_back({{"free_unknowns", basis->modes.rows()},
-                        {"modes", packed(basis->modes.data(), static_cast<std::size_t>(basis->modes.size()))},
-                        {"coarse", basis->coarse},
+        list.push_back({{"free_unknowns", basis.modes.rows()},
+                        {"modes", packed(basis.modes.data(), static_cast<std::size_t>(basis.modes.size()))},
+                        {"coarse", basis.coarse},
                         {"points", packed(places.data(), places.size())},
                         {"weights", packed(weights.data(), weights.size())},
-                        {"factor", packed(basis->factor.data(), basis->factor.size())},
-                        {"floor", packed(basis->floor.data(), basis->floor.size())}});
+                        {"factor", packed(basis.factor.data(), basis.factor.size())},
+                        {"floor", packed(basis.floor.data(), basis.floor.size())},
+                        {"full_runs", load->report.full_runs},
+                        {"error_95", load->report.error_95}});
     }
     std::string bytes;
     Json::to_cbor(Json{{"key", key}, {"loads", list}}, bytes);
@@ -201,7 +201,7 @@ void save_reduced(const std::string& file, const std::string& key, const Reduced
     }
 }
 
-std::optional<ReducedBases> load_reduced(const std::string& file, const std::string& key) {
+std::optional<ReducedLoads> load_reduced(const std::string& file, const std::string& key) {
     std::ifstream in(file, std::ios::binary);
     std::stringstream bytes;
     bytes << in.rdbuf();
@@ -214,33 +214,38 @@ std::optional<ReducedBases> load_reduced(const std::string& file, const std::str
     if (json.at("key") != key) {
         return std::nullopt;
     }
-    ReducedBases bases;
+    ReducedLoads loads;
     for (const Json& load : json.at("loads")) {
-        auto& basis = bases.emplace_back();
+        auto& reduced = loads.emplace_back();
         if (load.is_null()) {
             continue;
         }
-        basis.emplace();
+        reduced.emplace();
+        auto& basis = reduced->basis;
         const auto free_unknowns = load.at("free_unknowns").get<Eigen::Index>();
         const auto numbers = unpacked<double>(load.at("modes"));
-        basis->modes = Eigen::Map<const Eigen::MatrixXd>(numbers.data(), free_unknowns,
-                                                         static_cast<Eigen::Index>(numbers.size()) / free_unknowns);
-        load.at("coarse").get_to(basis->coarse);
+        basis.modes = Eigen::Map<const Eigen::MatrixXd>(numbers.data(), free_unknowns,
+                                                        static_cast<Eigen::Index>(numbers.size()) / free_unknowns);
+        load.at("coarse").get_to(basis.coarse);
         const auto places = unpacked<int>(load.at("points"));
         const auto weights = unpacked<double>(load.at("weights"));
         for (std::size_t i = 0; i < places.size(); ++i) {
-            basis->points.push_back({places[i], weights[i]});
+            basis.points.push_back({places[i], weights[i]});
         }
-        basis->factor = unpacked<double>(load.at("factor"));
-        basis->floor = unpacked<double>(load.at("floor"));
+        basis.factor = unpacked<double>(load.at("factor"));
+        basis.floor = unpacked<double>(load.at("floor"));
+        reduced->report = {.full_runs = load.at("full_runs"),
+                           .modes = static_cast<int>(basis.modes.cols()),
+                           .points = static_cast<int>(basis.points.size()),
+                           .error_95 = load.at("error_95")};
     }
-    return bases;
+    return loads;
 }
 
-problem::Problem make_reduced_problem(const Study& study, const ReducedBases& bases, double limit) {
-    problem::Problem p = make_problem(study, Scope::fitted);
-    p.function = std::make_shared<ReducedFunction>(p.function, study, fitted_loads(study), bases, limit);
-    return p;
+problem::Problem with_reduced_model(problem::Problem fitted, const Study& study, const ReducedLoads& loads,
+                                    double limit) {
+    fitted.function = std::make_shared<ReducedFunction>(fitted.function, study, fitted_loads(study), loads, limit);
+    return fitted;
 }
 
 bool is_by_full_model(const problem::Evaluation& evaluation) {

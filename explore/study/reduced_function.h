@@ -6,8 +6,12 @@
 
 namespace explore::study {
 
-// One basis a load; none where nothing is fitted.
-using ReducedBases = std::vector<std::optional<pave::reduced::Basis>>;
+struct ReducedLoad {
+    pave::reduced::Basis basis;
+    pave::reduced::BuildReport report;
+};
+// One a load; none where nothing is fitted.
+using ReducedLoads = std::vector<std::optional<ReducedLoad>>;
 
 // Why this study has no reduced model, or "".
 std::string why_no_reduced_model(const Study& study);
@@ -15,21 +19,19 @@ std::string why_no_reduced_model(const Study& study);
 // What a reduced model is a function of: section, loads, sensors, parameters and their ranges, samples.
 std::string reduced_key(const Study& study, std::size_t samples);
 
-// samples: points of the unit cube in random order. told: after every load. Failure: the full model has too few
-// answers.
-pave::Outcome<ReducedBases>
-build_reduced(const Study& study, const std::vector<std::vector<double>>& samples,
-              const pave::reduced::ForEach& for_each,
-              const std::function<void(const std::string& load, const pave::reduced::BuildReport&)>& told);
+// samples: points of the unit cube in random order. Failure: the full model has too few answers.
+pave::Outcome<ReducedLoads> build_reduced(const Study& study, const std::vector<std::vector<double>>& samples,
+                                          const pave::reduced::ForEach& for_each);
 
 // Throws pave::Error where the file cannot be written. Nothing: there is none, it is of another key, or damaged.
-void save_reduced(const std::string& file, const std::string& key, const ReducedBases& bases);
-std::optional<ReducedBases> load_reduced(const std::string& file, const std::string& key);
+void save_reduced(const std::string& file, const std::string& key, const ReducedLoads& loads);
+std::optional<ReducedLoads> load_reduced(const std::string& file, const std::string& key);
 
-// make_problem with the reduced model in place of the full one, which runs where the reduced one estimates an error of
-// any fitted reading above `limit` (relative to pave::reduced::scales) or does not cover the point; such evaluations
-// carry a warning.
-problem::Problem make_reduced_problem(const Study& study, const ReducedBases& bases, double limit);
+// A problem of the study's fitted readings with the reduced model in place of the full one, which runs where the
+// reduced one estimates an error of any fitted reading above `limit` (relative to pave::reduced::scales) or does not
+// cover the point; such evaluations carry a warning.
+problem::Problem with_reduced_model(problem::Problem fitted, const Study& study, const ReducedLoads& loads,
+                                    double limit);
 
 // Whether an evaluation of such a problem carries it.
 bool is_by_full_model(const problem::Evaluation& evaluation);

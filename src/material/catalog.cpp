@@ -1,6 +1,7 @@
 #include "material/catalog.h"
 
 #include "material/bilinear.h"
+#include "material/dresden.h"
 #include "material/k_theta.h"
 #include "material/lade_nelson.h"
 #include "material/linear.h"
@@ -11,7 +12,7 @@ namespace pave::material {
 
 std::span<const Law* const> laws() {
     static const Law* const all[] = {
-        &linear(), &uzan(), &k_theta(), &uzan_deviator(), &lade_nelson(), &bilinear(),
+        &linear(), &uzan(), &k_theta(), &uzan_deviator(), &dresden(), &lade_nelson(), &bilinear(),
     };
     return all;
 }

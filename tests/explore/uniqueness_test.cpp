@@ -1,6 +1,7 @@
 // The analysis of uniqueness on landscapes whose minima, valleys and ranges are known from formulas.
 #include "landscape/next_measurement.h"
 #include "landscape/uniqueness.h"
+#include "support/formula.h"
 
 #include "base/random.h"
 
@@ -13,58 +14,15 @@ using namespace explore;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using test::Formula;
+using test::problem_of;
 
 namespace {
 
-// A model given by a formula; a share of its points has no answer, drawn from the point itself.
-class Formula final : public problem::ForwardFunction {
-public:
-    using Model = std::function<void(const VectorXd& x, VectorXd& responses, MatrixXd& jacobian)>;
-    explicit Formula(Model model, double failing = 0.0) : model_(std::move(model)), failing_(failing) {}
-
-    std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Workspace>(); }
-    pave::Outcome<problem::Prediction> evaluate(std::span<const double> values, bool with_jacobian,
-                                                Workspace&) const override {
-        const VectorXd x = VectorXd::Map(values.data(), static_cast<Index>(values.size()));
-        std::uint64_t bits = 17;
-        for (const double v : values) {
-            bits = bits * 0x9e3779b97f4a7c15ULL + std::bit_cast<std::uint64_t>(v);
-        }
-        if (failing_ > 0.0 && pave::RandomStream(bits, 0).uniform(0) < failing_) {
-            return pave::Failure{pave::Status::failed, "injected"};
-        }
-        problem::Prediction p;
-        VectorXd responses;
-        MatrixXd jacobian;
-        model_(x, responses, jacobian);
-        p.responses.assign(responses.begin(), responses.end());
-        if (with_jacobian) {
-            p.jacobian = jacobian;
-        }
-        return p;
-    }
-
-private:
-    Model model_;
-    double failing_;
-};
-
-// Axes from 0 to 1; readings `measured` with standard deviation sigma.
-problem::Problem problem_of(int dimension, Formula formula, const std::vector<double>& measured, double sigma) {
-    problem::ParameterSpace space;
-    for (int k = 0; k < dimension; ++k) {
-        space.axes.push_back({fmt::format("p{}", k), 0.0, 1.0, problem::Scale::linear, 0, 0.5});
-    }
-    std::vector<problem::Misfit::Term> terms;
-    for (std::size_t i = 0; i < measured.size(); ++i) {
-        terms.push_back({i, measured[i], sigma});
-    }
-    return {space, std::make_shared<Formula>(std::move(formula)), {problem::MisfitKind::weighted, terms}};
-}
-
 landscape::Uniqueness analyse(const problem::Problem& problem, const landscape::UniquenessSettings& settings,
                               std::uint64_t seed, std::vector<std::size_t> outputs = {},
-                              std::vector<std::vector<std::size_t>> groups = {}) {
+                              std::vector<std::vector<std::size_t>> groups = {},
+                              const landscape::Explorer* explorer = nullptr) {
     run::Engine engine(problem, nullptr, 0, {.threads = 0, .show_progress = false});
     auto result = landscape::uniqueness({.fitted = problem,
                                          .everything = problem,
@@ -73,7 +31,8 @@ landscape::Uniqueness analyse(const problem::Problem& problem, const landscape::
                                          .noise_is_stated = true,
                                          .outputs = std::move(outputs),
                                          .groups = std::move(groups),
-                                         .seed = seed},
+                                         .seed = seed,
+                                         .explorer = explorer},
                                         settings);
     EXPECT_TRUE(result.has_value());
     return *result;
@@ -237,6 +196,33 @@ TEST(Uniqueness, FindsTheSameMinimaWhenThirtyPercentOfTheEvaluationsFail) {
         const Wells wells(seed);
         const auto u = analyse(wells.problem(0.3), {.explore = 512, .verify = 60, .max_searches = 400}, seed);
         complete += found_all(wells, u) ? 1 : 0;
+    }
+    EXPECT_GE(complete, 19);
+}
+
+// The explorer's landscape is the same moved by 3 % of the box: what it found must be sought again.
+TEST(Uniqueness, SeeksAgainWhatAQuickerModelFound) {
+    int complete = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        const Wells wells(seed);
+        Wells moved = wells;
+        for (auto* list : {&moved.a, &moved.b}) {
+            for (double& x : *list) {
+                x += 0.03;
+            }
+        }
+        const problem::Problem quick = moved.problem();
+        run::Engine engine(quick, nullptr, 0, {.threads = 0, .show_progress = false});
+        const landscape::Explorer explorer{quick, engine};
+        const auto u =
+            analyse(wells.problem(), {.explore = 512, .verify = 60, .max_searches = 400}, seed, {}, {}, &explorer);
+        complete += found_all(wells, u) ? 1 : 0;
+        EXPECT_GE(engine.tally().computed, 512); // the sample and the searches are its
+        std::size_t members = 0;
+        for (const auto& minimum : u.minima) {
+            members += minimum.members.size();
+        }
+        EXPECT_EQ(members, u.ends.size()); // every search of either has its minimum
     }
     EXPECT_GE(complete, 19);
 }

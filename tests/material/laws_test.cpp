@@ -27,7 +27,7 @@ std::vector<double> random_parameters(const Law& law, std::uint64_t stream) {
             value = -2.0 * u;
         } else if (info.key == "modulus_MPa") {
             value = 20.0 + 5000.0 * u;
-        } else if (info.key == "tension_smoothing_kPa") {
+        } else if (info.key.ends_with("_smoothing_kPa")) {
             value = 1.0 + 20.0 * u;
         } else if (info.key.starts_with("poisson")) {
             value = 0.1 + 0.3 * u;
@@ -207,7 +207,8 @@ TEST(LadeNelson, NoClosedCycleOfStressMakesWork) {
     for (const auto& [name, p] : std::initializer_list<std::pair<const char*, std::vector<double>>>{
              {"uzan", {0, 800, 0.6, -0.3, 1, 0.3, 0.3, NAN, 5e3, 0}},
              {"k-theta", {0, 800, 0.6, 1, 0.3, 0.3, NAN, 5e3, 0}},
-             {"uzan-deviator", {0, 800, 0.6, -0.3, 10e3, 1, 0.3, 0.3, NAN, 5e3, 0}}}) {
+             {"uzan-deviator", {0, 800, 0.6, -0.3, 10e3, 1, 0.3, 0.3, NAN, 5e3, 0}},
+             {"dresden", {0, 800, 800, 0.5, 0.33, 20e6, 5e3, 1, 0.3, 0.3, NAN, 5e3, 0}}}) {
         const Law& other = *material::find_law(name);
         ASSERT_EQ(p.size(), other.parameters().size());
         const double share = share_of_energy(other, p);
@@ -238,6 +239,19 @@ TEST(UzanDeviator, IsThePrintedEquationInTheTriaxialTest) {
     const double tau = std::sqrt(2.0) / 3.0 * 2e5;
     EXPECT_NEAR(material::find_law("uzan-deviator")->modulus(with_floor, {5e5, tau}).value,
                 900e5 * std::pow(5.0, 0.6) * std::pow(2.0, -0.2), 1.0);
+}
+
+TEST(Dresden, IsThePrintedEquationInTheTriaxialTest) {
+    // s3 = pa, s1 = 4 pa: theta = 6 pa, deviator 3 pa; E = (q + c) pa 4^q2 + d
+    std::vector<double> p{0, 700, 500, 0.5, 0.33, 30e6, 1.0, 1.0, 0.3, 0.35, NAN, 1e-3, 0.0};
+    const double tau = std::sqrt(2.0) / 3.0 * 3e5;
+    EXPECT_NEAR(material::find_law("dresden")->modulus(p, {6e5, tau}).value, 1200e5 * std::pow(4.0, 0.33) + 30e6, 1.0);
+    // s3 = pa/4, s1 = pa
+    EXPECT_NEAR(material::find_law("dresden")->modulus(p, {1.5e5, std::sqrt(2.0) / 3.0 * 0.75e5}).value, 950e5 + 30e6,
+                1.0);
+    // In tension (theta has its floor at zero) nothing is left of the confinement: s1 = 4/3 pa.
+    EXPECT_NEAR(material::find_law("dresden")->modulus(p, {-1e5, std::sqrt(2.0) / 3.0 * 2e5}).value,
+                700e5 * std::pow(4.0 / 3.0, 0.33) + 30e6, 1e3);
 }
 
 TEST(Bilinear, IsThePrintedEquationAwayFromItsCorners) {

@@ -71,6 +71,46 @@ best = {model: fit["best"]["misfit"] for model, fit in fits.items()}
 check(math.isclose(best["auto"], best["full"], rel_tol=1e-6), f"auto: {best}")
 check(math.isclose(best["reduced"], best["full"], rel_tol=0.05) and best["reduced"] != best["full"], f"reduced: {best}")
 
+# Whether the answer is unique: explored by the reduced model, everything that is said is the full model's.
+unique = {}
+for model in ("full", "auto", "reduced"):
+    done = run("unique", study, "--explore", 64, "--verify", 8, "--model", model, "--out", folder / f"unique-{model}")
+    check(done.returncode == 0, f"unique --model {model}: {done.stderr}")
+    unique[model] = json.loads((folder / f"unique-{model}" / "unique.json").read_text())
+    check(("All of this is the reduced model's" in done.stdout) == (model == "reduced"), "what is of the reduced model alone says so")
+check(unique["auto"]["verdict"] == unique["full"]["verdict"] and len(unique["auto"]["minima"]) == len(unique["full"]["minima"]), "the same verdict")
+for a, b in zip(unique["auto"]["minima"], unique["full"]["minima"]):
+    check(math.isclose(a["misfit"], b["misfit"], rel_tol=1e-5), f"the same minima: {a} {b}")
+for a, b in zip(unique["auto"]["profiles"] + unique["auto"]["outputs"], unique["full"]["profiles"] + unique["full"]["outputs"]):
+    check(math.isclose(a["low"], b["low"], rel_tol=1e-3) and math.isclose(a["high"], b["high"], rel_tol=1e-3), f"the same ranges: {a['name']}")
+check(not unique["reduced"]["outputs"] and unique["full"]["outputs"], "ranges of outputs are the full model's alone")
+before = (folder / "unique-auto" / "unique.json").read_text()
+again = run("unique", study, "--explore", 64, "--verify", 8, "--model", "auto", "--out", folder / "unique-auto")
+check((folder / "unique-auto" / "unique.json").read_text() == before, "from what is kept the same result")
+check("; 0 runs computed" in again.stdout and "0 runs more" not in again.stderr, f"nothing is computed twice: {again.stdout[:600]}")
+
+# A diagnosis: its baseline is explored by the reduced model.
+verdicts = {}
+for model in ("full", "auto"):
+    done = run("diagnose", study, "--explore", 32, "--starts", 3, "--bootstrap", 5, "--model", model, "--out", folder / f"diagnose-{model}")
+    check(done.returncode == 0, f"diagnose --model {model}: {done.stderr}")
+    verdicts[model] = json.loads((folder / f"diagnose-{model}" / "diagnose.json").read_text())
+check(verdicts["auto"]["verdict"] == verdicts["full"]["verdict"], "the same verdict")
+check(math.isclose(verdicts["auto"]["baseline"]["misfit"], verdicts["full"]["baseline"]["misfit"], rel_tol=1e-5), "the same baseline")
+check(verdicts["auto"]["model"] == "auto", "the result says which model")
+refused = run("diagnose", study, "--model", "reduced", "--out", folder / "none")
+check(refused.returncode == 2 and "auto" in refused.stderr, "effects need the full model")
+
+# An adaptive map by either model: all its points, and what of the box it knows.
+for model in ("full", "auto"):
+    done = run("map", study, "--design", "adaptive", "--points", 200, "--model", model, "--json", "--out", folder / f"adaptive-{model}")
+    check(done.returncode == 0, f"adaptive --model {model}: {done.stderr}")
+    adaptive = json.loads(done.stdout)
+    check(adaptive["points"] == 200 and len(table(folder / f"adaptive-{model}")) == 200, "an adaptive map has the points asked for")
+    check(adaptive["explored"]["checks"] == 20 and 0 <= adaptive["explored"]["share_low"] <= adaptive["explored"]["share_high"] <= 1, "and its share")
+    again = json.loads(run("map", study, "--design", "adaptive", "--points", 200, "--model", model, "--json", "--out", folder / f"adaptive-{model}").stdout)
+    check(again["computed"] == 0 and again["kept"] == 200 and again["explored"] == adaptive["explored"], "it is made once")
+
 # What has no reduced model.
 for change, word in ((("name = \"base.n\"\nmin = 0.1\nmax = 4.5", "name = \"base.thickness_mm\"\nmin = 200\nmax = 300"), "thickness"),
                      (("[mesh]", "[solver]\nintegration = \"secant\"\n\n[mesh]"), "secant")):
