@@ -81,6 +81,12 @@ std::optional<std::vector<problem::Evaluation>> confirm(const study::Study& stud
 }
 
 int map(const MapOptions& options) {
+    const bool adaptive = options.design == "adaptive";
+    const int points = options.points > 0 ? options.points : map_points;
+    if (adaptive && points < landscape::least_adaptive) {
+        throw pave::Error({.key = "--points"}, "too few points for an adaptive map", fmt::format("{}", points),
+                          fmt::format("at least {}", landscape::least_adaptive));
+    }
     const study::Study study = study::load_study(options.common.study);
     const std::string folder = options.common.folder(study);
     std::optional<ReducedProblem> reduced;
@@ -92,8 +98,6 @@ int map(const MapOptions& options) {
         }
     }
     const problem::Problem problem = reduced ? reduced->problem : study::make_problem(study);
-    const bool adaptive = options.design == "adaptive";
-    const int points = options.points > 0 ? options.points : map_points;
     search::Design design = adaptive ? search::Design{landscape::adaptive_name(points, options.common.seed), {}}
                                      : make_design(options, study);
     const std::string settings = design.name + (reduced ? reduced->settings : "");

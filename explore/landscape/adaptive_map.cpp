@@ -39,12 +39,12 @@ double level_at(std::span<const double> at, std::span<const Neighbours::Neighbou
     Eigen::MatrixXd a(static_cast<Eigen::Index>(near.size()), d + 1);
     Eigen::VectorXd b(a.rows());
     Eigen::Index rows = 0;
-    const double scale = near.back().distance;
+    const double scale = std::max(near.back().distance, std::numeric_limits<double>::min());
     for (const auto& n : near) {
         if (std::isnan(level[n.point])) {
             continue;
         }
-        const double weight = 1.0 / (n.distance + 0.1 * scale);
+        const double weight = scale / (n.distance + 0.1 * scale);
         a(rows, 0) = weight;
         for (Eigen::Index k = 0; k < d; ++k) {
             const auto axis = static_cast<std::size_t>(k);

@@ -28,6 +28,7 @@ struct AdaptiveMap {
     Explored explored; // by all but the checks, which are the last points of the map
 };
 
+inline constexpr int least_adaptive = 50;
 // What its design is called.
 std::string adaptive_name(int points, std::uint64_t seed);
 
@@ -35,8 +36,8 @@ std::string adaptive_name(int points, std::uint64_t seed);
 // from the others; the next points lie where that errs most, where there is room, and where the misfit is foretold to
 // be low (as LOLA-Voronoi designs, Crombecq et al. 2011, doi 10.1016/j.ejor.2011.05.032, with this error in place of
 // theirs and with a preference for the bottom). The last tenth is uniform and random and tells what the map before it
-// is worth. The map is fixed by the problem, the number of points and the seed. A few hundred points are the least that
-// makes sense. Nothing: interrupted.
+// is worth. The map is fixed by the problem, the number of points (at least `least_adaptive`) and the seed. Nothing:
+// interrupted.
 std::optional<AdaptiveMap> adaptive_map(run::Engine& engine, const problem::Problem& problem, int points,
                                         std::uint64_t seed, int threads);
 

@@ -218,6 +218,30 @@ TEST(Effects, AreThoseOfTheCatalogueEachOnce) {
 }
 
 // Boussinesq: flexible 2 p a (1 - nu^2)/E at the centre; the rigid punch pi/2 p a (1 - nu^2)/E everywhere under it.
+// By name, else by the rules that effect.h states.
+TEST(Effects, FindTheLayersTheyActOn) {
+    const auto roles = [](const std::vector<Layer>& layers) {
+        Case c;
+        c.layers = layers;
+        std::vector<int> found;
+        for (const LayerRole role : {LayerRole::asphalt, LayerRole::base, LayerRole::subgrade, LayerRole::none}) {
+            const auto layer = layer_of_role(c, role);
+            found.push_back(layer ? static_cast<int>(*layer) : -1);
+        }
+        return found;
+    };
+    const auto linear = [](const char* name) { return linear_layer(name, 0.2, 1e8, 0.3); };
+    const auto granular = [](const char* name) {
+        return uzan_layer(name, 0.2, {.k1 = 1000, .k2 = 0.5, .k3 = -0.3, .n = 0.5});
+    };
+    using Found = std::vector<int>;
+    EXPECT_EQ(roles({linear("subgrade"), linear("base"), linear("asphalt")}), (Found{2, 1, 0, -1}));
+    EXPECT_EQ(roles({linear("a"), linear("b"), granular("c"), granular("d"), linear("e")}), (Found{0, 2, 4, -1}));
+    EXPECT_EQ(roles({linear("a"), linear("b"), linear("c"), linear("d")}), (Found{0, 2, 3, -1}));
+    EXPECT_EQ(roles({linear("a"), linear("b"), granular("c")}), (Found{0, 1, 2, -1})); // the lowest is no base
+    EXPECT_EQ(roles({granular("a")}), (Found{-1, -1, 0, -1}));
+}
+
 TEST(PlateRigidity, GoesFromTheFlexiblePlateToTheRigidPunch) {
     const double e = 50e6, nu = 0.35;
     Case c = half_space(e, nu);

@@ -111,6 +111,9 @@ for model in ("full", "auto"):
     again = json.loads(run("map", study, "--design", "adaptive", "--points", 200, "--model", model, "--json", "--out", folder / f"adaptive-{model}").stdout)
     check(again["computed"] == 0 and again["kept"] == 200 and again["explored"] == adaptive["explored"], "it is made once")
 
+few = run("map", study, "--design", "adaptive", "--points", 20, "--out", folder / "few")
+check(few.returncode == 2 and "at least 50" in few.stderr and not (folder / "few").exists(), f"too few points: {few.stderr}")
+
 # What has no reduced model.
 for change, word in ((("name = \"base.n\"\nmin = 0.1\nmax = 4.5", "name = \"base.thickness_mm\"\nmin = 200\nmax = 300"), "thickness"),
                      (("[mesh]", "[solver]\nintegration = \"secant\"\n\n[mesh]"), "secant")):
