@@ -339,7 +339,7 @@ Each search in 3D started from the best of {SEARCH_3D[1]} explored points, {SEAR
 
 - Figure 1, the survey of deflection ratios: the station data are not available. `pavescape survey` computes the ratio D250/D0 and
   compares it with its limit of 0.6. On the made-up road `grids/road-example.csv` {ratios(r["survey"])}.
-- Figure 5, n varying with place: n is one number for a layer in this model.
+- Figure 5, n varying with place: these fits have one n for the layer; the effect `anisotropy-distribution` lets it rise away from the load.
 
 ## The paper's claims
 
