@@ -27,6 +27,7 @@ std::vector<std::vector<std::size_t>> nearest(std::span<const std::vector<double
                                               const std::vector<std::size_t>& among, int count) {
     std::vector<std::vector<std::size_t>> result(points.size());
     std::vector<std::vector<double>> cloud;
+    cloud.reserve(among.size());
     for (const std::size_t i : among) {
         cloud.push_back(points[i]);
     }
