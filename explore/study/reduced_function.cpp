@@ -16,7 +16,7 @@ using namespace pave::pavement;
 using Json = nlohmann::json;
 
 // Of this layout of the file, and of the algorithm that builds.
-constexpr int format_version = 1;
+constexpr int format_version = 2;
 
 constexpr const char* by_full_model = "computed by the full model: the reduced one is not sure enough here";
 
