@@ -4,9 +4,8 @@ modulus ratio n does to the strains of every layer. Started by tools/paper-laws.
 usage: tools/paper_laws.py"""
 import math
 
-from paper import ROOT, run, variant
+from paper import ROOT, SEARCH_3D, run, table, three, variant
 
-SEARCH_3D = ("--explore", "48", "--starts", "4")
 TABLES = {"Table 4: FWD on pavement 1": ("captif-p1-unique-fwd", ("--explore", "64", "--verify", "12")),
           "Table 3: strains of pavement 1, 650 kPa": ("captif-p1-diagnose-strain", ("--explore", "24", "--verify", "4")),
           "Table 6: strains of pavement 2": ("captif-p2-diagnose", ("--explore", "24", "--verify", "4")),
@@ -21,28 +20,20 @@ DRESDEN = ((r'^law = "uzan"', 'law = "dresden"'), (r"^modulus_axis = .*\n", ""),
            (r'^name = "base.k3"\nmin = .*\nmax = .*', 'name = "base.q2"\nmin = 0.0\nmax = 0.8'))
 
 
-def table(rows):
-    return "\n".join("| " + " | ".join(map(str, row)) + " |" for row in [rows[0], ["---"] * len(rows[0]), *rows[1:]]) + "\n"
-
-
-def number(value, digits=3):
-    return "-" if value is None else f"{value:.{digits}g}"
-
-
 def compared(title, study, options):
     found = run("compare", variant(f"laws-{study}", study), "--laws", ",".join(LAWS), *options)
     laws = [law for law in found["laws"] if law["status"] == "converged"]
     rows = [["law in the base", "chi2 (degrees of freedom)", "weight by AICc", "left out place by place", "held out", "answer"]]
     for law in laws:
-        rows.append([f"`{law['law']}`", f"{law['chi2']:.1f} ({law['dof']})", f"{100 * law['weight']:.0f} %", number(law["held_out_rms"]),
-                     number(law["study_held_out_rms"]), law["verdict"]])
+        rows.append([f"`{law['law']}`", f"{law['chi2']:.1f} ({law['dof']})", f"{100 * law['weight']:.0f} %", three(law["held_out_rms"]),
+                     three(law["study_held_out_rms"]), law["verdict"]])
     alike = [law["law"] for law in laws if law["weight"] > 0.05]
     words = (f"These data prefer `{alike[0]}`." if len(alike) == 1 else f"These data cannot tell {', '.join(alike[:-1])} and {alike[-1]} apart."
              if alike else "There are too few readings for a criterion to weigh the laws.")
     if laws and laws[0]["p_value"] is not None:
         best = max(laws, key=lambda law: law["p_value"])
         words += f" The one that fits best has p = {best['p_value']:.2g}" + (": none fits within the noise." if best["p_value"] < 0.05 else ".")
-    return f"### {title}\n\n{table(rows)}\n{words}\n"
+    return f"### {title}\n\n{table(rows[0], rows[1:])}\n\n{words}\n"
 
 
 def kinds(law, study):
@@ -51,11 +42,11 @@ def kinds(law, study):
     groups = ["fwd.deflection", "dual650.strain_zz", "dual750.strain_zz"]
     rms = {g["name"]: g["rms"] for g in found["groups"]}
     rows = [[f"`{law}`, fitted to", *groups]]
-    rows.append(["both"] + [number(rms[g]) for g in groups])
+    rows.append(["both"] + [three(rms[g]) for g in groups])
     for fit in found["alone"]:
-        rows.append([f"{fit['fitted']} alone"] + [number(fit["rms"][g]) for g in groups])
+        rows.append([f"{fit['fitted']} alone"] + [three(fit["rms"][g]) for g in groups])
     alone = {fit["fitted"]: fit["rms"] for fit in found["alone"]}
-    return table(rows), {"fwd_on_strain": alone["fwd.deflection"]["dual650.strain_zz"], "strain_own": alone["dual650.strain_zz"]["dual650.strain_zz"],
+    return table(rows[0], rows[1:]), {"fwd_on_strain": alone["fwd.deflection"]["dual650.strain_zz"], "strain_own": alone["dual650.strain_zz"]["dual650.strain_zz"],
                          "strain_on_fwd": alone["dual650.strain_zz"]["fwd.deflection"], "fwd_own": alone["fwd.deflection"]["fwd.deflection"],
                          "both_strain": rms["dual650.strain_zz"], "both_fwd": rms["fwd.deflection"]}
 
@@ -83,7 +74,7 @@ def anisotropy():
     for label, of in values.items():
         rows.append([label] + [f"{of[name]['value']:.4g} {of[name]['unit']}" if label.startswith("n = 1") else
                                f"{100 * (of[name]['value'] / reference[name]['value'] - 1):+.0f} %" for name, *_ in sensors])
-    return table(rows)
+    return table(rows[0], rows[1:])
 
 
 def main():
@@ -105,11 +96,13 @@ row found nothing new.
 Root mean square logarithmic error of each kind of reading (0.1 is about 10 %), by what was fitted.
 
 {uzan}
+
 Steven found that a k1 calibrated on the deflection left 81 % error in the vertical strain. In kind it is so here: fitted to the deflections alone, `uzan`
 misses the vertical strains under the wheel by {percent(u['fwd_on_strain'])} (typical factor), where their own fit leaves {percent(u['strain_own'])}; fitted to both, {percent(u['both_strain'])} are left on the strains and
 {percent(u['both_fwd'])} on the deflections, which alone would be fitted to {percent(u['fwd_own'])}.
 
 {dresden}
+
 Werkmeister found with the Dresden model that vertical strains are met and deflections are not. Fitted to the strains, `dresden` leaves {percent(d['strain_own'])} on them and
 misses the deflections by {percent(d['strain_on_fwd'])}, where their own fit leaves {percent(d['fwd_own'])}{': confirmed' if d['strain_on_fwd'] > 1.5 * d['fwd_own'] else ': not confirmed'}. Under `uzan` the same
 numbers are {percent(u['strain_own'])}, {percent(u['strain_on_fwd'])} and {percent(u['fwd_own'])}{': it is not the law that parts the two kinds' if u['strain_on_fwd'] > 1.5 * u['fwd_own'] else ''}.
@@ -119,7 +112,8 @@ numbers are {percent(u['strain_own'])}, {percent(u['strain_on_fwd'])} and {perce
 An FWD on pavement 1 with `uzan` in the base (k1 2000 for the vertical modulus, k2 0.5, k3 -0.3); first line as computed, the others against it. The
 last line is a field n(r, z): the effect `anisotropy-distribution` at size 1.
 
-{anisotropy()}""")
+{anisotropy()}
+""")
 
 
 if __name__ == "__main__":

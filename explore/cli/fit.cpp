@@ -204,11 +204,11 @@ int fit(FitOptions options) {
         fmt::format("{}; {} starts, distance {}; {}, {} evaluations, tolerances {} {}{}{}", design.name,
                     options.multistart.starts, options.multistart.start_distance, options.multistart.method,
                     search_settings.max_evaluations, search_settings.step_tolerance, search_settings.misfit_tolerance,
-                    reduced ? reduced->settings : "", reduced && !reduced_alone ? " to explore" : "");
+                    reduced ? reduced->settings : "", options.model.confirmed() ? " to explore" : "");
     run::Store store(folder, session(options.common));
     run::Tally of_exploration;
     std::optional<std::vector<problem::Evaluation>> explored;
-    if (reduced && !reduced_alone) { // a run of its own: its evaluations are not the full model's
+    if (options.model.confirmed()) { // a run of its own: its evaluations are not the full model's
         const int id = store.begin(run_header(study, "explore", settings));
         run::Engine engine(reduced->problem, &store, id, {.threads = options.common.threads, .show_progress = true});
         explored = engine.evaluate(design);

@@ -191,8 +191,8 @@ int map(const MapOptions& options) {
     if (reduced) {
         fmt::print("{}  {} of the points by the full model, where the reduced one estimates an error above {:g} %\n{}",
                    reduced->words, json["by_full_model"].get<std::int64_t>(), options.model.limit_percent,
-                   options.model.model == "reduced" ? "  misfits below are those of the reduced model\n"
-                                                    : "  the lowest below are computed again by the full model\n");
+                   options.model.alone() ? "  misfits below are those of the reduced model\n"
+                                         : "  the lowest below are computed again by the full model\n");
     }
     for (const auto& [status, count] : json["statuses"].items()) {
         fmt::print("    {:<19} {}\n", status, count.get<std::int64_t>());

@@ -530,18 +530,16 @@ int unique(const UniqueOptions& options) {
     run::Store store(folder, session(options.common));
     const run::EngineSettings engine_settings{.threads = options.common.threads, .show_progress = true};
     std::optional<run::Engine> exploring_engine;
-    std::optional<landscape::Explorer> explorer;
     if (options.model.confirmed()) { // a run of its own: its evaluations are not the full model's
         exploring_engine.emplace(reduced->problem, &store, store.begin(run_header(study, "explore", settings)),
                                  engine_settings);
-        explorer.emplace(landscape::Explorer{reduced->problem, *exploring_engine});
     }
     const int all_id = store.begin(run_header(study, "unique-outputs", settings));
     const int id = store.begin(run_header(study, "unique", settings));
     run::Engine engine(fitted, &store, id, engine_settings);
     run::Engine everything_engine(everything, &store, all_id, engine_settings);
     auto task = uniqueness_task(study, fitted, everything, engine, everything_engine, options.common.seed);
-    task.explorer = explorer ? &*explorer : nullptr;
+    task.explorer = exploring_engine ? &*exploring_engine : nullptr;
     if (options.model.alone()) {
         task.outputs.clear(); // of loads that it may not have
     }

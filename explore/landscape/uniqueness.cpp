@@ -78,12 +78,7 @@ private:
         return s;
     }
 
-    const problem::Problem& explored_problem() const {
-        return task_.explorer != nullptr ? task_.explorer->problem : task_.fitted;
-    }
-    run::Engine& exploring_engine() const {
-        return task_.explorer != nullptr ? task_.explorer->engine : task_.fitted_engine;
-    }
+    run::Engine& exploring_engine() const { return task_.explorer != nullptr ? *task_.explorer : task_.fitted_engine; }
 
     bool explore() {
         result_.sample = search::sobol(task_.fitted.space, settings_.explore, task_.seed);
@@ -103,8 +98,8 @@ private:
         std::vector<VectorXd> gradients;
         for (const auto& e : result_.explored) {
             misfit.push_back(e.misfit);
-            gradients.push_back(e.converged() ? VectorXd(explored_problem().residual_jacobian(e).transpose() *
-                                                         explored_problem().misfit.residuals(e.responses))
+            gradients.push_back(e.converged() ? VectorXd(task_.fitted.residual_jacobian(e).transpose() *
+                                                         task_.fitted.misfit.residuals(e.responses))
                                               : VectorXd());
         }
         result_.tree = merge_tree(result_.sample.points, misfit, neighbours);
@@ -154,16 +149,12 @@ private:
     }
 
     void group() {
-        const double noise = task_.noise_is_stated ? 1.0 : 0.0;
+        // A minimum is what the model itself has; the explorer's ends belong where searches from them ended.
+        std::vector<run::Endpoint> own;
+        std::copy_if(ends_.begin(), ends_.end(), std::back_inserter(own),
+                     [&](const auto& end) { return !followed_by_.contains(end.start); });
+        result_.minima = distinct_minima(own, task_.fitted, task_.noise_is_stated ? 1.0 : 0.0);
         home_.clear();
-        if (followed_by_.empty()) {
-            result_.minima = distinct_minima(ends_, explored_problem(), noise);
-        } else { // a minimum is what the model itself has; the explorer's ends belong where searches from them ended
-            std::vector<run::Endpoint> own;
-            std::copy_if(ends_.begin(), ends_.end(), std::back_inserter(own),
-                         [](const auto& end) { return end.start >= first_of(polishing); });
-            result_.minima = distinct_minima(own, task_.fitted, noise);
-        }
         for (std::size_t m = 0; m < result_.minima.size(); ++m) {
             for (const int start : result_.minima[m].members) {
                 home_[start] = static_cast<int>(m);

@@ -9,12 +9,6 @@
 
 namespace explore::landscape {
 
-// A quicker model of the same readings.
-struct Explorer {
-    const problem::Problem& problem;
-    run::Engine& engine;
-};
-
 struct UniquenessTask {
     // Residuals in units of their noise where it is stated. The first computes what is fitted, the second every
     // response.
@@ -26,9 +20,9 @@ struct UniquenessTask {
     std::vector<std::size_t> outputs;             // responses whose range is wanted
     std::vector<std::vector<std::size_t>> groups; // terms of the misfit of each group of data
     std::uint64_t seed = 1;
-    // The sample and the searches are its, then searches by fitted_engine begin at what it found. nullptr: all are
-    // fitted_engine's.
-    const Explorer* explorer = nullptr;
+    // Of a quicker model of what is fitted: the sample and the searches are its, then searches by fitted_engine begin
+    // at what it found. nullptr: all are fitted_engine's.
+    run::Engine* explorer = nullptr;
 };
 
 struct UniquenessSettings {

@@ -88,7 +88,7 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
     const auto number = [&](std::size_t i) { return static_cast<int>(first + i); };
     std::vector<Evaluation> evaluations(n);
     std::vector<char> done(n, 0);
-    for (auto& [known, e] : m.known({-1, number(0)}, {-1, std::numeric_limits<int>::max()})) {
+    for (auto& [known, e] : m.known({-1, number(0)}, {-1, number(n) - 1})) {
         const auto i = static_cast<std::size_t>(known.number) - first;
         if (i < n && e.parameters == m.problem.space.physical(point(i))) {
             evaluations[i] = std::move(e);

@@ -5,14 +5,12 @@
 
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 
 namespace pave::material {
 namespace {
 
 enum : std::size_t { modulus_at_break, slope_below, slope_above, breakpoint, lowest, highest };
 
-constexpr double q_over_tau = 3.0 / std::numbers::sqrt2;
 constexpr double rounding = 3e3; // Pa: corners are hyperbolas of this width
 
 // |x| with a rounded corner, and its derivative.
@@ -79,11 +77,11 @@ private:
         double value;
         double rate;
         Deviator(std::span<const double> p, double tau) {
-            const double q = q_over_tau * tau;
+            const double q = deviator_over_tau * tau;
             const Corner low(q - p[lowest]);
             const Corner high(q - p[highest]);
             value = (p[lowest] + p[highest] + low.value - high.value) / 2.0;
-            rate = q_over_tau * (low.slope - high.slope) / 2.0;
+            rate = deviator_over_tau * (low.slope - high.slope) / 2.0;
         }
     };
 
@@ -98,7 +96,7 @@ private:
                 .d_tau = (-mean + change * corner.slope) * q.rate};
     }
     double own_derivative(std::span<const double> p, double, double tau, double, std::size_t i) const override {
-        const double q = q_over_tau * tau;
+        const double q = deviator_over_tau * tau;
         const double beyond = Deviator(p, tau).value - p[breakpoint];
         const Corner corner(beyond);
         const double by_deviator =

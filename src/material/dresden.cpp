@@ -4,7 +4,6 @@
 #include "material/stress_dependent.h"
 
 #include <cmath>
-#include <numbers>
 
 namespace pave::material {
 namespace {
@@ -12,7 +11,6 @@ namespace {
 enum : std::size_t { q, c, q1, q2, d, floor };
 
 constexpr double pa = unit::reference_pressure;
-constexpr double deviator_over_tau = 3.0 / std::numbers::sqrt2;
 
 class Dresden final : public StressDependent {
 public:

@@ -8,8 +8,12 @@
 #include "material/law.h"
 
 #include <memory>
+#include <numbers>
 
 namespace pave::material {
+
+// sigma1 - sigma3 of a triaxial test over the octahedral shear stress.
+inline constexpr double deviator_over_tau = 3.0 / std::numbers::sqrt2;
 
 class StressDependent : public Law {
 public:

@@ -4,7 +4,6 @@
 #include "material/stress_dependent.h"
 
 #include <cmath>
-#include <numbers>
 
 namespace pave::material {
 namespace {
@@ -12,7 +11,6 @@ namespace {
 enum : std::size_t { k1, k2, k3, floor };
 
 constexpr double pa = unit::reference_pressure;
-constexpr double q_over_tau = 3.0 / std::numbers::sqrt2;
 
 class UzanDeviator final : public StressDependent {
 public:
@@ -37,11 +35,15 @@ public:
     std::string_view summary() const override { return "stress-dependent: E = k1 pa (theta/pa)^k2 (deviator/pa)^k3"; }
 
 private:
-    static double deviator(std::span<const double> p, double tau) { return std::hypot(q_over_tau * tau, p[floor]); }
+    static double deviator(std::span<const double> p, double tau) {
+        return std::hypot(deviator_over_tau * tau, p[floor]);
+    }
     Terms terms(std::span<const double> p, double thp, double tau) const override {
         const double sd = deviator(p, tau);
         const double e = p[k1] * pa * std::exp(p[k2] * std::log(thp / pa) + p[k3] * std::log(sd / pa));
-        return {.value = e, .d_thp = e * p[k2] / thp, .d_tau = e * p[k3] * q_over_tau * q_over_tau * tau / (sd * sd)};
+        return {.value = e,
+                .d_thp = e * p[k2] / thp,
+                .d_tau = e * p[k3] * deviator_over_tau * deviator_over_tau * tau / (sd * sd)};
     }
     double own_derivative(std::span<const double> p, double thp, double tau, double value,
                           std::size_t i) const override {

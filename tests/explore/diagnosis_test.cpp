@@ -1,6 +1,7 @@
 // The diagnosis on linear models, where signatures, scores, gains and rates are known in closed form and thousands of
 // fits take no time. Finite elements: tests/blind.
 #include "diagnose/diagnosis.h"
+#include "support/formula.h"
 
 #include "base/random.h"
 
@@ -18,26 +19,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-
-// Responses a x + s y, in standard deviations.
-class Linear final : public problem::ForwardFunction {
-public:
-    explicit Linear(MatrixXd matrix) : matrix_(std::move(matrix)) {}
-    std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Workspace>(); }
-    pave::Outcome<problem::Prediction> evaluate(std::span<const double> values, bool with_jacobian,
-                                                Workspace&) const override {
-        const VectorXd y = matrix_ * VectorXd::Map(values.data(), static_cast<Index>(values.size()));
-        problem::Prediction p;
-        p.responses.assign(y.begin(), y.end());
-        if (with_jacobian) {
-            p.jacobian = matrix_;
-        }
-        return p;
-    }
-
-private:
-    MatrixXd matrix_;
-};
 
 constexpr Index readings = 40;
 constexpr Index parameters = 3;
@@ -77,7 +58,11 @@ struct World {
         for (Index i = 0; i < readings; ++i) {
             terms.push_back({static_cast<std::size_t>(i), data[i], 1.0});
         }
-        return {space, std::make_shared<Linear>(matrix), {problem::MisfitKind::weighted, terms}};
+        test::Formula linear([matrix](const VectorXd& x, VectorXd& responses, MatrixXd& jacobian) {
+            responses = matrix * x;
+            jacobian = matrix;
+        });
+        return {space, std::make_shared<test::Formula>(std::move(linear)), {problem::MisfitKind::weighted, terms}};
     }
 
     diagnose::Workbench bench() const {

@@ -21,8 +21,7 @@ namespace {
 
 landscape::Uniqueness analyse(const problem::Problem& problem, const landscape::UniquenessSettings& settings,
                               std::uint64_t seed, std::vector<std::size_t> outputs = {},
-                              std::vector<std::vector<std::size_t>> groups = {},
-                              const landscape::Explorer* explorer = nullptr) {
+                              std::vector<std::vector<std::size_t>> groups = {}, run::Engine* explorer = nullptr) {
     run::Engine engine(problem, nullptr, 0, {.threads = 0, .show_progress = false});
     auto result = landscape::uniqueness({.fitted = problem,
                                          .everything = problem,
@@ -213,9 +212,8 @@ TEST(Uniqueness, SeeksAgainWhatAQuickerModelFound) {
         }
         const problem::Problem quick = moved.problem();
         run::Engine engine(quick, nullptr, 0, {.threads = 0, .show_progress = false});
-        const landscape::Explorer explorer{quick, engine};
         const auto u =
-            analyse(wells.problem(), {.explore = 512, .verify = 60, .max_searches = 400}, seed, {}, {}, &explorer);
+            analyse(wells.problem(), {.explore = 512, .verify = 60, .max_searches = 400}, seed, {}, {}, &engine);
         complete += found_all(wells, u) ? 1 : 0;
         EXPECT_GE(engine.tally().computed, 512); // the sample and the searches are its
         std::size_t members = 0;
