@@ -121,9 +121,10 @@ void members(Archive& archive, T& value) {
         auto& [name, thickness, density, k0, residual_stress, law, parameters, fields, compliance] = value;
         archive(name, thickness, density, k0, residual_stress, law, parameters, fields, compliance);
     } else if constexpr (std::is_same_v<Own, Load>) {
-        auto& [name, type, pressure, radius, force, spacing, patch, patch_width, factor, shape, stiffness, inertia] =
-            value;
-        archive(name, type, pressure, radius, force, spacing, patch, patch_width, factor, shape, stiffness, inertia);
+        auto& [name, type, pressure, radius, force, spacing, patch, width, factor, shape, duration, stiffness,
+               inertia] = value;
+        archive(name, type, pressure, radius, force, spacing, patch, width, factor, shape, duration, stiffness,
+                inertia);
     } else if constexpr (std::is_same_v<Own, Sensor>) {
         auto& [load, quantity, x, y, depth, gauge, measured, gain, shares] = value;
         archive(load, quantity, x, y, depth, gauge, measured, gain, shares);

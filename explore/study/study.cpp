@@ -51,7 +51,9 @@ Layer read_layer(const toml::table& table, const std::string& file) {
     if (const std::string why = layer.law->impossible(layer.parameters); !why.empty()) {
         std::vector<std::string> found;
         for (std::size_t i = 0; i < layer.parameters.size(); ++i) {
-            if (!layer.law->unit_stiffness_derivative(layer.parameters, i).isZero(0.0)) {
+            const auto fades = layer.law->relaxation_derivative(layer.parameters, i);
+            const bool is_share = std::any_of(fades.begin(), fades.end(), [](const auto& f) { return f.share != 0.0; });
+            if (is_share || !layer.law->unit_stiffness_derivative(layer.parameters, i).isZero(0.0)) {
                 found.push_back(fmt::format("{} = {:g}", layer.law->parameters()[i].key, layer.parameters[i]));
             }
         }
@@ -497,6 +499,10 @@ Study load_study(const std::string& file, Readings readings) {
         TableReader r(*solver, file, "[solver]");
         auto& settings = study.model.settings;
         settings.integration = static_cast<Integration>(r.choice(keys::solver_integration));
+        if (settings.integration == Integration::secant && study.model.relaxes()) {
+            throw pave::Error(r.place(keys::solver_integration.key), "a layer that relaxes is followed in time",
+                              "\"secant\"", "\"incremental\"");
+        }
         settings.solver.path_tolerance = r.number(keys::solver_path);
         settings.solver.equilibrium_tolerance = r.number(keys::solver_equilibrium);
         r.done();

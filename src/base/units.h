@@ -8,6 +8,7 @@ inline constexpr double um = 1e-6;          // m
 inline constexpr double kPa = 1e3;          // Pa
 inline constexpr double MPa = 1e6;          // Pa
 inline constexpr double kN = 1e3;           // N
+inline constexpr double ms = 1e-3;          // s
 inline constexpr double microstrain = 1e-6; // -
 
 inline constexpr double gravity = 9.81;           // m/s2

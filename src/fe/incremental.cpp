@@ -24,9 +24,6 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
     State& now = path.now;
     State& trial = path.trial;
     Eigen::VectorXd& modulus = w.modulus;
-    Eigen::VectorXd& modulus_rate = w.modulus_rate;
-    modulus.resize(points);
-    modulus_rate.resize(static_cast<Eigen::Index>(points) * count);
 
     // Rates found before span something near the next one; so do, for the derivatives of a rate, they and the rates.
     std::array<bool, LoadPath<State>::stages> known{};
@@ -49,22 +46,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
     // d(state)/d(load factor) at a state, slope[number]: one matrix, 1 + count right-hand sides. False: not definite.
     const auto rate = [&](const State& x, int number) {
         State& out = slope[number];
-        for (int q = 0; q < points; ++q) {
-            const int e = w.active[q / Element::gauss];
-            const LayerMaterial& layer = w.layer_of(e);
-            const Stress total = w.initial[q] + x.stress.col(q);
-            const auto at = mechanics::invariants<Element::voigt>(total);
-            const auto m = layer.law->modulus(layer.parameters, at);
-            modulus[q] = m.value;
-            if (count > 0) {
-                const Stress gradient = modulus_gradient<Element::voigt>(m, at, total);
-                for (int k = 0; k < count; ++k) {
-                    const Eigen::Index qk = static_cast<Eigen::Index>(q) * count + k;
-                    modulus_rate[qk] = gradient.dot(w.initial_rate[qk] + x.d_stress.col(qk)) +
-                                       w.explicit_modulus_rate(layer, w.topology->layer[e], at, m, k);
-                }
-            }
-        }
+        w.set_moduli(x.stress, x.d_stress);
         w.assemble(modulus);
         out.u = load;
         if (!w.system.set_matrix(w.values) || !w.system.solve(out.u, guesses(out, false))) {
@@ -72,51 +54,14 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         }
         if (count > 0) {
             w.set_load_rates(load, out.du);
-            w.subtract_linear_rates(out.u.data(), out.du);
+            w.subtract_linear_rates(out.u, out.du);
         }
-        for (std::size_t a = 0; a < w.active.size(); ++a) {
-            const int e = w.active[a];
-            const auto& p = w.prepared_of(e);
-            const Vector ue = w.model->gather(e, out.u.data());
-            std::array<Stress, Element::gauss> strain;
-            for (int g = 0; g < Element::gauss; ++g) {
-                const int q = static_cast<int>(a) * Element::gauss + g;
-                strain[g] = Element::strain(w.point(e, g), ue);
-                out.stress.col(q) = modulus[q] * (w.unit(e, g) * strain[g]);
-            }
-            for (int k = 0; k < count; ++k) {
-                Vector force = Vector::Zero();
-                for (int g = 0; g < Element::gauss; ++g) {
-                    const int q = static_cast<int>(a) * Element::gauss + g;
-                    const Eigen::Index qk = static_cast<Eigen::Index>(q) * count + k;
-                    Stress d = (modulus_rate[qk] / modulus[q]) * out.stress.col(q);
-                    if (p.turns[k]) {
-                        d += modulus[q] * (w.unit_rate(e, g, k) * strain[g]);
-                    }
-                    if (const Motion<Element>* motion = w.motion_of(k)) {
-                        d += w.subtract_motion(*motion, e, g, ue, out.stress.col(q), modulus[q] * w.unit(e, g), force);
-                    }
-                    out.d_stress.col(qk) = d;
-                    Element::add_force(w.point(e, g), d, -w.point(e, g).weight, force);
-                }
-                w.model->scatter_add(e, force, out.du.col(k).data());
-            }
-        }
+        w.set_stress(out.u, out.stress, out.d_stress, out.du);
         if (count > 0) {
             if (!w.system.solve(out.du, guesses(out, true))) {
                 return false;
             }
-            for (std::size_t a = 0; a < w.active.size(); ++a) {
-                const int e = w.active[a];
-                for (int k = 0; k < count; ++k) {
-                    const Vector de = w.model->gather(e, out.du.col(k).data());
-                    for (int g = 0; g < Element::gauss; ++g) {
-                        const int q = static_cast<int>(a) * Element::gauss + g;
-                        out.d_stress.col(static_cast<Eigen::Index>(q) * count + k) +=
-                            modulus[q] * (w.unit(e, g) * Element::strain(w.point(e, g), de));
-                    }
-                }
-            }
+            w.add_stress_rates(out.du, out.d_stress);
         }
         known[number] = true;
         return true;
@@ -183,15 +128,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
     if (Element::dim == 3) {
         Eigen::VectorXd correction = load;
         w.subtract_linear_force(now.u, correction);
-        for (std::size_t a = 0; a < w.active.size(); ++a) {
-            Vector force = Vector::Zero();
-            for (int g = 0; g < Element::gauss; ++g) {
-                const auto& point = w.point(w.active[a], g);
-                Element::add_force(point, now.stress.col(static_cast<int>(a) * Element::gauss + g), -point.weight,
-                                   force);
-            }
-            w.model->scatter_add(w.active[a], force, correction.data());
-        }
+        w.subtract_force(now.stress, 1, 0, correction);
         if (!w.system.solve(correction, {})) {
             return not_definite;
         }
@@ -208,18 +145,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
 
     solution.displacement = now.u;
     solution.d_displacement = now.du;
-    for (std::size_t a = 0; a < w.active.size(); ++a) {
-        for (int g = 0; g < Element::gauss; ++g) {
-            const int from = static_cast<int>(a) * Element::gauss + g;
-            const int to = w.active[a] * Element::gauss + g;
-            solution.stress.col(to) = now.stress.col(from);
-            solution.modulus[to] = modulus[from];
-            for (int k = 0; k < count; ++k) {
-                solution.d_stress.col(static_cast<Eigen::Index>(to) * count + k) =
-                    now.d_stress.col(static_cast<Eigen::Index>(from) * count + k);
-            }
-        }
-    }
+    w.store(now.stress, now.d_stress, solution);
     w.finish(load, solution);
     statistics.factorizations = w.system.factorizations();
     statistics.iterations = w.system.iterations();

@@ -77,6 +77,7 @@ struct Variation {
         field,           // size of fields[index] of the layer
         spring,          // stiffness of spring `index` of the model
         inertia,         // the factor on mass and damping under a pulse
+        duration,        // of the load, by its logarithm; the factors of its history stay
         motion           // of the mesh: number `index` of the motions given to the solver
     };
     Kind kind = Kind::law_parameter;

@@ -339,7 +339,7 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
     solution.displacement = u;
     if (count > 0) {
         w.set_load_rates(load, solution.d_displacement);
-        w.subtract_linear_rates(u.data(), solution.d_displacement);
+        w.subtract_linear_rates(u, solution.d_displacement);
     }
     // First the stress rates at held displacement, then what the displacement rates add.
     for (std::size_t a = 0; a < w.active.size(); ++a) {

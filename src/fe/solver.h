@@ -1,8 +1,9 @@
-// The two ways of integrating a stress-dependent law over the application of a load, with derivatives.
+// The ways of integrating the laws of a section over the application of a load, with derivatives.
 //
 //   incremental   d(sigma) = D(E(sigma)) d(strain), an ordinary differential equation in the load factor, solved to a
 //                 tolerance by an embedded Runge-Kutta pair; every stage is one symmetric positive definite solve.
 //   secant        sigma - sigma0 = D(E(sigma)) strain at the full load, solved by Newton with the consistent tangent.
+//   over time     the incremental law in steps of time, for layers that relax.
 //
 // Derivatives are those of the discrete algorithm: the tangent linear of the load path with its steps held, and the
 // implicit function theorem at the secant equilibrium.
@@ -61,6 +62,21 @@ struct Solution {
     Statistics statistics;
 };
 
+// How a load acts in time: what it is multiplied by at equal steps of time, before the first of which nothing acts.
+struct History {
+    double step = 0.0; // s
+    std::vector<double> factors;
+    std::size_t shown = 0; // the step whose solution is wanted
+};
+
+// What a section does under a history.
+template <class Element>
+struct Course {
+    Solution<Element> shown;
+    Eigen::MatrixXd values;                // a row a reading, a column a step
+    std::vector<Eigen::MatrixXd> d_values; // of every step: a row a reading, a column a variation
+};
+
 // A load that rises and falls as sin^2(pi t / duration), 0 <= t <= duration.
 struct Pulse {
     double duration = 0.03; // s
@@ -88,6 +104,7 @@ public:
 
     // load: force on every free unknown [N] at load factor 1. d(load)/d(load_factor) = load.
     // springs: stiffness of each spring of the model [Pa/m].
+    // Layers that relax have their instantaneous modulus in these two.
     // motions: of a model without springs and fields. Derivatives of stress are those at the Gauss points as they move.
     Outcome<Solution<Element>> incremental(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                                            const std::vector<Variation>& variations, const SolverSettings& settings,
@@ -97,6 +114,14 @@ public:
                                       const std::vector<Variation>& variations, const SolverSettings& settings,
                                       const std::vector<double>& springs = {},
                                       const std::vector<Motion<Element>>& motions = {});
+
+    // Layers that relax: quasi-static. A step of time is one of the midpoint rule for stress-dependent layers, at rates
+    // of displacement that are constant in it, for which what a relaxing layer remembers is exact; second order in the
+    // step. Stress-dependent layers follow the incremental law. What is out of balance after a step is in the next one.
+    Outcome<Course<Element>> over_time(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
+                                       const History& history, const std::vector<Functional<Element>>& readings,
+                                       const std::vector<Variation>& variations, const SolverSettings& settings,
+                                       const std::vector<double>& springs = {});
 
     // Called by `incremental` at the start of a stress-dependent load path and after every step, with the load factor,
     // the rate of the displacement by it and the modulus at the Gauss points of the stress-dependent elements, in the

@@ -53,6 +53,27 @@ struct PathState {
     }
 };
 
+// y += factor K x, with the values of K on the pattern of its lower triangle.
+inline void add_product(const Pattern& lower, const std::vector<double>& values, double factor,
+                        const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> y) {
+    for (int j = 0; j < lower.size; ++j) {
+        for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
+            const int i = lower.row[k];
+            y[i] += factor * values[k] * x[j];
+            if (i != j) {
+                y[j] += factor * values[k] * x[i];
+            }
+        }
+    }
+}
+
+// The displacement that the stress of each linear layer answers to, and its derivatives: that of the nodes, or of a
+// layer that relaxes what is left of it.
+struct Felt {
+    std::vector<const Eigen::VectorXd*> u;
+    std::vector<const Eigen::MatrixXd*> du;
+};
+
 template <class Element>
 struct Solver<Element>::Work {
     static constexpr int N = Element::voigt;
@@ -166,23 +187,12 @@ struct Solver<Element>::Work {
         prepare_points();
         bool constants_hold = true;
         for (std::size_t l = 0; l < prepared.size(); ++l) {
-            constants_hold = constants_hold && !(topology->linear[l] && prepared[l].stress_dependent);
+            const bool changes = prepared[l].stress_dependent || run_layers[l].law->relaxes();
+            constants_hold = constants_hold && !(topology->linear[l] && changes);
         }
         system.begin(settings.linear_tolerance, constants_hold);
         hold();
-        std::fill(linear.begin(), linear.end(), 0.0);
-        for (std::size_t l = 0; l < prepared.size(); ++l) {
-            if (!prepared[l].stress_dependent) {
-                for (std::size_t k = 0; k < linear.size(); ++k) {
-                    linear[k] += prepared[l].modulus * held[l].values[k];
-                }
-            }
-        }
-        for (std::size_t i = 0; i < springs->size(); ++i) {
-            for (const Spring::Entry& entry : model->springs[i].entries) {
-                linear[entry.place] += (*springs)[i] * entry.value;
-            }
-        }
+        assemble_linear(std::vector<double>(prepared.size(), 1.0));
         initial.resize(points());
         initial_rate.resize(static_cast<std::size_t>(points()) * count());
         for (int a = 0; a < static_cast<int>(active.size()); ++a) {
@@ -335,6 +345,23 @@ struct Solver<Element>::Work {
         }
     }
 
+    // linear := springs and linear layers, each with a share of its modulus.
+    void assemble_linear(const std::vector<double>& shares) {
+        std::fill(linear.begin(), linear.end(), 0.0);
+        for (std::size_t l = 0; l < prepared.size(); ++l) {
+            if (!prepared[l].stress_dependent && shares[l] != 0.0) {
+                for (std::size_t k = 0; k < linear.size(); ++k) {
+                    linear[k] += shares[l] * prepared[l].modulus * held[l].values[k];
+                }
+            }
+        }
+        for (std::size_t i = 0; i < springs->size(); ++i) {
+            for (const Spring::Entry& entry : model->springs[i].entries) {
+                linear[entry.place] += (*springs)[i] * entry.value;
+            }
+        }
+    }
+
     // values := stiffness with these moduli at the points of the active elements.
     void assemble(const Eigen::VectorXd& modulus) {
         values = linear;
@@ -351,34 +378,43 @@ struct Solver<Element>::Work {
         }
     }
 
-    // right(:, k) -= (dK/dp_k) u over the linear layers and the springs.
-    void subtract_linear_rates(const double* u, Eigen::MatrixXd& right) const {
-        for (int k = 0; k < count(); ++k) {
-            const Variation& v = (*variations)[k];
-            if (v.kind == Variation::Kind::spring) {
-                model->springs[v.index].add_product(u, -1.0, right.col(k).data());
-            }
-            if (const Motion<Element>* motion = motion_of(k)) {
-                subtract_linear_motion(*motion, u, right.col(k).data());
-            }
-            if ((v.kind != Variation::Kind::law_parameter && v.kind != Variation::Kind::field) ||
-                prepared[v.layer].stress_dependent) {
+    // right -= (dK/dp_k) u over the linear layers and the springs. A layer that relaxes: felt by it instead of u.
+    void subtract_linear_rate(int k, const Eigen::VectorXd& u, const Felt& felt, double* right) const {
+        const Variation& v = (*variations)[k];
+        if (v.kind == Variation::Kind::spring) {
+            model->springs[v.index].add_product(u.data(), -1.0, right);
+        }
+        if (const Motion<Element>* motion = motion_of(k)) {
+            subtract_linear_motion(*motion, u.data(), right);
+        }
+        if ((v.kind != Variation::Kind::law_parameter && v.kind != Variation::Kind::field) ||
+            prepared[v.layer].stress_dependent) {
+            return;
+        }
+        const PreparedLayer<N>& p = prepared[v.layer];
+        for (int e = 0; e < model->elements(); ++e) {
+            if (topology->layer[e] != v.layer) {
                 continue;
             }
-            const PreparedLayer<N>& p = prepared[v.layer];
-            for (int e = 0; e < model->elements(); ++e) {
-                if (topology->layer[e] != v.layer) {
-                    continue;
-                }
-                const Vector ue = model->gather(e, u);
-                Vector force = Vector::Zero();
-                for (int g = 0; g < Element::gauss; ++g) {
-                    const mechanics::Stiffness<N> d = p.modulus_rate[k] * unit(e, g) + p.modulus * unit_rate(e, g, k);
-                    Element::add_force(point(e, g), d * Element::strain(point(e, g), ue), -point(e, g).weight, force);
-                }
-                model->scatter_add(e, force, right.col(k).data());
+            const Vector ue = model->gather(e, felt.u[static_cast<std::size_t>(v.layer)]->data());
+            Vector force = Vector::Zero();
+            for (int g = 0; g < Element::gauss; ++g) {
+                const mechanics::Stiffness<N> d = p.modulus_rate[k] * unit(e, g) + p.modulus * unit_rate(e, g, k);
+                Element::add_force(point(e, g), d * Element::strain(point(e, g), ue), -point(e, g).weight, force);
             }
+            model->scatter_add(e, force, right);
         }
+    }
+    // The same of every variation, right(:, k), where no layer relaxes.
+    void subtract_linear_rates(const Eigen::VectorXd& u, Eigen::MatrixXd& right) const {
+        const Felt felt = felt_by_all(u, right);
+        for (int k = 0; k < count(); ++k) {
+            subtract_linear_rate(k, u, felt, right.col(k).data());
+        }
+    }
+    Felt felt_by_all(const Eigen::VectorXd& u, const Eigen::MatrixXd& du) const {
+        return {std::vector<const Eigen::VectorXd*>(prepared.size(), &u),
+                std::vector<const Eigen::MatrixXd*>(prepared.size(), &du)};
     }
 
     // force -= (dK/dp) u over the linear layers when the mesh moves.
@@ -468,16 +504,7 @@ struct Solver<Element>::Work {
 
     // force -= internal force of the linear layers at displacement x.
     void subtract_linear_force(const Eigen::VectorXd& x, Eigen::VectorXd& force) const {
-        const Pattern& lower = topology->lower;
-        for (int j = 0; j < lower.size; ++j) {
-            for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
-                const int i = lower.row[k];
-                force[i] -= linear[k] * x[j];
-                if (i != j) {
-                    force[j] -= linear[k] * x[i];
-                }
-            }
-        }
+        add_product(topology->lower, linear, -1.0, x, force);
     }
 
     static std::string describe_fold(double reached_by_load, double reached_by_smoothing) {
@@ -494,6 +521,9 @@ struct Solver<Element>::Work {
 
     // Stresses of the linear layers, residual, shares. `stress` of active elements is there already.
     void finish(const Eigen::VectorXd& load, Solution<Element>& solution) const {
+        finish(load, felt_by_all(solution.displacement, solution.d_displacement), solution);
+    }
+    void finish(const Eigen::VectorXd& load, const Felt& felt, Solution<Element>& solution) const {
         const int n = count();
         Statistics& s = solution.statistics;
         Eigen::VectorXd unbalanced = load;
@@ -501,7 +531,8 @@ struct Solver<Element>::Work {
         for (int e = 0; e < model->elements(); ++e) {
             const PreparedLayer<N>& p = prepared_of(e);
             const LayerMaterial& layer = layer_of(e);
-            const Vector ue = model->gather(e, solution.displacement.data());
+            const auto own = static_cast<std::size_t>(topology->layer[e]);
+            const Vector ue = model->gather(e, felt.u[own]->data());
             Vector force = Vector::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
                 const int q = e * Element::gauss + g;
@@ -510,7 +541,7 @@ struct Solver<Element>::Work {
                     solution.modulus[q] = p.modulus;
                     solution.stress.col(q) = p.modulus * (unit(e, g) * strain);
                     for (int k = 0; k < n; ++k) {
-                        const Vector de = model->gather(e, solution.d_displacement.col(k).data());
+                        const Vector de = model->gather(e, felt.du[own]->col(k).data());
                         solution.d_stress.col(static_cast<Eigen::Index>(q) * n + k) =
                             p.modulus * (unit(e, g) * Element::strain(point(e, g), de)) +
                             (p.modulus_rate[k] * unit(e, g) + p.modulus * unit_rate(e, g, k)) * strain;
@@ -554,6 +585,106 @@ struct Solver<Element>::Work {
         s.d_displacement = Eigen::MatrixXd::Zero(model->free_unknowns(), count());
         s.d_stress.resize(Eigen::NoChange, static_cast<Eigen::Index>(total) * count());
         return s;
+    }
+
+    // modulus, and modulus_rate by every variation, at the points of the active elements where the load stress is this.
+    template <class Stresses>
+    void set_moduli(const Stresses& stress, const Stresses& d_stress) {
+        modulus.resize(points());
+        modulus_rate.resize(static_cast<Eigen::Index>(points()) * count());
+        for (int q = 0; q < points(); ++q) {
+            const int e = active[q / Element::gauss];
+            const LayerMaterial& layer = layer_of(e);
+            const Stress total = initial[q] + stress.col(q);
+            const auto at = mechanics::invariants<N>(total);
+            const auto m = layer.law->modulus(layer.parameters, at);
+            modulus[q] = m.value;
+            if (count() > 0) {
+                const Stress gradient = modulus_gradient<N>(m, at, total);
+                for (int k = 0; k < count(); ++k) {
+                    const Eigen::Index qk = static_cast<Eigen::Index>(q) * count() + k;
+                    modulus_rate[qk] = gradient.dot(initial_rate[qk] + d_stress.col(qk)) +
+                                       explicit_modulus_rate(layer, topology->layer[e], at, m, k);
+                }
+            }
+        }
+    }
+    // With these moduli: stress := that of the displacement u at the points of the active elements, d_stress := its
+    // rates at held u, right(:, k) -= their force.
+    template <class Stresses>
+    void set_stress(const Eigen::VectorXd& u, Stresses& stress, Stresses& d_stress, Eigen::MatrixXd& right) const {
+        for (std::size_t a = 0; a < active.size(); ++a) {
+            const int e = active[a];
+            const auto& p = prepared_of(e);
+            const Vector ue = model->gather(e, u.data());
+            std::array<Stress, Element::gauss> strain;
+            for (int g = 0; g < Element::gauss; ++g) {
+                const int q = static_cast<int>(a) * Element::gauss + g;
+                strain[g] = Element::strain(point(e, g), ue);
+                stress.col(q) = modulus[q] * (unit(e, g) * strain[g]);
+            }
+            for (int k = 0; k < count(); ++k) {
+                Vector force = Vector::Zero();
+                for (int g = 0; g < Element::gauss; ++g) {
+                    const int q = static_cast<int>(a) * Element::gauss + g;
+                    const Eigen::Index qk = static_cast<Eigen::Index>(q) * count() + k;
+                    Stress d = (modulus_rate[qk] / modulus[q]) * stress.col(q);
+                    if (p.turns[k]) {
+                        d += modulus[q] * (unit_rate(e, g, k) * strain[g]);
+                    }
+                    if (const Motion<Element>* motion = motion_of(k)) {
+                        d += subtract_motion(*motion, e, g, ue, stress.col(q), modulus[q] * unit(e, g), force);
+                    }
+                    d_stress.col(qk) = d;
+                    Element::add_force(point(e, g), d, -point(e, g).weight, force);
+                }
+                model->scatter_add(e, force, right.col(k).data());
+            }
+        }
+    }
+    // d_stress += that of the rates du of the displacement.
+    template <class Stresses>
+    void add_stress_rates(const Eigen::MatrixXd& du, Stresses& d_stress) const {
+        for (std::size_t a = 0; a < active.size(); ++a) {
+            const int e = active[a];
+            for (int k = 0; k < count(); ++k) {
+                const Vector de = model->gather(e, du.col(k).data());
+                for (int g = 0; g < Element::gauss; ++g) {
+                    const int q = static_cast<int>(a) * Element::gauss + g;
+                    d_stress.col(static_cast<Eigen::Index>(q) * count() + k) +=
+                        modulus[q] * (unit(e, g) * Element::strain(point(e, g), de));
+                }
+            }
+        }
+    }
+    // force -= that of stress at the points of the active elements.
+    template <class Stresses, class Force>
+    void subtract_force(const Stresses& stress, Eigen::Index stride, Eigen::Index offset, Force&& force) const {
+        for (std::size_t a = 0; a < active.size(); ++a) {
+            Vector own = Vector::Zero();
+            for (int g = 0; g < Element::gauss; ++g) {
+                const auto& at = point(active[a], g);
+                const auto q = static_cast<Eigen::Index>(a) * Element::gauss + g;
+                Element::add_force(at, stress.col(q * stride + offset), -at.weight, own);
+            }
+            model->scatter_add(active[a], own, force.data());
+        }
+    }
+    // Stresses, moduli and rates of the points of the active elements to where the solution has them.
+    template <class Stresses>
+    void store(const Stresses& stress, const Stresses& d_stress, Solution<Element>& solution) const {
+        for (std::size_t a = 0; a < active.size(); ++a) {
+            for (int g = 0; g < Element::gauss; ++g) {
+                const int from = static_cast<int>(a) * Element::gauss + g;
+                const int to = active[a] * Element::gauss + g;
+                solution.stress.col(to) = stress.col(from);
+                solution.modulus[to] = modulus[from];
+                for (int k = 0; k < count(); ++k) {
+                    solution.d_stress.col(static_cast<Eigen::Index>(to) * count() + k) =
+                        d_stress.col(static_cast<Eigen::Index>(from) * count() + k);
+                }
+            }
+        }
     }
 
     // right(:, k) = d(load)/dp_k.

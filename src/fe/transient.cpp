@@ -72,19 +72,6 @@ double value_of(const Weights& weights, const Eigen::VectorXd& u) {
 }
 
 // y += K x
-void add_product(const Pattern& lower, const std::vector<double>& values, const Eigen::VectorXd& x,
-                 Eigen::VectorXd& y) {
-    for (int j = 0; j < lower.size; ++j) {
-        for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
-            const int i = lower.row[k];
-            y[i] += values[k] * x[j];
-            if (i != j) {
-                y[j] += values[k] * x[i];
-            }
-        }
-    }
-}
-
 void add_product(const Pattern& lower, const std::vector<double>& values, const Rates& x, Rates& y) {
     const auto add = [count = x.cols()](double value, const double* from, double* to) {
         for (Eigen::Index k = 0; k < count; ++k) {
@@ -375,17 +362,17 @@ Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& e
             }
             force.setZero();
             if (!rates.dashpots.empty()) {
-                add_product(lower, rates.dashpots, pulse.inertia * v, force);
+                add_product(lower, rates.dashpots, pulse.inertia, v, force);
             }
             if (!rates.mass.empty()) {
-                add_product(lower, rates.mass, pulse.inertia * a, force);
+                add_product(lower, rates.mass, pulse.inertia, a, force);
             }
             if (!rates.stiffness.empty()) {
-                add_product(lower, rates.stiffness, delayed, force);
+                add_product(lower, rates.stiffness, 1.0, delayed, force);
             }
             if (is_inertia) {
-                add_product(lower, damping, v, force);
-                add_product(lower, matrices.mass, a, force);
+                add_product(lower, damping, 1.0, v, force);
+                add_product(lower, matrices.mass, 1.0, a, force);
             }
             right.col(k) -= force;
         }
@@ -426,9 +413,8 @@ Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& e
     for (int i = 1; i <= 4 * steps_of_pulse / 3; ++i) { // the farthest sensors lag by some milliseconds
         const double sine = i < steps_of_pulse ? std::sin(std::numbers::pi * i / steps_of_pulse) : 0.0;
         Block<1> next = sine * sine * load;
-        add_product(lower, matrices.mass, pulse.inertia * (4.0 / (step * step) * u + 4.0 / step * v + acceleration),
-                    next);
-        add_product(lower, damping, pulse.inertia * (2.0 / step * u + v), next);
+        add_product(lower, matrices.mass, pulse.inertia, 4.0 / (step * step) * u + 4.0 / step * v + acceleration, next);
+        add_product(lower, damping, pulse.inertia, 2.0 / step * u + v, next);
         factor.solve<1>(next);
         const Eigen::VectorXd change = next - u;
         acceleration = 4.0 / (step * step) * change - 4.0 / step * v - acceleration;

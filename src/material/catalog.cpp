@@ -7,12 +7,13 @@
 #include "material/linear.h"
 #include "material/uzan.h"
 #include "material/uzan_deviator.h"
+#include "material/viscoelastic.h"
 
 namespace pave::material {
 
 std::span<const Law* const> laws() {
     static const Law* const all[] = {
-        &linear(), &uzan(), &k_theta(), &uzan_deviator(), &dresden(), &lade_nelson(), &bilinear(),
+        &linear(), &uzan(), &k_theta(), &uzan_deviator(), &dresden(), &lade_nelson(), &bilinear(), &viscoelastic(),
     };
     return all;
 }
@@ -34,6 +35,13 @@ std::optional<std::size_t> Law::index_of(std::string_view key) const {
         }
     }
     return std::nullopt;
+}
+
+std::vector<Relaxation> Law::relaxation(std::span<const double>) const {
+    return {};
+}
+std::vector<Relaxation> Law::relaxation_derivative(std::span<const double>, std::size_t) const {
+    return {};
 }
 
 } // namespace pave::material

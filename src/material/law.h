@@ -48,6 +48,12 @@ struct Modulus {
     bool limited = false; // the limit was met; derivatives are zero there
 };
 
+// One term of a Prony series: a share of the modulus that fades away with a time of relaxation.
+struct Relaxation {
+    double share = 0.0; // of the modulus that the law gives, which is then the instantaneous one
+    double time = 0.0;  // s
+};
+
 class Law {
 public:
     virtual ~Law() = default;
@@ -72,6 +78,13 @@ public:
     // C and dC/dp[i].
     virtual mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const = 0;
     virtual mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, std::size_t i) const = 0;
+
+    // Of a linear law whose stress fades under a held strain: D(t) = E C (1 - sum of share_i (1 - exp(-t/time_i))), and
+    // the rates of shares and times by p[i]. None: it does not.
+    virtual std::vector<Relaxation> relaxation(std::span<const double> p) const;
+    virtual std::vector<Relaxation> relaxation_derivative(std::span<const double> p, std::size_t i) const;
+    // Whether there may be such terms.
+    virtual bool relaxes() const { return false; }
 
     // Why these parameters cannot be a material (thermodynamic bounds), or "".
     virtual std::string impossible(std::span<const double> p) const = 0;

@@ -8,9 +8,9 @@ namespace {
 
 enum : std::size_t { modulus_MPa, poisson };
 
-class Linear final : public Isotropic {
+class Linear final : public IsotropicLinear {
 public:
-    Linear() : Isotropic(poisson) {}
+    Linear() : IsotropicLinear(modulus_MPa, poisson) {}
     std::string_view name() const override { return "linear"; }
     std::string_view summary() const override { return "isotropic linear elasticity"; }
     std::span<const ParameterInfo> parameters() const override {
@@ -27,19 +27,6 @@ public:
             {"poisson", 1.0, -0.99, 0.4999, false, {}, "Poisson's ratio", {}},
         };
         return infos;
-    }
-    bool stress_dependent() const override { return false; }
-    std::span<const std::size_t> scale_parameters() const override {
-        static constexpr std::size_t own[] = {modulus_MPa};
-        return own;
-    }
-
-    Modulus modulus(std::span<const double> p, mechanics::Invariants) const override {
-        return {.value = p[modulus_MPa]};
-    }
-    double modulus_derivative(std::span<const double>, mechanics::Invariants, const Modulus&,
-                              std::size_t i) const override {
-        return i == modulus_MPa ? 1.0 : 0.0;
     }
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numbers>
 
 namespace pave::pavement {
 namespace {
@@ -26,6 +27,38 @@ std::vector<double> moved_lines(std::vector<double> lines, const std::vector<dou
 
 const Failure does_not_fit{Status::invalid_parameters,
                            "the patch does not fit into the mesh, or those of the dual overlap, for this geometry"};
+
+const Failure not_finite{Status::failed, "the solution is not a finite number"};
+
+// sin^2(pi t / duration); shown at its peak.
+fe::History history_of(const Load& load) {
+    constexpr std::size_t steps = 40;
+    fe::History history{.step = load.duration / steps, .factors = {}, .shown = steps / 2 - 1};
+    for (std::size_t i = 1; i <= steps; ++i) {
+        const double sine = std::sin(std::numbers::pi * static_cast<double>(i) / steps);
+        history.factors.push_back(sine * sine);
+    }
+    return history;
+}
+
+// Weights on the steps of a course that make its extreme: that of the parabola through the step of largest magnitude
+// and the two beside it. Its place is stationary: the weights are, for derivatives.
+std::vector<std::pair<Eigen::Index, double>> at_extreme(const Eigen::RowVectorXd& values) {
+    Eigen::Index i = 0;
+    values.cwiseAbs().maxCoeff(&i);
+    const Eigen::Index last = values.size() - 1;
+    const double before = i > 0 ? values[i - 1] : 0.0;
+    const double curvature = i < last ? before - 2.0 * values[i] + values[i + 1] : 0.0;
+    if (curvature == 0.0) {
+        return {{i, 1.0}};
+    }
+    const double x = (before - values[i + 1]) / (2.0 * curvature); // in steps from i
+    std::vector<std::pair<Eigen::Index, double>> weights{{i, 1.0 - x * x}, {i + 1, x * (x + 1.0) / 2.0}};
+    if (i > 0) {
+        weights.emplace_back(i - 1, x * (x - 1.0) / 2.0);
+    }
+    return weights;
+}
 
 template <class Kind>
 class LoadModelOf final : public LoadModel {
@@ -64,6 +97,9 @@ public:
             motions.push_back(std::move(motion));
             observation_rates.push_back(std::move(rates));
         }
+        if (values.relaxes()) {
+            return over_time(values, layers, force, by, own);
+        }
         const auto solved = solve(values, layers, force, by, motions, own);
         if (!solved) {
             return solved.failure();
@@ -94,7 +130,7 @@ public:
                 }
             }
             if (!std::isfinite(reading.values[i])) {
-                return Failure{Status::failed, "the solution is not a finite number"};
+                return not_finite;
             }
         }
         if (load.inertia) {
@@ -110,7 +146,13 @@ public:
         if (!own.fit(*this, values)) {
             return does_not_fit;
         }
-        const auto solved = solve(values, layers, load.pressure * load.factor * own.unit_load, {}, {}, own);
+        const Eigen::VectorXd force = load.pressure * load.factor * own.unit_load;
+        if (values.relaxes()) {
+            const auto course = own.solver->over_time(layers, force, history_of(load), {}, {}, values.settings.solver,
+                                                      spring_stiffness(values));
+            return course ? Outcome<Fields>(fields_of(*own.model, layers, course->shown)) : course.failure();
+        }
+        const auto solved = solve(values, layers, force, {}, {}, own);
         if (!solved) {
             return solved.failure();
         }
@@ -128,6 +170,41 @@ private:
         return values.settings.integration == Integration::secant
                    ? own.solver->secant(layers, force, by, settings, springs, motions)
                    : own.solver->incremental(layers, force, by, settings, springs, motions);
+    }
+
+    // Of a section with layers that relax: the extreme of every reading over the time of the load.
+    Outcome<Reading> over_time(const Case& values, const std::vector<fe::LayerMaterial>& layers,
+                               const Eigen::VectorXd& force, const std::vector<fe::Variation>& by, Own& own) const {
+        std::vector<Eigen::Index> rows;
+        std::vector<fe::Functional<Element>> functionals;
+        for (std::size_t i = 0; i < values.sensors.size(); ++i) {
+            if (values.sensors[i].load == load_) {
+                rows.push_back(static_cast<Eigen::Index>(i));
+                functionals.push_back(own.observations[i]);
+            }
+        }
+        const auto course = own.solver->over_time(layers, force, history_of(values.loads[load_]), functionals, by,
+                                                  values.settings.solver, spring_stiffness(values));
+        if (!course) {
+            return course.failure();
+        }
+        Reading reading;
+        reading.values.resize(values.sensors.size());
+        reading.derivatives.setZero(static_cast<Eigen::Index>(values.sensors.size()),
+                                    static_cast<Eigen::Index>(by.size()));
+        reading.statistics = course->shown.statistics;
+        for (std::size_t r = 0; r < rows.size(); ++r) {
+            const auto row = static_cast<Eigen::Index>(r);
+            double& value = reading.values[static_cast<std::size_t>(rows[r])];
+            for (const auto& [step, weight] : at_extreme(course->values.row(row))) {
+                value += weight * course->values(row, step);
+                reading.derivatives.row(rows[r]) += weight * course->d_values[static_cast<std::size_t>(step)].row(row);
+            }
+            if (!std::isfinite(value)) {
+                return not_finite;
+            }
+        }
+        return reading;
     }
 
     // Of every spring of the model [Pa/m].
@@ -156,6 +233,7 @@ private:
             }
         }
         fe::Pulse pulse;
+        pulse.duration = values.loads[load_].duration;
         pulse.inertia = *values.loads[load_].inertia;
         const auto excess = own.solver->inertial_excess(solved, force, pulse, functionals);
         if (!excess) {
@@ -329,13 +407,17 @@ fe::Springs springs_of(const Case& c, int load) {
 std::vector<bool> linear_layers(const Case& c) {
     std::vector<bool> linear;
     for (const Layer& layer : c.layers) {
-        linear.push_back(!layer.law->stress_dependent());
+        linear.push_back(!layer.law->stress_dependent() && !layer.law->relaxes());
     }
     return linear;
 }
 
 std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int number) {
     const Load& load = nominal.loads[number];
+    if (nominal.relaxes() && nominal.settings.integration == Integration::secant) {
+        throw Error({.key = "solver.integration"}, "a layer that relaxes is followed in time", "\"secant\"",
+                    "\"incremental\"");
+    }
     const auto footprint = load.footprint();
     const double reach = std::max(footprint.outer(), footprint.half_y);
     if (!(reach < nominal.settings.extent)) {

@@ -45,7 +45,7 @@ std::vector<fe::LayerMaterial> materials_of(const Case& c);
 // The springs of the model of a load: slipping interfaces from above, then the plate.
 fe::Springs springs_of(const Case& c, int load);
 
-// Of each layer, whether it is linear elastic.
+// Of each layer, whether its stiffness stays what it is.
 std::vector<bool> linear_layers(const Case& c);
 
 // Cases of moved geometry near one: the derivative of a function of the case by what moves it is the sum of the

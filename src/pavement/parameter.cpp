@@ -94,11 +94,20 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch) {
                                nullptr,
                                [](Load& l) -> double& { return l.patch_width; },
                                true};
-    static const KeyInfo plate[] = {radius, pressure};
-    static const KeyInfo wheel_circle[] = {force, tyre_pressure};
-    static const KeyInfo wheel[] = {force, tyre_pressure, width};
-    static const KeyInfo dual_circle[] = {force, tyre_pressure, spacing};
-    static const KeyInfo dual[] = {force, tyre_pressure, spacing, width};
+    static const KeyInfo duration{"duration_ms",
+                                  unit::ms,
+                                  0.0,
+                                  1e9,
+                                  true,
+                                  30.0,
+                                  "it rises and falls as sin^2(pi t / duration): for layers that relax",
+                                  nullptr,
+                                  [](Load& l) -> double& { return l.duration; }};
+    static const KeyInfo plate[] = {radius, pressure, duration};
+    static const KeyInfo wheel_circle[] = {force, tyre_pressure, duration};
+    static const KeyInfo wheel[] = {force, tyre_pressure, width, duration};
+    static const KeyInfo dual_circle[] = {force, tyre_pressure, spacing, duration};
+    static const KeyInfo dual[] = {force, tyre_pressure, spacing, width, duration};
     switch (type) {
     case LoadType::plate: return plate;
     case LoadType::wheel: return patch == Patch::circle ? std::span<const KeyInfo>(wheel_circle) : wheel;
@@ -250,6 +259,9 @@ void each_number(Case& c, int load, F f) {
     if (on.inertia) {
         f(*on.inertia, fe::Variation{.kind = Kind::inertia}, 1.0);
     }
+    if (!on.inertia) {
+        f(on.duration, fe::Variation{.kind = Kind::duration}, 1.0 / on.duration);
+    }
     if (on.type == LoadType::plate) { // of a wheel it sets the size of the patch
         f(on.pressure, fe::Variation{.kind = Kind::load_factor}, 1.0 / on.pressure);
     }
@@ -304,7 +316,7 @@ Case without_geometry(Case c) {
 
 // Whether all that geometry changes of a case without effects is what the solver's motions hold.
 bool is_moved_by_its_mesh(const Case& c, int load) {
-    return !c.loads[load].plate_stiffness && !c.loads[load].inertia &&
+    return !c.loads[load].plate_stiffness && !c.loads[load].inertia && !c.relaxes() &&
            std::none_of(c.layers.begin(), c.layers.end(),
                         [](const Layer& layer) { return layer.compliance || !layer.fields.empty(); });
 }
@@ -321,8 +333,13 @@ std::optional<Derivative> direct_derivative(const Case& c, const Parameter& para
     if (parameter.changes_geometry()) {
         return is_moved_by_its_mesh(c, load) ? std::optional(one_term({.kind = Kind::motion}, 1.0)) : std::nullopt;
     }
-    if (parameter.in_load) { // the pressure of a plate: a factor on its load
-        return one_term({.kind = Kind::load_factor}, 1.0 / parameter.get(c));
+    if (parameter.in_load) {
+        const bool is_duration = parameter.key->key == "duration_ms";
+        if (is_duration && c.loads[load].inertia) {
+            return std::nullopt;
+        }
+        // By its logarithm; so is the pressure of a plate, a factor on its load.
+        return one_term({.kind = is_duration ? Kind::duration : Kind::load_factor}, 1.0 / parameter.get(c));
     }
     if (parameter.law_index) {
         return one_term({.kind = Kind::law_parameter, .layer = parameter.owner, .index = *parameter.law_index},

@@ -36,6 +36,10 @@ double Case::depth() const {
     return depth;
 }
 
+bool Case::relaxes() const {
+    return std::any_of(layers.begin(), layers.end(), [](const Layer& l) { return l.law->relaxes(); });
+}
+
 double Case::default_extent() const {
     double extent = std::max(4.0, 2.0 * depth());
     for (const Sensor& sensor : sensors) {

@@ -43,6 +43,8 @@ struct Load {
     double pressure_shape = 0.0;
     // Pa/m, plate: resists, per area, deflections that differ from the mean one under the plate; none: flexible.
     std::optional<double> plate_stiffness{};
+    // s: the load rises and falls as sin^2(pi t / duration). Layers that relax and inertia see it.
+    double duration = 0.03;
     // Plate: the inertia of the section answers to the load's pulse, its mass times this; none: static.
     std::optional<double> inertia{};
 
@@ -136,6 +138,8 @@ struct Case {
     std::vector<AppliedEffect> effects; // what the above does not say; applied in this order
 
     double depth() const;
+    // Whether the response depends on the duration of the load.
+    bool relaxes() const;
     // Where the wall stands unless a study says otherwise: 4 m, or twice the depth of the section, or twice the
     // distance of the farthest sensor. Nearer than twice the depth, the wall shows in the far deflections.
     double default_extent() const;

@@ -16,6 +16,9 @@ std::string why_not(const Case& c, int load) {
     if (own.settings.integration != Integration::incremental) {
         return "the law is integrated as a secant";
     }
+    if (own.relaxes()) {
+        return "a layer relaxes";
+    }
     if (std::none_of(own.layers.begin(), own.layers.end(), [](const Layer& l) { return l.law->stress_dependent(); })) {
         return "no layer depends on stress: the full model is as fast";
     }
@@ -318,7 +321,8 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
         case fe::Variation::Kind::load_factor: load_rate.col(static_cast<Eigen::Index>(k)) = force; break;
         case fe::Variation::Kind::unit_weight:
         case fe::Variation::Kind::k0:
-        case fe::Variation::Kind::residual_stress: break;
+        case fe::Variation::Kind::residual_stress:
+        case fe::Variation::Kind::duration: break; // nothing here relaxes
         default: return Failure{Status::failed, "the reduced model does not cover this derivative"};
         }
     }

@@ -45,6 +45,10 @@ expect("sensor outside the mesh", ["outside the mesh", "extent_m", "3.5 m"], dat
        line="3500", file="small.csv")
 expect("parameter that names nothing", ["base.k4", "base.k1"], changed('name = "base.k1"', 'name = "base.k4"'), line="base.k4")
 expect("impossible Poisson ratios", ["base", "n = 4", "1 - nu12 - 2 n nu31^2"], changed("n = 0.5\n", "n = 4.0\n"), line=None)
+RELAXING = STUDY.replace('law = "linear"\nmodulus_MPa = 3000', 'law = "viscoelastic"\nmodulus_MPa = 9000\ng1 = 0.5\ntau1_s = 0.01', 1)
+expect("more than all of a modulus fades", ["asphalt", "g1 = 0.5", "g2 = 0.6", "add up to 1.1"], RELAXING.replace("g1 = 0.5", "g1 = 0.5\ng2 = 0.6"))
+expect("relaxation and the secant law", ["relaxes", "secant", "incremental"], RELAXING.replace("[mesh]", '[solver]\nintegration = "secant"\n\n[mesh]'),
+       line="integration =")
 expect("empty data", ["no measurements"], data=DATA.splitlines()[0] + "\n" + DATA.splitlines()[1] + "\n")
 
 # And more that happen.

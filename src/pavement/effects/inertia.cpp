@@ -11,6 +11,9 @@ void apply(Case& c, const AppliedEffect& applied, int load) {
 }
 
 std::string refuses(const Case& c, const AppliedEffect& applied) {
+    if (c.relaxes()) {
+        return "with a layer that relaxes, the answer to the pulse is followed without inertia";
+    }
     return is_plate(c, applied.load) ? "" : "only a plate falls: a load of type \"plate\" is needed";
 }
 
