@@ -2,6 +2,10 @@
 // steps; its estimated error is 0.05 % in deflection and 0.3 % in strain).
 #include "support/sections.h"
 
+#include "base/units.h"
+#include "fe/solver.h"
+#include "pavement/load_model.h"
+
 #include <gtest/gtest.h>
 
 using namespace test;
@@ -102,4 +106,74 @@ TEST(Reference, CalculiXUnderAWheelOfADualIsMetWithinThreePerMille) {
     const auto response = run(c);
     ASSERT_TRUE(response) << response.failure().reason;
     EXPECT_NEAR(response->values[0], 0.6813658e-3, 0.003 * 0.6813658e-3);
+}
+
+// GT-PAVE (Tutumluer 1995, the University of Illinois' copy, input GT2AN2): a test pit of Georgia Tech with a linear
+// cross-anisotropic base on a mesh of eight-node elements, here on the same mesh. Inches and psi. Its displacements
+// are those of the weight and of the load together; those of the weight are the closed form of confined compression.
+TEST(Reference, TheAnisotropicTestPitOfGtPaveIsMetOnItsMesh) {
+    using Element = fe::AxisymmetricQ8;
+    Case c;
+    c.layers = {linear_layer("asphalt", 3.5, 250000.0, 0.35),
+                uzan_layer("base", 8.0, {.k1 = 34925.0 / unit::reference_pressure, .k2 = 0.0, .k3 = 0.0, .n = 0.15}),
+                linear_layer("subgrade", 50.0, 7099.0, 0.40)};
+    auto& base = c.layers[1].parameters;
+    base[0] = 1.0; // the vertical modulus is given
+    base[5] = 0.15;
+    base[6] = 0.45;
+    base[7] = 0.34965;
+    c.loads = {plate(4.55, 100.0)};
+    const double unit_weight[] = {0.0856, 0.0804, 0.0607}; // pci
+    const double constrained[] = {250000.0 * 0.65 / (1.35 * 0.3),
+                                  34925.0 * 0.85 / (0.85 - 2.0 * 0.15 * 0.45 * 0.45), // C3333
+                                  7099.0 * 0.6 / (1.4 * 0.2)};
+    const std::vector<double> bottoms{3.5, 11.5, 61.5};
+    const auto settled = [&](double depth) { // by the weight
+        double u = 0.0;
+        double stress = 0.0; // at the top of the layer
+        double top = 0.0;
+        for (std::size_t l = 0; l < 3; ++l) {
+            const double below = bottoms[l] - std::max(top, std::min(depth, bottoms[l]));
+            const double above = bottoms[l] - top - below;
+            u += below * (stress + unit_weight[l] * (above + below / 2.0)) / constrained[l];
+            stress += unit_weight[l] * (bottoms[l] - top);
+            top = bottoms[l];
+        }
+        return u;
+    };
+    const auto mesh = mesh::axisymmetric_mesh(
+        {0.0, 1.4, 4.55, 9.55, 17.55, 32.55, 52.55, 77.55},
+        {0.0, 1.1, 2.2, 3.3, 3.5, 4.8, 6.1, 7.4, 8.7, 10.0, 11.3, 11.5, 14.5, 19.5, 27.5, 41.5, 61.5}, bottoms);
+    const auto model = fe::make_model(mesh, linear_layers(c));
+    const Eigen::VectorXd load = 100.0 * Axisymmetric::unit_load(mesh, model, c.loads[0]);
+    fe::Solver<Element> solver(model);
+    const auto solved = solver.incremental(materials_of(c), load, {}, {});
+    ASSERT_TRUE(solved);
+    const auto displacement = [&](double r, double depth, int direction) {
+        for (int e = 0; e < model.elements(); ++e) {
+            for (int i = 0; i < Element::nodes; ++i) {
+                if (std::abs(model.coordinates[e](0, i) - r) < 1e-6 &&
+                    std::abs(model.coordinates[e](1, i) - depth) < 1e-6) {
+                    const int unknown = model.topology->unknowns[e][Element::dim * i + direction];
+                    return unknown < 0 ? 0.0 : solved->displacement[unknown];
+                }
+            }
+        }
+        ADD_FAILURE() << "no node at " << r << ", " << depth;
+        return 0.0;
+    };
+    struct Node {
+        double r, depth, radial, down; // inches
+    };
+    for (const Node& n :
+         {Node{0.0, 0.0, 0.0, 0.03290274}, Node{4.55, 0.0, -0.00187957, 0.02908933},
+          Node{9.55, 0.0, -0.00186957, 0.02269231}, Node{17.55, 0.0, -0.00123336, 0.01633151},
+          Node{32.55, 0.0, -0.00053490, 0.01069958}, Node{77.55, 0.0, 0.0, 0.00755488}, Node{0.0, 3.3, 0.0, 0.03235624},
+          Node{4.55, 11.5, 0.00369993, 0.02481325}, Node{0.0, 11.5, 0.0, 0.02615415},
+          Node{17.55, 11.5, 0.00396786, 0.01591206}, Node{0.0, 27.5, 0.0, 0.01285306},
+          Node{17.55, 27.5, 0.00181948, 0.01102916}, Node{0.0, 41.5, 0.0, 0.00706906}}) {
+        const double allowed = 2e-3 * 0.0329; // of the largest
+        EXPECT_NEAR(displacement(n.r, n.depth, 1) + settled(n.depth), n.down, allowed) << n.r << " " << n.depth;
+        EXPECT_NEAR(displacement(n.r, n.depth, 0), n.radial, allowed) << n.r << " " << n.depth;
+    }
 }
