@@ -499,10 +499,7 @@ Study load_study(const std::string& file, Readings readings) {
         TableReader r(*solver, file, "[solver]");
         auto& settings = study.model.settings;
         settings.integration = static_cast<Integration>(r.choice(keys::solver_integration));
-        if (settings.integration == Integration::secant && study.model.relaxes()) {
-            throw pave::Error(r.place(keys::solver_integration.key), "a layer that relaxes is followed in time",
-                              "\"secant\"", "\"incremental\"");
-        }
+        check_integration(study.model, r.place(keys::solver_integration.key));
         settings.solver.path_tolerance = r.number(keys::solver_path);
         settings.solver.equilibrium_tolerance = r.number(keys::solver_equilibrium);
         r.done();

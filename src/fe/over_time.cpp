@@ -157,7 +157,6 @@ Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen
     auto& path = w.path;
     path.set_zero(static_cast<int>(unknowns), points, count);
     State& now = path.now;
-    State& middle = path.trial;
     State* change = path.slope; // over half a step, and in turns over a step
     std::array<bool, 3> known{};
     using Guess = Eigen::Map<const Eigen::MatrixXd>;
@@ -207,10 +206,10 @@ Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen
             return false;
         }
         const Eigen::VectorXd reached = now.u + out.u;
-        Felt by = w.felt_by_all(reached, now.du);
+        std::vector<const Eigen::VectorXd*> by(layers.size(), &reached);
         for (std::size_t m = 0; m < memories.size(); ++m) {
             felt[m] += memories[m].share(step) * out.u;
-            by.u[memories[m].layer] = &felt[m];
+            by[memories[m].layer] = &felt[m];
         }
         out.du = factor * load_rate;
         for (int k = 0; k < count; ++k) {
@@ -251,9 +250,7 @@ Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen
             if (!solve_step(0, (before + factor) / 2.0, history.step / 2.0)) {
                 return stiffness_not_definite();
             }
-            middle = now;
-            middle.add(1.0, change[0]);
-            w.set_moduli(middle.stress, middle.d_stress);
+            w.set_moduli(now.stress + change[0].stress, now.d_stress + change[0].d_stress);
         }
         const int number = 1 + static_cast<int>(i % 2);
         if (!solve_step(number, factor, history.step)) {
@@ -299,10 +296,8 @@ Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen
                 value += weight * p.modulus * direction.dot(w.unit(e, g) * strain);
                 for (int k = 0; k < count; ++k) {
                     const Stress rate = Element::strain(w.point(e, g), w.model->gather(e, by.du[layer]->col(k).data()));
-                    rates[k] +=
-                        weight *
-                        direction.dot(p.modulus * (w.unit(e, g) * rate) +
-                                      (p.modulus_rate[k] * w.unit(e, g) + p.modulus * w.unit_rate(e, g, k)) * strain);
+                    rates[k] += weight * direction.dot(p.modulus * (w.unit(e, g) * rate) +
+                                                       w.linear_stiffness_rate(e, g, k) * strain);
                 }
             }
         }

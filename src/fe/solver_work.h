@@ -378,8 +378,14 @@ struct Solver<Element>::Work {
         }
     }
 
-    // right -= (dK/dp_k) u over the linear layers and the springs. A layer that relaxes: felt by it instead of u.
-    void subtract_linear_rate(int k, const Eigen::VectorXd& u, const Felt& felt, double* right) const {
+    // d(E C)/dp_k at a point of a linear layer.
+    mechanics::Stiffness<N> linear_stiffness_rate(int e, int g, int k) const {
+        const PreparedLayer<N>& p = prepared_of(e);
+        return p.modulus_rate[k] * unit(e, g) + p.modulus * unit_rate(e, g, k);
+    }
+    // right -= (dK/dp_k) u over the linear layers and the springs. felt: by each layer, u unless it relaxes.
+    void subtract_linear_rate(int k, const Eigen::VectorXd& u, const std::vector<const Eigen::VectorXd*>& felt,
+                              double* right) const {
         const Variation& v = (*variations)[k];
         if (v.kind == Variation::Kind::spring) {
             model->springs[v.index].add_product(u.data(), -1.0, right);
@@ -391,23 +397,22 @@ struct Solver<Element>::Work {
             prepared[v.layer].stress_dependent) {
             return;
         }
-        const PreparedLayer<N>& p = prepared[v.layer];
         for (int e = 0; e < model->elements(); ++e) {
             if (topology->layer[e] != v.layer) {
                 continue;
             }
-            const Vector ue = model->gather(e, felt.u[static_cast<std::size_t>(v.layer)]->data());
+            const Vector ue = model->gather(e, felt[static_cast<std::size_t>(v.layer)]->data());
             Vector force = Vector::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
-                const mechanics::Stiffness<N> d = p.modulus_rate[k] * unit(e, g) + p.modulus * unit_rate(e, g, k);
-                Element::add_force(point(e, g), d * Element::strain(point(e, g), ue), -point(e, g).weight, force);
+                Element::add_force(point(e, g), linear_stiffness_rate(e, g, k) * Element::strain(point(e, g), ue),
+                                   -point(e, g).weight, force);
             }
             model->scatter_add(e, force, right);
         }
     }
     // The same of every variation, right(:, k), where no layer relaxes.
     void subtract_linear_rates(const Eigen::VectorXd& u, Eigen::MatrixXd& right) const {
-        const Felt felt = felt_by_all(u, right);
+        const std::vector<const Eigen::VectorXd*> felt(prepared.size(), &u);
         for (int k = 0; k < count(); ++k) {
             subtract_linear_rate(k, u, felt, right.col(k).data());
         }
@@ -544,7 +549,7 @@ struct Solver<Element>::Work {
                         const Vector de = model->gather(e, felt.du[own]->col(k).data());
                         solution.d_stress.col(static_cast<Eigen::Index>(q) * n + k) =
                             p.modulus * (unit(e, g) * Element::strain(point(e, g), de)) +
-                            (p.modulus_rate[k] * unit(e, g) + p.modulus * unit_rate(e, g, k)) * strain;
+                            linear_stiffness_rate(e, g, k) * strain;
                         if (const Motion<Element>* motion = motion_of(k)) {
                             solution.d_stress.col(static_cast<Eigen::Index>(q) * n + k) +=
                                 p.modulus * (unit(e, g) * Element::strain(motion->points[q], ue));

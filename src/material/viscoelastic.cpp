@@ -85,9 +85,10 @@ public:
     }
     bool relaxes() const override { return true; }
     std::vector<Relaxation> relaxation(std::span<const double> p) const override {
+        const double longer = shift(p);
         std::vector<Relaxation> series;
         for (std::size_t i = 0; i < terms; ++i) {
-            series.push_back({.share = p[share_of(i)], .time = shift(p) * p[time_of(i)]});
+            series.push_back({.share = p[share_of(i)], .time = longer * p[time_of(i)]});
         }
         return series;
     }

@@ -145,7 +145,14 @@ void check_sensor(const Case& c, const Sensor& s, const Place& place) {
     }
 }
 
+void check_integration(const Case& c, const Place& place) {
+    if (c.settings.integration == Integration::secant && c.relaxes()) {
+        throw Error(place, "a layer that relaxes is followed in time", "\"secant\"", "\"incremental\"");
+    }
+}
+
 ForwardModel::ForwardModel(Case nominal, const std::vector<bool>& loads) : nominal_(std::move(nominal)) {
+    check_integration(nominal_, {.key = "solver.integration"});
     for (const Sensor& sensor : nominal_.sensors) {
         check_sensor(nominal_, sensor, {.key = "sensor"});
     }

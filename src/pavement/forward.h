@@ -22,6 +22,9 @@ struct Response {
 // length where there is none.
 void check_sensor(const Case& c, const Sensor& sensor, const Place& place);
 
+// Throws Error at `place` when a layer cannot be followed by the integration of the case.
+void check_integration(const Case& c, const Place& place);
+
 // Construction throws Error for what no parameter value can mend.
 class ForwardModel {
 public:

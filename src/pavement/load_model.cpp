@@ -414,10 +414,6 @@ std::vector<bool> linear_layers(const Case& c) {
 
 std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int number) {
     const Load& load = nominal.loads[number];
-    if (nominal.relaxes() && nominal.settings.integration == Integration::secant) {
-        throw Error({.key = "solver.integration"}, "a layer that relaxes is followed in time", "\"secant\"",
-                    "\"incremental\"");
-    }
     const auto footprint = load.footprint();
     const double reach = std::max(footprint.outer(), footprint.half_y);
     if (!(reach < nominal.settings.extent)) {

@@ -1,6 +1,7 @@
 // The catalogue of effects: every one of it without being asked, and the mechanics of each against closed forms.
 #include "pavement/effects/catalog.h"
 #include "reference/multilayer_elastic.h"
+#include "support/differences.h"
 #include "support/sections.h"
 
 #include <algorithm>
@@ -176,24 +177,10 @@ TEST_P(EveryEffect, HasTheDerivativeOfCentralDifferences) {
     for (std::size_t k = 0; k < parameters.size(); ++k) {
         const double value = parameters[k].get(c);
         const double h = 2e-4 * (k == 0 ? e.high - e.low : std::abs(value));
-        std::vector<double> numeric(c.sensors.size(), 0.0);
-        for (const auto& [offset, weight] : {std::pair{-2, 1.0 / 12}, {-1, -8.0 / 12}, {1, 8.0 / 12}, {2, -1.0 / 12}}) {
-            Case moved = c;
-            parameters[k].in(moved) = (value + offset * h) * parameters[k].to_si;
-            const auto there = model.run(moved, {}, *workspace);
-            ASSERT_TRUE(there) << there.failure().reason;
-            for (std::size_t i = 0; i < numeric.size(); ++i) {
-                numeric[i] += weight * there->values[i] / h;
-            }
-        }
-        const double scale = k == 0 ? e.high - e.low : value;
-        double worst = 0.0;
-        double most = 0.0;
-        for (std::size_t i = 0; i < numeric.size(); ++i) {
-            const double found = exact->jacobian(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
-            worst = std::max(worst, std::abs((found - numeric[i]) * scale / exact->values[i]));
-            most = std::max(most, std::abs(numeric[i] * scale / exact->values[i]));
-        }
+        const auto differences = central_differences(model, c, parameters[k], h, *exact, *workspace);
+        ASSERT_TRUE(differences) << differences.failure().reason;
+        const double range = k == 0 ? e.high - e.low : value;
+        const auto [worst, most] = disagreement(*exact, k, range, differences->rates);
         EXPECT_LT(worst, 2e-4 * most + 1e-7) << parameters[k].path;
     }
 }

@@ -1,3 +1,4 @@
+#include "support/differences.h"
 #include "support/sections.h"
 
 #include "base/random.h"
@@ -101,42 +102,20 @@ void check_jacobian(Case (*make)(std::uint64_t, Integration), Integration integr
         }
         ++checked;
         for (std::size_t p = 0; p < parameters.size(); ++p) {
-            // Fourth-order central differences.
             const double value = parameters[p].get(c);
-            const double h = 5e-4 * std::abs(value);
-            const std::pair<double, double> stencil[] = {
-                {-2, 1.0 / 12}, {-1, -8.0 / 12}, {1, 8.0 / 12}, {2, -1.0 / 12}};
-            std::vector<double> numeric(c.sensors.size(), 0.0);
-            bool same_path = true;
-            for (const auto& [offset, weight] : stencil) {
-                Case moved = c;
-                parameters[p].in(moved) = (value + offset * h) * parameters[p].to_si;
-                const auto there = model.run(moved, {}, *workspace);
-                if (!there) { // beyond a fold
-                    ASSERT_EQ(there.status(), Status::no_equilibrium);
-                    same_path = false;
-                    break;
-                }
-                same_path = same_path && there->statistics.load_steps == exact->statistics.load_steps &&
-                            there->statistics.rejected_steps == exact->statistics.rejected_steps;
-                for (std::size_t i = 0; i < numeric.size(); ++i) {
-                    numeric[i] += weight * there->values[i] / h;
-                }
+            const auto numeric =
+                central_differences(model, c, parameters[p], 5e-4 * std::abs(value), *exact, *workspace);
+            if (!numeric) { // beyond a fold
+                ASSERT_EQ(numeric.status(), Status::no_equilibrium);
+                continue;
             }
-            if (!same_path) {
+            if (!numeric->same_path) {
                 continue; // the steps of the load path differ between the points: no difference quotient there
             }
             ++compared;
             // As relative change of the response for a relative change of the parameter. What rounding leaves of a
             // difference quotient is some 1e-12 (the solver) over 5e-4 (the step).
-            double worst = 0.0;
-            double scale = 0.0;
-            for (std::size_t i = 0; i < c.sensors.size(); ++i) {
-                const double unit = std::abs(value / exact->values[i]);
-                const double found = exact->jacobian(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(p));
-                worst = std::max(worst, std::abs(numeric[i] - found) * unit);
-                scale = std::max(scale, std::abs(numeric[i]) * unit);
-            }
+            const auto [worst, scale] = disagreement(*exact, p, value, numeric->rates);
             EXPECT_LT(worst, 1e-6 * scale + 1e-8) << paths[p] << ", case " << k;
         }
     }

@@ -1,0 +1,59 @@
+// Derivatives of a forward model by differences.
+#pragma once
+
+#include "pavement/forward.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace test {
+
+struct Differences {
+    std::vector<double> rates; // of every sensor, SI per file unit of the parameter
+    bool same_path = true;     // the load path took the same steps at all points
+};
+
+// Of fourth order, central, from points h apart [file units]. exact: the response at c. A failure is that of a point.
+inline pave::Outcome<Differences> central_differences(const pave::pavement::ForwardModel& model,
+                                                      const pave::pavement::Case& c,
+                                                      const pave::pavement::Parameter& parameter, double h,
+                                                      const pave::pavement::Response& exact,
+                                                      pave::pavement::ForwardModel::Workspace& workspace) {
+    const std::pair<double, double> stencil[] = {{-2, 1.0 / 12}, {-1, -8.0 / 12}, {1, 8.0 / 12}, {2, -1.0 / 12}};
+    Differences found;
+    found.rates.resize(c.sensors.size(), 0.0);
+    for (const auto& [offset, weight] : stencil) {
+        pave::pavement::Case moved = c;
+        parameter.in(moved) = (parameter.get(c) + offset * h) * parameter.to_si;
+        const auto there = model.run(moved, {}, workspace);
+        if (!there) {
+            return there.failure();
+        }
+        found.same_path = found.same_path && there->statistics.load_steps == exact.statistics.load_steps &&
+                          there->statistics.rejected_steps == exact.statistics.rejected_steps;
+        for (std::size_t i = 0; i < found.rates.size(); ++i) {
+            found.rates[i] += weight * there->values[i] / h;
+        }
+    }
+    return found;
+}
+
+// Column p of a jacobian against differences, as relative change of the response when the parameter changes by `range`:
+// the largest disagreement, and the largest of the differences.
+struct Disagreement {
+    double worst = 0.0;
+    double scale = 0.0;
+};
+inline Disagreement disagreement(const pave::pavement::Response& exact, std::size_t p, double range,
+                                 const std::vector<double>& rates) {
+    Disagreement d;
+    for (std::size_t i = 0; i < rates.size(); ++i) {
+        const double unit = std::abs(range / exact.values[i]);
+        const double found = exact.jacobian(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(p));
+        d.worst = std::max(d.worst, std::abs(rates[i] - found) * unit);
+        d.scale = std::max(d.scale, std::abs(rates[i]) * unit);
+    }
+    return d;
+}
+
+} // namespace test
