@@ -53,7 +53,7 @@ Layer read_layer(const toml::table& table, const std::string& file) {
         for (std::size_t i = 0; i < layer.parameters.size(); ++i) {
             const auto fades = layer.law->relaxation_derivative(layer.parameters, i);
             const bool is_share = std::any_of(fades.begin(), fades.end(), [](const auto& f) { return f.share != 0.0; });
-            if (is_share || !layer.law->unit_stiffness_derivative(layer.parameters, i).isZero(0.0)) {
+            if (is_share || !layer.law->unit_stiffness_derivative(layer.parameters, {}, i).isZero(0.0)) {
                 found.push_back(fmt::format("{} = {:g}", layer.law->parameters()[i].key, layer.parameters[i]));
             }
         }

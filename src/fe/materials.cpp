@@ -25,13 +25,21 @@ Local local_of(const LayerMaterial& layer, const Eigen::Vector3d& at) {
 
 } // namespace
 
-mechanics::Stiffness<6> local_stiffness(const LayerMaterial& layer, const Eigen::Vector3d& at) {
+mechanics::Stiffness<6> local_stiffness(const LayerMaterial& layer, const Eigen::Vector3d& at,
+                                        mechanics::Invariants state) {
     const Local local = local_of(layer, at);
-    return local.factor * layer.law->unit_stiffness(local.parameters);
+    return local.factor * layer.law->unit_stiffness(local.parameters, state);
+}
+
+material::UnitGradient local_stiffness_gradient(const LayerMaterial& layer, const Eigen::Vector3d& at,
+                                                mechanics::Invariants state) {
+    const Local local = local_of(layer, at);
+    const auto gradient = layer.law->unit_stiffness_gradient(local.parameters, state);
+    return {.d_theta = local.factor * gradient.d_theta, .d_tau = local.factor * gradient.d_tau};
 }
 
 mechanics::Stiffness<6> local_stiffness_rate(const LayerMaterial& layer, int at_layer, const Eigen::Vector3d& at,
-                                             const Variation& variation) {
+                                             mechanics::Invariants state, const Variation& variation) {
     using Kind = Variation::Kind;
     const bool own = variation.layer == at_layer;
     if (!own || (variation.kind != Kind::law_parameter && variation.kind != Kind::field)) {
@@ -51,12 +59,12 @@ mechanics::Stiffness<6> local_stiffness_rate(const LayerMaterial& layer, int at_
     };
     if (variation.kind == Kind::law_parameter) {
         return local.factor * passed_on(variation.index, 0) *
-               layer.law->unit_stiffness_derivative(local.parameters, variation.index);
+               layer.law->unit_stiffness_derivative(local.parameters, state, variation.index);
     }
     const Field& field = layer.fields[variation.index];
     const double weight = field.weight(field.shape, at);
     if (!field.parameter) {
-        return local.factor * weight / (1.0 + field.size * weight) * layer.law->unit_stiffness(local.parameters);
+        return local.factor * weight / (1.0 + field.size * weight) * layer.law->unit_stiffness(local.parameters, state);
     }
     double before = layer.parameters[*field.parameter];
     for (std::size_t i = 0; i < variation.index; ++i) {
@@ -66,7 +74,7 @@ mechanics::Stiffness<6> local_stiffness_rate(const LayerMaterial& layer, int at_
         }
     }
     return local.factor * weight * (field.target - before) * passed_on(*field.parameter, variation.index + 1) *
-           layer.law->unit_stiffness_derivative(local.parameters, *field.parameter);
+           layer.law->unit_stiffness_derivative(local.parameters, state, *field.parameter);
 }
 
 } // namespace pave::fe

@@ -35,14 +35,14 @@ struct LayerMaterial {
     double residual_stress = 0.0; // Pa
     std::vector<Field> fields{};
 
-    // C of the law, without fields, and its derivative by a parameter.
+    // C of a law that does not turn, without fields, and its derivative by a parameter.
     template <int N>
     mechanics::Stiffness<N> unit_stiffness() const {
-        return law->unit_stiffness(parameters).template topLeftCorner<N, N>();
+        return law->unit_stiffness(parameters, {}).template topLeftCorner<N, N>();
     }
     template <int N>
     mechanics::Stiffness<N> unit_stiffness_rate(std::size_t parameter) const {
-        return law->unit_stiffness_derivative(parameters, parameter).template topLeftCorner<N, N>();
+        return law->unit_stiffness_derivative(parameters, {}, parameter).template topLeftCorner<N, N>();
     }
 
     double vertical_stress(double z) const { return top_stress + unit_weight * (z - top); }
@@ -86,10 +86,14 @@ struct Variation {
     Eigen::VectorXd load_rate{}; // pressure_shape: of the load on every free unknown [N]
 };
 
-// The unit stiffness of a layer with fields at a point, and its derivative by a quantity of layer number `at_layer`.
-mechanics::Stiffness<6> local_stiffness(const LayerMaterial& layer, const Eigen::Vector3d& at);
+// The unit stiffness of a layer at a point and a stress state; its derivatives by that state, and at that state by a
+// quantity of layer number `at_layer`.
+mechanics::Stiffness<6> local_stiffness(const LayerMaterial& layer, const Eigen::Vector3d& at,
+                                        mechanics::Invariants state);
+material::UnitGradient local_stiffness_gradient(const LayerMaterial& layer, const Eigen::Vector3d& at,
+                                                mechanics::Invariants state);
 mechanics::Stiffness<6> local_stiffness_rate(const LayerMaterial& layer, int at_layer, const Eigen::Vector3d& at,
-                                             const Variation& variation);
+                                             mechanics::Invariants state, const Variation& variation);
 
 // Derivative of the initial stress in layer `at` at depth z, where the mesh does not move.
 template <int N>

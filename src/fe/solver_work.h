@@ -20,9 +20,10 @@ struct PreparedLayer {
     std::vector<double> modulus_rate;
     std::vector<mechanics::Stiffness<N>> unit_rate;
     std::vector<bool> turns;
+    bool turns_with_stress = false; // C is that of the moment at every point
 };
 
-// A Gauss point of a layer with fields, prepared for one run.
+// A Gauss point of a layer with fields, or whose C follows the stress: then what set_moduli made of it.
 template <int N>
 struct PreparedPoint {
     mechanics::Stiffness<N> unit;       // C
@@ -171,6 +172,7 @@ struct Solver<Element>::Work {
             PreparedLayer<N>& p = prepared[l];
             p.stress_dependent = layer.law->stress_dependent();
             p.modulus = p.stress_dependent ? 0.0 : layer.law->modulus(layer.parameters, {}).value;
+            p.turns_with_stress = layer.law->turns();
             p.unit = layer.template unit_stiffness<N>();
             p.compliance = p.unit.inverse();
             for (const Variation& v : run_variations) {
@@ -217,24 +219,31 @@ struct Solver<Element>::Work {
     void prepare_points() {
         prepared_point_of.clear();
         prepared_points.clear();
-        if (std::all_of(layers->begin(), layers->end(), [](const LayerMaterial& l) { return l.fields.empty(); })) {
+        const auto varies = [](const LayerMaterial& l) { return !l.fields.empty() || l.law->turns(); };
+        if (std::none_of(layers->begin(), layers->end(), varies)) {
             return;
         }
         prepared_point_of.assign(model->points.size(), -1);
         for (int e = 0; e < model->elements(); ++e) {
-            if (layer_of(e).fields.empty()) {
+            if (!varies(layer_of(e))) {
                 continue;
             }
             PreparedLayer<N>& p = prepared[topology->layer[e]];
             for (int g = 0; g < Element::gauss; ++g) {
-                const Eigen::Vector3d at = position_of(*model, e, g);
                 PreparedPoint<N> point;
-                point.unit = cut(local_stiffness(layer_of(e), at));
-                point.compliance = point.unit.inverse();
-                for (int k = 0; k < count(); ++k) {
-                    const Variation& v = (*variations)[k];
-                    point.unit_rate.push_back(cut(local_stiffness_rate(layer_of(e), topology->layer[e], at, v)));
-                    p.turns[k] = p.turns[k] || !point.unit_rate.back().isZero(0.0);
+                if (p.turns_with_stress) {
+                    point.unit_rate.resize(variations->size());
+                    p.turns.assign(variations->size(), true);
+                } else {
+                    const Eigen::Vector3d at = position_of(*model, e, g);
+                    point.unit = cut(local_stiffness(layer_of(e), at, {}));
+                    point.compliance = point.unit.inverse();
+                    for (int k = 0; k < count(); ++k) {
+                        const Variation& v = (*variations)[k];
+                        point.unit_rate.push_back(
+                            cut(local_stiffness_rate(layer_of(e), topology->layer[e], at, {}, v)));
+                        p.turns[k] = p.turns[k] || !point.unit_rate.back().isZero(0.0);
+                    }
                 }
                 prepared_point_of[e * Element::gauss + g] = static_cast<int>(prepared_points.size());
                 prepared_points.push_back(std::move(point));
@@ -242,8 +251,11 @@ struct Solver<Element>::Work {
         }
     }
 
-    // What the stiffness of a layer for a modulus of 1 is made of.
+    // What the stiffness of a layer for a modulus of 1 is made of; nothing, where set_moduli makes it.
     std::vector<mechanics::Stiffness<N>> units_of(std::size_t l) const {
+        if (prepared[l].turns_with_stress) {
+            return {};
+        }
         std::vector<mechanics::Stiffness<N>> units{prepared[l].unit};
         if (!(*layers)[l].fields.empty()) {
             for (int e = 0; e < model->elements(); ++e) {
@@ -290,14 +302,19 @@ struct Solver<Element>::Work {
             }
         }
         for (std::size_t a = 0; a < active.size(); ++a) {
-            for (int g = 0; is_new[topology->layer[active[a]]] && g < Element::gauss; ++g) {
-                const auto k = point_stiffness(active[a], g);
-                double* column = unit_stiffness.col(static_cast<Eigen::Index>(a) * Element::gauss + g).data();
-                for (int i = 0; i < Element::dofs; ++i) {
-                    for (int j = 0; j <= i; ++j) {
-                        *column++ = k(i, j);
-                    }
-                }
+            const auto l = static_cast<std::size_t>(topology->layer[active[a]]);
+            for (int g = 0; is_new[l] && !prepared[l].turns_with_stress && g < Element::gauss; ++g) {
+                set_unit_stiffness(static_cast<int>(a) * Element::gauss + g);
+            }
+        }
+    }
+    // Of number q of the points of the active elements, for C there.
+    void set_unit_stiffness(int q) {
+        const auto k = point_stiffness(active[q / Element::gauss], q % Element::gauss);
+        double* column = unit_stiffness.col(q).data();
+        for (int i = 0; i < Element::dofs; ++i) {
+            for (int j = 0; j <= i; ++j) {
+                *column++ = k(i, j);
             }
         }
     }
@@ -592,7 +609,32 @@ struct Solver<Element>::Work {
         return s;
     }
 
-    // modulus, and modulus_rate by every variation, at the points of the active elements where the load stress is this.
+    // C and its rates at a point whose C follows the stress; stress_rate: of the whole stress by variation k.
+    template <class StressRate>
+    void turn(int q, const Stress& total, mechanics::Invariants at, const StressRate& stress_rate) {
+        const int e = active[q / Element::gauss];
+        const int g = q % Element::gauss;
+        const LayerMaterial& layer = layer_of(e);
+        const Eigen::Vector3d position = position_of(*model, e, g);
+        PreparedPoint<N>& p = prepared_points[prepared_point(e, g)];
+        p.unit = cut(local_stiffness(layer, position, at));
+        p.compliance = p.unit.inverse();
+        set_unit_stiffness(q);
+        if (count() == 0) {
+            return;
+        }
+        const auto gradient = local_stiffness_gradient(layer, position, at);
+        for (int k = 0; k < count(); ++k) {
+            const Stress by = stress_rate(k);
+            const double theta = -by.template head<3>().sum();
+            const double tau = at.tau > 0.0 ? mechanics::tau_times_gradient<N>(total).dot(by) / at.tau : 0.0;
+            p.unit_rate[k] = cut(local_stiffness_rate(layer, topology->layer[e], position, at, (*variations)[k]) +
+                                 theta * gradient.d_theta + tau * gradient.d_tau);
+        }
+    }
+
+    // modulus, and modulus_rate by every variation, at the points of the active elements where the load stress is this;
+    // C and its rates where it follows the stress.
     template <class Stresses>
     void set_moduli(const Stresses& stress, const Stresses& d_stress) {
         modulus.resize(points());
@@ -604,6 +646,12 @@ struct Solver<Element>::Work {
             const auto at = mechanics::invariants<N>(total);
             const auto m = layer.law->modulus(layer.parameters, at);
             modulus[q] = m.value;
+            if (prepared_of(e).turns_with_stress) {
+                turn(q, total, at, [&](int k) {
+                    const Eigen::Index qk = static_cast<Eigen::Index>(q) * count() + k;
+                    return Stress(initial_rate[qk] + d_stress.col(qk));
+                });
+            }
             if (count() > 0) {
                 const Stress gradient = modulus_gradient<N>(m, at, total);
                 for (int k = 0; k < count(); ++k) {

@@ -7,13 +7,15 @@
 #include "material/linear.h"
 #include "material/uzan.h"
 #include "material/uzan_deviator.h"
+#include "material/uzan_separate.h"
 #include "material/viscoelastic.h"
 
 namespace pave::material {
 
 std::span<const Law* const> laws() {
     static const Law* const all[] = {
-        &linear(), &uzan(), &k_theta(), &uzan_deviator(), &dresden(), &lade_nelson(), &bilinear(), &viscoelastic(),
+        &linear(),  &uzan(),        &k_theta(),  &uzan_deviator(), &uzan_separate(),
+        &dresden(), &lade_nelson(), &bilinear(), &viscoelastic(),
     };
     return all;
 }
@@ -37,6 +39,9 @@ std::optional<std::size_t> Law::index_of(std::string_view key) const {
     return std::nullopt;
 }
 
+UnitGradient Law::unit_stiffness_gradient(std::span<const double>, mechanics::Invariants) const {
+    return {};
+}
 std::vector<Relaxation> Law::relaxation(std::span<const double>) const {
     return {};
 }

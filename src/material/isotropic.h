@@ -8,10 +8,11 @@ namespace pave::material {
 
 class Isotropic : public Law {
 public:
-    mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const final {
+    mechanics::Stiffness<6> unit_stiffness(std::span<const double> p, mechanics::Invariants) const final {
         return mechanics::CrossAnisotropy::isotropic(p[poisson_]).unit_stiffness();
     }
-    mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, std::size_t i) const final {
+    mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, mechanics::Invariants,
+                                                      std::size_t i) const final {
         return i == poisson_ ? mechanics::CrossAnisotropy::isotropic_derivative(p[poisson_])
                              : mechanics::Stiffness<6>::Zero();
     }

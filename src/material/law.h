@@ -1,6 +1,7 @@
 // What a material law is: a stateless description of its parameters and of the modulus as a function of stress.
 //
-// The stiffness of a layer is D = E(theta, tau) C, with C the dimensionless cross-anisotropic stiffness. A law is one
+// The stiffness of a layer is D = E(theta, tau) C, with C the dimensionless cross-anisotropic stiffness, which of most
+// laws is the same at any stress. A law is one
 // file with one object, named in one line of catalog.cpp; every law is tested from there.
 #pragma once
 
@@ -48,6 +49,12 @@ struct Modulus {
     bool limited = false; // the limit was met; derivatives are zero there
 };
 
+// Derivatives of C [1/Pa].
+struct UnitGradient {
+    mechanics::Stiffness<6> d_theta = mechanics::Stiffness<6>::Zero();
+    mechanics::Stiffness<6> d_tau = mechanics::Stiffness<6>::Zero();
+};
+
 // One term of a Prony series: a share of the modulus that fades away with a time of relaxation.
 struct Relaxation {
     double share = 0.0; // of the modulus that the law gives, which is then the instantaneous one
@@ -75,9 +82,13 @@ public:
     virtual double modulus_derivative(std::span<const double> p, mechanics::Invariants at, const Modulus& here,
                                       std::size_t i) const = 0;
 
-    // C and dC/dp[i].
-    virtual mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const = 0;
-    virtual mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, std::size_t i) const = 0;
+    // C at a stress state and dC/dp[i] there: the same at all of them, unless the law turns.
+    virtual mechanics::Stiffness<6> unit_stiffness(std::span<const double> p, mechanics::Invariants at) const = 0;
+    virtual mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, mechanics::Invariants at,
+                                                              std::size_t i) const = 0;
+    // Whether C follows the stress, and how.
+    virtual bool turns() const { return false; }
+    virtual UnitGradient unit_stiffness_gradient(std::span<const double> p, mechanics::Invariants at) const;
 
     // Of a linear law whose stress fades under a held strain: D(t) = E C (1 - sum of share_i (1 - exp(-t/time_i))), and
     // the rates of shares and times by p[i]. None: it does not.

@@ -1,25 +1,12 @@
 #include "material/stress_dependent.h"
 
 #include "base/units.h"
+#include "material/floor.h"
 #include "mechanics/cross_anisotropic.h"
 
 #include <cmath>
 
 namespace pave::material {
-namespace {
-
-// thp and the square root in it, without cancellation in tension.
-struct Floor {
-    double root;
-    double thp;
-    Floor(double delta, double eta, mechanics::Invariants at) {
-        const double c = delta * delta + eta * eta * at.tau * at.tau;
-        root = std::sqrt(at.theta * at.theta + 4.0 * c);
-        thp = at.theta >= 0.0 ? (at.theta + root) / 2.0 : 2.0 * c / (root - at.theta);
-    }
-};
-
-} // namespace
 
 StressDependent::StressDependent(std::vector<ParameterInfo> own, std::optional<double> default_n) : own_(own.size()) {
     infos_.push_back(
@@ -57,15 +44,14 @@ std::span<const std::size_t> StressDependent::scale_parameters() const {
 }
 
 Modulus StressDependent::modulus(std::span<const double> p, mechanics::Invariants at) const {
-    const double eta_here = p[place(eta)];
-    const Floor floor(p[place(delta)], eta_here, at);
+    const Floor floor(p[place(delta)], p[place(eta)], at);
     const Terms t = terms(own(p), floor.thp, at.tau);
     if (!(t.value < modulus_limit)) {
         return {.value = modulus_limit, .d_theta = 0.0, .d_tau = 0.0, .limited = true};
     }
     return {.value = t.value,
-            .d_theta = t.d_thp * floor.thp / floor.root,
-            .d_tau = t.d_tau + t.d_thp * 2.0 * eta_here * eta_here * at.tau / floor.root,
+            .d_theta = t.d_thp * floor.d_theta,
+            .d_tau = t.d_tau + t.d_thp * floor.d_tau,
             .limited = false};
 }
 
@@ -95,11 +81,12 @@ mechanics::CrossAnisotropy directions(double axis, std::span<const double> commo
 
 } // namespace
 
-mechanics::Stiffness<6> StressDependent::unit_stiffness(std::span<const double> p) const {
+mechanics::Stiffness<6> StressDependent::unit_stiffness(std::span<const double> p, mechanics::Invariants) const {
     return directions(p[0], p.subspan(place(n))).unit_stiffness();
 }
 
-mechanics::Stiffness<6> StressDependent::unit_stiffness_derivative(std::span<const double> p, std::size_t i) const {
+mechanics::Stiffness<6> StressDependent::unit_stiffness_derivative(std::span<const double> p, mechanics::Invariants,
+                                                                   std::size_t i) const {
     using Variable = mechanics::CrossAnisotropy::Variable;
     if (i < place(n) || i > place(shear_ratio)) {
         return mechanics::Stiffness<6>::Zero();

@@ -1,8 +1,5 @@
-// What laws of the modulus E(theta, tau) of a cross-anisotropic layer share: the directions, the smooth floor of theta.
-//
-//     thp = (theta + sqrt(theta^2 + 4 (delta^2 + eta^2 tau^2))) / 2
-//
-// is equal to theta in compression and positive in tension. A law gives E(thp, tau) and its derivatives.
+// What laws of the modulus E(theta, tau) of a cross-anisotropic layer share: the directions, the smooth floor thp of
+// theta. A law gives E(thp, tau) and its derivatives.
 #pragma once
 
 #include "material/law.h"
@@ -24,8 +21,9 @@ public:
     Modulus modulus(std::span<const double> p, mechanics::Invariants at) const final;
     double modulus_derivative(std::span<const double> p, mechanics::Invariants at, const Modulus& here,
                               std::size_t i) const final;
-    mechanics::Stiffness<6> unit_stiffness(std::span<const double> p) const final;
-    mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, std::size_t i) const final;
+    mechanics::Stiffness<6> unit_stiffness(std::span<const double> p, mechanics::Invariants at) const final;
+    mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double> p, mechanics::Invariants at,
+                                                      std::size_t i) const final;
     std::string impossible(std::span<const double> p) const override;
 
 protected:

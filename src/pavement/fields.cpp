@@ -69,7 +69,7 @@ Fields fields_of(const fe::Model<Element>& model, const std::vector<fe::LayerMat
             f.theta[k] = invariants.theta;
             f.tau[k] = invariants.tau;
             const double modulus = layer.law->modulus(layer.parameters, invariants).value;
-            const mechanics::Stiffness<6> compliance = fe::local_stiffness(layer, at).inverse();
+            const mechanics::Stiffness<6> compliance = fe::local_stiffness(layer, at, invariants).inverse();
             f.horizontal_modulus[k] = modulus / compliance(0, 0);
             f.vertical_modulus[k] = modulus / compliance(2, 2);
         }

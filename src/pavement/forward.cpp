@@ -149,6 +149,10 @@ void check_integration(const Case& c, const Place& place) {
     if (c.settings.integration == Integration::secant && c.relaxes()) {
         throw Error(place, "a layer that relaxes is followed in time", "\"secant\"", "\"incremental\"");
     }
+    if (c.settings.integration == Integration::secant && c.turns()) {
+        throw Error(place, "a layer whose anisotropy follows the stress is followed along the load path", "\"secant\"",
+                    "\"incremental\"");
+    }
 }
 
 ForwardModel::ForwardModel(Case nominal, const std::vector<bool>& loads) : nominal_(std::move(nominal)) {

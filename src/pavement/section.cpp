@@ -40,6 +40,10 @@ bool Case::relaxes() const {
     return std::any_of(layers.begin(), layers.end(), [](const Layer& l) { return l.law->relaxes(); });
 }
 
+bool Case::turns() const {
+    return std::any_of(layers.begin(), layers.end(), [](const Layer& l) { return l.law->turns(); });
+}
+
 double Case::default_extent() const {
     double extent = std::max(4.0, 2.0 * depth());
     for (const Sensor& sensor : sensors) {

@@ -140,6 +140,8 @@ struct Case {
     double depth() const;
     // Whether the response depends on the duration of the load.
     bool relaxes() const;
+    // Whether the anisotropy of a layer follows the stress.
+    bool turns() const;
     // Where the wall stands unless a study says otherwise: 4 m, or twice the depth of the section, or twice the
     // distance of the farthest sensor. Nearer than twice the depth, the wall shows in the far deflections.
     double default_extent() const;

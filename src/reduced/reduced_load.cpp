@@ -19,6 +19,9 @@ std::string why_not(const Case& c, int load) {
     if (own.relaxes()) {
         return "a layer relaxes";
     }
+    if (own.turns()) {
+        return "the anisotropy of a layer follows the stress";
+    }
     if (std::none_of(own.layers.begin(), own.layers.end(), [](const Layer& l) { return l.law->stress_dependent(); })) {
         return "no layer depends on stress: the full model is as fast";
     }

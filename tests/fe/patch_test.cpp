@@ -67,7 +67,7 @@ struct Field {
 
 // Stress of the field by the secant definition: sigma = E C strain with E = Ehat(sigma0 + sigma), by bisection.
 Element::Stress secant_stress(const fe::LayerMaterial& layer, double r, double z) {
-    const mechanics::Stiffness<4> c = layer.law->unit_stiffness(layer.parameters).topLeftCorner<4, 4>();
+    const mechanics::Stiffness<4> c = layer.law->unit_stiffness(layer.parameters, {}).topLeftCorner<4, 4>();
     const Element::Stress s = c * Field::strain(r, z);
     double low = 1.0;
     double high = 1e12;
@@ -218,7 +218,7 @@ TEST(LoadPath, OfConfinedCompressionIsTheIntegralOfTheModulusOverTheLoad) {
         "base", 1.0, {.k1 = 800, .k2 = 0.7, .k3 = -0.8, .n = 0.5, .delta = 5e3, .eta = 0.0, .residual_stress = 3e3});
     layer.density = 0.0;
     const auto layers = materials({layer});
-    const mechanics::Stiffness<4> c = layers[0].law->unit_stiffness(layers[0].parameters).topLeftCorner<4, 4>();
+    const mechanics::Stiffness<4> c = layers[0].law->unit_stiffness(layers[0].parameters, {}).topLeftCorner<4, 4>();
     const auto modulus_at = [&](double vertical) {
         const double horizontal = vertical * c(0, 2) / c(2, 2);
         const Element::Stress total =
@@ -256,6 +256,58 @@ TEST(LoadPath, OfConfinedCompressionIsTheIntegralOfTheModulusOverTheLoad) {
     EXPECT_NEAR(strain * modulus_at(p) * c(2, 2) / p, 1.0, 1e-8);
 }
 
+// Where the moduli have laws of their own, the directions of D turn on the way: with v and h the vertical and
+// horizontal stress of the load, dh/dv = D13/D33 = n nu31/(1 - nu12) and d(strain)/dv = 1/D33 = (1 - nu12 - 2 n
+// nu31^2)/(E3 (1 - nu12)), integrated here by the classical Runge-Kutta rule with the laws as printed.
+TEST(LoadPath, OfSeparateModuliIsTheDifferentialEquationOfAConfinedColumn) {
+    const double p = 4e5, residual = 20e3, nu12 = 0.2, nu31 = 0.3, pa = 1e5;
+    Layer layer{"base",
+                1.0,
+                0.0,
+                0.5,
+                residual,
+                material::find_law("uzan-separate"),
+                {900, 0.6, -0.4, 150, 1.1, -0.2, 300, 0.7, 0.0, 0.01, 2.0, nu12, nu31, 1.0, 0.0}};
+    const auto layers = materials({layer});
+    using State = std::array<double, 2>; // horizontal stress, strain
+    const auto rate = [&](double v, const State& y) {
+        const double theta = v + 2.0 * (y[0] + residual);
+        const double tau = std::numbers::sqrt2 / 3.0 * std::abs(v - y[0] - residual);
+        const double vertical = 900 * pa * std::pow(theta / pa, 0.6) * std::pow(tau / pa + 1.0, -0.4);
+        const double n = 150 * pa * std::pow(theta / pa, 1.1) * std::pow(tau / pa + 1.0, -0.2) / vertical;
+        return State{n * nu31 / (1.0 - nu12), (1.0 - nu12 - 2.0 * n * nu31 * nu31) / (vertical * (1.0 - nu12))};
+    };
+    State exact{};
+    constexpr int steps = 20000;
+    const double h = p / steps;
+    for (int i = 0; i < steps; ++i) {
+        const auto moved = [&](const State& by, double factor) {
+            return State{exact[0] + factor * by[0], exact[1] + factor * by[1]};
+        };
+        const State a = rate(i * h, exact);
+        const State b = rate((i + 0.5) * h, moved(a, h / 2));
+        const State c = rate((i + 0.5) * h, moved(b, h / 2));
+        const State d = rate((i + 1.0) * h, moved(c, h));
+        for (std::size_t j = 0; j < 2; ++j) {
+            exact[j] += h / 6.0 * (a[j] + 2.0 * b[j] + 2.0 * c[j] + d[j]);
+        }
+    }
+    const auto model = fe::make_model(mesh::axisymmetric_mesh({0.0, 0.5, 1.0}, {0.0, 0.5, 1.0}, {1.0}), {false});
+    const auto load = load_of(model, [&](int, double, double) { return Element::Stress(0.0, 0.0, -p, 0.0); });
+    fe::Solver<Element> solver(model);
+    for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+        const auto solved = solver.incremental(layers, load, {}, {.path_tolerance = tolerance});
+        ASSERT_TRUE(solved);
+        const double strain = -Element::strain(model.points[0], model.gather(0, solved->displacement.data()))[2];
+        const double horizontal = -solved->stress(0, 0);
+        std::printf("  tolerance %.0e: %3d steps, error of strain %.1e, of horizontal stress %.1e\n", tolerance,
+                    solved->statistics.load_steps, std::abs(strain / exact[1] - 1.0),
+                    std::abs(horizontal / exact[0] - 1.0));
+        EXPECT_NEAR(strain / exact[1], 1.0, 3.0 * tolerance);
+        EXPECT_NEAR(horizontal / exact[0], 1.0, 3.0 * tolerance);
+    }
+}
+
 TEST(Equilibrium, ReactionOfTheFloorEqualsTheLoad) {
     for (const auto integration : {Integration::incremental, Integration::secant}) {
         const Case c =
@@ -288,7 +340,8 @@ TEST(Equilibrium, ReactionOfTheFloorEqualsTheLoad) {
 
 TEST(ConvergenceOrder, IsThreeForDisplacementAndAtLeastTwoForStressInALinearSection) {
     const auto layers = materials({linear_layer("soil", depth, 1e8, 0.3)});
-    const mechanics::Stiffness<4> d = 1e8 * layers[0].law->unit_stiffness(layers[0].parameters).topLeftCorner<4, 4>();
+    const mechanics::Stiffness<4> d =
+        1e8 * layers[0].law->unit_stiffness(layers[0].parameters, {}).topLeftCorner<4, 4>();
     const auto stress_at = [&](int, double r, double z) { return Element::Stress(d * Field::strain(r, z)); };
     Errors last;
     for (const int cells : {4, 8, 16, 32}) {

@@ -161,9 +161,12 @@ TEST_P(EveryEffect, IsContinuousAtItsNullSize) {
               0.005);
 }
 
-TEST_P(EveryEffect, HasTheDerivativeOfCentralDifferences) {
-    const Effect& e = *GetParam();
-    const Case c = with(axisymmetric_case(Integration::secant), e, e.typical, true);
+namespace {
+
+// Returns how many parameters were compared: where the load path takes other steps nearby there is no difference
+// quotient.
+int expect_derivatives(const Case& plain, const Effect& e) {
+    const Case c = with(plain, e, e.typical, true);
     const ForwardModel model(c);
     const auto workspace = model.make_workspace();
     std::vector<Parameter> parameters;
@@ -173,15 +176,39 @@ TEST_P(EveryEffect, HasTheDerivativeOfCentralDifferences) {
         parameters.push_back(find_parameter(c, path, {}));
     }
     const auto exact = model.run(c, parameters, *workspace);
-    ASSERT_TRUE(exact) << exact.failure().reason;
-    for (std::size_t k = 0; k < parameters.size(); ++k) {
+    EXPECT_TRUE(exact);
+    int compared = 0;
+    for (std::size_t k = 0; exact && k < parameters.size(); ++k) {
         const double value = parameters[k].get(c);
         const double h = 2e-4 * (k == 0 ? e.high - e.low : std::abs(value));
         const auto differences = central_differences(model, c, parameters[k], h, *exact, *workspace);
-        ASSERT_TRUE(differences) << differences.failure().reason;
+        EXPECT_TRUE(differences);
+        if (!differences || !differences->same_path) {
+            continue;
+        }
+        ++compared;
         const double range = k == 0 ? e.high - e.low : value;
         const auto [worst, most] = disagreement(*exact, k, range, differences->rates);
         EXPECT_LT(worst, 2e-4 * most + 1e-7) << parameters[k].path;
+    }
+    return compared;
+}
+
+} // namespace
+
+TEST_P(EveryEffect, HasTheDerivativeOfCentralDifferences) {
+    EXPECT_EQ(expect_derivatives(axisymmetric_case(Integration::secant), *GetParam()), 6);
+}
+
+TEST_P(EveryEffect, HasTheDerivativeWhereTheAnisotropyFollowsTheStressOrRefuses) {
+    Case c = axisymmetric_case();
+    c.layers[1].law = material::find_law("uzan-separate");
+    c.layers[1].parameters = {2000, 0.4, -0.3, 700, 0.7, -0.5, 600, 0.5, -0.2, 0.03, 1.0, 0.3, 0.35, 5e3, 0.3};
+    if (why_impossible(c, {.effect = GetParam()}).empty()) {
+        EXPECT_GE(expect_derivatives(c, *GetParam()), 3);
+    } else {
+        const auto name = GetParam()->name;
+        EXPECT_TRUE(name == "anisotropy-distribution" || name == "shear-ratio") << "n and G13/E3 are no parameters";
     }
 }
 
@@ -334,10 +361,10 @@ TEST(AnisotropyDistribution, OfAnIsotropicBaseIsConstant) {
     const auto uniform = [&](double n) {
         auto p = layer.parameters;
         p[4] = n;
-        return layer.law->unit_stiffness(p);
+        return layer.law->unit_stiffness(p, {});
     };
-    EXPECT_TRUE(fe::local_stiffness(layer, {0.0, 0.0, 0.2}).isApprox(uniform(0.2), 1e-12));
-    EXPECT_TRUE(fe::local_stiffness(layer, {3.0, 0.0, 0.2}).isApprox(uniform(1.0), 1e-9));
+    EXPECT_TRUE(fe::local_stiffness(layer, {0.0, 0.0, 0.2}, {}).isApprox(uniform(0.2), 1e-12));
+    EXPECT_TRUE(fe::local_stiffness(layer, {3.0, 0.0, 0.2}, {}).isApprox(uniform(1.0), 1e-9));
 }
 
 TEST(SubgradeStressDependence, OfSizeZeroIsTheLinearLayerAndSoftensWithTheLoad) {
@@ -526,7 +553,7 @@ TEST(Effects, HaveTheirDerivativesInThreeDimensions) {
 }
 
 TEST(Effects, OfTwoOnOneLayerComposeInEitherOrder) {
-    const Case c = shared_axisymmetric_case();
+    const Case& c = shared_axisymmetric_case();
     const auto weak = with(with(c, "weak-subgrade-top", 0.7), "subgrade-stress-dependence", -1.0);
     const auto soft = with(with(c, "subgrade-stress-dependence", -1.0), "weak-subgrade-top", 0.7);
     EXPECT_LT(largest_change(values_of(weak), values_of(soft)), 1e-9);

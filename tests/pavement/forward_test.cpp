@@ -92,6 +92,7 @@ void check_jacobian(Case (*make)(std::uint64_t, Integration), Integration integr
         const ForwardModel model(c);
         const auto workspace = model.make_workspace();
         std::vector<Parameter> parameters;
+        parameters.reserve(paths.size());
         for (const auto& path : paths) {
             parameters.push_back(find_parameter(c, path, {}));
         }
@@ -139,6 +140,80 @@ TEST(Jacobian, OfTheLoadPathInThreeDimensionsAgreesWithCentralDifferences) {
 
 TEST(Jacobian, OfTheSecantEquilibriumInThreeDimensionsAgreesWithCentralDifferences) {
     check_jacobian(random_dual_case, Integration::secant, 50, every_kind_of_parameter);
+}
+
+// The base has a law for each of its moduli, whose ratios follow the stress; its other parameters are those above.
+Case with_separate_moduli(Case c, std::uint64_t stream) {
+    const RandomStream random(43, stream);
+    Layer& base = c.layers[1];
+    const auto uzan = base.parameters;
+    base.law = material::find_law("uzan-separate");
+    base.parameters = {uzan[1],
+                       uzan[2],
+                       uzan[3],
+                       uzan[1] * (0.1 + 0.5 * random.uniform(0)),
+                       uzan[2] + 0.4 * random.uniform(1),
+                       uzan[3] - 0.5 * random.uniform(2),
+                       uzan[1] * (0.2 + 0.2 * random.uniform(3)),
+                       uzan[2] + 0.3 * random.uniform(4),
+                       uzan[3] + 0.3 * random.uniform(5),
+                       0.02,
+                       1.0,
+                       0.3,
+                       0.35,
+                       uzan[8],
+                       uzan[9]};
+    return c;
+}
+
+TEST(Jacobian, OfSeparateModuliAgreesWithCentralDifferences) {
+    const std::vector<std::string> own{"base.k1",
+                                       "base.k2",
+                                       "base.k3",
+                                       "base.k1_horizontal",
+                                       "base.k2_horizontal",
+                                       "base.k3_horizontal",
+                                       "base.k1_shear",
+                                       "base.k2_shear",
+                                       "base.k3_shear",
+                                       "base.poisson_12",
+                                       "base.poisson_31",
+                                       "base.tension_smoothing_kPa",
+                                       "base.residual_stress_kPa",
+                                       "base.density_kg_m3",
+                                       "base.thickness_mm",
+                                       "asphalt.modulus_MPa",
+                                       "subgrade.modulus_MPa"};
+    const auto plate = [](std::uint64_t stream, Integration integration) {
+        return with_separate_moduli(random_case(stream, integration), stream);
+    };
+    const auto dual = [](std::uint64_t stream, Integration integration) {
+        return with_separate_moduli(random_dual_case(stream, integration), stream);
+    };
+    check_jacobian(plate, Integration::incremental, 20, own);
+    check_jacobian(dual, Integration::incremental, 4, own);
+}
+
+TEST(ForwardRun, OfSeparateModuliWithTheExponentsOfOneIsThatOfUzan) {
+    for (const bool solid : {false, true}) {
+        Case c = solid ? random_dual_case(3, Integration::incremental) : random_case(3, Integration::incremental);
+        auto& p = c.layers[1].parameters;
+        p[0] = 1.0; // vertical
+        p[7] = 0.3; // G13/E3
+        const auto one = run(c);
+        c.layers[1].law = material::find_law("uzan-separate");
+        p = {p[1], p[2], p[3], p[4] * p[1], NAN, NAN, 0.3 * p[1], NAN, NAN, 0.01, 1.0, p[5], p[6], p[8], p[9]};
+        const auto other = run(c);
+        ASSERT_TRUE(one && other);
+        for (std::size_t i = 0; i < one->values.size(); ++i) {
+            EXPECT_NEAR(other->values[i] / one->values[i], 1.0, 1e-9) << i;
+        }
+    }
+}
+
+TEST(ForwardRun, RefusesToTakeSeparateModuliAsASecant) {
+    Case c = with_separate_moduli(random_case(1, Integration::secant), 1);
+    EXPECT_THROW(ForwardModel{c}, Error);
 }
 
 TEST(Jacobian, KeepsItsColumnsWhateverStandsBesideThem) {

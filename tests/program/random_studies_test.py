@@ -14,6 +14,8 @@ LAWS = {"linear": {"modulus_MPa": 100, "poisson": 0.3},
         "uzan": {"k1": 2000, "k2": 0.5, "k3": -0.3, "n": 0.5, "poisson_12": 0.35, "poisson_31": 0.35},
         "k-theta": {"k1": 2000, "k2": 0.5, "poisson_12": 0.35, "poisson_31": 0.35},
         "uzan-deviator": {"k1": 2000, "k2": 0.5, "k3": -0.2, "poisson_12": 0.35, "poisson_31": 0.35},
+        "uzan-separate": {"k1": 2000, "k2": 0.5, "k3": -0.2, "k1_horizontal": 600, "k2_horizontal": 0.8, "k1_shear": 500, "poisson_12": 0.35,
+                          "poisson_31": 0.35},
         "dresden": {"q": 700, "c": 600, "q1": 0.5, "q2": 0.3, "poisson_12": 0.35, "poisson_31": 0.35},
         "lade-nelson": {"m": 800, "lambda": 0.3, "poisson": 0.3},
         "bilinear": {"modulus_MPa": 40, "slope_below": 800, "poisson_12": 0.4, "poisson_31": 0.4}}

@@ -29,7 +29,7 @@ std::vector<double> matrix_of(const pavement::Parts<Kind>& parts) {
     for (int e = 0; e < parts.model.elements(); ++e) {
         const auto& layer = parts.layers[static_cast<std::size_t>(topology.layer[e])];
         const mechanics::Stiffness<Element::voigt> unit =
-            layer.law->unit_stiffness(layer.parameters).template topLeftCorner<Element::voigt, Element::voigt>();
+            layer.law->unit_stiffness(layer.parameters, {}).template topLeftCorner<Element::voigt, Element::voigt>();
         Eigen::Matrix<double, Element::dofs, Element::dofs> k =
             Eigen::Matrix<double, Element::dofs, Element::dofs>::Zero();
         for (int g = 0; g < Element::gauss; ++g) {

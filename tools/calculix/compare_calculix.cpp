@@ -47,8 +47,11 @@ public:
                               std::size_t) const override {
         return 0.0;
     }
-    mechanics::Stiffness<6> unit_stiffness(std::span<const double>) const override { return unit_; }
-    mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double>, std::size_t) const override {
+    mechanics::Stiffness<6> unit_stiffness(std::span<const double>, mechanics::Invariants) const override {
+        return unit_;
+    }
+    mechanics::Stiffness<6> unit_stiffness_derivative(std::span<const double>, mechanics::Invariants,
+                                                      std::size_t) const override {
         return mechanics::Stiffness<6>::Zero();
     }
     std::string impossible(std::span<const double>) const override { return {}; }
@@ -60,7 +63,7 @@ private:
 
 Frozen frozen(const fe::LayerMaterial& layer) {
     const auto at = mechanics::invariants<6>(layer.initial_stress<6>(layer.top + layer.thickness / 2.0));
-    return {layer.law->modulus(layer.parameters, at).value, layer.law->unit_stiffness(layer.parameters)};
+    return {layer.law->modulus(layer.parameters, at).value, layer.law->unit_stiffness(layer.parameters, at)};
 }
 
 // The unknown of each displacement of each node, -1 when it is held.
@@ -89,7 +92,7 @@ void write_material(std::ostream& out, const fe::LayerMaterial& layer) {
         out << fmt::format("*ELASTIC\n{}, {}\n", number(modulus), number(layer.parameters[*poisson]));
         return;
     }
-    const mechanics::Stiffness<6> d = modulus * layer.law->unit_stiffness(layer.parameters);
+    const mechanics::Stiffness<6> d = modulus * layer.law->unit_stiffness(layer.parameters, {});
     out << "*ELASTIC, TYPE=ORTHO\n";
     for (const double value : {d(0, 0), d(0, 1), d(1, 1), d(0, 2), d(1, 2), d(2, 2), d(5, 5)}) {
         out << number(value) << ", ";
