@@ -25,15 +25,9 @@ def compared(title, study, options):
     laws = [law for law in found["laws"] if law["status"] == "converged"]
     rows = [["law in the base", "chi2 (degrees of freedom)", "weight by AICc", "left out place by place", "held out", "answer"]]
     for law in laws:
-        rows.append([f"`{law['law']}`", f"{law['chi2']:.1f} ({law['dof']})", f"{100 * law['weight']:.0f} %", three(law["held_out_rms"]),
+        rows.append([f"`{law['law']}`", f"{law['chi2']:.1f} ({law['dof']})", f"{100 * law['weight']:.0f} %" if law["aicc"] is not None else "-", three(law["held_out_rms"]),
                      three(law["study_held_out_rms"]), law["verdict"]])
-    alike = [law["law"] for law in laws if law["weight"] > 0.05]
-    words = (f"These data prefer `{alike[0]}`." if len(alike) == 1 else f"These data cannot tell {', '.join(alike[:-1])} and {alike[-1]} apart."
-             if alike else "There are too few readings for a criterion to weigh the laws.")
-    if laws and laws[0]["p_value"] is not None:
-        best = max(laws, key=lambda law: law["p_value"])
-        words += f" The one that fits best has p = {best['p_value']:.2g}" + (": none fits within the noise." if best["p_value"] < 0.05 else ".")
-    return f"### {title}\n\n{table(rows[0], rows[1:])}\n\n{words}\n"
+    return f"### {title}\n\n{table(rows[0], rows[1:])}\n\n{' '.join(found['findings'])}\n"
 
 
 def kinds(law, study):

@@ -93,11 +93,11 @@ std::vector<const Law*> laws_of(const CompareOptions& options) {
 // minimum. Nothing: interrupted, or no fold has an answer.
 std::optional<double> left_out_rms(const problem::Problem& problem, run::Engine& engine, const Layout& layout,
                                    const Uniqueness& answer) {
-    constexpr int first_start = 100000; // of the chains of these fits
     std::vector<double> squares(layout.places.size(), 0.0);
     std::vector<std::size_t> counts(layout.places.size(), 0);
-    const bool done =
-        engine.chains("places left out", first_start, layout.places.size(), [&](std::size_t f, run::Chain& chain) {
+    const bool done = engine.chains(
+        "places left out", landscape::first_start_of_others, layout.places.size(),
+        [&](std::size_t f, run::Chain& chain) {
             const auto& fold = layout.places[f];
             const diagnose::Target target = diagnose::leaving_out(fold.terms, problem.misfit.size());
             const problem::Evaluation* nearest = &answer.minima[0].evaluation;
@@ -202,23 +202,30 @@ std::vector<std::string> findings(const std::vector<Fitted>& laws, const std::st
     } else {
         std::vector<std::string> alive;
         std::vector<std::string> out;
+        std::vector<std::string> unweighed;
         for (const Fitted& f : laws) {
             if (f.failed.empty()) {
-                (f.weight >= 0.05 ? alive : out).emplace_back(f.law->name());
+                (!std::isfinite(f.aicc) ? unweighed : f.weight >= 0.05 ? alive : out).emplace_back(f.law->name());
             }
         }
         if (alive.size() == 1) {
-            text.push_back(fmt::format("In \"{}\" the data prefer {}: next best is {} with an AICc {} higher.", layer,
-                                       alive[0], out.empty() ? "none" : out[0],
-                                       out.empty() ? "" : figure(laws[1].aicc - first.aicc)));
+            text.push_back(fmt::format(
+                "In \"{}\" AICc prefers {}{}.", layer, alive[0],
+                out.empty() ? ""
+                            : fmt::format(": next best is {}, {} higher", out[0], figure(laws[1].aicc - first.aicc))));
         } else {
             text.push_back(fmt::format("The data cannot tell these laws in \"{}\" apart: {}.{}", layer,
                                        pave::join(alive),
                                        out.empty() ? "" : " They speak against " + pave::join(out) + "."));
         }
+        if (!unweighed.empty()) {
+            text.push_back(fmt::format("That is among the laws that AICc can weigh: for so few readings {} {} too many "
+                                       "parameters.",
+                                       pave::join(unweighed), unweighed.size() == 1 ? "has" : "have"));
+        }
     }
     const auto fits = [](const Fitted& f) { return f.failed.empty() && f.p_value && *f.p_value >= 0.05; };
-    if (first.p_value) {
+    if (std::any_of(laws.begin(), laws.end(), [](const Fitted& f) { return f.p_value.has_value(); })) {
         std::vector<std::string> names;
         for (const Fitted& f : laws) {
             if (fits(f)) {
@@ -303,9 +310,9 @@ std::string comparison_text(const std::vector<Fitted>& laws, const study::Study&
         }
         table.add({std::string(f.law->name()), fmt::format("{}", f.study.space.axes.size()), figure(f.chi2),
                    fmt::format("{}", f.dof), f.p_value ? fmt::format("{:.2g}", *f.p_value) : "-",
-                   std::isfinite(f.aicc) ? figure(f.aicc) : "-", fmt::format("{:.0f} %", 100.0 * f.weight),
-                   optional(f.by_place), optional(f.study_holds),
-                   std::string(landscape::verdict_names[static_cast<int>(f.answer.verdict)])});
+                   std::isfinite(f.aicc) ? figure(f.aicc) : "-",
+                   std::isfinite(f.aicc) ? fmt::format("{:.0f} %", 100.0 * f.weight) : "-", optional(f.by_place),
+                   optional(f.study_holds), std::string(landscape::verdict_names[static_cast<int>(f.answer.verdict)])});
     }
     std::string text =
         table.text() +

@@ -23,6 +23,7 @@ constexpr int first_of(Part part, int round = 0) {
 // Rounds that are none of the walks': of the comparison of groups, of the searches that follow those of an explorer.
 constexpr int groups_round = 99;
 constexpr int confirming_round = 98;
+static_assert(first_of(parts, groups_round) <= first_start_of_others);
 
 constexpr std::string_view search_method = "gauss-newton";
 

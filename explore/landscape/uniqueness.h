@@ -9,6 +9,9 @@
 
 namespace explore::landscape {
 
+// Chains of an engine that are none of the analysis' own have start numbers from here on.
+inline constexpr int first_start_of_others = 100'000'000;
+
 struct UniquenessTask {
     // Residuals in units of their noise where it is stated. The first computes what is fitted, the second every
     // response.

@@ -21,17 +21,6 @@ commands = {"map": ["--design", "sobol", "--points", 300],
             "diagnose": ["--explore", 8, "--starts", 1, "--bootstrap", 2]}
 
 
-def counted(out):
-    """(finished evaluations, evaluations that some process computed)"""
-    database = sqlite3.connect(f"file:{out / 'run.sqlite'}?mode=ro", uri=True, timeout=10)
-    try:
-        check(database.execute("PRAGMA integrity_check").fetchone()[0] == "ok", f"{out.name}: the store is sound")
-        return (database.execute("SELECT count(*) FROM evaluation").fetchone()[0],
-                database.execute("SELECT total(evaluations) FROM session").fetchone()[0])
-    finally:
-        database.close()
-
-
 def start(name, out, *options, **settings):
     return subprocess.Popen([PROGRAM, name, str(study), *map(str, commands[name]), "--out", str(out), *map(str, options)],
                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, **settings)

@@ -37,6 +37,17 @@ def workspace():
     return folder
 
 
+def counted(out):
+    """(finished evaluations of a run folder, evaluations that some process computed)"""
+    database = sqlite3.connect(f"file:{out / 'run.sqlite'}?mode=ro", uri=True, timeout=10)
+    try:
+        check(database.execute("PRAGMA integrity_check").fetchone()[0] == "ok", f"{out.name}: the store is sound")
+        return (database.execute("SELECT count(*) FROM evaluation").fetchone()[0],
+                database.execute("SELECT total(evaluations) FROM session").fetchone()[0])
+    finally:
+        database.close()
+
+
 def evaluations(out):
     """How many evaluations the store of a run folder holds."""
     if not (out / "run.sqlite").exists():
