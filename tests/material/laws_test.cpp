@@ -340,6 +340,31 @@ TEST(Bilinear, IsThePrintedEquationAwayFromItsCorners) {
     EXPECT_NE(law.impossible(weak), "") << "negative at the highest deviator stress";
 }
 
+// A repeated-load triaxial test on a fine-grained soil, four inches long: recoverable deformation in thousandths of an
+// inch at deviators of 1 to 10 psi under confining pressures of 6, 3 and 0 psi, and the four numbers of the law that
+// its source fits to them ("Resilient Modulus Calculation", scribd.com/document/841422833).
+TEST(Bilinear, IsTheCurveThatIsFittedToATriaxialTest) {
+    constexpr double psi = 6894.757;
+    const Law& law = *material::find_law("bilinear");
+    const std::vector<double> p{1, 5422.110 * psi, 942.9, 366.7, 5.489 * psi, 0.0, 21 * psi, 1.0, 0.4, 0.4, NAN, 5e3,
+                                0.0};
+    struct Measured {
+        double deviator; // psi
+        double deformations[3];
+    };
+    for (const auto& m :
+         {Measured{1, {0.392, 0.416, 0.456}}, Measured{2, {0.816, 0.868, 1.04}}, Measured{4, {2.052, 2.224, 3.02}},
+          Measured{8, {5.712, 7.112, 9.412}}, Measured{10, {7.692, 11.112, 16.0}}}) {
+        double mean = 0.0;
+        for (const double d : m.deformations) {
+            mean += m.deviator / (d * 1e-3 / 4.0) / 3.0;
+        }
+        const double tau = m.deviator * psi * std::numbers::sqrt2 / 3.0;
+        const double theta = (m.deviator + 9.0) * psi; // confined by 3 psi; the law does not mind
+        EXPECT_NEAR(law.modulus(p, {theta, tau}).value / (mean * psi), 1.0, 0.025) << m.deviator;
+    }
+}
+
 TEST(EveryLaw, IsProportionalToItsScaleParametersTogether) {
     for (const Law* law : material::laws()) {
         for (int k = 0; k < 10; ++k) {
