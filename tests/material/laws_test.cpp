@@ -346,7 +346,7 @@ TEST(Bilinear, IsThePrintedEquationAwayFromItsCorners) {
 TEST(Bilinear, IsTheCurveThatIsFittedToATriaxialTest) {
     constexpr double psi = 6894.757;
     const Law& law = *material::find_law("bilinear");
-    const std::vector<double> p{1, 5422.110 * psi, 942.9, 366.7, 5.489 * psi, 0.0, 21 * psi, 1.0, 0.4, 0.4, NAN, 5e3,
+    const std::vector<double> p{1,  5422.110 * psi, 942.9, 366.7, 5.489 * psi, 0.0, 21 * psi, 1.0, 0.4, 0.4, NAN, 5e3,
                                 0.0};
     struct Measured {
         double deviator; // psi
