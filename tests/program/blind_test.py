@@ -11,7 +11,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "blind"))
 import trials
 
 FIRST = 1001
-options = argparse.Namespace(program=sys.argv[1], generator=sys.argv[2], one=11, none=4, two=2, removed=3, power=0, first=FIRST,
+options = argparse.Namespace(program=sys.argv[1], generator=sys.argv[2], one=12, none=5, two=2, removed=1, power=0, first=FIRST,
                              jobs=2, out=tempfile.mkdtemp(prefix="pavescape-blind-"), keep=False)
 rates = trials.rates(trials.run_all(options))
 # Of so few, one may go wrong by chance, and of the two pairs one.

@@ -11,7 +11,7 @@ forward = [r["value"] for r in json.loads(run("forward", study, "--json").stdout
 
 
 def command(*arguments, **options):
-    done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True, timeout=600, **options)
+    done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True, timeout=3600, **options)
     check(done.returncode == 0, f"{arguments[0]} {arguments[1]}: {done.stdout[-1500:]}{done.stderr[-1500:]}")
     return done.stdout
 

@@ -15,7 +15,7 @@ failures = []
 
 def run(*arguments, **options):
     """The finished program: returncode, stdout, stderr as text."""
-    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=900, **options)
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=3600, **options)
 
 
 def check(condition, message):

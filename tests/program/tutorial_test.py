@@ -20,7 +20,7 @@ for block in blocks:
             check(False, f"a block begins with a command: {command}")
             break
         commands += 1
-        done = subprocess.run(command[2:], shell=True, executable="/bin/bash", capture_output=True, text=True, timeout=900, cwd=folder, env=environment)
+        done = subprocess.run(command[2:], shell=True, executable="/bin/bash", capture_output=True, text=True, cwd=folder, env=environment)
         check(done.returncode == 0, f"{command}: {done.stderr[-800:]}")
         printed = [" ".join(line.split()) for line in done.stdout.splitlines()]
         at = 0
