@@ -82,7 +82,7 @@ Made by `tools/paper-laws` from the studies in `grids/`; every number below come
 ## Which law do the data prefer?
 
 Each law is fitted in the base with the parameters that its usual ranges free, from a Sobol sample and searches until {TABLES['Table 4: FWD on pavement 1'][1][3]} (FWD) or 4 (strains) in a
-row found nothing new.
+row found nothing new. Degrees of freedom: readings less the combinations of parameters that they fix. No weight: too few readings for the law's parameters.
 
 {comparisons}
 ## What deflections say of strains
