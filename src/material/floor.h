@@ -23,6 +23,9 @@ struct Floor {
         d_theta = thp / root;
         d_tau = 2.0 * eta * eta * at.tau / root;
     }
+    // thp by delta, and by eta.
+    double by_delta(double delta) const { return 2.0 * delta / root; }
+    double by_eta(double eta, double tau) const { return 2.0 * eta * tau * tau / root; }
 };
 
 } // namespace pave::material

@@ -14,10 +14,10 @@ StressDependent::StressDependent(std::vector<ParameterInfo> own, std::optional<d
     infos_.insert(infos_.end(), own.begin(), own.end());
     const ParameterInfo shared[] = {
         {"n", 1.0, 0.0, 20.0, true, default_n, "horizontal over vertical modulus, E1/E3", {}},
-        {"poisson_12", 1.0, -0.99, 0.99, false, {}, "Poisson's ratio in the horizontal plane", {}},
-        {"poisson_31", 1.0, -0.99, 2.0, false, {}, "horizontal strain from vertical load", {}},
+        poisson_12_info(),
+        poisson_31_info(),
         {"shear_ratio", 1.0, 0.0, 10.0, true, not_given, "G13/E3; without it 1/G13 = 1/E1 + (1 + 2 nu31)/E3", {}},
-        {"tension_smoothing_kPa", unit::kPa, 0.0, 1e3, true, 5.0, "delta, the smooth floor of theta", {}},
+        tension_smoothing_info(),
         {"shear_floor",
          1.0,
          0.0,
@@ -30,12 +30,20 @@ StressDependent::StressDependent(std::vector<ParameterInfo> own, std::optional<d
     infos_.insert(infos_.end(), std::begin(shared), std::end(shared));
 }
 
-ParameterInfo StressDependent::scale_info(std::string_view meaning) {
+ParameterInfo scale_info(std::string_view meaning) {
     return {"k1", 1.0, 0.0, 1e6, true, {}, meaning, {}, UsualRange{300, 12000, 1500, true}};
 }
-
-ParameterInfo StressDependent::confinement_info(UsualRange range) {
+ParameterInfo confinement_info(UsualRange range) {
     return {"k2", 1.0, -5.0, 5.0, false, {}, "exponent of confinement: stiffens when positive", {}, range};
+}
+ParameterInfo poisson_12_info() {
+    return {"poisson_12", 1.0, -0.99, 0.99, false, {}, "Poisson's ratio in the horizontal plane", {}};
+}
+ParameterInfo poisson_31_info() {
+    return {"poisson_31", 1.0, -0.99, 2.0, false, {}, "horizontal strain from vertical load", {}};
+}
+ParameterInfo tension_smoothing_info() {
+    return {"tension_smoothing_kPa", unit::kPa, 0.0, 1e3, true, 5.0, "delta, the smooth floor of theta", {}};
 }
 
 std::span<const std::size_t> StressDependent::scale_parameters() const {
@@ -65,8 +73,8 @@ double StressDependent::modulus_derivative(std::span<const double> p, mechanics:
     if (is_own) {
         return own_derivative(own(p), floor.thp, at.tau, here.value, i - first);
     }
-    const double by_square = terms(own(p), floor.thp, at.tau).d_thp / floor.root; // of delta, or of eta tau
-    return by_square * 2.0 * p[i] * (i == place(delta) ? 1.0 : at.tau * at.tau);
+    return terms(own(p), floor.thp, at.tau).d_thp *
+           (i == place(delta) ? floor.by_delta(p[i]) : floor.by_eta(p[i], at.tau));
 }
 
 namespace {

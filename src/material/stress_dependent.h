@@ -12,6 +12,13 @@ namespace pave::material {
 // sigma1 - sigma3 of a triaxial test over the octahedral shear stress.
 inline constexpr double deviator_over_tau = 3.0 / std::numbers::sqrt2;
 
+// Rows that laws of theta share: k1 and k2 (range: where it is sought), Poisson's ratios, the floor of theta.
+ParameterInfo scale_info(std::string_view meaning);
+ParameterInfo confinement_info(UsualRange range);
+ParameterInfo poisson_12_info();
+ParameterInfo poisson_31_info();
+ParameterInfo tension_smoothing_info();
+
 class StressDependent : public Law {
 public:
     std::span<const ParameterInfo> parameters() const final { return infos_; }
@@ -27,10 +34,6 @@ public:
     std::string impossible(std::span<const double> p) const override;
 
 protected:
-    // k1 and k2 as the laws of theta have them. range: where k2 is sought.
-    static ParameterInfo scale_info(std::string_view meaning);
-    static ParameterInfo confinement_info(UsualRange range);
-
     static constexpr std::size_t first = 1; // of the law's own parameters, after modulus_axis
 
     // own: the law's parameters; E is proportional to the first, unless the law says otherwise (scale_parameters).

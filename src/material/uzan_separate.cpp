@@ -1,11 +1,10 @@
 #include "material/uzan_separate.h"
 
-#include "base/units.h"
 #include "material/floor.h"
+#include "material/uzan.h"
 #include "mechanics/cross_anisotropic.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace pave::material {
 namespace {
@@ -14,8 +13,6 @@ using mechanics::CrossAnisotropy;
 using mechanics::Invariants;
 using mechanics::Stiffness;
 using Variable = CrossAnisotropy::Variable;
-
-constexpr double pa = unit::reference_pressure;
 
 // Three k's a modulus, then what they share.
 enum : std::size_t {
@@ -37,17 +34,12 @@ constexpr double highest_shear_ratio = 10.0;
 // A stress state as the moduli see it.
 struct State {
     Floor floor;
-    double tau;
-    double confinement, distortion; // the logarithms that k2 and k3 multiply
-    State(std::span<const double> p, Invariants at)
-        : floor(p[delta], p[eta], at),
-          tau(at.tau),
-          confinement(std::log(floor.thp / pa)),
-          distortion(std::log1p(at.tau / pa)) {}
+    UzanStress stress;
+    State(std::span<const double> p, Invariants at) : floor(p[delta], p[eta], at), stress{floor.thp, at.tau} {}
 
     // Of thp by delta or eta.
     double floor_rate(std::span<const double> p, std::size_t i) const {
-        return 2.0 * p[i] * (i == delta ? 1.0 : tau * tau) / floor.root;
+        return i == delta ? floor.by_delta(p[i]) : floor.by_eta(p[i], stress.tau);
     }
 };
 
@@ -68,14 +60,14 @@ struct Ratio {
 Ratio ratio(std::span<const double> p, std::size_t of, const State& s, double lowest, double highest) {
     const double confined = beyond(p, of, 1);
     const double distorted = beyond(p, of, 2);
-    const double value = p[of] / p[vertical] * std::exp(confined * s.confinement + distorted * s.distortion);
+    const double value = p[of] / p[vertical] * s.stress.factor(confined, distorted);
     if (!(value > lowest)) {
         return {.value = lowest, .limit = n_lowest};
     }
     if (!(value < highest)) {
         return {.value = highest, .limit = n_highest};
     }
-    return {.value = value, .d_thp = value * confined / s.floor.thp, .d_tau = value * distorted / (s.tau + pa)};
+    return {.value = value, .d_thp = s.stress.by_thp(value, confined), .d_tau = s.stress.by_tau(value, distorted)};
 }
 
 // d(ratio)/dp[i]
@@ -94,7 +86,7 @@ double ratio_rate(std::span<const double> p, std::size_t of, const State& s, con
     if (exponent > 0 && std::isnan(p[of + exponent])) {
         return 0.0;
     }
-    const double logarithm = exponent == 0 ? 1.0 / p[i] : exponent == 1 ? s.confinement : s.distortion;
+    const double logarithm = exponent == 0 ? 1.0 / p[i] : exponent == 1 ? s.stress.confinement : s.stress.distortion;
     return (of_vertical ? -1.0 : 1.0) * here.value * logarithm;
 }
 
@@ -121,22 +113,11 @@ public:
         return "stress-dependent: uzan for the vertical, the horizontal and the shear modulus, each with its own k's";
     }
     std::span<const ParameterInfo> parameters() const override {
-        static constexpr UsualRange scale{300, 12000, 1500, true};
         static constexpr UsualRange lower{30, 6000, 500, true};
-        static constexpr UsualRange confinement{0.0, 1.0, 0.7, false};
-        static constexpr UsualRange distortion{-2.0, 0.0, -0.4, false};
         static const ParameterInfo all[] = {
-            {"k1",
-             1.0,
-             0.0,
-             1e6,
-             true,
-             {},
-             "vertical modulus at theta = pa without shear, in units of pa = 100 kPa",
-             {},
-             scale},
-            {"k2", 1.0, -5.0, 5.0, false, {}, "its exponent of confinement: stiffens when positive", {}, confinement},
-            {"k3", 1.0, -50.0, 50.0, false, {}, "its exponent of shear: softens when negative", {}, distortion},
+            scale_info("vertical modulus at theta = pa without shear, in units of pa = 100 kPa"),
+            confinement_info(UsualRange{0.0, 1.0, 0.7, false}),
+            distortion_info("its exponent of shear: softens when negative"),
             {"k1_horizontal", 1.0, 0.0, 1e6, true, {}, "the same of the horizontal modulus", {}, lower},
             {"k2_horizontal", 1.0, -5.0, 5.0, false, not_given, "without it that of the vertical modulus", {}},
             {"k3_horizontal", 1.0, -50.0, 50.0, false, not_given, "without it that of the vertical modulus", {}},
@@ -145,9 +126,9 @@ public:
             {"k3_shear", 1.0, -50.0, 50.0, false, not_given, "without it that of the vertical modulus", {}},
             {"n_lowest", 1.0, 0.0, 1.0, true, 0.03, "horizontal over vertical modulus is never below this", {}},
             {"n_highest", 1.0, 0.0, 20.0, true, 1.0, "nor above this", {}},
-            {"poisson_12", 1.0, -0.99, 0.99, false, {}, "Poisson's ratio in the horizontal plane", {}},
-            {"poisson_31", 1.0, -0.99, 2.0, false, {}, "horizontal strain from vertical load", {}},
-            {"tension_smoothing_kPa", unit::kPa, 0.0, 1e3, true, 5.0, "delta, the smooth floor of theta", {}},
+            poisson_12_info(),
+            poisson_31_info(),
+            tension_smoothing_info(),
             {"shear_floor",
              1.0,
              0.0,
@@ -167,13 +148,13 @@ public:
 
     Modulus modulus(std::span<const double> p, Invariants at) const override {
         const State s(p, at);
-        const double e = p[0] * pa * std::exp(p[1] * s.confinement + p[2] * s.distortion);
+        const double e = p[0] * unit::reference_pressure * s.stress.factor(p[1], p[2]);
         if (!(e < modulus_limit)) {
             return {.value = modulus_limit, .limited = true};
         }
-        const double d_thp = e * p[1] / s.floor.thp;
+        const double d_thp = s.stress.by_thp(e, p[1]);
         return {
-            .value = e, .d_theta = d_thp * s.floor.d_theta, .d_tau = e * p[2] / (at.tau + pa) + d_thp * s.floor.d_tau};
+            .value = e, .d_theta = d_thp * s.floor.d_theta, .d_tau = s.stress.by_tau(e, p[2]) + d_thp * s.floor.d_tau};
     }
     double modulus_derivative(std::span<const double> p, Invariants at, const Modulus& here,
                               std::size_t i) const override {
@@ -183,10 +164,10 @@ public:
         const State s(p, at);
         switch (i) {
         case 0: return here.value / p[0];
-        case 1: return here.value * s.confinement;
-        case 2: return here.value * s.distortion;
+        case 1: return here.value * s.stress.confinement;
+        case 2: return here.value * s.stress.distortion;
         case delta:
-        case eta: return here.value * p[1] / s.floor.thp * s.floor_rate(p, i);
+        case eta: return s.stress.by_thp(here.value, p[1]) * s.floor_rate(p, i);
         default: return 0.0;
         }
     }
