@@ -47,28 +47,22 @@ Json results_in(const std::filesystem::path& folder) {
 }
 
 // What was computed when, and how fast.
-Json sessions_in(const std::string& folder) {
+Json sessions_in(const run::Store& store) {
     Json sessions = Json::array();
-    if (std::filesystem::exists(std::filesystem::path(folder) / "run.sqlite")) {
-        for (const run::Session& s : run::Store(folder).sessions()) {
-            sessions.push_back({{"began", s.began},
-                                {"arguments", s.arguments},
-                                {"version", s.version},
-                                {"libraries", s.libraries},
-                                {"threads", s.threads},
-                                {"evaluations", s.evaluations},
-                                {"seconds", s.seconds}});
-        }
+    for (const run::Session& s : store.sessions()) {
+        sessions.push_back({{"began", s.began},
+                            {"arguments", s.arguments},
+                            {"version", s.version},
+                            {"libraries", s.libraries},
+                            {"threads", s.threads},
+                            {"evaluations", s.evaluations},
+                            {"seconds", s.seconds}});
     }
     return sessions;
 }
 
 // The points of the run that shows the landscape best, lowest misfit first.
-Json evaluations_in(const std::string& folder) {
-    if (!std::filesystem::exists(std::filesystem::path(folder) / "run.sqlite")) {
-        return nullptr;
-    }
-    const run::Store store(folder);
+Json evaluations_in(const run::Store& store) {
     const auto runs = store.runs();
     for (const std::string_view command : {"map", "unique", "fit"}) {
         const auto found = std::find_if(runs.begin(), runs.end(),
@@ -142,7 +136,13 @@ int make_report(const std::string& folder, const std::string& out) {
         throw pave::Error({.file = folder, .key = "RUN"}, "there is no such folder", {}, "the folder of a run");
     }
     Json results = results_in(folder);
-    Json evaluations = evaluations_in(folder);
+    Json evaluations;
+    Json sessions = Json::array();
+    if (std::filesystem::exists(std::filesystem::path(folder) / "run.sqlite")) {
+        const run::Store store(folder);
+        evaluations = evaluations_in(store);
+        sessions = sessions_in(store);
+    }
     if (results.empty() && evaluations.is_null()) {
         throw pave::Error({.file = folder, .key = "RUN"}, "this folder holds no run", {},
                           "a folder that a pavescape command wrote");
@@ -152,7 +152,7 @@ int make_report(const std::string& folder, const std::string& out) {
                                            {"version", PAVESCAPE_VERSION},
                                            {"results", std::move(results)},
                                            {"evaluations", std::move(evaluations)},
-                                           {"sessions", sessions_in(folder)},
+                                           {"sessions", std::move(sessions)},
                                            {"studies", std::move(studies)}});
     const std::filesystem::path path =
         out.empty() ? std::filesystem::path(folder) / "report.html" : std::filesystem::path(out);
