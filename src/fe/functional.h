@@ -7,6 +7,16 @@
 
 namespace pave::fe {
 
+using Weights = std::vector<std::pair<int, double>>; // (free unknown, weight)
+
+inline double weighted(const Weights& weights, const double* u) {
+    double value = 0.0;
+    for (const auto& [unknown, weight] : weights) {
+        value += weight * u[unknown];
+    }
+    return value;
+}
+
 // Weights on the free unknowns, or (stresses) weights on the load stress of Gauss points, each contracted with a
 // direction.
 template <class Element>
@@ -16,16 +26,10 @@ struct Functional {
         double weight;
         typename Element::Stress direction;
     };
-    std::vector<std::pair<int, double>> on_displacement; // (unknown, weight)
+    Weights on_displacement;
     std::vector<AtPoint> on_stress;
 
-    double of_displacement(const double* u) const {
-        double value = 0.0;
-        for (const auto& [unknown, weight] : on_displacement) {
-            value += weight * u[unknown];
-        }
-        return value;
-    }
+    double of_displacement(const double* u) const { return weighted(on_displacement, u); }
     // stress: column point * stride + offset.
     template <class Stresses>
     double of_stress(const Stresses& stress, Eigen::Index stride, Eigen::Index offset) const {

@@ -153,6 +153,11 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
 }
 
 template <class Element>
+bool Solver<Element>::solve_at_end(Eigen::MatrixXd& right) {
+    return work_->system.solve(right, {});
+}
+
+template <class Element>
 Solver<Element>::Solver(const Model<Element>& model) : work_(std::make_unique<Work>(model)) {}
 template <class Element>
 Solver<Element>::~Solver() = default;

@@ -129,6 +129,10 @@ public:
     using OnStep = std::function<void(double load_factor, const Eigen::VectorXd& rate, const Eigen::VectorXd& modulus)>;
     void on_step(OnStep f) { on_step_ = std::move(f); }
 
+    // right := K^-1 right with the last stiffness of `incremental`, that of the section as it stands under the load.
+    // False: it is not definite.
+    bool solve_at_end(Eigen::MatrixXd& right);
+
     // What inertia adds to readings at the end of the run before this call, whose layers, springs and variations must
     // still exist (no motion among them): the extreme of each over time (that of the larger magnitude) under a pulse of
     // the load, less its value under the same load at rest. Linear about that end, with the modulus reached there as

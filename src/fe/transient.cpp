@@ -61,16 +61,6 @@ double place_of_extreme(double a, double da, double b, double db) {
 // One number a row and variation: of every unknown, or of every reading.
 using Rates = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-using Weights = std::vector<std::pair<int, double>>; // (free unknown, weight)
-
-double value_of(const Weights& weights, const Eigen::VectorXd& u) {
-    double value = 0.0;
-    for (const auto& [unknown, weight] : weights) {
-        value += weight * u[unknown];
-    }
-    return value;
-}
-
 // y += K x
 void add_product(const Pattern& lower, const std::vector<double>& values, const Rates& x, Rates& y) {
     const auto add = [count = x.cols()](double value, const double* from, double* to) {
@@ -329,7 +319,7 @@ Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& e
             }
             for (int k = 0; k < count; ++k) {
                 to(i, k) +=
-                    factor * value_of(weight_rates[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)], u);
+                    factor * weighted(weight_rates[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)], u.data());
             }
         }
     };
@@ -437,8 +427,8 @@ Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& e
         }
         for (Eigen::Index r = 0; r < n; ++r) {
             Followed& f = followed[static_cast<std::size_t>(r)];
-            const double now = value_of(weights[static_cast<std::size_t>(r)], u);
-            const double now_slope = step * value_of(weights[static_cast<std::size_t>(r)], v);
+            const double now = weighted(weights[static_cast<std::size_t>(r)], u.data());
+            const double now_slope = step * weighted(weights[static_cast<std::size_t>(r)], v.data());
             const auto share = weights_at(place_of_extreme(f.value, f.slope, now, now_slope));
             const double most = share[0] * f.value + share[1] * f.slope + share[2] * now + share[3] * now_slope;
             if (std::abs(most) > std::abs(f.peak)) {
@@ -454,7 +444,7 @@ Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& e
     }
     PulseExcess excess;
     for (std::size_t i = 0; i < readings.size(); ++i) {
-        excess.values.push_back(followed[i].peak - value_of(weights[i], at_rest));
+        excess.values.push_back(followed[i].peak - weighted(weights[i], at_rest.data()));
     }
     read_rates(at_rest, d_at_rest, 1.0, value_rate);
     excess.derivatives = peak_rate - value_rate;

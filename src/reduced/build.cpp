@@ -22,7 +22,9 @@ struct Snapshots {
     std::vector<double> lengths;         // in load factor, that each rate stands for
     std::vector<fe::LayerMaterial> layers;
     Eigen::VectorXd force;
+    Eigen::MatrixXd duals;      // displacements under what the sensors read as a load, at the end
     std::vector<double> values; // of the sensors
+    std::size_t sample = 0;
 };
 
 template <class Kind>
@@ -97,7 +99,9 @@ public:
         }
         report.modes = static_cast<int>(basis.modes.cols());
         report.points = static_cast<int>(basis.points.size());
-        calibrate(basis, candidates, report);
+        if (!calibrate(basis, candidates, report)) {
+            return Failure{Status::failed, "the reduced model has no answer at the samples of the build"};
+        }
         return basis;
     }
 
@@ -142,6 +146,12 @@ private:
             const double after = i + 1 < factors.size() ? factors[i + 1] - factors[i] : 0.0;
             s.lengths.push_back((before + after) / 2.0);
         }
+        if (with_path && most_dual_modes() > 0) {
+            s.duals = as_loads(s.layers, *solved);
+            if (!solver.solve_at_end(s.duals)) {
+                return std::nullopt;
+            }
+        }
         for (std::size_t i = 0; i < c.sensors.size(); ++i) {
             const auto& o = observations_[i];
             s.values.push_back(c.sensors[i].load != load_ ? 0.0
@@ -151,12 +161,44 @@ private:
         return s;
     }
 
+    // What each sensor under this load reads, as forces: their work on a displacement is its reading (of a stress, with
+    // the moduli as they are).
+    Eigen::MatrixXd as_loads(const std::vector<fe::LayerMaterial>& layers,
+                             const fe::Solution<Element>& solution) const {
+        std::vector<Eigen::VectorXd> loads;
+        for (std::size_t i = 0; i < observations_.size(); ++i) {
+            if (own_.sensors[i].load != load_) {
+                continue;
+            }
+            Eigen::VectorXd& f = loads.emplace_back(Eigen::VectorXd::Zero(model_.free_unknowns()));
+            for (const auto& [unknown, weight] : observations_[i].on_displacement) {
+                f[unknown] += weight;
+            }
+            for (const auto& [q, weight, direction] : observations_[i].on_stress) {
+                const int e = q / Element::gauss;
+                const auto& layer =
+                    layers[static_cast<std::size_t>(model_.topology->layer[static_cast<std::size_t>(e)])];
+                typename Element::Vector on_element = Element::Vector::Zero();
+                Element::add_force(model_.points[static_cast<std::size_t>(q)],
+                                   solution.modulus[q] * (layer.template unit_stiffness<N>() * direction), weight,
+                                   on_element);
+                model_.scatter_add(e, on_element, f.data());
+            }
+        }
+        Eigen::MatrixXd all(model_.free_unknowns(), static_cast<Eigen::Index>(loads.size()));
+        for (std::size_t i = 0; i < loads.size(); ++i) {
+            all.col(static_cast<Eigen::Index>(i)) = loads[i];
+        }
+        return all;
+    }
+
     void add_runs(const std::vector<std::size_t>& chosen) {
         std::vector<std::optional<Snapshots>> done(chosen.size());
         for_each_(chosen.size(), [&](std::size_t i) { done[i] = full_run(samples_[chosen[i]], true); });
-        for (auto& s : done) {
-            if (s) {
-                runs_.push_back(std::move(*s));
+        for (std::size_t i = 0; i < done.size(); ++i) {
+            if (done[i]) {
+                done[i]->sample = chosen[i];
+                runs_.push_back(std::move(*done[i]));
             }
         }
     }
@@ -202,7 +244,8 @@ private:
             const auto& run = runs_[which[k].first];
             snapshots.col(static_cast<Eigen::Index>(k)) = run.lengths[which[k].second] * run.rates[which[k].second];
         }
-        Eigen::MatrixXd gram = snapshots.transpose() * Eigen::MatrixXd(energy() * snapshots);
+        const Eigen::SparseMatrix<double> metric = energy();
+        Eigen::MatrixXd gram = snapshots.transpose() * Eigen::MatrixXd(metric * snapshots);
         // A run counts as much as another: by the energy of its own sum.
         Eigen::VectorXd scale(gram.rows());
         for (std::size_t begin = 0; begin < which.size();) {
@@ -231,9 +274,49 @@ private:
             factors.col(i) = scale.asDiagonal() * eigen.eigenvectors().col(from) / std::sqrt(values[from]);
         }
         basis.modes = snapshots * factors;
-        basis.coarse = std::max(2, static_cast<int>(modes * 4 / 5));
+        if (most_dual_modes() > 0) {
+            add_dual_modes(metric, basis.modes);
+            basis.coarse = static_cast<int>(modes);
+        } else {
+            basis.coarse = static_cast<int>(modes) * 4 / 5;
+        }
         make_cubature(basis, which);
         return basis;
+    }
+
+    // The error that a projection makes in a reading is the product of two errors, that of the displacement and that of
+    // the dual one, the answer to the reading as a load: both belong to the space (Becker and Rannacher 2001). What the
+    // modes lack of the duals, by proper orthogonal decomposition, each dual relative to its own energy.
+    void add_dual_modes(const Eigen::SparseMatrix<double>& metric, Eigen::MatrixXd& modes) const {
+        const Eigen::Index each = runs_.front().duals.cols();
+        const auto known = static_cast<Eigen::Index>(runs_.size());
+        const Eigen::Index taken = std::clamp<Eigen::Index>(most_dual_fields / each, 1, known); // spread over the runs
+        const Eigen::Index count = taken * each;
+        Eigen::MatrixXd fields(model_.free_unknowns(), count);
+        for (Eigen::Index i = 0; i < taken; ++i) {
+            fields.middleCols(i * each, each) = runs_[static_cast<std::size_t>(i * known / taken)].duals;
+        }
+        for (auto field : fields.colwise()) {
+            field /= std::sqrt(field.dot(metric * field));
+        }
+        const auto leave_out = [&metric, &modes](Eigen::MatrixXd& of) {
+            of -= modes * (modes.transpose() * Eigen::MatrixXd(metric * of));
+        };
+        leave_out(fields);
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(fields.transpose() *
+                                                                   Eigen::MatrixXd(metric * fields));
+        const Eigen::VectorXd& lack = eigen.eigenvalues(); // increasing
+        Eigen::Index duals = 0;
+        while (duals < std::min(most_dual_modes(), count) && lack[count - 1 - duals] > mode_tolerance) {
+            ++duals;
+        }
+        Eigen::MatrixXd added = fields * eigen.eigenvectors().rightCols(duals).rowwise().reverse();
+        leave_out(added);
+        for (auto field : added.colwise()) {
+            field /= std::sqrt(field.dot(metric * field));
+        }
+        modes.conservativeResize(Eigen::NoChange, modes.cols() + duals);
+        modes.rightCols(duals) = added;
     }
 
     // The stiffness of a section with fixed moduli, as a measure of displacement fields.
@@ -322,6 +405,17 @@ private:
         std::vector<Eigen::VectorXd> force_of_part(parts, Eigen::VectorXd::Zero(forces));
         std::vector<double> volume_of_part(parts, 0.0);
         for_each_(parts, [&](std::size_t part) {
+            constexpr Eigen::Index together = 32;
+            Eigen::MatrixXd works(forces, together); // of candidates
+            std::vector<Eigen::Index> columns_of_works;
+            const auto mix_works = [&] {
+                const auto count = static_cast<Eigen::Index>(columns_of_works.size());
+                const Eigen::MatrixXd mixed = mix * works.leftCols(count);
+                for (Eigen::Index k = 0; k < count; ++k) {
+                    columns.col(columns_of_works[static_cast<std::size_t>(k)]).head(rows) = mixed.col(k);
+                }
+                columns_of_works.clear();
+            };
             for (std::size_t a = part * active_.size() / parts; a < (part + 1) * active_.size() / parts; ++a) {
                 const auto layer =
                     static_cast<std::size_t>(model_.topology->layer[static_cast<std::size_t>(active_[a])]);
@@ -341,11 +435,16 @@ private:
                     force_of_part[part] += work.reshaped();
                     volume_of_part[part] += weight;
                     if (const Eigen::Index j = column_of[static_cast<std::size_t>(at)]; j >= 0) {
-                        columns.col(j).head(rows).noalias() = mix * work.reshaped();
+                        works.col(static_cast<Eigen::Index>(columns_of_works.size())) = work.reshaped();
+                        columns_of_works.push_back(j);
                         columns(rows, j) = weight;
+                        if (columns_of_works.size() == together) {
+                            mix_works();
+                        }
                     }
                 }
             }
+            mix_works();
         });
         Eigen::VectorXd whole(rows + 1);
         whole.head(rows) = mix * std::accumulate(force_of_part.begin() + 1, force_of_part.end(), force_of_part[0]);
@@ -363,25 +462,121 @@ private:
         }
     }
 
-    // What the estimates are worth: at samples that the build has not seen.
-    void calibrate(Basis& basis, std::size_t first, BuildReport& report) const {
-        const std::size_t count = samples_.size() - first;
+    // What the full model and the reduced one read at the same sample.
+    struct Comparison {
+        std::vector<fe::LayerMaterial> layers;
+        Load load;
+        std::vector<double> full;
+        LoadModel::Reading quick;
+    };
+
+    // At the runs that the modes are from, then at the samples that the build has not seen (from `first`), where both
+    // have an answer. The second: how many are of the modes.
+    std::pair<std::vector<Comparison>, std::size_t> compare(const Basis& basis, std::size_t first) const {
         const auto reduced = make_load_model(nominal_, load_, basis);
-        const std::size_t sensors = own_.sensors.size();
-        std::vector<std::vector<double>> error(count), estimate(count);
-        for_each_(count, [&](std::size_t k) {
-            const auto full = full_run(samples_[first + k], false);
-            const auto quick = read(*reduced, samples_[first + k]);
-            if (!full || !quick) {
-                return;
-            }
-            const auto scale = scales(own_, load_, full->values);
-            for (std::size_t i = 0; i < sensors; ++i) {
-                error[k].push_back(std::abs(quick->values[i] - full->values[i]) / scale[i]);
-                estimate[k].push_back(quick->errors[i] / scale[i]);
+        std::vector<std::optional<Comparison>> at(runs_.size() + samples_.size() - first);
+        for_each_(at.size(), [&](std::size_t k) {
+            const bool of_modes = k < runs_.size();
+            const Case& sample = samples_[of_modes ? runs_[k].sample : first + k - runs_.size()];
+            const auto unseen = of_modes ? std::nullopt : full_run(sample, false);
+            const Snapshots* full = of_modes ? &runs_[k] : unseen ? &*unseen : nullptr;
+            auto quick = read(*reduced, sample);
+            if (full != nullptr && quick) {
+                at[k] = Comparison{.layers = full->layers,
+                                   .load = as_met(sample)->loads[static_cast<std::size_t>(load_)],
+                                   .full = full->values,
+                                   .quick = std::move(*quick)};
             }
         });
-        report.full_runs += static_cast<int>(count);
+        std::vector<Comparison> both;
+        std::size_t of_modes = 0;
+        for (std::size_t k = 0; k < at.size(); ++k) {
+            if (at[k]) {
+                both.push_back(std::move(*at[k]));
+                of_modes += k < runs_.size() ? 1 : 0;
+            }
+        }
+        return {std::move(both), of_modes};
+    }
+
+    // At runs that were not learnt from, runs x sensors: what the correction adds to a reading, and by how much that is
+    // still missed.
+    struct Unseen {
+        Eigen::MatrixXd missed, added;
+    };
+
+    // What the readings lack, learnt from all these runs: the modes are few beside the snapshots of the runs that they
+    // are from (the first of them), so that the readings lack there hardly less than elsewhere.
+    Unseen learn_correction(Basis& basis, const std::vector<Comparison>& runs, std::size_t of_modes) const {
+        std::vector<std::vector<fe::LayerMaterial>> layers;
+        std::vector<Load> loads;
+        for (const Comparison& run : runs) {
+            layers.push_back(run.layers);
+            loads.push_back(run.load);
+        }
+        basis.coordinates = coordinates_of(layers, loads);
+        const auto count = static_cast<Eigen::Index>(runs.size());
+        const auto known = static_cast<Eigen::Index>(of_modes);
+        Eigen::MatrixXd places(static_cast<Eigen::Index>(basis.coordinates.size()), count);
+        Eigen::MatrixXd lacks(count, static_cast<Eigen::Index>(own_.sensors.size()));
+        Eigen::MatrixXd scale(lacks.rows(), lacks.cols());
+        for (Eigen::Index k = 0; k < count; ++k) {
+            const Comparison& run = runs[static_cast<std::size_t>(k)];
+            for (std::size_t d = 0; d < basis.coordinates.size(); ++d) {
+                places(static_cast<Eigen::Index>(d), k) = basis.coordinates[d].at(run.layers, run.load);
+            }
+            const auto own = smooth_scales(own_, load_, run.quick.values);
+            for (Eigen::Index i = 0; i < scale.cols(); ++i) {
+                const auto sensor = static_cast<std::size_t>(i);
+                scale(k, i) = own[sensor];
+                lacks(k, i) = (run.full[sensor] - run.quick.values[sensor]) / own[sensor];
+            }
+        }
+        Unseen unseen{.missed = lacks.cwiseProduct(scale).bottomRows(count - known).cwiseAbs(),
+                      .added = Eigen::MatrixXd::Zero(count - known, lacks.cols())};
+        if (basis.coordinates.empty()) {
+            return unseen;
+        }
+        basis.correction.resize(own_.sensors.size());
+        for_each_(own_.sensors.size(), [&](std::size_t i) {
+            if (own_.sensors[i].load != load_) {
+                return;
+            }
+            const auto sensor = static_cast<Eigen::Index>(i);
+            const Eigen::VectorXd all = lacks.col(sensor);
+            const Kriging first = krige(places.leftCols(known), all.head(known));
+            for (Eigen::Index k = known; k < count; ++k) {
+                const double added = first.at(places.col(k), nullptr);
+                unseen.missed(k - known, sensor) = std::abs(all[k] - added) * scale(k, sensor);
+                unseen.added(k - known, sensor) = std::abs(added) * scale(k, sensor);
+            }
+            basis.correction[i] = krige(places, all);
+        });
+        return unseen;
+    }
+
+    // What the estimates are worth: at samples that neither the modes nor, for this, the correction are from.
+    // False: there is an answer at none.
+    bool calibrate(Basis& basis, std::size_t first, BuildReport& report) const {
+        const auto [runs, of_modes] = compare(basis, first);
+        report.full_runs += static_cast<int>(samples_.size() - first);
+        const std::size_t count = runs.size() - of_modes;
+        if (of_modes == 0 || count == 0) {
+            return false;
+        }
+        const Unseen unseen = learn_correction(basis, runs, of_modes);
+        const std::size_t sensors = own_.sensors.size();
+        std::vector<std::vector<double>> error(count), estimate(count);
+        for (std::size_t k = 0; k < count; ++k) {
+            const Comparison& run = runs[of_modes + k];
+            const auto scale = scales(own_, load_, run.full);
+            for (std::size_t i = 0; i < sensors; ++i) {
+                const auto row = static_cast<Eigen::Index>(k);
+                const auto sensor = static_cast<Eigen::Index>(i);
+                error[k].push_back(unseen.missed(row, sensor) / scale[i]);
+                estimate[k].push_back((run.quick.errors[i] + unseen.added(row, sensor)) / scale[i]);
+            }
+        }
         const auto quantile = [](std::vector<double> values, double share) {
             std::sort(values.begin(), values.end());
             return values.empty() ? 0.0
@@ -389,20 +584,13 @@ private:
         };
         basis.floor.assign(sensors, 0.0);
         for (std::size_t i = 0; i < sensors; ++i) {
-            std::vector<double> own;
-            for (const auto& e : error) {
-                if (!e.empty()) {
-                    own.push_back(e[i]);
-                }
-            }
+            std::vector<double> own(error.size());
+            std::transform(error.begin(), error.end(), own.begin(), [i](const auto& e) { return e[i]; });
             basis.floor[i] = quantile(own, 0.5);
         }
-        std::vector<double> largest;
-        for (std::size_t k = 0; k < count; ++k) {
-            if (!error[k].empty()) {
-                largest.push_back(*std::max_element(error[k].begin(), error[k].end()));
-            }
-        }
+        std::vector<double> largest(error.size());
+        std::transform(error.begin(), error.end(), largest.begin(),
+                       [](const auto& e) { return *std::max_element(e.begin(), e.end()); });
         // Of each sensor: the mixture of gap and floor with the smallest estimates that cover nine errors of ten; then
         // one factor, so that together they cover the errors at nearly every sample.
         for (std::size_t i = 0; i < sensors; ++i) {
@@ -412,7 +600,7 @@ private:
             for (const double share : {0.1, 0.3, 1.0, 3.0, 10.0}) {
                 std::vector<double> ratio, guesses;
                 for (std::size_t k = 0; k < count; ++k) {
-                    if (!error[k].empty() && floor > 0.0) {
+                    if (floor > 0.0) {
                         guesses.push_back(share * estimate[k][i] + floor);
                         ratio.push_back(error[k][i] / guesses.back());
                     }
@@ -441,10 +629,12 @@ private:
             basis.floor[i] *= together;
         }
         report.error_95 = quantile(largest, 0.95);
+        return true;
     }
 
-    static constexpr double mode_tolerance = 1e-8; // of the energy of the snapshots that the modes leave out
+    static constexpr double mode_tolerance = 1e-8; // of the energy of snapshots and duals, that the modes leave out
     static constexpr double cubature_tolerance = 3e-4;
+    static constexpr Eigen::Index most_dual_fields = 240;
     static constexpr std::size_t most_force_snapshots = 120;
     static constexpr std::size_t most_candidates = 6000;
     // Deflections need fewer modes than what is read within a layer.
@@ -452,8 +642,10 @@ private:
         return std::any_of(own_.sensors.begin(), own_.sensors.end(),
                            [&](const Sensor& s) { return s.load == load_ && s.quantity != Quantity::deflection; });
     }
-    Eigen::Index most_modes() const { return reads_within() ? 64 : 32; }
-    int most_points() const { return reads_within() ? 220 : 84; }
+    Eigen::Index most_modes() const { return reads_within() ? 64 : 16; }
+    // The dual of a strain is sharper than any mode: as many modes more serve it better.
+    Eigen::Index most_dual_modes() const { return reads_within() ? 0 : 8; }
+    int most_points() const { return reads_within() ? 220 : 64; }
 
     const Case& nominal_;
     int load_;

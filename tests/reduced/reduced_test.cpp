@@ -1,4 +1,5 @@
 // The reduced model against the full one, at points that it was not built from; the cubature; the derivatives.
+#include "reduced/kriging.h"
 #include "reduced/nonnegative.h"
 #include "reduced/reduced_load.h"
 #include "support/sections.h"
@@ -110,6 +111,47 @@ TEST(NonnegativeLeastSquares, FindsTheSolutionAndMeetsTheConditionsOfKuhnAndTuck
         EXPECT_NEAR(slope[i] * x[i], 0.0, 1e-9);
     }
     EXPECT_LE((reduced::nonnegative_least_squares(a, b, 0.0, 3).array() > 0.0).count(), 3);
+}
+
+// A smooth function of two coordinates out of three and its gradient by the formula; what does not matter gets a longer
+// length; values with noise are not followed.
+TEST(Kriging, FollowsASmoothFunctionAndItsGradientButNotNoise) {
+    const pave::RandomStream random(11, 0);
+    std::uint64_t draw = 0;
+    const auto place = [&] {
+        Eigen::VectorXd x(3);
+        for (int i = 0; i < 3; ++i) {
+            x[i] = 2.0 * random.uniform(draw++) - 1.0;
+        }
+        return x;
+    };
+    const auto value = [](const Eigen::VectorXd& x) { return std::sin(2.0 * x[0]) + 0.5 * x[0] * x[1]; };
+    constexpr int count = 150;
+    Eigen::MatrixXd places(3, count);
+    Eigen::VectorXd values(count);
+    for (int i = 0; i < count; ++i) {
+        places.col(i) = place();
+        values[i] = value(places.col(i));
+    }
+    const reduced::Kriging exact = reduced::krige(places, values);
+    EXPECT_GT(exact.lengths[2], 2.0 * exact.lengths[0]);
+    Eigen::VectorXd noisy = values;
+    for (double& v : noisy) {
+        v += 0.2 * (random.uniform(draw++) - 0.5);
+    }
+    const reduced::Kriging smoothed = reduced::krige(places, noisy);
+    double square = 0.0;
+    for (int i = 0; i < 50; ++i) {
+        const Eigen::VectorXd x = place();
+        Eigen::VectorXd gradient;
+        const double found = exact.at(x, &gradient);
+        EXPECT_NEAR(found, value(x), 0.02);
+        EXPECT_NEAR(gradient[0], 2.0 * std::cos(2.0 * x[0]) + 0.5 * x[1], 0.2);
+        EXPECT_NEAR(gradient[1], 0.5 * x[0], 0.2);
+        EXPECT_NEAR(gradient[2], 0.0, 0.2);
+        square += std::pow(smoothed.at(x, nullptr) - value(x), 2);
+    }
+    EXPECT_LT(std::sqrt(square / 50.0), 0.2 / std::sqrt(12.0)) << "of the noise of a sample";
 }
 
 TEST(ReducedModel, HasAPositiveCubatureOfTheVolumeOfTheBase) {

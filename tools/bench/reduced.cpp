@@ -1,5 +1,6 @@
 // The reduced model against the full one, on points of a study's box that it was not built from.
-// usage: reduced STUDY [POINTS]
+// usage: reduced STUDY [POINTS [REFINE [LOAD]]]        LOAD: only what is read under that load
+// Builds and compares on all cores; times are of the first points, one at a time.
 #include "reduced/reduced_load.h"
 #include "search/design.h"
 #include "study/pavement_function.h"
@@ -10,6 +11,9 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
+#include <memory>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
 
 namespace {
 
@@ -19,9 +23,9 @@ double seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-std::vector<Case> cases(const explore::study::Study& study, int count, std::uint64_t seed) {
+std::vector<Case> cases(const explore::study::Study& study, const std::vector<std::vector<double>>& units) {
     std::vector<Case> list;
-    for (const auto& unit : explore::search::sobol(study.space, count, seed).points) {
+    for (const auto& unit : units) {
         list.push_back(explore::study::case_at(study.model, study.parameters, study.space.physical(unit)).value());
     }
     return list;
@@ -32,17 +36,29 @@ double quantile(std::vector<double> values, double share) {
     return values.empty() ? NAN : values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
+// A workspace of every thread.
+using Spaces = tbb::enumerable_thread_specific<ForwardModel::WorkspacePointer>;
+std::unique_ptr<Spaces> spaces_of(const ForwardModel& model) {
+    return std::make_unique<Spaces>([&model] { return model.make_workspace(); });
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
-    const auto study = explore::study::load_study(argv[1]);
+    auto study = explore::study::load_study(argv[1]);
     const int points = argc > 2 ? std::atoi(argv[2]) : 500;
-    const auto samples = cases(study, 512, 1);
+    if (argc > 3) {
+        study.model.settings.refine = std::atof(argv[3]);
+    }
+    if (argc > 4) {
+        std::erase_if(study.model.sensors, [&](const Sensor& s) {
+            return study.model.loads[static_cast<std::size_t>(s.load)].name != argv[4];
+        });
+    }
+    const auto samples = cases(study, explore::search::sobol(study.space, 512, 1).points);
     std::vector<std::shared_ptr<const LoadModel>> models(study.model.loads.size());
-    const pave::reduced::ForEach one_by_one = [](std::size_t n, const std::function<void(std::size_t)>& body) {
-        for (std::size_t i = 0; i < n; ++i) {
-            body(i);
-        }
+    const pave::reduced::ForEach at_once = [](std::size_t n, const std::function<void(std::size_t)>& body) {
+        tbb::parallel_for(std::size_t{0}, n, body);
     };
     double begin = seconds();
     for (std::size_t l = 0; l < models.size(); ++l) {
@@ -55,7 +71,7 @@ int main(int argc, char** argv) {
             return 1;
         }
         pave::reduced::BuildReport report;
-        auto basis = pave::reduced::build(study.model, static_cast<int>(l), samples, {}, one_by_one, &report);
+        auto basis = pave::reduced::build(study.model, static_cast<int>(l), samples, {}, at_once, &report);
         if (!basis) {
             fmt::print("{}\n", basis.failure().reason);
             return 1;
@@ -68,23 +84,45 @@ int main(int argc, char** argv) {
 
     const ForwardModel full(study.model);
     const ForwardModel reduced(study.model, models);
-    auto full_space = full.make_workspace();
-    auto reduced_space = reduced.make_workspace();
+    const auto units = explore::search::sobol(study.space, points, 7).points;
+    const auto where = cases(study, units);
+    struct Answers {
+        pave::Outcome<Response> truth, quick;
+        double ratio;
+    };
+    std::vector<std::optional<Answers>> at(where.size());
+    const auto full_spaces = spaces_of(full);
+    const auto reduced_spaces = spaces_of(reduced);
+    const auto compare = [&](std::size_t i) {
+        const auto& full_space = full_spaces->local();
+        const auto& reduced_space = reduced_spaces->local();
+        const double start = seconds();
+        auto truth = full.run(where[i], study.parameters, *full_space);
+        const double middle = seconds();
+        auto quick = reduced.run(where[i], study.parameters, *reduced_space);
+        at[i].emplace(std::move(truth), std::move(quick), (middle - start) / (seconds() - middle));
+    };
+    constexpr std::size_t timed_points = 40;
+    const std::size_t timed = std::min(timed_points, where.size());
+    for (std::size_t i = 0; i < timed; ++i) {
+        compare(i);
+    }
+    at_once(where.size() - timed, [&](std::size_t i) { compare(timed + i); });
+
     std::map<std::string, std::vector<double>> errors;
     std::vector<double> slopes, ratios;
     std::vector<double> estimates;
     int covered = 0, all = 0, different = 0;
-    for (const Case& c : cases(study, points, 7)) {
-        begin = seconds();
-        const auto truth = full.run(c, study.parameters, *full_space);
-        const double middle = seconds();
-        const auto quick = reduced.run(c, study.parameters, *reduced_space);
-        const double end = seconds();
+    for (std::size_t n = 0; n < at.size(); ++n) {
+        const Case& c = where[n];
+        const auto& [truth, quick, ratio] = *at[n];
         if (!truth || !quick) {
             different += truth.status() != quick.status() ? 1 : 0;
             continue;
         }
-        ratios.push_back((middle - begin) / (end - middle));
+        if (n < timed) {
+            ratios.push_back(ratio);
+        }
         bool covers = true;
         double estimate = 0.0;
         for (std::size_t l = 0; l < models.size(); ++l) {
@@ -99,8 +137,8 @@ int main(int argc, char** argv) {
                 covers = covers && error <= quick->errors[i];
                 for (Eigen::Index k = 0; k < truth->jacobian.cols(); ++k) {
                     const auto row = static_cast<Eigen::Index>(i);
-                    const double width = study.space.axes[static_cast<std::size_t>(k)].high -
-                                         study.space.axes[static_cast<std::size_t>(k)].low;
+                    const auto axis = static_cast<std::size_t>(k);
+                    const double width = study.space.axes[axis].d_physical(units[n][axis]);
                     slopes.push_back(std::abs(quick->jacobian(row, k) - truth->jacobian(row, k)) * width / scale[i]);
                 }
             }
@@ -120,5 +158,6 @@ int main(int argc, char** argv) {
     fmt::print("largest estimate at a point: median {:.2f} %, 75 % {:.2f} %, 90 % {:.2f} %, 95 % {:.2f} %\n",
                100.0 * quantile(estimates, 0.5), 100.0 * quantile(estimates, 0.75), 100.0 * quantile(estimates, 0.9),
                100.0 * quantile(estimates, 0.95));
-    fmt::print("full over reduced with derivatives: median ratio {:.1f}\n", quantile(ratios, 0.5));
+    fmt::print("full over reduced with derivatives: median ratio {:.1f} of {} points\n", quantile(ratios, 0.5),
+               ratios.size());
 }
