@@ -228,14 +228,15 @@ void random_points(const Setting& setting, int count, std::uint64_t seed, const 
     tbb::enumerable_thread_specific<ForwardModel::WorkspacePointer> workspaces(
         [&] { return setting.model.make_workspace(); });
     explore::run::Progress progress(title, count);
-    tbb::parallel_for(0, count, [&](int i) {
-        const pave::RandomStream random(seed, static_cast<std::uint64_t>(i));
+    tbb::task_arena arena(explore::run::usable_threads(0));
+    explore::run::for_each_index(arena, points.size(), [&](std::size_t i) {
+        const pave::RandomStream random(seed, i);
         std::vector<double> unit;
         for (std::size_t k = 0; k < std::size(realistic); ++k) {
             unit.push_back(random.uniform(k));
         }
         const Case values = setting.values(unit, 2.0);
-        Point& p = points[static_cast<std::size_t>(i)];
+        Point& p = points[i];
         const double begin = cpu_seconds();
         const auto response = setting.model.run(values, {}, *workspaces.local());
         p.seconds = cpu_seconds() - begin;
@@ -302,8 +303,9 @@ void random_lines(const Setting& setting, int lines, std::uint64_t seed) {
     tbb::enumerable_thread_specific<ForwardModel::WorkspacePointer> workspaces(
         [&] { return setting.model.make_workspace(); });
     explore::run::Progress progress("lines", lines);
-    tbb::parallel_for(0, lines, [&](int l) {
-        const pave::RandomStream random(seed, 1'000'000ULL + static_cast<std::uint64_t>(l));
+    tbb::task_arena arena(explore::run::usable_threads(0));
+    explore::run::for_each_index(arena, worst.size(), [&](std::size_t l) {
+        const pave::RandomStream random(seed, 1'000'000ULL + l);
         std::vector<double> from, to;
         double norm = 0.0;
         for (std::size_t k = 0; k < std::size(realistic); ++k) {
@@ -332,8 +334,7 @@ void random_lines(const Setting& setting, int lines, std::uint64_t seed) {
             }
             for (std::size_t r = 0; r < a[0].size(); ++r) {
                 const double smooth = (4 * (a[-1][r] + a[1][r]) - (a[-2][r] + a[2][r])) / 6;
-                worst[static_cast<std::size_t>(l)] =
-                    std::max(worst[static_cast<std::size_t>(l)], std::abs(a[0][r] - smooth) / largest);
+                worst[l] = std::max(worst[l], std::abs(a[0][r] - smooth) / largest);
             }
         }
         progress.add(1, true);
