@@ -61,7 +61,8 @@ Case random_case(std::uint64_t stream, Integration integration) {
     c.sensors.push_back({0, Quantity::stress_zz, 0.0, 0.0, 0.5, 0.0});   // in the subgrade
     c.sensors.push_back({0, Quantity::strain_xx, 0.1, 0.1, 0.028, 0.0}); // not on the interface: a jump
     c.settings.refine = 0.35; // the derivative is that of the discrete model, whatever its mesh
-    c.settings.solver.equilibrium_tolerance = 1e-12;
+    // 1e-12 is the rounding of some of these cases, of which ones depends on the compiler.
+    c.settings.solver.equilibrium_tolerance = 1e-11;
     return c;
 }
 
@@ -79,7 +80,6 @@ Case random_dual_case(std::uint64_t stream, Integration integration) {
     c.settings.extent = 2.0;
     c.settings.refine = 0.2;
     c.settings.solver.linear_tolerance = 1e-12;
-    c.settings.solver.equilibrium_tolerance = 1e-11;
     return c;
 }
 

@@ -1,11 +1,14 @@
 """What other programs use: the installed library from ten lines of C++, the Python module, the Debian package, manual pages, completion."""
 import json
 import os
+import re
 
 from support import *
 
 BUILD = pathlib.Path(PROGRAM).resolve().parents[1]
 folder = workspace()
+# How the program was compiled, as whoever links its library compiles.
+compiled = dict(re.findall(r"^(CMAKE_CXX_COMPILER|CMAKE_CXX_FLAGS):\w+=(.*)$", (BUILD / "CMakeCache.txt").read_text(), re.M))
 study = ROOT / "grids" / "captif-p1-fwd.toml"
 forward = [r["value"] for r in json.loads(run("forward", study, "--json").stdout)["responses"]]
 
@@ -20,7 +23,8 @@ def command(*arguments, **options):
 prefix = folder / "usr"
 command("cmake", "--install", BUILD, "--prefix", prefix)
 example = folder / "example"
-command("cmake", "-S", ROOT / "examples" / "forward", "-B", example, f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release", "-GNinja")
+command("cmake", "-S", ROOT / "examples" / "forward", "-B", example, f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release", "-GNinja",
+        *(f"-D{key}={value}" for key, value in compiled.items()))
 command("cmake", "--build", example)
 values = [float(line) for line in command(example / "forward_example", study).split()]
 check(values == forward, f"ten lines of C++ give the bits of the program: {values} {forward}")
@@ -77,7 +81,13 @@ print(json.dumps({"forward": own.tolist(), "parameters": study.parameters, "meas
                   "file": error(ValueError, lambda: pavescape.Study("nothing.toml")), "units": [r["unit"] for r in study.responses]}))
 """
 environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
-found = json.loads(command("/usr/bin/python3", "-c", script, study, env=environment) or "{}")
+found = {}
+if "-fsanitize=thread" in compiled["CMAKE_CXX_FLAGS"]:
+    print("skipped: Python's interpreter is not made for the thread sanitizer")
+else:
+    if "-fsanitize=address" in compiled["CMAKE_CXX_FLAGS"]:  # before everything else, and Python keeps memory to its end
+        environment |= {"LD_PRELOAD": command("g++", "-print-file-name=libasan.so").strip(), "ASAN_OPTIONS": "detect_leaks=0"}
+    found = json.loads(command("/usr/bin/python3", "-c", script, study, env=environment) or "{}")
 if found:
     check(found["forward"] == forward, "Python gives the bits of the program")
     check(found["again"], "with and without derivatives the responses are the same")
