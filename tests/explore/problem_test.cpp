@@ -100,12 +100,6 @@ TEST(Csv, FollowsRfc4180) {
     }
 }
 
-TEST(NearestName, FindsASlipAndNothingFarOff) {
-    const std::vector<std::string> names{"thickness_mm", "density_kg_m3", "modulus_MPa"};
-    EXPECT_EQ(pave::nearest_name("thicknes_mm", names), "thickness_mm");
-    EXPECT_EQ(pave::nearest_name("zzz", names), "");
-}
-
 TEST(Misfit, ComparesTheResponsesItNamesAndWeighsThem) {
     const problem::Misfit misfit(problem::MisfitKind::relative, {{3, 2.0, 2.0}, {1, 4.0, 4.0, 0.5}});
     const std::vector<double> responses{std::nan(""), 5.0, std::nan(""), 3.0};

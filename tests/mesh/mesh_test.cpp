@@ -1,5 +1,6 @@
 #include "mesh/axisymmetric.h"
 #include "mesh/grading.h"
+#include "mesh/solid.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -46,4 +47,70 @@ TEST(AxisymmetricMesh, PutsEveryElementIntoItsLayerAndCoversTheSection) {
         EXPECT_NEAR(mesh.nodes[nodes[5]].z, (a.z + b.z) / 2.0, 1e-15);
     }
     EXPECT_NEAR(area, 1.0, 1e-12);
+}
+
+// Cells `times` smaller: every cell becomes about as many, whatever is to be resolved. The number of cells between
+// breaks is rounded up, at most from one to two.
+void expect_parts(const std::vector<double>& lines, const std::vector<double>& fine, int times) {
+    for (std::size_t i = 1; i < lines.size(); ++i) {
+        const auto inside = std::count_if(fine.begin(), fine.end(),
+                                          [&](double x) { return x >= lines[i - 1] - 1e-12 && x < lines[i] - 1e-12; });
+        EXPECT_GE(inside, times / 2) << lines[i - 1] << " to " << lines[i];
+        EXPECT_LE(inside, times + 1) << lines[i - 1] << " to " << lines[i];
+    }
+}
+
+TEST(AxisymmetricMesh, IsEverywhereAsMuchFinerAsAsked) {
+    const auto check = [](AxisymmetricDemand demand) {
+        const auto mesh = axisymmetric_mesh(demand);
+        demand.refine = 24.0;
+        const auto fine = axisymmetric_mesh(demand);
+        expect_parts(mesh.r_lines, fine.r_lines, 24);
+        expect_parts(mesh.z_lines, fine.z_lines, 24);
+    };
+    AxisymmetricDemand demand;
+    for (const std::vector<double>& thickness : {std::vector{0.05, 0.3, 3.0}, {1.0, 3.0}, {4.0}}) {
+        demand.thickness = thickness;
+        check(demand);
+    }
+    demand.surface_radii = {1.5};
+    check(demand);
+    demand.gauge_depths = {1.7};
+    demand.gauge_radii = {2.5};
+    check(demand);
+}
+
+TEST(SolidMesh, IsEverywhereAsMuchFinerAsAsked) {
+    const auto check = [](SolidDemand demand) {
+        const auto mesh = solid_mesh(demand);
+        demand.refine = 8.0;
+        const auto fine = solid_mesh(demand);
+        expect_parts(mesh.x_lines, fine.x_lines, 8);
+        expect_parts(mesh.y_lines, fine.y_lines, 8);
+        expect_parts(mesh.z_lines, fine.z_lines, 8);
+    };
+    SolidDemand demand;
+    for (const std::vector<double>& thickness : {std::vector{0.05, 0.3, 3.0}, {1.0, 3.0}, {4.0}}) {
+        demand.thickness = thickness;
+        check(demand);
+    }
+    SolidDemand other = demand;
+    other.is_round = true;
+    check(other);
+    other = demand;
+    other.x_inner = 0.1;
+    other.x_outer = 0.3;
+    check(other);
+    other = demand;
+    other.surface_x = {1.5};
+    other.surface_y = {1.2};
+    check(other);
+    other = demand;
+    other.gauge_depths = other.gauge_x = {1.7};
+    other.gauge_y = {2.1};
+    check(other);
+    other = demand;
+    other.point_depths = other.point_x = {1.7};
+    other.point_y = {2.1};
+    check(other);
 }

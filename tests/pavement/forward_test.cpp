@@ -282,6 +282,20 @@ TEST(ForwardRun, ServesACircularWheelAsThePlateOfItsForceAndPressure) {
     }
 }
 
+// Each system of the load path is solved to a tolerance; one solution at the end with what is left multiplies by it
+// again.
+TEST(LoadPath, LeavesTheSquareOfTheLinearToleranceUnbalancedInThreeDimensions) {
+    for (int k = 0; k < 3; ++k) {
+        Case c = random_dual_case(k, Integration::incremental);
+        for (const double tolerance : {1e-3, 1e-4}) {
+            c.settings.solver.linear_tolerance = tolerance;
+            const auto response = run(c);
+            ASSERT_TRUE(response);
+            EXPECT_LT(response->statistics.residual_relative, tolerance * tolerance);
+        }
+    }
+}
+
 TEST(Status, IsInvalidParametersWhereTheSolidIsThermodynamicallyImpossible) {
     Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 3.9});
     c.layers[1].parameters[6] = 0.35; // 1 - .35 - 2 * 3.9 * .35^2 < 0

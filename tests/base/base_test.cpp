@@ -1,0 +1,70 @@
+#include "base/error.h"
+#include "base/random.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+using namespace pave;
+
+TEST(Error, SaysWhereWhatWasFoundAndWhatIsAllowed) {
+    EXPECT_STREQ(Error({"a.toml", 7, "base.k1"}, "must be positive", "-3", "> 0").what(),
+                 "a.toml:7: base.k1: must be positive; found -3; allowed: > 0");
+    EXPECT_STREQ(Error({.file = "a.toml"}, "cannot be read").what(), "a.toml: cannot be read");
+    EXPECT_STREQ(Error({.key = "base.k1"}, "is missing").what(), "base.k1: is missing");
+}
+
+TEST(NearestName, FindsASlipAndNothingFarOff) {
+    const std::vector<std::string> names{"thickness_mm", "density_kg_m3", "modulus_MPa", "k0"};
+    EXPECT_EQ(nearest_name("thicknes_mm", names), "thickness_mm"); // one letter left out
+    EXPECT_EQ(nearest_name("thiickness_mm", names), "thickness_mm");
+    EXPECT_EQ(nearest_name("modullus_MPA", names), "modulus_MPa");
+    EXPECT_EQ(nearest_name("zzz", names), "");
+    EXPECT_EQ(nearest_name("", names), "k0"); // two letters are a slip, three of a short word are not
+    EXPECT_EQ(nearest_name("pqk", {"n12"}), "");
+    EXPECT_EQ(nearest_name("k5", {"k2", "k3"}), "k2"); // the first of two as near
+}
+
+TEST(Join, SeparatesNames) {
+    EXPECT_EQ(join({}), "");
+    EXPECT_EQ(join({"a"}), "a");
+    EXPECT_EQ(join({"a", "b", "c"}), "a, b, c");
+}
+
+// Moments of the uniform and of the normal distribution within five standard errors, of numbers along a stream and of
+// the same number of neighbouring streams.
+TEST(RandomStream, HasTheMomentsOfItsDistributions) {
+    constexpr int count = 100000;
+    for (const bool along : {true, false}) {
+        double uniform[3] = {};
+        double normal[5] = {};
+        for (int i = 0; i < count; ++i) {
+            const RandomStream stream(5, along ? 0 : i);
+            const double u = stream.uniform(along ? i : 0);
+            const double next = stream.uniform(along ? i + 1 : 1);
+            const double x = stream.normal(along ? i : 0);
+            ASSERT_TRUE(u > 0.0 && u < 1.0);
+            uniform[0] += u / count;
+            uniform[1] += u * u / count;
+            uniform[2] += u * next / count;
+            for (int k = 1; k < 5; ++k) {
+                normal[k] += std::pow(x, k) / count;
+            }
+        }
+        const double error = 5.0 / std::sqrt(count);
+        EXPECT_NEAR(uniform[0], 1.0 / 2.0, error * std::sqrt(1.0 / 12.0));
+        EXPECT_NEAR(uniform[1], 1.0 / 3.0, error * std::sqrt(4.0 / 45.0));
+        EXPECT_NEAR(uniform[2], 1.0 / 4.0, error * std::sqrt(13.0 / 144.0));
+        EXPECT_NEAR(normal[1], 0.0, error);
+        EXPECT_NEAR(normal[2], 1.0, error * std::sqrt(2.0));
+        EXPECT_NEAR(normal[3], 0.0, error * std::sqrt(15.0));
+        EXPECT_NEAR(normal[4], 3.0, error * std::sqrt(96.0));
+    }
+}
+
+TEST(RandomStream, IsAFunctionOfSeedStreamAndPlace) {
+    const RandomStream stream(5, 3);
+    EXPECT_EQ(stream.uniform(7), RandomStream(5, 3).uniform(7));
+    EXPECT_NE(stream.uniform(7), RandomStream(6, 3).uniform(7));
+    EXPECT_NE(stream.uniform(7), RandomStream(5, 4).uniform(7));
+    EXPECT_NE(stream.uniform(7), stream.uniform(8));
+}
