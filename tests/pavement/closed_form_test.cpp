@@ -2,6 +2,9 @@
 #include "reference/multilayer_elastic.h"
 #include "support/sections.h"
 
+#include "base/random.h"
+#include "pavement/fields.h"
+
 #include <gtest/gtest.h>
 #include <numbers>
 
@@ -22,7 +25,102 @@ Case half_space(Layer layer, double radius, double pressure) {
 constexpr double a = 0.15;
 constexpr double q = 600e3;
 
+// Strains read at Gauss points and deflections read at nodes, of displacements drawn at random.
+template <class Kind>
+void expect_readings_of_the_field(const Case& c) {
+    using Element = typename Kind::Element;
+    const auto parts = parts_of<Kind>(c, 0);
+    const pave::RandomStream random(7, 0);
+    Eigen::VectorXd u(parts.model.free_unknowns());
+    for (Eigen::Index i = 0; i < u.size(); ++i) {
+        u[i] = random.normal(static_cast<std::uint64_t>(i));
+    }
+    const auto read = [&](Quantity quantity, const typename Element::Position& at) {
+        const Sensor sensor{0, quantity, at[0], Element::dim == 3 ? at[1] : 0.0, at[Element::dim - 1], 0.0};
+        return observe(sensor, parts.mesh, parts.model, parts.mesh).of_displacement(u.data());
+    };
+    const auto positions = Element::gauss_positions();
+    for (int e = 0; e < parts.model.elements(); ++e) {
+        const auto of_element = parts.model.gather(e, u.data());
+        for (int g = 0; g < Element::gauss; ++g) {
+            const typename Element::Position at = parts.model.coordinates[e] * Element::shape(positions[g]);
+            const auto strain = Element::strain(parts.model.points[e * Element::gauss + g], of_element);
+            const double rounding = 1e-8 * strain.norm();
+            EXPECT_NEAR(read(Quantity::strain_xx, at), -strain[0], rounding) << "element " << e << " point " << g;
+            EXPECT_NEAR(read(Quantity::strain_yy, at), -strain[1], rounding) << "element " << e << " point " << g;
+            EXPECT_NEAR(read(Quantity::strain_zz, at), -strain[2], rounding) << "element " << e << " point " << g;
+        }
+        for (int k = 0; k < Element::nodes; ++k) {
+            const typename Element::Position at = parts.model.coordinates[e].col(k);
+            EXPECT_NEAR(read(Quantity::deflection, at), of_element[Element::dim * k + Element::down], 1e-8)
+                << "element " << e << " node " << k;
+        }
+    }
+}
+
+// Displacements 3 x z across and z^2 + 2 z down: their strains are linear, and exact at the nodes.
+template <class Kind>
+void expect_exact_strains_at_nodes(const Case& c) {
+    using Element = typename Kind::Element;
+    const auto parts = parts_of<Kind>(c, 0);
+    const auto& model = parts.model;
+    const auto displacement = [](const typename Element::Position& at, int d) {
+        const double z = at[Element::dim - 1];
+        return d == 0 ? 3.0 * at[0] * z : d == Element::down ? z * z + 2.0 * z : 0.0;
+    };
+    fe::Solution<Element> solution;
+    solution.displacement.resize(model.free_unknowns());
+    solution.stress.setZero(Eigen::NoChange, model.elements() * Element::gauss);
+    std::vector<char> holds(model.elements(), true); // not where a wall or the floor holds what should move
+    for (int e = 0; e < model.elements(); ++e) {
+        for (int k = 0; k < Element::dofs; ++k) {
+            const double value = displacement(model.coordinates[e].col(k / Element::dim), k % Element::dim);
+            const int unknown = model.topology->unknowns[e][k];
+            if (unknown >= 0) {
+                solution.displacement[unknown] = value;
+            } else if (value != 0.0) {
+                holds[e] = false;
+            }
+        }
+    }
+    const Fields fields = fields_of(model, parts.layers, solution);
+    int compared = 0;
+    for (int k = 0; k < fields.position.cols(); ++k) {
+        if (holds[k / Element::nodes]) {
+            ++compared;
+            const double x = fields.position(0, k);
+            const double z = fields.position(2, k);
+            EXPECT_NEAR(fields.displacement(2, k), z * z + 2.0 * z, 1e-12);
+            EXPECT_NEAR(fields.strain(0, k), 3.0 * z, 1e-10);
+            EXPECT_NEAR(fields.strain(2, k), 2.0 * z + 2.0, 1e-10);
+            EXPECT_NEAR(fields.strain(3, k), 3.0 * x, 1e-10);
+        }
+    }
+    EXPECT_GT(compared, fields.position.cols() / 4);
+}
+
 } // namespace
+
+TEST(Fields, AreExactAtNodesWhereStrainIsLinear) {
+    Case c;
+    c.layers = {linear_layer("top", 0.1, 1000e6, 0.3), linear_layer("bottom", 0.5, 50e6, 0.4)};
+    c.loads = {plate()};
+    c.settings.extent = 1.0;
+    expect_exact_strains_at_nodes<Axisymmetric>(c);
+    c.loads = {dual_wheel()};
+    expect_exact_strains_at_nodes<Solid>(c);
+}
+
+TEST(Readings, AreThoseOfTheDisplacements) {
+    Case c;
+    c.layers = {linear_layer("top", 0.1, 1000e6, 0.3), linear_layer("bottom", 0.5, 50e6, 0.4)};
+    c.loads = {plate()};
+    c.settings.extent = 1.0;
+    expect_readings_of_the_field<Axisymmetric>(c);
+    c.loads = {dual_wheel()};
+    c.settings.refine = 0.3;
+    expect_readings_of_the_field<Solid>(c);
+}
 
 TEST(HalfSpace, HasBoussinesqStressAndDeflectionUnderACircle) {
     const double e = 50e6, nu = 0.35;
