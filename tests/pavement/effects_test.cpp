@@ -511,6 +511,33 @@ TEST(Inertia, OfAColumnIsTheSumOfItsModes) {
     }
 }
 
+// The peak lies between two steps of time, at another place of them for every duration; what is read there is smooth.
+TEST(Inertia, PeaksAreSmoothInTheDuration) {
+    const Case c = column(30e6, 0.3, 1.5, 2000.0);
+    const auto parts = parts_of<Axisymmetric>(c, 0);
+    fe::Solver<fe::AxisymmetricQ8> solver(parts.model);
+    const std::vector<fe::Variation> none;
+    const auto solved = solver.incremental(parts.layers, parts.load, none, {});
+    ASSERT_TRUE(solved);
+    const auto top = observe(c.sensors[0], parts.mesh, parts.model, parts.mesh);
+    constexpr int count = 31, degree = 8;
+    Eigen::MatrixXd powers(count, degree + 1);
+    Eigen::VectorXd peaks(count);
+    for (int i = 0; i < count; ++i) {
+        const double x = 2.0 * i / (count - 1) - 1.0;
+        const auto excess = solver.inertial_excess(
+            *solved, parts.load, {.duration = 0.05 + 0.01 * x, .damping = 0.05, .inertia = 1.0, .absorbs = false},
+            {top});
+        ASSERT_TRUE(excess);
+        peaks[i] = excess->values[0] + top.of_displacement(solved->displacement.data());
+        for (int k = 0; k <= degree; ++k) {
+            powers(i, k) = std::pow(x, k);
+        }
+    }
+    const Eigen::VectorXd smooth = powers * powers.colPivHouseholderQr().solve(peaks);
+    EXPECT_LT(((peaks - smooth).array() / peaks.array()).abs().maxCoeff(), 1e-5); // half a step off the peak: 4e-4
+}
+
 TEST(Inertia, IsSmallForASlowPulseAndLiftsTheFarDeflectionsOfAFastOne) {
     Case c = captif(3000, 40, {.k1 = 2000, .k2 = 0.4, .k3 = -0.3, .n = 0.4});
     const auto plain = values_of(c);
