@@ -511,6 +511,40 @@ TEST(Inertia, OfAColumnIsTheSumOfItsModes) {
     }
 }
 
+// A column so slender that the drag of its wall, Z = rho c_s on 2/R of its volume, is all that resists in time:
+// (2 Z/R) dw/dt = M d2w/dz2 under a haversine pressure, summed over its modes as above. Inertia is 1/70 of the drag.
+TEST(Inertia, OfASlenderColumnIsTheDragOfItsWall) {
+    const double e = 30e6, nu = 0.3, rho = 2000.0, depth = 1.5, radius = 0.02, duration = 0.06;
+    Case c = column(e, nu, depth, rho);
+    c.settings.extent = radius;
+    c.loads = {plate(0.999999 * radius, 100e3)};
+    c.settings.refine = 2.0;
+    const auto parts = parts_of<Axisymmetric>(c, 0);
+    fe::Solver<fe::AxisymmetricQ8> solver(parts.model);
+    const std::vector<fe::Variation> none;
+    const auto solved = solver.incremental(parts.layers, parts.load, none, {});
+    ASSERT_TRUE(solved);
+    const auto top = observe(c.sensors[0], parts.mesh, parts.model, parts.mesh);
+    const auto excess = solver.inertial_excess(
+        *solved, parts.load, {.duration = duration, .damping = 0.0, .inertia = 1.0, .absorbs = true}, {top});
+    ASSERT_TRUE(excess);
+    const double drag = 2.0 / radius * std::sqrt(rho * e / (2.0 * (1.0 + nu)));
+    const double b = 2.0 * std::numbers::pi / duration;
+    double peak = 0.0;
+    for (double t = 0.5 * duration; t <= duration; t += duration / 400.0) {
+        double w = 0.0;
+        for (int k = 1; k <= 1000; ++k) {
+            const double kappa = (2 * k - 1) * std::numbers::pi / (2.0 * depth);
+            const double rate = oedometric(e, nu) / drag * kappa * kappa;
+            w += 100e3 / (depth * drag) *
+                 ((1.0 - std::exp(-rate * t)) / rate -
+                  (rate * (std::cos(b * t) - std::exp(-rate * t)) + b * std::sin(b * t)) / (rate * rate + b * b));
+        }
+        peak = std::max(peak, w);
+    }
+    EXPECT_NEAR((excess->values[0] + top.of_displacement(solved->displacement.data())) / peak, 1.0, 2e-3);
+}
+
 // The peak lies between two steps of time, at another place of them for every duration; what is read there is smooth.
 TEST(Inertia, PeaksAreSmoothInTheDuration) {
     const Case c = column(30e6, 0.3, 1.5, 2000.0);
