@@ -18,7 +18,8 @@ struct Grading {
 };
 
 // Lines from breaks.front() to breaks.back(): every break is a line, and between breaks the cells follow the wanted
-// size (the number of cells is the integral of 1/size, rounded up). breaks: increasing, at least two.
+// size (the number of cells is the integral of 1/size, rounded up but for a twentieth of a cell). breaks: increasing,
+// at least two.
 std::vector<double> graded_lines(const std::vector<double>& breaks, const std::vector<Feature>& features,
                                  const Grading& grading);
 

@@ -20,6 +20,17 @@ TEST(GradedLines, HoldEveryBreakAndGrowAwayFromFeatures) {
     }
 }
 
+// Three cells and a bit: four, unless the bit is less than a twentieth of a cell.
+TEST(GradedLines, RoundTheNumberOfCellsUp) {
+    const auto cells = [](double length) {
+        return graded_lines({0.0, length}, {}, {.growth = 0.0, .max_size = 1.0}).size() - 1;
+    };
+    EXPECT_EQ(cells(3.0), 3U);
+    EXPECT_EQ(cells(3.049), 3U);
+    EXPECT_EQ(cells(3.051), 4U);
+    EXPECT_EQ(cells(0.01), 1U);
+}
+
 TEST(AxisymmetricMesh, ResolvesLoadEdgeInterfacesAndGauges) {
     AxisymmetricDemand demand;
     demand.thickness = {0.030, 0.277, 1.193};

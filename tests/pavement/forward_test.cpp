@@ -305,6 +305,22 @@ TEST(Status, IsInvalidParametersWhereTheSolidIsThermodynamicallyImpossible) {
     EXPECT_NE(outcome.failure().reason.find("base"), std::string::npos);
 }
 
+// A depth less half a length may miss the surface by rounding: within a nanometre it is at the surface.
+TEST(Status, IsFailedWhereASensorReachesAboveTheSurface) {
+    Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4});
+    c.sensors = {strain_zz(0.05, 0.1)};
+    const ForwardModel model(c);
+    const auto workspace = model.make_workspace();
+    for (const double above : {0.0, 0.5e-9, 2e-9}) {
+        c.sensors = {strain_zz(0.05 - above, 0.1)};
+        const auto response = model.run(c, {}, *workspace);
+        EXPECT_EQ(static_cast<bool>(response), above < 1e-9) << above;
+        if (!response) {
+            EXPECT_NE(response.failure().reason.find("above the surface"), std::string::npos);
+        }
+    }
+}
+
 TEST(Status, IsNoEquilibriumWhereTheSecantLawHasNone) {
     // k2 above one never has a stable secant equilibrium; the incremental law has an answer all the same.
     Case c = captif(3000, 45, {.k1 = 4500, .k2 = 2.1, .k3 = 0.3, .n = 0.25}, Integration::secant);
