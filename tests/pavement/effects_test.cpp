@@ -545,6 +545,34 @@ TEST(Inertia, OfASlenderColumnIsTheDragOfItsWall) {
     EXPECT_NEAR((excess->values[0] + top.of_displacement(solved->displacement.data())) / peak, 1.0, 2e-3);
 }
 
+// What the wall absorbs is that of its own motion, whatever the size of the elements beside it.
+TEST(Inertia, AtTheWallConvergesWithTheMesh) {
+    Case c;
+    c.layers = {linear_layer("subgrade", 2.0, 60e6, 0.4)};
+    c.layers[0].density = 2000.0;
+    c.loads = {plate()};
+    c.settings.extent = 2.0;
+    c.sensors = {deflection(1.5), deflection(1.8)};
+    const auto peaks = [&](double refine, bool absorbs) {
+        c.settings.refine = refine;
+        const auto parts = parts_of<Axisymmetric>(c, 0);
+        fe::Solver<fe::AxisymmetricQ8> solver(parts.model);
+        const std::vector<fe::Variation> none;
+        const auto solved = solver.incremental(parts.layers, parts.load, none, {});
+        std::vector<fe::Functional<fe::AxisymmetricQ8>> readings;
+        for (const Sensor& s : c.sensors) {
+            readings.push_back(observe(s, parts.mesh, parts.model, parts.mesh));
+        }
+        const auto excess = solver.inertial_excess(
+            *solved, parts.load, {.duration = 0.03, .damping = 0.02, .inertia = 1.0, .absorbs = absorbs}, readings);
+        return Eigen::Array2d(excess->values[0], excess->values[1]);
+    };
+    const Eigen::Array2d coarse = peaks(1.0, true);
+    const Eigen::Array2d fine = peaks(3.0, true);
+    const Eigen::Array2d absorbed = peaks(3.0, false) - fine;
+    EXPECT_LT((coarse - fine).abs().maxCoeff(), 0.01 * absorbed.abs().minCoeff());
+}
+
 // The peak lies between two steps of time, at another place of them for every duration; what is read there is smooth.
 TEST(Inertia, PeaksAreSmoothInTheDuration) {
     const Case c = column(30e6, 0.3, 1.5, 2000.0);
