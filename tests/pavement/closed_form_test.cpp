@@ -5,6 +5,7 @@
 #include "base/random.h"
 #include "pavement/fields.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <numbers>
 
@@ -109,6 +110,38 @@ TEST(Fields, AreExactAtNodesWhereStrainIsLinear) {
     expect_exact_strains_at_nodes<Axisymmetric>(c);
     c.loads = {dual_wheel()};
     expect_exact_strains_at_nodes<Solid>(c);
+}
+
+// Two fields on the modulus ratio, the later on what the earlier leaves, and one on the stiffness.
+TEST(Fields, OnOneParameterHaveRatesThatAgreeWithDifferences) {
+    const Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4});
+    fe::LayerMaterial layer = materials_of(c)[1];
+    const auto infos = layer.law->parameters();
+    const auto n = static_cast<std::size_t>(
+        std::find_if(infos.begin(), infos.end(), [](const auto& i) { return i.key == "n"; }) - infos.begin());
+    ASSERT_LT(n, infos.size());
+    const auto weight = [](const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
+        return std::exp(-shape[0] * at[0] - shape[1] * at[2]);
+    };
+    layer.fields = {
+        {n, 0.9, 0.6, weight, {2.0, 1.0}}, {n, 0.1, 0.5, weight, {0.5, 3.0}}, {{}, 0.0, -0.4, weight, {1.0, 2.0}}};
+    const Eigen::Vector3d at(0.3, 0.2, 0.1);
+    const pave::mechanics::Invariants state{200e3, 60e3};
+    const auto check = [&](const fe::Variation& variation, double& number) {
+        const auto rate = fe::local_stiffness_rate(layer, 1, at, state, variation);
+        const double value = number;
+        number = value + 1e-5;
+        const auto above = fe::local_stiffness(layer, at, state);
+        number = value - 1e-5;
+        const auto below = fe::local_stiffness(layer, at, state);
+        number = value;
+        EXPECT_LT((rate - (above - below) / 2e-5).norm(), 1e-7 * rate.norm());
+    };
+    using Kind = fe::Variation::Kind;
+    check({.kind = Kind::law_parameter, .layer = 1, .index = n}, layer.parameters[n]);
+    for (std::size_t i = 0; i < layer.fields.size(); ++i) {
+        check({.kind = Kind::field, .layer = 1, .index = i}, layer.fields[i].size);
+    }
 }
 
 TEST(Readings, AreThoseOfTheDisplacements) {
