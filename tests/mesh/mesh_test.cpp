@@ -71,17 +71,33 @@ void expect_parts(const std::vector<double>& lines, const std::vector<double>& f
     }
 }
 
+std::vector<std::vector<double>> lines_of(const AxisymmetricMesh& mesh) {
+    return {mesh.r_lines, mesh.z_lines};
+}
+std::vector<std::vector<double>> lines_of(const SolidMesh& mesh) {
+    return {mesh.x_lines, mesh.y_lines, mesh.z_lines};
+}
+
+template <class Demand, class MakeMesh>
+void expect_finer(Demand demand, const MakeMesh& make_mesh, int times) {
+    const auto lines = lines_of(make_mesh(demand));
+    demand.refine = times;
+    const auto fine = lines_of(make_mesh(demand));
+    for (std::size_t d = 0; d < lines.size(); ++d) {
+        expect_parts(lines[d], fine[d], times);
+    }
+}
+
+const std::vector<std::vector<double>> sections{{0.05, 0.3, 3.0}, {1.0, 3.0}, {4.0}}; // thickness of layers
+
 TEST(AxisymmetricMesh, IsEverywhereAsMuchFinerAsAsked) {
-    const auto check = [](AxisymmetricDemand demand) {
-        const auto mesh = axisymmetric_mesh(demand);
-        demand.refine = 24.0;
-        const auto fine = axisymmetric_mesh(demand);
-        expect_parts(mesh.r_lines, fine.r_lines, 24);
-        expect_parts(mesh.z_lines, fine.z_lines, 24);
+    const auto check = [](const AxisymmetricDemand& demand) {
+        expect_finer(
+            demand, [](const AxisymmetricDemand& d) { return axisymmetric_mesh(d); }, 24);
     };
     AxisymmetricDemand demand;
-    for (const std::vector<double>& thickness : {std::vector{0.05, 0.3, 3.0}, {1.0, 3.0}, {4.0}}) {
-        demand.thickness = thickness;
+    for (const auto& section : sections) {
+        demand.thickness = section;
         check(demand);
     }
     demand.surface_radii = {1.5};
@@ -92,17 +108,13 @@ TEST(AxisymmetricMesh, IsEverywhereAsMuchFinerAsAsked) {
 }
 
 TEST(SolidMesh, IsEverywhereAsMuchFinerAsAsked) {
-    const auto check = [](SolidDemand demand) {
-        const auto mesh = solid_mesh(demand);
-        demand.refine = 8.0;
-        const auto fine = solid_mesh(demand);
-        expect_parts(mesh.x_lines, fine.x_lines, 8);
-        expect_parts(mesh.y_lines, fine.y_lines, 8);
-        expect_parts(mesh.z_lines, fine.z_lines, 8);
+    const auto check = [](const SolidDemand& demand) {
+        expect_finer(
+            demand, [](const SolidDemand& d) { return solid_mesh(d); }, 8);
     };
     SolidDemand demand;
-    for (const std::vector<double>& thickness : {std::vector{0.05, 0.3, 3.0}, {1.0, 3.0}, {4.0}}) {
-        demand.thickness = thickness;
+    for (const auto& section : sections) {
+        demand.thickness = section;
         check(demand);
     }
     SolidDemand other = demand;

@@ -6,6 +6,7 @@
 #include "pavement/fields.h"
 
 #include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
 
@@ -20,6 +21,14 @@ Case half_space(Layer layer, double radius, double pressure) {
     c.layers = {std::move(layer)};
     c.loads = {plate(radius, pressure)};
     c.settings.extent = 400.0 * radius;
+    return c;
+}
+
+Case two_layers() {
+    Case c;
+    c.layers = {linear_layer("top", 0.1, 1000e6, 0.3), linear_layer("bottom", 0.5, 50e6, 0.4)};
+    c.loads = {plate()};
+    c.settings.extent = 1.0;
     return c;
 }
 
@@ -103,10 +112,7 @@ void expect_exact_strains_at_nodes(const Case& c) {
 } // namespace
 
 TEST(Fields, AreExactAtNodesWhereStrainIsLinear) {
-    Case c;
-    c.layers = {linear_layer("top", 0.1, 1000e6, 0.3), linear_layer("bottom", 0.5, 50e6, 0.4)};
-    c.loads = {plate()};
-    c.settings.extent = 1.0;
+    Case c = two_layers();
     expect_exact_strains_at_nodes<Axisymmetric>(c);
     c.loads = {dual_wheel()};
     expect_exact_strains_at_nodes<Solid>(c);
@@ -145,10 +151,7 @@ TEST(Fields, OnOneParameterHaveRatesThatAgreeWithDifferences) {
 }
 
 TEST(Readings, AreThoseOfTheDisplacements) {
-    Case c;
-    c.layers = {linear_layer("top", 0.1, 1000e6, 0.3), linear_layer("bottom", 0.5, 50e6, 0.4)};
-    c.loads = {plate()};
-    c.settings.extent = 1.0;
+    Case c = two_layers();
     expect_readings_of_the_field<Axisymmetric>(c);
     c.loads = {dual_wheel()};
     c.settings.refine = 0.3;

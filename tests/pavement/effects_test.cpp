@@ -112,6 +112,37 @@ double oedometric(double modulus, double poisson) {
     return modulus * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
 }
 
+// The section of a case, solved once, and its sensors under pulses of its load.
+struct Pulsed {
+    Parts<Axisymmetric> parts;
+    fe::Solver<fe::AxisymmetricQ8> solver;
+    std::vector<fe::Variation> no_variations; // which the solver refers to
+    fe::Solution<fe::AxisymmetricQ8> solved;
+    std::vector<fe::Functional<fe::AxisymmetricQ8>> readings;
+    Eigen::ArrayXd at_rest;
+
+    explicit Pulsed(const Case& c)
+        : parts(parts_of<Axisymmetric>(c, 0)),
+          solver(parts.model),
+          solved(solver.incremental(parts.layers, parts.load, no_variations, {}).value()),
+          at_rest(c.sensors.size()) {
+        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+            readings.push_back(observe(c.sensors[i], parts.mesh, parts.model, parts.mesh));
+            at_rest[static_cast<Eigen::Index>(i)] = readings[i].of_displacement(solved.displacement.data());
+        }
+    }
+    // What inertia adds to the extremes.
+    Eigen::ArrayXd excess(const fe::Pulse& pulse) {
+        const auto result = solver.inertial_excess(solved, parts.load, pulse, readings).value();
+        return Eigen::Map<const Eigen::ArrayXd>(result.values.data(), at_rest.size());
+    }
+    Eigen::ArrayXd peaks(const fe::Pulse& pulse) { return at_rest + excess(pulse); }
+};
+
+bool is_exact(const Case& c, std::string_view path) {
+    return exact_derivative(c, find_parameter(c, path, {}), 0).has_value();
+}
+
 Case three_layers() {
     Case c;
     c.layers = {linear_layer("asphalt", 0.15, 3000e6, 0.35), linear_layer("base", 0.3, 300e6, 0.35),
@@ -479,16 +510,10 @@ TEST(Inertia, OfAColumnIsTheSumOfItsModes) {
     const double statics = values_of(c)[0];
     EXPECT_NEAR(statics / (100e3 * depth / oedometric(e, nu)), 1.0, 1e-5);
     const double wave = std::sqrt(oedometric(e, nu) / rho);
-    const auto parts = parts_of<Axisymmetric>(c, 0);
-    fe::Solver<fe::AxisymmetricQ8> solver(parts.model);
-    const std::vector<fe::Variation> none;
-    const auto solved = solver.incremental(parts.layers, parts.load, none, {});
-    ASSERT_TRUE(solved);
-    const auto top = observe(c.sensors[0], parts.mesh, parts.model, parts.mesh);
+    Pulsed section(c);
     for (const double duration : {0.03, 0.06, 0.3}) {
-        const auto excess = solver.inertial_excess(
-            *solved, parts.load, {.duration = duration, .damping = 0.0, .inertia = 1.0, .absorbs = false}, {top});
-        ASSERT_TRUE(excess);
+        const double computed =
+            section.peaks({.duration = duration, .damping = 0.0, .inertia = 1.0, .absorbs = false})[0];
         double peak = 0.0;
         for (double t = 0.0; t <= 4.0 / 3.0 * duration; t += duration / 400.0) {
             double w = 0.0;
@@ -507,7 +532,7 @@ TEST(Inertia, OfAColumnIsTheSumOfItsModes) {
             }
             peak = std::abs(w) > std::abs(peak) ? w : peak;
         }
-        EXPECT_NEAR((excess->values[0] + statics) / peak, 1.0, 1e-3) << duration;
+        EXPECT_NEAR(computed / peak, 1.0, 1e-3) << duration;
     }
 }
 
@@ -519,15 +544,8 @@ TEST(Inertia, OfASlenderColumnIsTheDragOfItsWall) {
     c.settings.extent = radius;
     c.loads = {plate(0.999999 * radius, 100e3)};
     c.settings.refine = 2.0;
-    const auto parts = parts_of<Axisymmetric>(c, 0);
-    fe::Solver<fe::AxisymmetricQ8> solver(parts.model);
-    const std::vector<fe::Variation> none;
-    const auto solved = solver.incremental(parts.layers, parts.load, none, {});
-    ASSERT_TRUE(solved);
-    const auto top = observe(c.sensors[0], parts.mesh, parts.model, parts.mesh);
-    const auto excess = solver.inertial_excess(
-        *solved, parts.load, {.duration = duration, .damping = 0.0, .inertia = 1.0, .absorbs = true}, {top});
-    ASSERT_TRUE(excess);
+    Pulsed section(c);
+    const double computed = section.peaks({.duration = duration, .damping = 0.0, .inertia = 1.0, .absorbs = true})[0];
     const double drag = 2.0 / radius * std::sqrt(rho * e / (2.0 * (1.0 + nu)));
     const double b = 2.0 * std::numbers::pi / duration;
     double peak = 0.0;
@@ -542,7 +560,7 @@ TEST(Inertia, OfASlenderColumnIsTheDragOfItsWall) {
         }
         peak = std::max(peak, w);
     }
-    EXPECT_NEAR((excess->values[0] + top.of_displacement(solved->displacement.data())) / peak, 1.0, 2e-3);
+    EXPECT_NEAR(computed / peak, 1.0, 2e-3);
 }
 
 // What the wall absorbs is that of its own motion, whatever the size of the elements beside it.
@@ -553,45 +571,26 @@ TEST(Inertia, AtTheWallConvergesWithTheMesh) {
     c.loads = {plate()};
     c.settings.extent = 2.0;
     c.sensors = {deflection(1.5), deflection(1.8)};
-    const auto peaks = [&](double refine, bool absorbs) {
+    const auto excess = [&](double refine, bool absorbs) {
         c.settings.refine = refine;
-        const auto parts = parts_of<Axisymmetric>(c, 0);
-        fe::Solver<fe::AxisymmetricQ8> solver(parts.model);
-        const std::vector<fe::Variation> none;
-        const auto solved = solver.incremental(parts.layers, parts.load, none, {});
-        std::vector<fe::Functional<fe::AxisymmetricQ8>> readings;
-        for (const Sensor& s : c.sensors) {
-            readings.push_back(observe(s, parts.mesh, parts.model, parts.mesh));
-        }
-        const auto excess = solver.inertial_excess(
-            *solved, parts.load, {.duration = 0.03, .damping = 0.02, .inertia = 1.0, .absorbs = absorbs}, readings);
-        return Eigen::Array2d(excess->values[0], excess->values[1]);
+        return Pulsed(c).excess({.duration = 0.03, .damping = 0.02, .inertia = 1.0, .absorbs = absorbs});
     };
-    const Eigen::Array2d coarse = peaks(1.0, true);
-    const Eigen::Array2d fine = peaks(3.0, true);
-    const Eigen::Array2d absorbed = peaks(3.0, false) - fine;
+    const Eigen::ArrayXd coarse = excess(1.0, true);
+    const Eigen::ArrayXd fine = excess(3.0, true);
+    const Eigen::ArrayXd absorbed = excess(3.0, false) - fine;
     EXPECT_LT((coarse - fine).abs().maxCoeff(), 0.01 * absorbed.abs().minCoeff());
 }
 
 // The peak lies between two steps of time, at another place of them for every duration; what is read there is smooth.
 TEST(Inertia, PeaksAreSmoothInTheDuration) {
     const Case c = column(30e6, 0.3, 1.5, 2000.0);
-    const auto parts = parts_of<Axisymmetric>(c, 0);
-    fe::Solver<fe::AxisymmetricQ8> solver(parts.model);
-    const std::vector<fe::Variation> none;
-    const auto solved = solver.incremental(parts.layers, parts.load, none, {});
-    ASSERT_TRUE(solved);
-    const auto top = observe(c.sensors[0], parts.mesh, parts.model, parts.mesh);
+    Pulsed section(c);
     constexpr int count = 31, degree = 8;
     Eigen::MatrixXd powers(count, degree + 1);
     Eigen::VectorXd peaks(count);
     for (int i = 0; i < count; ++i) {
         const double x = 2.0 * i / (count - 1) - 1.0;
-        const auto excess = solver.inertial_excess(
-            *solved, parts.load, {.duration = 0.05 + 0.01 * x, .damping = 0.05, .inertia = 1.0, .absorbs = false},
-            {top});
-        ASSERT_TRUE(excess);
-        peaks[i] = excess->values[0] + top.of_displacement(solved->displacement.data());
+        peaks[i] = section.peaks({.duration = 0.05 + 0.01 * x, .damping = 0.05, .inertia = 1.0, .absorbs = false})[0];
         for (int k = 0; k <= degree; ++k) {
             powers(i, k) = std::pow(x, k);
         }
@@ -661,9 +660,6 @@ TEST(Effects, RefuseWhatTheyCannotActOn) {
 
 // A motion of the mesh holds neither springs nor fields, nor what moves in time.
 TEST(Effects, LeaveGeometryToAMotionOfTheMeshWhereItHoldsAll) {
-    const auto is_exact = [](const Case& c, std::string_view path) {
-        return exact_derivative(c, find_parameter(c, path, {}), 0).has_value();
-    };
     const Case& plain = shared_axisymmetric_case();
     for (const std::string_view path : {"base.thickness_mm", "subgrade.thickness_mm", "fwd.radius_mm"}) {
         EXPECT_TRUE(is_exact(plain, path)) << path;
@@ -680,9 +676,6 @@ TEST(Effects, LeaveGeometryToAMotionOfTheMeshWhereItHoldsAll) {
 
 // Of what inertia moves only its own time has no derivative.
 TEST(Effects, LeaveLoadsTheirExactDerivatives) {
-    const auto is_exact = [](const Case& c, std::string_view path) {
-        return exact_derivative(c, find_parameter(c, path, {}), 0).has_value();
-    };
     const Case& plain = shared_axisymmetric_case();
     const Case moving = with(plain, "inertia", 1.0);
     EXPECT_TRUE(is_exact(plain, "fwd.pressure_kPa"));
