@@ -171,7 +171,9 @@ struct Solver<Element>::Work {
             const LayerMaterial& layer = run_layers[l];
             PreparedLayer<N>& p = prepared[l];
             p.stress_dependent = layer.law->stress_dependent();
-            p.modulus = p.stress_dependent ? 0.0 : layer.law->modulus(layer.parameters, {}).value;
+            if (!p.stress_dependent) {
+                p.modulus = layer.law->modulus(layer.parameters, {}).value;
+            }
             p.turns_with_stress = layer.law->turns();
             p.unit = layer.template unit_stiffness<N>();
             p.compliance = p.unit.inverse();

@@ -18,25 +18,26 @@ double local_of(const std::vector<double>& lines, int cell, double x) {
 }
 
 // Lagrange weights on the (at most four) Gauss positions nearest to x among the cells first .. last.
-// Position 2 c + k is the k-th of cell c. even: what is read is even about the first line, so the positions beyond it
-// are those before it (a reading there is not extrapolated). chosen: the lines by which the nearest are told.
+// Position 2 c + k is the k-th of cell c. even: what is read is even about line 0, which is the first; position -1 - i
+// beyond it is position i before it (a reading there is not extrapolated). chosen: the lines that tell which are
+// nearest.
 std::vector<std::pair<int, double>> interpolation(const std::vector<double>& lines, const std::vector<double>& chosen,
                                                   int first, int last, double x, bool even) {
     const int begin = 2 * first;
     const int end = 2 * (last + 1);
     const auto position_on = [&](const std::vector<double>& on, int index) {
-        const int inside = index >= begin ? index : 2 * begin - 1 - index;
+        const int inside = index >= 0 ? index : -1 - index;
         const int c = inside / 2;
         const double half = (on[c + 1] - on[c]) / 2.0;
         const double at = on[c] + half * (1.0 + (inside % 2 == 0 ? -1.0 : 1.0) * std::numbers::inv_sqrt3);
-        return index >= begin ? at : 2.0 * on[first] - at;
+        return index >= 0 ? at : 2.0 * on[0] - at;
     };
     const auto position = [&](int index) { return position_on(lines, index); };
     int behind = begin;
     while (behind < end && position_on(chosen, behind) < x) {
         ++behind;
     }
-    const int lowest = even ? std::max(begin - 2, 2 * begin - end) : begin;
+    const int lowest = even ? std::max(-2, -end) : begin;
     const int count = std::min(4, end - lowest);
     const int start = std::clamp(behind - count / 2, lowest, end - count);
     std::vector<std::pair<int, double>> weights;
@@ -45,7 +46,7 @@ std::vector<std::pair<int, double>> interpolation(const std::vector<double>& lin
         for (int j = start; j < start + count; ++j) {
             weight *= i == j ? 1.0 : (x - position(j)) / (position(i) - position(j));
         }
-        weights.emplace_back(i >= begin ? i : 2 * begin - 1 - i, weight);
+        weights.emplace_back(i >= 0 ? i : -1 - i, weight);
     }
     return weights;
 }
