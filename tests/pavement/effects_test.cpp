@@ -139,6 +139,17 @@ struct Pulsed {
     Eigen::ArrayXd peaks(const fe::Pulse& pulse) { return at_rest + excess(pulse); }
 };
 
+// Sensors where the wall would throw the waves back, did it not absorb them.
+Case near_the_wall() {
+    Case c;
+    c.layers = {linear_layer("subgrade", 2.0, 60e6, 0.4)};
+    c.layers[0].density = 2000.0;
+    c.loads = {plate()};
+    c.settings.extent = 2.0;
+    c.sensors = {deflection(1.5), deflection(1.8)};
+    return c;
+}
+
 bool is_exact(const Case& c, std::string_view path) {
     return exact_derivative(c, find_parameter(c, path, {}), 0).has_value();
 }
@@ -565,12 +576,7 @@ TEST(Inertia, OfASlenderColumnIsTheDragOfItsWall) {
 
 // What the wall absorbs is that of its own motion, whatever the size of the elements beside it.
 TEST(Inertia, AtTheWallConvergesWithTheMesh) {
-    Case c;
-    c.layers = {linear_layer("subgrade", 2.0, 60e6, 0.4)};
-    c.layers[0].density = 2000.0;
-    c.loads = {plate()};
-    c.settings.extent = 2.0;
-    c.sensors = {deflection(1.5), deflection(1.8)};
+    Case c = near_the_wall();
     const auto excess = [&](double refine, bool absorbs) {
         c.settings.refine = refine;
         return Pulsed(c).excess({.duration = 0.03, .damping = 0.02, .inertia = 1.0, .absorbs = absorbs});
@@ -579,6 +585,24 @@ TEST(Inertia, AtTheWallConvergesWithTheMesh) {
     const Eigen::ArrayXd fine = excess(3.0, true);
     const Eigen::ArrayXd absorbed = excess(3.0, false) - fine;
     EXPECT_LT((coarse - fine).abs().maxCoeff(), 0.01 * absorbed.abs().minCoeff());
+}
+
+TEST(Inertia, AtTheWallHasItsDerivatives) {
+    const Case c = with(near_the_wall(), "inertia", 1.0);
+    const ForwardModel model(c);
+    const auto workspace = model.make_workspace();
+    for (const auto& [path, h] : {std::pair{"subgrade.density_kg_m3", 2.0}, {"subgrade.modulus_MPa", 0.1}}) {
+        const Parameter parameter = find_parameter(c, path, {});
+        const auto exact = model.run(c, {parameter}, *workspace);
+        ASSERT_TRUE(exact);
+        const auto differences = central_differences(model, c, parameter, h, *exact, *workspace);
+        ASSERT_TRUE(differences);
+        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+            const double rate = differences->rates[i];
+            EXPECT_NEAR(exact->jacobian(static_cast<Eigen::Index>(i), 0), rate, 1e-6 * std::abs(rate))
+                << path << " " << i;
+        }
+    }
 }
 
 // The peak lies between two steps of time, at another place of them for every duration; what is read there is smooth.
