@@ -10,7 +10,7 @@ namespace {
 
 std::string options_of(const pave::pavement::Effect& effect) {
     std::vector<std::string> names;
-    for (const auto& [takes, name] : {std::pair{effect.takes_layer, "layer"},
+    for (const auto& [takes, name] : {std::pair{effect.layer != pave::pavement::LayerRole::none, "layer"},
                                       {effect.takes_load, "load"},
                                       {effect.takes_quantity, "quantity"},
                                       {effect.takes_reading, "reading"}}) {

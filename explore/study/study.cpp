@@ -181,7 +181,7 @@ void read_effect(const toml::table& table, Study& study) {
     reader.rename("effect \"" + std::string(effect.name) + "\"");
     applied.size = reader.number(keys::effect_size, effect.low, effect.high, false, effect.null);
     Case& model = study.model;
-    if (effect.takes_layer) {
+    if (effect.layer != LayerRole::none) {
         applied.layer = reader.text(keys::effect_layer, "");
         const auto names = names_of(model.layers);
         if (!applied.layer.empty() && std::find(names.begin(), names.end(), applied.layer) == names.end()) {

@@ -48,7 +48,6 @@ const Effect& anisotropy_distribution() {
         .source = "figure 5 of Kathirgamanathan and Vignarajah; Tutumluer and Thompson (1997), TRR 1577",
         .acts_on = "the base",
         .layer = LayerRole::base,
-        .takes_layer = true,
         .apply = apply,
         .refuses = refuses,
     };

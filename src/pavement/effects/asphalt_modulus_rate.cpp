@@ -33,7 +33,6 @@ const Effect& asphalt_modulus_rate() {
         .source = "time-temperature superposition; NCHRP 1-37A guide, dynamic modulus of asphalt",
         .acts_on = "the asphalt, under every load after the first (or the only one)",
         .layer = LayerRole::asphalt,
-        .takes_layer = true,
         .takes_load = true,
         .apply = apply,
     };

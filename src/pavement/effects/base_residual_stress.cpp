@@ -27,7 +27,6 @@ const Effect& base_residual_stress() {
         .source = "GT-PAVE examples use 21 kPa (3 psi); Selig (1987) on residual stress after compaction",
         .acts_on = "the base",
         .layer = LayerRole::base,
-        .takes_layer = true,
         .apply = apply,
     };
     return effect;

@@ -36,7 +36,6 @@ const Effect& base_tension() {
         .source = "smooth floor of theta in equation 1; MEPDG appendix RR on tension cut-off",
         .acts_on = "the base",
         .layer = LayerRole::base,
-        .takes_layer = true,
         .apply = apply,
         .refuses = refuses,
     };

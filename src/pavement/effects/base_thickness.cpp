@@ -34,7 +34,6 @@ const Effect& base_thickness() {
         .source = "construction tolerances, e.g. Selezneva et al. (2002) on layer thickness variation in LTPP",
         .acts_on = "the base and the layer below it",
         .layer = LayerRole::base,
-        .takes_layer = true,
         .apply = apply,
         .refuses = refuses,
     };

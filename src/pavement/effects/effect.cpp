@@ -122,7 +122,6 @@ Effect interface_slip() {
                   "al. 1973)",
         .acts_on = {},
         .layer = LayerRole::base,
-        .takes_layer = true,
     };
 }
 

@@ -26,10 +26,9 @@ struct Effect {
     double typical = 0.0; // a size that is seen in practice
     std::string_view mechanism;
     std::string_view source;
-    std::string_view acts_on; // what, unless a case says otherwise
-    LayerRole layer = LayerRole::none;
+    std::string_view acts_on;          // what, unless a case says otherwise
+    LayerRole layer = LayerRole::none; // a case may name another
     // Options that a case may give.
-    bool takes_layer = false;
     bool takes_load = false;
     bool takes_quantity = false;
     bool takes_reading = false;

@@ -42,7 +42,6 @@ const Effect& shear_ratio() {
         .source = "Tutumluer and Thompson (1997), TRR 1577: shear moduli of granular bases",
         .acts_on = "the base",
         .layer = LayerRole::base,
-        .takes_layer = true,
         .apply = apply,
         .refuses = refuses,
     };

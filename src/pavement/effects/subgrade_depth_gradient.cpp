@@ -33,7 +33,6 @@ const Effect& subgrade_depth_gradient() {
         .source = "Gibson (1967), elastic solids whose modulus grows linearly with depth",
         .acts_on = "the subgrade",
         .layer = LayerRole::subgrade,
-        .takes_layer = true,
         .apply = apply,
     };
     return effect;

@@ -53,7 +53,6 @@ const Effect& subgrade_stress_dependence() {
         .source = "Uzan (1985) with octahedral shear; NCHRP 1-37A guide, resilient modulus of unbound soils",
         .acts_on = "the subgrade",
         .layer = LayerRole::subgrade,
-        .takes_layer = true,
         .apply = apply,
         .refuses = refuses,
     };

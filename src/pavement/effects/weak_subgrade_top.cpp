@@ -35,7 +35,6 @@ const Effect& weak_subgrade_top() {
         .source = "layered elasticity with a divided subgrade; Huang, Pavement Analysis and Design, chapter 2",
         .acts_on = "the subgrade",
         .layer = LayerRole::subgrade,
-        .takes_layer = true,
         .apply = apply,
     };
     return effect;
