@@ -1,6 +1,6 @@
-"""Blind trials of `pavescape diagnose` on a fixed subset: twenty cases whose truth only the judge reads (tests/blind).
+"""Blind trials of `pavescape diagnose` on a fixed subset: cases whose truth only the judge reads (tests/blind).
 
-python3 tests/program/blind_test.py PROGRAM GENERATOR
+python3 tests/program/blind_test.py PROGRAM GENERATOR [COUNT of each kind, else twenty cases]
 """
 import argparse
 import pathlib
@@ -11,12 +11,19 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "blind"))
 import trials
 
 FIRST = 1001
-options = argparse.Namespace(program=sys.argv[1], generator=sys.argv[2], one=12, none=5, two=2, removed=1, power=0, first=FIRST,
-                             jobs=2, out=tempfile.mkdtemp(prefix="pavescape-blind-"), keep=False)
-rates = trials.rates(trials.run_all(options))
-# Of so few, one may go wrong by chance, and of the two pairs one.
+counts = dict(one=12, none=5, two=2, removed=1)
+if len(sys.argv) > 3:
+    counts = dict.fromkeys(counts, int(sys.argv[3]))
+with tempfile.TemporaryDirectory(prefix="pavescape-blind-") as out:
+    results = trials.run_all(argparse.Namespace(program=sys.argv[1], generator=sys.argv[2], **counts, power=0, first=FIRST, jobs=2,
+                                                out=out, keep=False))
 failed = False
-for name, (count, total) in rates.items():
+for r in results:
+    if r["verdict"] == "failed":
+        print(f"{r['kind']} {r['seed']}: {r['error']}")
+        failed = True
+# Of so few, one may go wrong by chance, and of the two pairs one.
+for name, (count, total) in trials.rates(results).items():
     wrong = count if name == "wrong name alone" else total - count
     print(f"{name}: {trials.share(count, total)}")
     failed = failed or wrong > 1

@@ -7,9 +7,7 @@ import signal
 from support import *
 
 SECONDS = 2
-folder = workspace()
-shutil.copytree(ROOT / "grids", folder / "grids")
-environment = {**os.environ, "PATH": f"{pathlib.Path(PROGRAM).resolve().parent}:{os.environ['PATH']}"}
+reader = reader_of_pages()
 commands = 0
 for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
     for line in page.read_text().splitlines():
@@ -17,7 +15,7 @@ for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
         if not found or page.name == "tutorial.md" or re.search(r"\b(STUDY|RUN|FILE)\b", found[1]):
             continue
         commands += 1
-        process = subprocess.Popen(found[1], shell=True, executable="/bin/bash", cwd=folder, env=environment, stdout=subprocess.DEVNULL,
+        process = subprocess.Popen(found[1], shell=True, executable="/bin/bash", **reader, stdout=subprocess.DEVNULL,
                                    stderr=subprocess.PIPE, text=True, start_new_session=True)
         try:
             message = process.communicate(timeout=SECONDS)[1]

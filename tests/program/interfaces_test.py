@@ -85,8 +85,9 @@ found = {}
 if "-fsanitize=thread" in compiled["CMAKE_CXX_FLAGS"]:
     print("skipped: Python's interpreter is not made for the thread sanitizer")
 else:
-    if "-fsanitize=address" in compiled["CMAKE_CXX_FLAGS"]:  # before everything else, and Python keeps memory to its end
-        environment |= {"LD_PRELOAD": command("g++", "-print-file-name=libasan.so").strip(), "ASAN_OPTIONS": "detect_leaks=0"}
+    if "-fsanitize=address" in compiled["CMAKE_CXX_FLAGS"]:  # before everything else, with what throws; Python keeps memory to its end
+        first = (command("g++", f"-print-file-name={library}").strip() for library in ("libasan.so", "libstdc++.so"))
+        environment |= {"LD_PRELOAD": " ".join(first), "ASAN_OPTIONS": "detect_leaks=0"}
     found = json.loads(command("/usr/bin/python3", "-c", script, study, env=environment) or "{}")
 if found:
     check(found["forward"] == forward, "Python gives the bits of the program")

@@ -37,6 +37,13 @@ def workspace():
     return folder
 
 
+def reader_of_pages():
+    """{cwd, env} of someone who follows a page: a folder with grids/, and `pavescape` is the program under test."""
+    folder = workspace()
+    shutil.copytree(ROOT / "grids", folder / "grids")
+    return {"cwd": folder, "env": {**os.environ, "PATH": f"{pathlib.Path(PROGRAM).resolve().parent}:{os.environ['PATH']}"}}
+
+
 def counted(out):
     """(finished evaluations of a run folder, evaluations that some process computed)"""
     database = sqlite3.connect(f"file:{out / 'run.sqlite'}?mode=ro", uri=True, timeout=10)

@@ -1,13 +1,9 @@
 """Every command of the tutorial, as it stands there: it works, and what the page shows of its output is its output."""
-import os
 import re
-import shutil
 
 from support import *
 
-folder = workspace()
-shutil.copytree(ROOT / "grids", folder / "grids")
-environment = {**os.environ, "PATH": f"{pathlib.Path(PROGRAM).resolve().parent}:{os.environ['PATH']}"}
+reader = reader_of_pages()
 page = (ROOT / "docs" / "tutorial.md").read_text()
 # Indented blocks: "$ command", then lines of its output; "..." stands for lines left out.
 blocks = re.findall(r"(?:^    .*\n)+", page, re.M)
@@ -20,7 +16,7 @@ for block in blocks:
             check(False, f"a block begins with a command: {command}")
             break
         commands += 1
-        done = subprocess.run(command[2:], shell=True, executable="/bin/bash", capture_output=True, text=True, cwd=folder, env=environment)
+        done = subprocess.run(command[2:], shell=True, executable="/bin/bash", capture_output=True, text=True, **reader)
         check(done.returncode == 0, f"{command}: {done.stderr[-800:]}")
         printed = [" ".join(line.split()) for line in done.stdout.splitlines()]
         at = 0
