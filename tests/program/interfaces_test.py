@@ -80,14 +80,14 @@ print(json.dumps({"forward": own.tolist(), "parameters": study.parameters, "meas
                   "length": error(ValueError, lambda: study.forward(there[:-1])), "range": error(pavescape.NoAnswer, lambda: study.forward(-there)),
                   "file": error(ValueError, lambda: pavescape.Study("nothing.toml")), "units": [r["unit"] for r in study.responses]}))
 """
-environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
+environment = {**leaks_of_others(), "PYTHONPATH": str(BUILD / "python")}
 found = {}
-if "-fsanitize=thread" in compiled["CMAKE_CXX_FLAGS"]:
+if sanitizer() == "thread":
     print("skipped: Python's interpreter is not made for the thread sanitizer")
 else:
-    if "-fsanitize=address" in compiled["CMAKE_CXX_FLAGS"]:  # before everything else, with what throws; Python keeps memory to its end
+    if sanitizer() == "address":  # before everything else, with what throws
         first = (command("g++", f"-print-file-name={library}").strip() for library in ("libasan.so", "libstdc++.so"))
-        environment |= {"LD_PRELOAD": " ".join(first), "ASAN_OPTIONS": "detect_leaks=0"}
+        environment["LD_PRELOAD"] = " ".join(first)
     found = json.loads(command("/usr/bin/python3", "-c", script, study, env=environment) or "{}")
 if found:
     check(found["forward"] == forward, "Python gives the bits of the program")

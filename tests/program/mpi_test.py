@@ -8,10 +8,8 @@ import time
 from support import *
 
 MPIRUN = sys.argv[2]
-# Open MPI's own words for: a small machine, a test that runs as root in a container.
-ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-               # It keeps what its plugins set up, and unloads them: to the address sanitizer, leaks of nobody.
-               "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":detect_leaks=0"}
+# Open MPI's own words for: a test that runs as root in a container. It keeps what its plugins set up, and unloads them: leaks of nobody.
+ENVIRONMENT = {**leaks_of_others(), "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 folder = workspace()
 study = write_study(folder, STUDY.replace('misfit = "log"', 'misfit = "log"\nnoise_relative = 0.05'))
 commands = {"map": ["--design", "sobol", "--points", 200],

@@ -44,6 +44,17 @@ def reader_of_pages():
     return {"cwd": folder, "env": {**os.environ, "PATH": f"{pathlib.Path(PROGRAM).resolve().parent}:{os.environ['PATH']}"}}
 
 
+def sanitizer():
+    """What the program is instrumented with: "address", "thread" or None."""
+    binary = pathlib.Path(PROGRAM).read_bytes()
+    return next((name for name in ("address", "thread") if f"__{name[0]}san_init".encode() in binary), None)
+
+
+def leaks_of_others():
+    """The environment where foreign software keeps memory to its end: the address sanitizer does not look for leaks."""
+    return {**os.environ, "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":detect_leaks=0"}
+
+
 def counted(out):
     """(finished evaluations of a run folder, evaluations that some process computed)"""
     database = sqlite3.connect(f"file:{out / 'run.sqlite'}?mode=ro", uri=True, timeout=10)
