@@ -80,12 +80,14 @@ bool in_blocks(Eigen::Index columns, const F& f) {
 template <class Scalar>
 SymmetricSystem<Scalar>::SymmetricSystem(const Pattern& lower, const CholeskyAnalysis& analysis)
     : lower_(lower),
-      factor_(lower, analysis.structure()) {}
+      structure_(analysis.structure()),
+      factor_(lower, structure_) {}
 
 template <class Scalar>
 void SymmetricSystem<Scalar>::begin(double tolerance, bool constants_hold) {
     tolerance_ = tolerance;
     constants_hold_ = constants_hold;
+    is_precise_ = false;
     has_factor_ = false;
     factor_is_stale_ = false;
     factorizations_ = 0;
@@ -96,10 +98,23 @@ template <class Scalar>
 bool SymmetricSystem<Scalar>::factorize() {
     const bool is_first = factorizations_ == 0 || !constants_hold_;
     ++factorizations_;
-    has_factor_ = factor_.factorize(values_, is_first);
+    has_factor_ = !is_precise_ && factor_.factorize(values_, is_first);
+    if (std::is_same_v<Scalar, float> && !has_factor_) {
+        is_precise_ = true;
+        if (!precise_factor_) {
+            precise_factor_ = std::make_unique<SupernodalFactor<double>>(lower_, structure_);
+        }
+        has_factor_ = precise_factor_->factorize(values_, true);
+    }
     factor_is_own_ = has_factor_;
     factor_is_stale_ = false;
     return has_factor_;
+}
+
+template <class Scalar>
+template <int C>
+void SymmetricSystem<Scalar>::apply_factor(Block<C>& z) {
+    is_precise_ ? precise_factor_->template solve<C>(z) : factor_.template solve<C>(z);
 }
 
 template <class Scalar>
@@ -137,7 +152,7 @@ Eigen::VectorXd SymmetricSystem<Scalar>::product(const Eigen::VectorXd& x) const
 
 template <class Scalar>
 Eigen::VectorXd SymmetricSystem<Scalar>::preconditioned(Eigen::VectorXd x) {
-    factor_.template solve<1>(x);
+    apply_factor<1>(x);
     return x;
 }
 
@@ -213,7 +228,7 @@ bool SymmetricSystem<Scalar>::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Ei
     Block<C> b;
     load<C>(matrix, first, columns, b);
     if constexpr (std::is_same_v<Scalar, double>) {
-        factor_.template solve<C>(b);
+        apply_factor<C>(b);
         matrix.middleCols(first, columns) = b.leftCols(columns);
         return b.allFinite();
     }
@@ -227,21 +242,26 @@ bool SymmetricSystem<Scalar>::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Ei
         r -= q;
     }
     z = r;
-    factor_.template solve<C>(z);
+    apply_factor<C>(z);
     Block<C> p = z;
     Lanes<C> rho = dot<C>(r, z);
-    const auto wanting = [&]() -> Eigen::Array<bool, 1, C> { return !(rho <= tolerance_ * tolerance_ * dot<C>(x, b)); };
+    const auto wanting = [&]() -> Eigen::Array<bool, 1, C> {
+        return !(rho.abs() <= tolerance_ * tolerance_ * dot<C>(x, b));
+    };
     auto active = wanting();
     int steps = 0;
     while (active.any()) {
-        if (steps == too_many_steps) {
-            // With its own factor a definite matrix takes few steps.
-            if (factor_is_stale_ || !factorize()) {
+        if (steps == too_many_steps || (active && rho < 0.0).any()) {
+            // With its own factor a definite matrix takes few steps, in double precision if not in single.
+            if (factor_is_own_ && is_precise_) {
                 return false;
             }
-            factor_is_stale_ = true; // until this solve ends
+            is_precise_ = is_precise_ || factor_is_own_;
+            if (!factorize()) {
+                return false;
+            }
             z = r;
-            factor_.template solve<C>(z);
+            apply_factor<C>(z);
             p = z;
             rho = dot<C>(r, z);
             steps = 0;
@@ -257,7 +277,7 @@ bool SymmetricSystem<Scalar>::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Ei
         add<C>(x, length, p);
         add<C>(r, -length, q);
         z = r;
-        factor_.template solve<C>(z);
+        apply_factor<C>(z);
         const Lanes<C> next = dot<C>(r, z);
         const Lanes<C> keep = active.select(next / rho, Lanes<C>::Zero());
         scale<C>(p, keep);

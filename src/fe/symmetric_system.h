@@ -9,7 +9,8 @@
 namespace pave::fe {
 
 // Scalar: double, every matrix is factorised; float, conjugate gradients preconditioned by the factor of an earlier
-// matrix of the sequence, and a matrix is factorised when that no longer pays.
+// matrix of the sequence, and a matrix is factorised when that no longer pays. Where single precision cannot carry a
+// matrix (stiffness that differs by some seven decades), the rest of the sequence takes factors in double precision.
 template <class Scalar>
 class SymmetricSystem {
 public:
@@ -47,6 +48,9 @@ private:
     bool factorize();
     // K x for a matrix of any number of columns.
     Eigen::MatrixXd image(const Eigen::MatrixXd& x) const;
+    // z := inverse of the factor at hand z
+    template <int C>
+    void apply_factor(Block<C>& z);
     // C columns of x from `first` on, those beyond its end zero. start: what to begin with instead of zero, where it
     // has columns, and its product with K.
     template <int C>
@@ -54,10 +58,13 @@ private:
                      const Eigen::MatrixXd& image_of_start);
 
     const Pattern& lower_;
+    const FactorStructure& structure_;
     SupernodalFactor<Scalar> factor_;
+    std::unique_ptr<SupernodalFactor<double>> precise_factor_; // made when first needed
     std::span<const double> values_;
     double tolerance_ = 0.0;
     bool constants_hold_ = false;
+    bool is_precise_ = false; // the factor at hand is precise_factor_
     bool has_factor_ = false;
     bool factor_is_own_ = false;   // of the matrix of the moment
     bool factor_is_stale_ = false; // factorise the next matrix

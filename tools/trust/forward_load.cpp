@@ -46,6 +46,16 @@ double at(const Range& range, double u, double times) {
     return range.log ? std::exp(value) : value;
 }
 
+// Point i of the box of unit length.
+std::vector<double> drawn(std::uint64_t seed, std::size_t i) {
+    const pave::RandomStream random(seed, i);
+    std::vector<double> unit;
+    for (std::size_t k = 0; k < std::size(realistic); ++k) {
+        unit.push_back(random.uniform(k));
+    }
+    return unit;
+}
+
 struct Setting {
     explicit Setting(const std::string& file) : study(explore::study::load_study(file)), model(study.model) {
         for (const Range& range : realistic) {
@@ -230,12 +240,7 @@ void random_points(const Setting& setting, int count, std::uint64_t seed, const 
     explore::run::Progress progress(title, count);
     tbb::task_arena arena(explore::run::usable_threads(0));
     explore::run::for_each_index(arena, points.size(), [&](std::size_t i) {
-        const pave::RandomStream random(seed, i);
-        std::vector<double> unit;
-        for (std::size_t k = 0; k < std::size(realistic); ++k) {
-            unit.push_back(random.uniform(k));
-        }
-        const Case values = setting.values(unit, 2.0);
+        const Case values = setting.values(drawn(seed, i), 2.0);
         Point& p = points[i];
         const double begin = cpu_seconds();
         const auto response = setting.model.run(values, {}, *workspaces.local());
@@ -257,12 +262,13 @@ void random_points(const Setting& setting, int count, std::uint64_t seed, const 
         progress.add(1, true);
     });
     std::map<std::string_view, int> statuses;
-    std::map<std::string, int> reasons;
+    std::map<std::string, std::vector<std::size_t>> reasons; // and the points
     std::vector<double> seconds;
     std::vector<double> steps;
     double slowest = 0.0, most = 0.0, force = 0.0, energy = 0.0;
     int without_reason = 0, not_finite = 0;
-    for (const Point& p : points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Point& p = points[i];
         ++statuses[to_string(p.status)];
         without_reason += p.status != pave::Status::converged && p.reason.empty() ? 1 : 0;
         not_finite += p.finite ? 0 : 1;
@@ -274,7 +280,7 @@ void random_points(const Setting& setting, int count, std::uint64_t seed, const 
             force = std::max(force, p.balance.force);
             energy = std::max(energy, p.balance.energy);
         } else {
-            ++reasons[p.reason.substr(0, p.reason.find_first_of("0123456789"))];
+            reasons[p.reason.substr(0, p.reason.find_first_of("0123456789"))].push_back(i);
         }
     }
     fmt::print("{}: {} points,", title, count);
@@ -282,12 +288,18 @@ void random_points(const Setting& setting, int count, std::uint64_t seed, const 
         fmt::print(" {} {}", n, status);
     }
     fmt::print("\n");
-    for (const auto& [reason, n] : reasons) {
-        fmt::print("  {} x {}...\n", n, reason);
+    for (const auto& [reason, of] : reasons) {
+        fmt::print("  {} x {}...\n    as at", of.size(), reason);
+        const std::vector<double> unit = drawn(seed, of.front());
+        for (std::size_t k = 0; k < unit.size(); ++k) {
+            fmt::print(" {} = {:.6g}", realistic[k].path, at(realistic[k], unit[k], 2.0));
+        }
+        fmt::print("\n");
     }
     fmt::print("  CPU seconds of a run: median {:.3g}, slowest {:.3g}, {:.1f} times the median\n", median(seconds),
                slowest, slowest / median(seconds));
     bound("most over median number of matrices", most / median(steps), 10);
+    bound("runs that failed: a possible material has an answer", statuses[to_string(pave::Status::failed)], 0);
     bound("runs without an answer that do not say why", without_reason, 0);
     bound("answers that are not numbers", not_finite, 0);
     bound("load carried through every row of elements, relative", force, 1e-5);
