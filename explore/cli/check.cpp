@@ -2,6 +2,7 @@
 #include "cli/common.h"
 #include "landscape/multistart.h"
 #include "report/table.h"
+#include "run/message.h"
 #include "run/parallel.h"
 #include "run/progress.h"
 #include "search/design.h"
@@ -84,8 +85,13 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
     }
     const auto shared = [&](double work) { return work / threads; };
     const auto grid = search::full_grid_size(study.space);
-    const auto points = static_cast<double>(grid > 0 ? grid : map_points);
-    list.push_back({"map", fmt::format("{:.0f}{}", points, grid > 0 ? ", the full grid" : ", a Sobol sample"),
+    const bool is_grid = grid > 0 && grid <= search::most_grid_points;
+    const auto points = static_cast<double>(is_grid ? grid : map_points);
+    list.push_back({grid > 0 && !is_grid ? "map --design sobol" : "map",
+                    fmt::format("{:.0f}{}", points,
+                                is_grid    ? ", the full grid"
+                                : grid > 0 ? ", a Sobol sample: the full grid has too many points"
+                                           : ", a Sobol sample"),
                     shared(points * timing.forward)});
     constexpr int steps = 15; // a search takes, on a deflection bowl
     const int starts = landscape::MultistartSettings{}.starts;
@@ -96,6 +102,11 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
 
 int check_study(const CommonOptions& options) {
     const study::Study study = study::load_study(options.study);
+    const bool fits = std::any_of(study.groups.begin(), study.groups.end(), [](const auto& g) { return !g.held_out; });
+    if (!study.parameters.empty() && fits) { // what every command that fits would complain of
+        study::make_problem(study);
+        study::make_noise_problem(study, study::Scope::fitted);
+    }
     const auto timing = measure(study);
     if (!timing) {
         if (options.json) {
@@ -103,8 +114,8 @@ int check_study(const CommonOptions& options) {
                                             {"reason", timing.failure().reason}}
                                    .dump(2));
         }
-        fmt::print(stderr, "pavescape: the study can be read, but has no answer at its own values: {}: {}\n",
-                   to_string(timing.status()), timing.failure().reason);
+        run::message("pavescape: the study can be read, but has no answer at its own values: {}: {}\n",
+                     to_string(timing.status()), timing.failure().reason);
         return computation_failed;
     }
     const int threads = run::usable_threads(options.threads);
@@ -133,7 +144,7 @@ int check_study(const CommonOptions& options) {
         fmt::print("  no readings: nothing can be fitted\n");
     } else {
         fmt::print("  {}, their noise {}:\n", counted(study.measurements.size(), "reading", "readings"),
-                   study.noise == study::NoiseSource::stated ? "stated" : "to be estimated from the fit");
+                   study.noise == study::NoiseSource::stated ? study.noise_name() : "to be estimated from the fit");
         for (const auto& group : study.groups) {
             fmt::print("    {}: {}{}\n", group.name, group.rows.size(),
                        group.held_out        ? ", held out"

@@ -1,26 +1,61 @@
 #include "cli/common.h"
 
 #include "base/error.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "fe/sparse_solver.h"
 #include "pavement/effects/effect.h"
 #include "report/table.h"
+#include "run/message.h"
 #include "run/parallel.h"
 
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
 #include <nlopt.hpp>
 #include <oneapi/tbb/version.h>
+#include <unistd.h>
 
 namespace explore::cli {
 
 using report::figure;
 
+CLI::Validator within(double low, double high) {
+    return {[=](std::string& text) {
+                double value = NAN;
+                return CLI::detail::lexical_cast(text, value) && value >= low && value <= high
+                           ? std::string()
+                           : fmt::format("{} is not a number from {} to {}", text, low, high);
+            },
+            fmt::format("{} - {}", low, high)};
+}
+
+namespace {
+
+// CLI11 reads -1 as the largest number there is.
+CLI::Validator whole_number() {
+    return {[](std::string& text) {
+                std::uint64_t value = 0;
+                const char* end = text.data() + text.size();
+                const auto read = std::from_chars(text.data(), end, value);
+                return read.ec == std::errc() && read.ptr == end
+                           ? std::string()
+                           : fmt::format("{} is not a whole number from 0 to {}", text,
+                                         std::numeric_limits<std::uint64_t>::max());
+            },
+            "UINT"};
+}
+
+} // namespace
+
 void add_run_options(CLI::App& app, CommonOptions& options, const std::string& default_folder) {
     app.add_option("--out", options.out, "folder for the results (default: " + default_folder + ")");
     app.add_option("--threads", options.threads, "number of threads (default: one a core)")->check(CLI::Range(1, 4096));
-    app.add_option("--seed", options.seed, "fixes what is random")->capture_default_str();
+    app.add_option("--seed", options.seed, "fixes what is random")->check(whole_number())->capture_default_str();
     app.add_flag("--json", options.json, "print one JSON object and nothing else");
 }
 
@@ -83,30 +118,45 @@ void write_file(const std::string& folder, const std::string& name, const std::s
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     const auto path = std::filesystem::path(folder) / name;
-    const auto part = std::filesystem::path(folder) / (name + ".part");
+    // Of its own: another process may be writing the same file.
+    const auto part = std::filesystem::path(folder) / fmt::format("{}.{}.part", name, getpid());
+    const auto remove_part = [&] {
+        std::error_code ignored;
+        std::filesystem::remove(part, ignored);
+    };
     {
         std::ofstream stream(part, std::ios::binary);
+        if (!stream) {
+            throw pave::Error({.file = path.string()}, "cannot be written", std::strerror(errno),
+                              "a folder that can be written (--out)");
+        }
         stream << text;
         stream.close();
         if (!stream) {
-            throw pave::Error({.file = path.string()}, "cannot be written", {},
-                              "a folder that can be written (--out), on a disk with room");
+            const std::string reason = std::strerror(errno);
+            remove_part();
+            throw std::runtime_error(fmt::format("{}: no room to write it: {}", path.string(), reason));
         }
     }
     std::filesystem::rename(part, path, error);
     if (error) {
+        remove_part();
         throw pave::Error({.file = path.string()}, "cannot be written", error.message(), "another folder (--out)");
     }
 }
 
 std::string study_summary(const study::Study& study) {
-    std::string text = study.title + "\n  ";
+    std::string text = pave::printable(study.title) + "\n  ";
     for (const auto& layer : study.model.layers) {
         text += fmt::format("{} {:g} mm ({}) / ", layer.name, layer.thickness / pave::unit::mm, layer.law->name());
     }
     text += "rigid floor\n";
     for (const auto& applied : study.model.effects) {
         text += fmt::format("  with {} = {:g} [{}]\n", applied.effect->name, applied.size, applied.effect->unit);
+    }
+    if (study.noise_assumed > 0) {
+        text += fmt::format("  {} of {} state no standard deviation and take the median share of those that do\n",
+                            study.noise_assumed, report::counted(study.measurements.size(), "reading", "readings"));
     }
     return text;
 }
@@ -126,11 +176,11 @@ std::string response_table(const study::Study& study, const std::vector<double>&
                    std::string(study.response_unit(i)),
                    measured && data != 0.0 ? fmt::format("{:+.1f} %", 100.0 * (model / data - 1.0)) : ""});
     }
-    return "  deflection: positive down; strain and load-induced stress: positive in compression\n" + table.text();
+    return fmt::format("  {}\n{}", sign_convention, table.text());
 }
 
 int report_interrupt(const std::string& folder) {
-    fmt::print(stderr, "interrupted: what was computed is kept in {}; the same command continues\n", folder);
+    run::message("interrupted: what was computed is kept in {}; the same command continues\n", folder);
     return was_interrupted;
 }
 

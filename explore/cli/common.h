@@ -25,6 +25,9 @@ struct CommonOptions {
     std::string folder(const study::Study& s) const { return out.empty() ? "output/" + s.stem() : out; }
 };
 
+// The value of an option lies between these; nan does not.
+CLI::Validator within(double low, double high);
+
 // Adds --out, --threads, --seed, --json. default_folder: where results go without --out, in words.
 void add_run_options(CLI::App& app, CommonOptions& options, const std::string& default_folder);
 
@@ -64,6 +67,10 @@ void write_file(const std::string& folder, const std::string& name, const std::s
 
 // "asphalt 30 mm linear | base 277 mm uzan | ..." and what is varied.
 std::string study_summary(const study::Study& study);
+
+// What the header of every table of responses says.
+inline constexpr std::string_view sign_convention =
+    "deflection: positive down; strain and load-induced stress: positive in compression";
 
 // Measured against modelled, one row a response, with the line that states the signs.
 std::string response_table(const study::Study& study, const std::vector<double>& responses);

@@ -5,6 +5,7 @@
 #include "material/catalog.h"
 #include "report/table.h"
 #include "run/interrupt.h"
+#include "run/message.h"
 #include "run/progress.h"
 #include "study/laws.h"
 
@@ -318,6 +319,9 @@ std::string comparison_text(const std::vector<Fitted>& laws, const study::Study&
         table.text() +
         "  left out: error of readings predicted place by place by fits without them; held out: of those "
         "that the study\n  holds out; both root mean squares of residuals\n";
+    if (!study.outputs.empty()) {
+        text += fmt::format("  {}\n", sign_convention);
+    }
     for (const Fitted& f : laws) {
         if (!f.failed.empty()) {
             continue;
@@ -374,16 +378,20 @@ int compare(const CompareOptions& options) {
     Json json = comparison_json(laws, study, layer_name);
     const auto words = findings(laws, layer_name);
     json["findings"] = words;
-    json["noise"] = study.noise == study::NoiseSource::stated ? "stated" : "estimated";
+    json["noise"] = study.noise_name();
     json["study"] = {{"file", study.file}, {"title", study.title}, {"hash", study.hash}};
     json["version"] = PAVESCAPE_VERSION;
     json["seed"] = options.common.seed;
     json["run"] = folder;
-    store.put_result(store.begin(run_header(laws[0].study, "compare", settings)), json.dump());
-    write_file(folder, "compare.json", json.dump(2) + "\n");
     const bool failed = !laws[0].failed.empty();
+    if (failed) {
+        json["status"] = "failed";
+        json["reason"] = laws[0].failed;
+    }
+    store.put_result(store.begin(run_header(laws[0].study, "compare", settings)), report::json_text(json, -1));
+    write_file(folder, "compare.json", report::json_text(json) + "\n");
     if (options.common.json) {
-        fmt::print("{}\n", json.dump(2));
+        fmt::print("{}\n", report::json_text(json));
     } else {
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         fmt::print("{}\n  {} in \"{}\", {}\n\n", study_summary(study), counted(laws.size(), "law", "laws"), layer_name,
@@ -392,6 +400,9 @@ int compare(const CompareOptions& options) {
             fmt::print("  {}\n", sentence);
         }
         fmt::print("\n{}\n  results: {}/compare.json\n", comparison_text(laws, study), folder);
+    }
+    if (failed) {
+        run::message("pavescape: no law has an answer; the first says: {}\n", laws[0].failed);
     }
     return failed ? computation_failed : done;
 }

@@ -5,6 +5,7 @@
 #include "cli/model.h"
 #include "pavement/effects/effect.h"
 #include "report/table.h"
+#include "run/message.h"
 #include "run/progress.h"
 #include "study/candidates.h"
 
@@ -216,7 +217,7 @@ int diagnose_study(const DiagnoseOptions& options) {
         if (options.common.json) {
             fmt::print("{}\n", Json{{"status", "failed"}, {"reason", d.failed}}.dump(2));
         }
-        fmt::print(stderr, "pavescape: {}\n", d.failed);
+        run::message("pavescape: {}\n", d.failed);
         return computation_failed;
     }
     const Reported before = report_of(study, variants, bench, d.baseline, d.variance);
@@ -250,12 +251,12 @@ int diagnose_study(const DiagnoseOptions& options) {
         json["reduced_model"] = reduced->json;
     }
     json["run"] = folder;
-    store.put_result(store.begin(run_header(study, "diagnose", settings)), json.dump());
-    write_file(folder, "diagnose.json", json.dump(2) + "\n");
+    store.put_result(store.begin(run_header(study, "diagnose", settings)), report::json_text(json, -1));
+    write_file(folder, "diagnose.json", report::json_text(json) + "\n");
     const std::string text = diagnosis_page(findings);
     write_file(folder, "diagnose.txt", text);
     if (options.common.json) {
-        fmt::print("{}\n", json.dump(2));
+        fmt::print("{}\n", report::json_text(json));
         return done;
     }
     const run::Tally tally = bench.tally();

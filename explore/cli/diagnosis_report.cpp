@@ -1,5 +1,6 @@
 #include "cli/diagnosis_report.h"
 
+#include "cli/common.h"
 #include "pavement/effects/effect.h"
 #include "report/table.h"
 
@@ -50,6 +51,11 @@ std::string percent(double share) {
 
 std::string chance(double p) {
     return p < 1e-4 ? "less than 1 in 10,000" : fmt::format("{:.2g}", p);
+}
+
+// "+3.1"; "-": there is none.
+std::string change_words(double change) {
+    return std::isfinite(change) ? fmt::format("{:+.1f}", change) : "-";
 }
 
 class Sentences : Findings {
@@ -176,11 +182,13 @@ private:
 
     void gain(std::vector<std::string>& text) const {
         text.push_back(fmt::format(
-            "With {} the misfit falls from {} to {}, chi2 from {} to {}{}; AICc changes by {}.",
+            "With {} the misfit falls from {} to {}, chi2 from {} to {}{}{}.",
             members_words(candidates, d.extended->model.members), figure(before.misfit), figure(after->misfit),
             figure(d.baseline.chi2), figure(d.extended->chi2),
             study.noise == study::NoiseSource::stated ? fmt::format(" (p = {:.2g})", d.extended->p_value) : "",
-            figure(d.extended->aicc - d.baseline.aicc)));
+            std::isfinite(d.extended->aicc - d.baseline.aicc)
+                ? "; AICc changes by " + figure(d.extended->aicc - d.baseline.aicc)
+                : "; AICc says nothing of so many parameters for so few readings"));
         if (d.places) {
             text.push_back(
                 fmt::format("Readings left out of the fit, place by place, are predicted with an error of {} "
@@ -397,8 +405,7 @@ Json diagnosis_json(const Findings& f) {
                            {"after", reported.evaluation.responses[i] / si}});
     }
     json["outputs"] = std::move(outputs);
-    json["noise"] = {{"source", f.study.noise == study::NoiseSource::stated ? "stated" : "estimated"},
-                     {"residual_standard_deviation", std::sqrt(d.variance)}};
+    json["noise"] = {{"source", f.study.noise_name()}, {"residual_standard_deviation", std::sqrt(d.variance)}};
     json["findings"] = Sentences(f).all();
     return json;
 }
@@ -413,6 +420,7 @@ std::string diagnosis_page(const Findings& f) {
     }
     text += "\nResiduals (model - measured) in standard deviations, of the study's model";
     text += after.empty() ? "\n" : ", and with " + members_words(f.candidates, d.extended->model.members) + "\n";
+    text += fmt::format("  {}\n", sign_convention);
     std::vector<std::string> header{"load", "reading", "before", "-4       0       4"};
     if (!after.empty()) {
         header.insert(header.end(), {"after", "-4       0       4"});
@@ -445,9 +453,9 @@ std::string diagnosis_page(const Findings& f) {
             continue;
         }
         table.add({candidate.effect, candidate.on, fmt::format("{:+.1f}", effect.score),
-                   fmt::format("{:.2g}", effect.p_familywise), figure(effect.gain),
-                   fmt::format("{:+.1f}", effect.delta_aicc), figure(effect.size.value), figure(effect.size.low),
-                   figure(effect.size.high), std::string(f.variants[effect.candidate].applied.effect->unit)});
+                   fmt::format("{:.2g}", effect.p_familywise), figure(effect.gain), change_words(effect.delta_aicc),
+                   figure(effect.size.value), figure(effect.size.low), figure(effect.size.high),
+                   std::string(f.variants[effect.candidate].applied.effect->unit)});
     }
     text += table.text();
     if (d.explanations.size() > 1) {
@@ -462,7 +470,7 @@ std::string diagnosis_page(const Findings& f) {
             const auto& own = d.explanations[e];
             std::vector<std::string> row{members_words(f.candidates, own.fit.model.members), figure(own.fit.chi2),
                                          fmt::format("{:.2g}", own.fit.p_value),
-                                         fmt::format("{:+.1f}", own.fit.aicc - d.baseline.aicc), figure(own.behind)};
+                                         change_words(own.fit.aicc - d.baseline.aicc), figure(own.behind)};
             if (holds_out) {
                 row.push_back(figure(*f.held_out[e]));
             }

@@ -49,7 +49,7 @@ int list_effects(bool as_json) {
         }
     }
     if (as_json) {
-        fmt::print("{}\n", json.dump(2));
+        fmt::print("{}\n", report::json_text(json));
     } else {
         fmt::print("{}{}", table.text(), words);
     }

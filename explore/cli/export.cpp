@@ -2,6 +2,7 @@
 #include "cli/common.h"
 #include "data/csv.h"
 #include "report/table.h"
+#include "run/message.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,13 +18,19 @@ int export_run(const std::string& folder, const std::string& format, const std::
     const auto chosen = std::find_if(
         runs.begin(), runs.end(), [&](const run::RunHeader& r) { return wanted.empty() || r.key.command == wanted; });
     if (chosen == runs.end()) {
+        std::vector<std::string> commands;
+        for (const run::RunHeader& r : runs) {
+            if (std::find(commands.begin(), commands.end(), r.key.command) == commands.end()) {
+                commands.push_back(r.key.command);
+            }
+        }
         throw pave::Error({.file = folder, .key = "--command"}, "this folder holds no run of that command", wanted,
-                          runs[0].key.command);
+                          pave::join(commands));
     }
     const run::RunHeader& header = *chosen;
     if (runs.size() > 1) {
-        fmt::print(stderr, "exporting: {} ({}); {} more in this folder (--command)\n", header.key.command,
-                   header.key.settings, report::counted(runs.size() - 1, "run", "runs"));
+        run::message("exporting: {} ({}); {} more in this folder (--command)\n", header.key.command,
+                     header.key.settings, report::counted(runs.size() - 1, "run", "runs"));
     }
     const auto phase = [](run::RunNumber n) { return n.start < 0 ? "design" : "search"; };
     if (format == "json") {
@@ -49,7 +56,7 @@ int export_run(const std::string& folder, const std::string& format, const std::
             }
             json["evaluations"].push_back(std::move(row));
         });
-        fmt::print("{}\n", json.dump(2));
+        fmt::print("{}\n", report::json_text(json));
         return done;
     }
     std::string line = "phase,start,number,status";
@@ -85,8 +92,8 @@ void add_export(CLI::App& app, Action& action) {
     command->add_option("RUN", *folder, "folder of the run")->required();
     auto wanted = std::make_shared<std::string>();
     command->add_option("--command", *wanted,
-                        "of the runs in the folder the last one of this command: map, fit, "
-                        "sensitivity or sensitivity-curves");
+                        "of the runs in the folder the last one of this command: map, fit, unique, ... (some commands "
+                        "keep more than one run: unique-outputs, sensitivity-curves, ...)");
     command->add_option("--format", *format, "csv or json")
         ->check(CLI::IsMember({"csv", "json"}))
         ->capture_default_str();

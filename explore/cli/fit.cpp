@@ -4,11 +4,11 @@
 #include "cli/model.h"
 #include "landscape/multistart.h"
 #include "report/table.h"
+#include "run/message.h"
 #include "run/progress.h"
 
 #include <cmath>
 #include <fmt/format.h>
-#include <gsl/gsl_cdf.h>
 
 namespace explore::cli {
 namespace {
@@ -157,21 +157,22 @@ std::vector<std::string> findings(const study::Study& study, const problem::Prob
                         100.0 * largest * largest / residuals.squaredNorm(), run_header(study, "", "").responses[i],
                         study.measurements[i].value, figure(best.evaluation.responses[i] / study.response_to_si(i))));
     }
-    if (weighted_by_noise && local.degrees_of_freedom > 0) {
-        const double chi2 = best.evaluation.misfit * best.evaluation.misfit;
-        const double p = gsl_cdf_chisq_Q(chi2, local.degrees_of_freedom);
+    if (local.noise_is_stated && local.degrees_of_freedom > 0) {
         text.push_back(fmt::format(
-            "{}: chi2 = {} with {}, p = {:.2g}.",
-            p < 0.05 ? "The model does not fit these data within their stated noise"
-                     : "The fit is consistent with the stated noise",
-            figure(chi2),
-            counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom"), p));
+            "{}: chi2 = {} with {}, p = {:.2g}.{}",
+            local.p_value < 0.05 ? "The model does not fit these data within their stated noise"
+                                 : "The fit is consistent with the stated noise",
+            figure(local.chi2),
+            counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom"),
+            local.p_value,
+            local.widened ? " The standard errors are those of a noise that much larger; diagnose looks for the cause."
+                          : ""));
     }
     if (local.degrees_of_freedom <= 0) {
-        text.push_back(fmt::format("{} for {} free: the data cannot tell noise from a wrong model, and no error of the "
-                                   "parameters can be given.",
+        text.push_back(fmt::format("{} for {} free: the data cannot tell noise from a wrong model{}.",
                                    counted(problem.misfit.size(), "reading", "readings"),
-                                   counted(problem.space.axes.size(), "parameter", "parameters")));
+                                   counted(problem.space.axes.size(), "parameter", "parameters"),
+                                   local.noise_is_stated ? "" : ", and no error of the parameters can be given"));
     } else if (study.noise == study::NoiseSource::estimated) {
         if (study.data.misfit == problem::MisfitKind::weighted) {
             text.push_back("No reading states a standard deviation: each was weighted by its own size.");
@@ -231,7 +232,7 @@ int fit(FitOptions options) {
         if (options.common.json) {
             fmt::print("{}\n", report::Json{{"status", "failed"}, {"reason", reason}, {"statuses", statuses}}.dump(2));
         }
-        fmt::print(stderr, "pavescape: {}\n", reason);
+        run::message("pavescape: {}\n", reason);
         return computation_failed;
     }
     const Predictor predictor(study);
@@ -271,9 +272,12 @@ int fit(FitOptions options) {
                          {"statuses", statuses},
                          {"misfit_kind", std::string(to_string(study.data.misfit))},
                          {"noise",
-                          {{"source", study.noise == study::NoiseSource::stated ? "stated" : "estimated"},
+                          {{"source", study.noise_name()},
                            {"residual_standard_deviation", local.noise},
-                           {"degrees_of_freedom", local.degrees_of_freedom}}},
+                           {"degrees_of_freedom", local.degrees_of_freedom},
+                           {"chi2", local.noise_is_stated ? report::Json(local.chi2) : report::Json(nullptr)},
+                           {"p_value", local.noise_is_stated ? report::Json(local.p_value) : report::Json(nullptr)},
+                           {"widened", local.widened}}},
                          {"findings", words},
                          {"responses", report::responses_json(study, best.evaluation.responses)},
                          {"warnings", best.evaluation.warnings},
@@ -297,10 +301,10 @@ int fit(FitOptions options) {
     for (const Minimum& m : result->minima) {
         json["minima"].push_back(report::minimum_json(problem, m));
     }
-    store.put_result(id, json.dump());
-    write_file(folder, "fit.json", json.dump(2) + "\n");
+    store.put_result(id, report::json_text(json, -1));
+    write_file(folder, "fit.json", report::json_text(json) + "\n");
     if (options.common.json) {
-        fmt::print("{}\n", json.dump(2));
+        fmt::print("{}\n", report::json_text(json));
         return done;
     }
 

@@ -3,6 +3,7 @@
 #include "cli/common.h"
 #include "report/table.h"
 #include "report/vtu.h"
+#include "run/message.h"
 
 #include <filesystem>
 #include <fmt/format.h>
@@ -48,9 +49,9 @@ int forward(const CommonOptions& options, bool with_jacobian, const std::string&
     if (!outcome) {
         json["reason"] = outcome.failure().reason;
         if (options.json) {
-            fmt::print("{}\n", json.dump(2));
+            fmt::print("{}\n", report::json_text(json));
         }
-        fmt::print(stderr, "pavescape: {}: {}\n", to_string(outcome.status()), outcome.failure().reason);
+        run::message("pavescape: {}: {}\n", to_string(outcome.status()), outcome.failure().reason);
         return computation_failed;
     }
     const auto& s = outcome->statistics;
@@ -82,7 +83,7 @@ int forward(const CommonOptions& options, bool with_jacobian, const std::string&
             }
             json["jacobian"] = {{"parameters", std::move(names)}, {"rows", std::move(rows)}};
         }
-        fmt::print("{}\n", json.dump(2));
+        fmt::print("{}\n", report::json_text(json));
         return done;
     }
     fmt::print("{}", study_summary(study));

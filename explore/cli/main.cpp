@@ -3,6 +3,7 @@
 #include "run/blas.h"
 #include "run/cluster.h"
 #include "run/interrupt.h"
+#include "run/message.h"
 #include "study/pavement_function.h"
 
 #include <algorithm>
@@ -23,18 +24,18 @@ int perform(const explore::cli::Action& action) {
         }
         const int status = action();
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-            fmt::print(stderr, "pavescape: the output could not be written in full\n");
+            explore::run::message("pavescape: the output could not be written in full\n");
             return cli::computation_failed;
         }
         return status;
     } catch (const pave::Error& error) {
-        fmt::print(stderr, "pavescape: {}\n", error.what());
+        explore::run::message("pavescape: {}\n", error.what());
         return cli::wrong_input;
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "pavescape: the computation failed: memory has run out; what was finished is kept\n");
+        explore::run::message("pavescape: the computation failed: memory has run out; what was finished is kept\n");
         return cli::computation_failed;
     } catch (const std::exception& error) {
-        fmt::print(stderr, "pavescape: the computation failed: {}\n", error.what());
+        explore::run::message("pavescape: the computation failed: {}\n", error.what());
         return cli::computation_failed;
     }
 }
@@ -50,17 +51,17 @@ int perform_together(const explore::cli::Action& action) {
             const run::Cluster cluster(std::move(transport), build);
             const int status = perform(action);
             const auto traffic = cluster.traffic();
-            fmt::print(stderr,
-                       "{} processes: {} evaluations by the others ({:.1f} s), {} kB out, {} kB in, {:.2f} s of post\n",
-                       processes, traffic.requests, traffic.cpu_seconds, traffic.bytes_out / 1000,
-                       traffic.bytes_in / 1000, traffic.post_cpu_seconds);
+            explore::run::message(
+                "{} processes: {} evaluations by the others ({:.1f} s), {} kB out, {} kB in, {:.2f} s of post\n",
+                processes, traffic.requests, traffic.cpu_seconds, traffic.bytes_out / 1000, traffic.bytes_in / 1000,
+                traffic.post_cpu_seconds);
             return status;
         }
         run::serve(*transport, build, [](const std::string& d) { return explore::study::make_function(d); });
         return explore::cli::done;
     } catch (const std::exception& error) {
         if (run::is_first_of_job()) {
-            fmt::print(stderr, "pavescape: the processes cannot work together: {}\n", error.what());
+            explore::run::message("pavescape: the processes cannot work together: {}\n", error.what());
         }
         return explore::cli::computation_failed;
     }
@@ -103,8 +104,8 @@ int main(int argc, char** argv) {
         if (!explore::run::is_first_of_job()) {
             return cli::done; // an exit status of another process would end the first before it has spoken
         }
-        fmt::print(stderr, "pavescape: unknown command \"{}\"{}; allowed: {}\n", argv[1],
-                   near.empty() ? "" : ", did you mean \"" + near + "\"?", pave::join(names));
+        explore::run::message("pavescape: unknown command \"{}\"{}; allowed: {}\n", argv[1],
+                              near.empty() ? "" : ", did you mean \"" + near + "\"?", pave::join(names));
         return cli::wrong_input;
     }
     try {
@@ -117,7 +118,10 @@ int main(int argc, char** argv) {
         return status == 0 ? cli::done : cli::wrong_input;
     }
     cli::remember_command_line(argc, argv);
-    explore::run::catch_interrupts();
+    constexpr std::string_view keep_nothing[] = {"new", "check", "forward", "twin", "effects", "report", "export"};
+    const bool keeps = std::find(std::begin(keep_nothing), std::end(keep_nothing),
+                                 app.get_subcommands()[0]->get_name()) == std::end(keep_nothing);
+    keeps ? explore::run::catch_interrupts() : explore::run::end_at_interrupts();
     explore::run::prepare_blas();
     const int status = explore::run::begun_by_mpi() ? perform_together(action) : perform(action);
     std::fflush(nullptr);

@@ -3,6 +3,7 @@
 #include "landscape/adaptive_map.h"
 #include "report/table.h"
 #include "run/engine.h"
+#include "run/message.h"
 #include "run/progress.h"
 #include "study/reduced_function.h"
 
@@ -179,10 +180,19 @@ int map(const MapOptions& options) {
             json["lowest"].back()["misfit_of_reduced_model"] = (*evaluations)[lowest[k]].misfit;
         }
     }
-    store.put_result(id, json.dump());
-    write_file(folder, "map.json", json.dump(2) + "\n");
+    const std::string without_answer =
+        lowest.empty() ? "not one point of the map has an answer; the first says: " + evaluations->front().reason : "";
+    if (lowest.empty()) {
+        json["status"] = "failed";
+        json["reason"] = without_answer;
+    }
+    store.put_result(id, report::json_text(json, -1));
+    write_file(folder, "map.json", report::json_text(json) + "\n");
     if (options.common.json) {
-        fmt::print("{}\n", json.dump(2));
+        fmt::print("{}\n", report::json_text(json));
+        if (lowest.empty()) {
+            run::message("pavescape: {}\n", without_answer);
+        }
         return lowest.empty() ? computation_failed : done;
     }
     fmt::print("{}\n  {}: {} computed in {} ({:.1f} runs/s), {} kept from before\n", study_summary(study), design.name,
@@ -205,8 +215,7 @@ int map(const MapOptions& options) {
             100.0 * explored->high, 100.0 * explored->median_error);
     }
     if (lowest.empty()) {
-        fmt::print(stderr, "pavescape: not one point of the map has an answer; the first says: {}\n",
-                   evaluations->front().reason);
+        run::message("pavescape: {}\n", without_answer);
         return computation_failed;
     }
     if (design.name.starts_with("grid")) {

@@ -33,7 +33,7 @@ void add_model(CLI::App& app, ModelOptions& options, bool alone) {
         ->capture_default_str();
     app.add_option("--model-error", options.limit_percent,
                    "estimated error of a reading [%] above which the full model runs in place of the reduced one")
-        ->check(CLI::Range(0.01, 100.0))
+        ->check(within(0.01, 100.0))
         ->capture_default_str();
 }
 

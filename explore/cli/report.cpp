@@ -28,16 +28,46 @@ std::string contents(const std::filesystem::path& path) {
     return text.str();
 }
 
+// Brackets within brackets, more than any result has: writing such JSON takes a call a level.
+bool is_deep(std::string_view text) {
+    int depth = 0;
+    bool in_text = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (in_text) {
+            i += c == '\\' ? 1 : 0;
+            in_text = c != '"';
+            continue;
+        }
+        in_text = c == '"';
+        depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
+        if (depth > 100) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// A result has no study, or one with a file, a title and a hash.
+bool names_its_study(const Json& result) {
+    if (!result.contains("study")) {
+        return true;
+    }
+    const Json& of = result["study"];
+    return of.is_object() && std::all_of(of.begin(), of.end(), [](const Json& value) { return value.is_string(); });
+}
+
 // What each command left in the folder when it was done.
 Json results_in(const std::filesystem::path& folder) {
     Json results = Json::object();
     for (const std::string_view command : commands) {
         const auto path = folder / (std::string(command) + ".json");
-        if (!std::filesystem::exists(path)) {
+        if (!std::filesystem::is_regular_file(path)) {
             continue;
         }
-        Json result = Json::parse(contents(path), nullptr, false);
-        if (!result.is_object()) {
+        const std::string text = contents(path);
+        Json result = is_deep(text) ? Json() : Json::parse(text, nullptr, false);
+        if (!result.is_object() || !names_its_study(result)) {
             throw pave::Error({.file = path.string()}, "this is not the result of a run", {},
                               "the file that pavescape " + std::string(command) + " wrote");
         }

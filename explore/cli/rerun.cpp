@@ -1,10 +1,13 @@
 // pavescape rerun: does everything a run's folder holds once more, elsewhere, and says where the two differ first.
 #include "cli/common.h"
 #include "report/table.h"
+#include "run/interrupt.h"
+#include "run/message.h"
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstring>
 #include <fcntl.h>
@@ -12,6 +15,7 @@
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
 
 extern char** environ;
@@ -29,7 +33,8 @@ constexpr std::string_view repeatable[] = {"fit", "map", "unique", "diagnose", "
 class Scratch {
 public:
     Scratch() {
-        std::string name = (std::filesystem::temp_directory_path() / "pavescape-rerun-XXXXXX").string();
+        std::error_code none;
+        std::string name = (std::filesystem::temp_directory_path(none) / "pavescape-rerun-XXXXXX").string();
         if (mkdtemp(name.data()) == nullptr) {
             throw pave::Error({.file = name}, "no folder for the repetition can be made", std::strerror(errno),
                               "a folder TMPDIR that can be written");
@@ -58,7 +63,7 @@ std::vector<std::string> redirected(const std::vector<std::string>& arguments, c
             list.push_back(arguments[i]);
         }
     }
-    list.insert(list.end(), {"--out", out});
+    list.insert(list.begin() + 1, {"--out", out}); // after the command: a "--" may follow
     return list;
 }
 
@@ -76,15 +81,27 @@ int start(const std::vector<std::string>& arguments, const std::string& director
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addchdir_np(&actions, directory.c_str());
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    // A group of its own: Ctrl-C reaches this process alone, which throws away what the child has computed.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
     pid_t child = 0;
-    const int failed = posix_spawn(&child, "/proc/self/exe", &actions, nullptr, argv.data(), environ);
+    const int failed = posix_spawn(&child, "/proc/self/exe", &actions, &attributes, argv.data(), environ);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     if (failed != 0) {
         throw pave::Error({.file = directory}, "the run cannot be repeated from this folder", std::strerror(failed),
                           "the folder that the run was started in");
     }
     int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    while (waitpid(child, &status, WNOHANG) == 0) {
+        if (run::interrupted()) {
+            kill(child, SIGKILL);
+            waitpid(child, &status, 0);
+            run::message("interrupted: the repetition is thrown away, the run itself is as it was\n");
+            return was_interrupted;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
     return WIFEXITED(status) ? WEXITSTATUS(status) : was_interrupted;
 }
@@ -139,16 +156,17 @@ Comparison compare(const run::Store& old_store, const run::Store& new_store) {
     auto old_runs = old_store.runs();
     std::sort(old_runs.begin(), old_runs.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
     for (const run::RunHeader& old_run : old_runs) {
-        const auto same = std::find_if(new_runs.begin(), new_runs.end(), [&](const run::RunHeader& run) {
-            return run.key.command == old_run.key.command && run.key.settings == old_run.key.settings;
-        });
+        const auto same = std::find_if(new_runs.begin(), new_runs.end(),
+                                       [&](const run::RunHeader& run) { return run.key == old_run.key; });
         if (same == new_runs.end()) {
+            // One command may make many runs of one settings text: of other models of the study, or of other studies.
+            const bool other_study = std::any_of(new_runs.begin(), new_runs.end(), [&](const run::RunHeader& run) {
+                return run.key.command == old_run.key.command && run.key.settings == old_run.key.settings;
+            });
             c.difference =
-                fmt::format("{} ({}): not among what was repeated", old_run.key.command, old_run.key.settings);
-            return c;
-        }
-        if (same->key.study_hash != old_run.key.study_hash) {
-            c.difference = fmt::format("{}: the study or its data have changed since", old_run.key.command);
+                other_study
+                    ? fmt::format("{}: the study or its data have changed since", old_run.key.command)
+                    : fmt::format("{} ({}): not among what was repeated", old_run.key.command, old_run.key.settings);
             return c;
         }
         std::map<run::RunNumber, problem::Evaluation> now;
@@ -195,7 +213,7 @@ int rerun(const std::string& folder, bool json) {
             throw pave::Error({.file = folder, .key = "RUN"}, "the store names a command that is not repeated",
                               "\"" + command + "\"", fmt::format("{}", fmt::join(repeatable, ", ")));
         }
-        fmt::print(stderr, "repeating: pavescape {}\n", fmt::join(session.arguments, " "));
+        run::message("repeating: pavescape {}\n", fmt::join(session.arguments, " "));
         const int status = start(redirected(session.arguments, scratch.path()), session.directory);
         if (status != done && status != computation_failed) {
             return status;

@@ -4,6 +4,7 @@
 #include "cli/common.h"
 #include "report/table.h"
 #include "run/engine.h"
+#include "run/message.h"
 #include "run/progress.h"
 
 #include <algorithm>
@@ -249,8 +250,7 @@ void print_elasticities(const study::Study& study, const Sensitivity& s) {
         }
         table.add(std::move(row));
     }
-    fmt::print("\nAt the study's own values: % of the response for 1 % of the parameter\n"
-               "  deflection: positive down; strain and load-induced stress: positive in compression\n{}",
+    fmt::print("\nAt the study's own values: % of the response for 1 % of the parameter\n  {}\n{}", sign_convention,
                table.text());
 }
 
@@ -363,7 +363,7 @@ int sensitivity(const SensitivityOptions& options) {
             if (options.common.json) {
                 fmt::print("{}\n", Json{{"status", std::string(to_string(s.own.status))}, {"reason", reason}}.dump(2));
             }
-            fmt::print(stderr, "pavescape: {}: {}\n", to_string(s.own.status), reason);
+            run::message("pavescape: {}: {}\n", to_string(s.own.status), reason);
             return computation_failed;
         }
         const auto evaluations = engine.evaluate(curves_design);
@@ -430,10 +430,10 @@ int sensitivity(const SensitivityOptions& options) {
         json["findings"] = findings(problem.space, s);
     }
     json["warnings"] = s.own.warnings;
-    store.put_result(id, json.dump());
-    write_file(folder, "sensitivity.json", json.dump(2) + "\n");
+    store.put_result(id, report::json_text(json, -1));
+    write_file(folder, "sensitivity.json", report::json_text(json) + "\n");
     if (options.common.json) {
-        fmt::print("{}\n", json.dump(2));
+        fmt::print("{}\n", report::json_text(json));
     } else {
         fmt::print("{}  {} computed in {} ({:.1f} runs/s), {} kept from before\n", study_summary(study),
                    report::counted(static_cast<std::size_t>(tally.computed), "run", "runs"),
@@ -458,7 +458,7 @@ int sensitivity(const SensitivityOptions& options) {
                    folder, options.samples > 0 ? " (or sensitivity-curves)" : "-curves");
     }
     if (options.samples > 0 && s.global.complete < 2) {
-        fmt::print(stderr, "pavescape: too few points of the box have an answer for global indices\n");
+        run::message("pavescape: too few points of the box have an answer for global indices\n");
         return computation_failed;
     }
     return done;
@@ -476,7 +476,7 @@ void add_sensitivity(CLI::App& app, Action& action) {
                      "their own values")
         ->allow_extra_args(false);
     command->add_option("--range", options->range, "the curves go this many percent to either side")
-        ->check(CLI::Range(0.1, 100.0))
+        ->check(within(0.1, 100.0))
         ->capture_default_str();
     command->add_option("--points", options->points, "points of a curve")
         ->check(CLI::Range(2, 1001))

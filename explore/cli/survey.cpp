@@ -503,12 +503,12 @@ int survey_road(const SurveyOptions& options) {
     }
     const report::Json json = survey_json(survey, options, folder);
     write_file(folder, "survey.csv", survey_csv(survey));
-    write_file(folder, "survey.json", json.dump(2) + "\n");
+    write_file(folder, "survey.json", report::json_text(json) + "\n");
     const auto& counts = json["counts"];
     const bool nothing = survey.study ? counts["fitted"] == 0 : counts["rejected"] == counts["stations"];
     const int status = nothing ? computation_failed : done;
     if (options.common.json) {
-        fmt::print("{}\n", json.dump(2));
+        fmt::print("{}\n", report::json_text(json));
         return status;
     }
     if (survey.study) {

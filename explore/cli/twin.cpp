@@ -1,8 +1,10 @@
 // pavescape twin: synthetic data from the study, in the layout of its own measurements.
 #include "base/random.h"
+#include "base/text.h"
 #include "cli/common.h"
 #include "data/csv.h"
 #include "pavement/effects/effect.h"
+#include "run/message.h"
 
 #include <charconv>
 #include <fmt/format.h>
@@ -37,12 +39,17 @@ int twin(const CommonOptions& options, double noise, const std::vector<std::stri
     const pave::pavement::ForwardModel model(study.model);
     const auto outcome = model.run(study.model, {}, *model.make_workspace());
     if (!outcome) {
-        fmt::print(stderr, "pavescape: {}: {}\n", to_string(outcome.status()), outcome.failure().reason);
+        if (options.json) {
+            fmt::print("{}\n", report::json_text({{"status", std::string(to_string(outcome.status()))},
+                                                  {"reason", outcome.failure().reason}}));
+        }
+        run::message("pavescape: {}: {}\n", to_string(outcome.status()), outcome.failure().reason);
         return computation_failed;
     }
     const pave::RandomStream random(options.seed, 1);
-    std::string text =
-        fmt::format("# Synthetic: {}, noise {:g} of each value, seed {}\n", study.title, noise, options.seed);
+    std::string text = fmt::format("# Synthetic: {}, noise {:g} of each value, seed {}\n"
+                                   "# {}\n",
+                                   pave::printable(study.title), noise, options.seed, sign_convention);
     for (const auto& applied : study.model.effects) {
         text += fmt::format("# effect: {} = {} [{}]\n", applied.effect->name, applied.size, applied.effect->unit);
     }
@@ -71,7 +78,7 @@ int twin(const CommonOptions& options, double noise, const std::vector<std::stri
         fmt::print("{}\n", report::Json{{"file", folder + "/twin.csv"}, {"measurements", rows}}.dump(2));
     } else {
         fmt::print("{}", text);
-        fmt::print(stderr, "written to {}/twin.csv\n", folder);
+        run::message("written to {}/twin.csv\n", folder);
     }
     return done;
 }
@@ -90,7 +97,7 @@ void add_twin(CLI::App& app, Action& action) {
             "NAME=SIZE: the data come from a section with this effect (repeatable; `pavescape effects` lists them)")
         ->expected(1)
         ->take_all();
-    command->add_option("--noise", *noise, "standard deviation as a share of each value")->check(CLI::Range(0.0, 10.0));
+    command->add_option("--noise", *noise, "standard deviation as a share of each value")->check(within(0.0, 10.0));
     command->footer("Example: pavescape twin grids/captif-p1-fwd.toml --noise 0.02 --seed 7");
     command->callback([=, &action] { action = [=] { return twin(*options, *noise, *effects); }; });
 }

@@ -5,6 +5,7 @@
 #include "landscape/next_measurement.h"
 #include "landscape/uniqueness.h"
 #include "report/table.h"
+#include "run/message.h"
 #include "run/progress.h"
 #include "study/candidates.h"
 
@@ -549,8 +550,14 @@ int unique(const UniqueOptions& options) {
     }
     const Uniqueness& u = *result;
     if (u.minima.empty()) {
-        const std::string reason = u.explored.empty() ? "" : u.explored.front().reason;
-        fmt::print(stderr, "pavescape: not one explored point has an answer; the first says: {}\n", reason);
+        const std::string reason = "not one explored point has an answer; the first says: " +
+                                   (u.explored.empty() ? std::string() : u.explored.front().reason);
+        if (options.common.json) {
+            fmt::print("{}\n", report::json_text({{"status", "failed"},
+                                                  {"reason", reason},
+                                                  {"statuses", report::status_counts(u.explored)}}));
+        }
+        run::message("pavescape: {}\n", reason);
         return computation_failed;
     }
     const NextMeasurement next = u.acceptance ? next_measurement(study, fitted, u) : NextMeasurement{};
@@ -559,6 +566,8 @@ int unique(const UniqueOptions& options) {
         words.push_back(model_words(options.model));
     }
     Json json = uniqueness_json(study, fitted, u, next);
+    json["misfit_kind"] = std::string(to_string(study.data.misfit)) +
+                          (study.noise == study::NoiseSource::stated ? ", residuals in standard deviations" : "");
     json["model"] = options.model.model;
     if (reduced) {
         json["reduced_model"] = reduced->json;
@@ -574,8 +583,8 @@ int unique(const UniqueOptions& options) {
     json["version"] = PAVESCAPE_VERSION;
     json["seed"] = options.common.seed;
     json["run"] = folder;
-    const std::string kept_json = json.dump(2); // without what depends on the machine
-    store.put_result(id, json.dump());
+    const std::string kept_json = report::json_text(json); // without what depends on the machine
+    store.put_result(id, report::json_text(json, -1));
     write_file(folder, "unique.json", kept_json + "\n");
     if (options.common.json) {
         fmt::print("{}\n", kept_json);
@@ -610,6 +619,9 @@ int unique(const UniqueOptions& options) {
     }
     if (!u.parameters.empty()) {
         fmt::print("\nWhat the data accept (95 %)\n");
+        if (!study.outputs.empty()) {
+            fmt::print("  {}\n", sign_convention);
+        }
         report::Table table({"", "best", "low", "high", "unit", "", "low end set by", "high end set by"});
         for (std::size_t k = 0; k < u.parameters.size(); ++k) {
             const Range& r = u.parameters[k];
@@ -655,7 +667,8 @@ int unique(const UniqueOptions& options) {
         fmt::print("{}  collinearity index {}\n", table.text(), figure(u.directions.collinearity));
     }
     fmt::print("\n{} found\n", counted(u.minima.size(), "distinct minimum", "distinct minima"));
-    std::vector<std::string> header{"", "misfit", "starts"};
+    const bool in_deviations = study.noise == study::NoiseSource::stated;
+    std::vector<std::string> header{"", in_deviations ? "chi" : "misfit", "starts"};
     for (const auto& axis : fitted.space.axes) {
         header.push_back(axis.name);
     }
@@ -678,7 +691,7 @@ int unique(const UniqueOptions& options) {
     }
     fmt::print("{}", minima.text());
     if (!next.effects.empty()) {
-        fmt::print("\nReadings that would tell most (standard error left over)\n");
+        fmt::print("\nReadings that would tell most (standard error left over)\n  {}\n", sign_convention);
         std::vector<std::string> columns{"reading", "value", "noise", "unit"};
         for (const auto& axis : fitted.space.axes) {
             columns.push_back(axis.name);

@@ -1,5 +1,7 @@
 #include "data/csv.h"
 
+#include "base/text.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
@@ -76,7 +78,7 @@ std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file) {
 }
 
 std::string csv_cell(std::string_view text) {
-    if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
+    if (text.find_first_of(",\"\r\n") == std::string_view::npos && !text.starts_with('#')) {
         return std::string(text);
     }
     std::string cell = "\"";
@@ -136,15 +138,34 @@ double finite_number(std::string_view cell, const pave::Place& place) {
     return *result;
 }
 
-std::string read_file(const std::string& file, std::string_view what) {
-    std::ifstream stream(file, std::ios::binary);
-    if (std::filesystem::is_directory(file) || !stream) {
-        throw pave::Error({.file = file}, "cannot read this " + std::string(what),
-                          std::filesystem::is_directory(file) ? "a folder" : std::strerror(errno));
+std::string read_file(const std::string& file, std::string_view what, Encoding encoding) {
+    const std::string problem = "cannot read this " + std::string(what);
+    std::error_code error;
+    const auto status = std::filesystem::status(file, error);
+    if (error) {
+        throw pave::Error({.file = file}, problem, error.message());
     }
-    std::ostringstream text;
-    text << stream.rdbuf();
-    return text.str();
+    if (!std::filesystem::is_regular_file(status)) { // opening a pipe would wait, reading a device may never end
+        throw pave::Error({.file = file}, problem,
+                          std::filesystem::is_directory(status) ? "a folder" : "a pipe or a device", "a regular file");
+    }
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) {
+        throw pave::Error({.file = file}, problem, std::strerror(errno));
+    }
+    std::ostringstream stored;
+    stored << stream.rdbuf();
+    std::string text = stored.str();
+    if (encoding == Encoding::utf8_or_latin1) {
+        text = pave::to_utf8(std::move(text));
+    }
+    if (const std::size_t at = pave::first_not_utf8(text); at != std::string::npos) {
+        const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+        throw pave::Error({.file = file, .line = static_cast<int>(line)}, "this is not text in UTF-8",
+                          text.substr(at, 1).find('\0') == 0 ? "a byte that is zero" : text.substr(at, 1),
+                          "text in UTF-8");
+    }
+    return text;
 }
 
 } // namespace explore::data

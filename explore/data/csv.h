@@ -19,7 +19,8 @@ struct CsvRow {
 // start with # are left out; a UTF-8 byte order mark is skipped. Throws pave::Error for a quote that never closes.
 std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file);
 
-// A cell as RFC 4180 wants it: quoted when it holds a separator, a quote or a line break.
+// A cell as RFC 4180 wants it: quoted when it holds a separator, a quote or a line break, or would be read as a
+// comment.
 std::string csv_cell(std::string_view text);
 
 // A cell without the blanks around it.
@@ -33,7 +34,9 @@ double any_number(std::string_view cell, const pave::Place& place);
 // A cell that holds a finite number and nothing else, or nothing.
 std::optional<double> number_or_nothing(std::string_view cell);
 
-// The whole of a file. Throws pave::Error when it cannot be read. what: "measurement file".
-std::string read_file(const std::string& file, std::string_view what);
+// The whole of a file. Throws pave::Error when it cannot be read, when it is no regular file (a device, a pipe), and
+// when it is not text. what: "measurement file".
+enum class Encoding { utf8, utf8_or_latin1 }; // the second becomes the first
+std::string read_file(const std::string& file, std::string_view what, Encoding encoding = Encoding::utf8);
 
 } // namespace explore::data

@@ -19,7 +19,7 @@ std::span<const FwdFormat> fwd_formats() {
 }
 
 std::vector<FwdStation> read_fwd(const std::string& file) {
-    const std::string text = read_file(file, "FWD file");
+    const std::string text = read_file(file, "FWD file", Encoding::utf8_or_latin1);
     std::string signs;
     for (const FwdFormat& format : fwd_formats()) {
         if (format.recognises(text)) {

@@ -144,7 +144,7 @@ std::vector<FwdStation> read_fwd_csv(std::string_view text, const std::string& f
                                   "1, 2, 3, ...");
             }
         }
-        d.radius_mm = any_number(cell(radius), place(names[radius]));
+        d.radius_mm = finite_number(cell(radius), place(names[radius]));
         if (header.at[pressure] != npos) {
             d.pressure_kPa = any_number(cell(pressure), place(names[pressure]));
         } else {

@@ -48,7 +48,9 @@ struct Line {
         }
         return cells[i];
     }
-    double value(std::size_t i, std::string_view what) const { return any_number(cell(i, what), place(what)); }
+    double value(std::size_t i, std::string_view what) const { return finite_number(cell(i, what), place(what)); }
+    // Of what was measured: no number is a reading that cannot be right, and stops nothing.
+    double reading(std::size_t i, std::string_view what) const { return any_number(cell(i, what), place(what)); }
     std::optional<int> id() const {
         int id = 0;
         const std::string& first = cells[0];
@@ -148,10 +150,10 @@ private:
                               "a line 5020 before it");
         }
         FwdDrop drop{
-            .number = number, .radius_mm = radius_mm_, .pressure_kPa = line.value(1, "pressure"), .readings = {}};
+            .number = number, .radius_mm = radius_mm_, .pressure_kPa = line.reading(1, "pressure"), .readings = {}};
         for (const Sensor& sensor : sensors_) {
             if (!line.cell(sensor.at, "deflection").empty()) {
-                drop.readings.push_back({std::hypot(sensor.x_mm, sensor.y_mm), line.value(sensor.at, "deflection")});
+                drop.readings.push_back({std::hypot(sensor.x_mm, sensor.y_mm), line.reading(sensor.at, "deflection")});
             }
         }
         if (is_new_) {

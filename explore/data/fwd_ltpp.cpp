@@ -95,7 +95,7 @@ Table table_beside(const std::string& file, std::string_view table) {
     for (const auto& entry : std::filesystem::directory_iterator(folder, unreadable)) {
         if (lower_case(entry.path().filename().string()) == name) {
             const std::string found = entry.path().string();
-            return {read_file(found, "LTPP table"), found};
+            return {read_file(found, "LTPP table", Encoding::utf8_or_latin1), found};
         }
     }
     throw pave::Error({.file = file}, fmt::format("the table {} is not beside it", table), {},
@@ -117,7 +117,7 @@ std::map<std::string, Configuration> read_configurations(const std::string& file
     const Table devices = table_beside(file, "MON_DEFL_DEV_CONFIG");
     for (std::size_t r = 0; r < devices.rows(); ++r) {
         found[devices.key(r, configuration_column)].radius_mm =
-            any_number(devices.cell(r, "PLATE_RADIUS"), devices.place(r, "PLATE_RADIUS"));
+            finite_number(devices.cell(r, "PLATE_RADIUS"), devices.place(r, "PLATE_RADIUS"));
     }
     const Table sensors = table_beside(file, "MON_DEFL_DEV_SENSORS");
     for (std::size_t r = 0; r < sensors.rows(); ++r) {

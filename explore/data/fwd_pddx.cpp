@@ -200,17 +200,19 @@ private:
         return text;
     }
     double value(const Entry& from, std::string_view key, const std::string& text) const {
-        return any_number(with_point(text), place(from, key));
+        return finite_number(with_point(text), place(from, key));
     }
     double number(const Section& s, std::string_view key) const {
         const Entry& found = entry(s, key);
         return value(found, key, found.value);
     }
-    std::vector<double> numbers(const Entry& from, std::string_view key) const {
+    // number_of: finite_number, or any_number for what was measured, which stops nothing.
+    std::vector<double> numbers(const Entry& from, std::string_view key,
+                                double (*number_of)(std::string_view, const pave::Place&) = finite_number) const {
         std::vector<double> list;
         for (const std::string& part : split(from.value)) {
             if (!part.empty()) {
-                list.push_back(value(from, key, part));
+                list.push_back(number_of(with_point(part), place(from, key)));
             }
         }
         return list;
@@ -299,7 +301,7 @@ private:
             }
         }
         for (const auto& [number, entry] : drops) {
-            const auto read = numbers(*entry, "DropData");
+            const auto read = numbers(*entry, "DropData", any_number);
             if (read.size() != offsets_mm_.size() + 1) {
                 throw pave::Error(
                     place(*entry, fmt::format("DropData{}", number)), "wrong number of values",

@@ -42,7 +42,12 @@ std::vector<Measurement> read_measurements(const std::string& file) {
             throw pave::Error({.file = file, .line = rows[0].line}, "unknown column", "\"" + std::string(cell) + "\"",
                               header_words);
         }
-        place_of[known - names.begin()] = i;
+        std::size_t& place = place_of[known - names.begin()];
+        if (place != rows[0].cells.size()) {
+            throw pave::Error({.file = file, .line = rows[0].line, .key = std::string(cell)},
+                              "this column stands twice", {}, header_words);
+        }
+        place = i;
     }
     for (std::size_t c = 0; c < columns; ++c) {
         if (place_of[c] == rows[0].cells.size()) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <gsl/gsl_cdf.h>
 
 namespace explore::landscape {
 namespace {
@@ -80,6 +81,39 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, con
     return minima;
 }
 
+namespace {
+
+// The standard deviation of every residual, with what it says of the fit.
+Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem, LocalAnalysis& a) {
+    const auto terms = problem.misfit.terms();
+    const auto count = static_cast<Eigen::Index>(terms.size());
+    a.noise_is_stated =
+        !terms.empty() && std::all_of(terms.begin(), terms.end(), [](const auto& t) { return t.noise > 0.0; });
+    if (!a.noise_is_stated) {
+        if (a.degrees_of_freedom > 0) {
+            a.noise = minimum.evaluation.misfit / std::sqrt(static_cast<double>(a.degrees_of_freedom));
+        }
+        return Eigen::VectorXd::Constant(count, a.noise);
+    }
+    Eigen::VectorXd noise(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+        noise[i] = terms[static_cast<std::size_t>(i)].noise;
+    }
+    a.chi2 = problem.misfit.residuals(minimum.evaluation.responses).cwiseQuotient(noise).squaredNorm();
+    if (a.degrees_of_freedom > 0) {
+        constexpr double contradicted = 0.01;
+        a.p_value = gsl_cdf_chisq_Q(a.chi2, a.degrees_of_freedom);
+        a.widened = a.p_value < contradicted;
+    }
+    if (a.widened) {
+        noise *= std::sqrt(a.chi2 / a.degrees_of_freedom);
+    }
+    a.noise = noise.norm() / std::sqrt(static_cast<double>(count));
+    return noise;
+}
+
+} // namespace
+
 LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     LocalAnalysis a;
     const Eigen::MatrixXd j = problem.residual_jacobian(minimum.evaluation);
@@ -93,9 +127,7 @@ LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     a.standard_error.assign(minimum.unit.size(), infinity);
     a.weakest.assign(minimum.unit.size(), 0.0);
     a.degrees_of_freedom = static_cast<int>(j.rows()) - static_cast<int>(free.size());
-    if (a.degrees_of_freedom > 0) {
-        a.noise = minimum.evaluation.misfit / std::sqrt(static_cast<double>(a.degrees_of_freedom));
-    }
+    const Eigen::VectorXd noise = noise_of(minimum, problem, a);
     if (free.empty()) {
         return a;
     }
@@ -104,14 +136,19 @@ LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     Eigen::VectorXd s = Eigen::VectorXd::Zero(n);
     s.head(svd.singularValues().size()) = svd.singularValues();
     for (Eigen::Index i = 0; i < n; ++i) {
-        double variance = 0.0;
+        Eigen::VectorXd row = Eigen::VectorXd::Zero(j.rows()); // of the inverse of the jacobian
+        bool is_seen = true;
         for (Eigen::Index k = 0; k < n; ++k) {
             const double v = svd.matrixV()(i, k);
             // Below this a direction is not seen at all (sensors of the derivative's own accuracy).
-            variance += s[k] > 1e-8 * s[0] ? v * v / (s[k] * s[k]) : (std::abs(v) > 1e-6 ? infinity : 0.0);
+            if (s[k] > 1e-8 * s[0]) {
+                row += v / s[k] * svd.matrixU().col(k);
+            } else if (std::abs(v) > 1e-6) {
+                is_seen = false;
+            }
         }
         a.standard_error[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])] =
-            a.degrees_of_freedom > 0 ? a.noise * std::sqrt(variance) : infinity;
+            is_seen && a.noise > 0.0 ? row.cwiseProduct(noise).norm() : infinity;
         a.weakest[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])] = svd.matrixV()(i, n - 1);
     }
     a.weakest_growth = 0.1 * s[n - 1];

@@ -27,9 +27,18 @@ bool is_at_bound(double unit);
 
 // What the residuals say around a minimum, to first order.
 struct LocalAnalysis {
-    int degrees_of_freedom = 0;         // data - parameters that are off their bounds
-    double noise = 0.0;                 // estimated standard deviation of a residual; 0 without degrees of freedom
-    std::vector<double> standard_error; // of each parameter in unit coordinates; infinity: not determined
+    int degrees_of_freedom = 0; // data - parameters that are off their bounds
+    // Standard deviation of a residual: the root mean square of what the readings state; else estimated from what is
+    // left over, 0 without degrees of freedom.
+    double noise = 0.0;
+    bool noise_is_stated = false;
+    double chi2 = 0.0;    // by the stated noise
+    double p_value = 1.0; // of it
+    // The stated noise does not explain the misfit (p < 0.01): all of it is taken larger, so that it does.
+    bool widened = false;
+    // Of each parameter in unit coordinates; infinity: not determined. J^+ W J^+^T for the inverse J^+ of the jacobian
+    // and the variances W of the residuals (the least squares estimator's, whatever its weights).
+    std::vector<double> standard_error;
     // Direction of the unit cube in which the misfit grows least, and how much the residual norm grows when moving
     // by a tenth of the box along it.
     std::vector<double> weakest;

@@ -26,6 +26,7 @@ public:
         double measured = 0.0;    // SI
         double scale = 1.0;       // s for log, |measured| for relative, sigma for weighted
         double factor = 1.0;      // of the residual: the square root of its weight
+        double noise = 0.0;       // standard deviation of the residual by that of the reading; 0: not stated
     };
     Misfit(MisfitKind kind, std::vector<Term> terms) : kind_(kind), terms_(std::move(terms)) {}
 

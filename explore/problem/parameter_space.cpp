@@ -11,15 +11,16 @@ double Axis::physical(double unit) const {
     if (unit >= 1.0) {
         return high;
     }
-    return scale == Scale::log ? low * std::exp(unit * std::log(high / low)) : low + unit * (high - low);
+    return scale == Scale::log ? low * std::exp(unit * (std::log(high) - std::log(low))) : low + unit * (high - low);
 }
 
 double Axis::unit(double physical) const {
-    return scale == Scale::log ? std::log(physical / low) / std::log(high / low) : (physical - low) / (high - low);
+    return scale == Scale::log ? (std::log(physical) - std::log(low)) / (std::log(high) - std::log(low))
+                               : (physical - low) / (high - low);
 }
 
 double Axis::d_physical(double unit) const {
-    return scale == Scale::log ? physical(unit) * std::log(high / low) : high - low;
+    return scale == Scale::log ? physical(unit) * (std::log(high) - std::log(low)) : high - low;
 }
 
 std::vector<double> ParameterSpace::physical(std::span<const double> unit) const {

@@ -1,5 +1,7 @@
 #include "problem/problem.h"
 
+#include <cmath>
+
 namespace explore::problem {
 
 Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
@@ -18,6 +20,14 @@ Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
     e.warnings = std::move(prediction.warnings);
     if (misfit.size() > 0) {
         e.misfit = misfit.residuals(e.responses).norm();
+        if (!std::isfinite(e.misfit)) {
+            Evaluation without_answer;
+            without_answer.parameters = std::move(e.parameters);
+            without_answer.reason =
+                "the misfit is no number: the noise of a reading, or the reading that its residual is relative to, "
+                "is next to nothing";
+            return without_answer;
+        }
     }
     return e;
 }

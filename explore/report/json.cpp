@@ -6,6 +6,10 @@
 
 namespace explore::report {
 
+std::string json_text(const Json& json, int indent) {
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
 Json optional_json(const std::optional<double>& value) {
     return value ? Json(*value) : Json(nullptr);
 }
@@ -37,12 +41,14 @@ Json place_json(const study::Study& study, std::size_t i) {
         return {{"load", load},   {"quantity", m.quantity}, {"x_mm", m.x_mm},
                 {"y_mm", m.y_mm}, {"depth_mm", m.depth_mm}, {"gauge_mm", m.gauge_mm}};
     }
+    // To the picometre: what the study states, without the rounding of metres.
+    const auto mm = [](double metres) { return std::round(metres / pave::unit::mm * 1e9) / 1e9; };
     return {{"load", load},
             {"quantity", std::string(info(s.quantity).name)},
-            {"x_mm", s.x / pave::unit::mm},
-            {"y_mm", s.y / pave::unit::mm},
-            {"depth_mm", s.depth / pave::unit::mm},
-            {"gauge_mm", s.gauge / pave::unit::mm}};
+            {"x_mm", mm(s.x)},
+            {"y_mm", mm(s.y)},
+            {"depth_mm", mm(s.depth)},
+            {"gauge_mm", mm(s.gauge)}};
 }
 
 Json responses_json(const study::Study& study, const std::vector<double>& responses) {

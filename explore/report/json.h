@@ -11,6 +11,10 @@ namespace explore::report {
 
 using Json = nlohmann::ordered_json;
 
+// As text, indented by so many blanks (-1: in one line). Bytes that are not UTF-8, as names of folders may hold, are
+// replaced.
+std::string json_text(const Json& json, int indent = 2);
+
 // The number, or null.
 Json optional_json(const std::optional<double>& value);
 

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
+#include <string_view>
+#include <unistd.h>
 
 namespace explore::run {
 namespace {
@@ -16,13 +18,33 @@ void handle(int) {
     }
 }
 
+void end(int) {
+    constexpr std::string_view word = "interrupted\n";
+    [[maybe_unused]] const auto written = write(STDERR_FILENO, word.data(), word.size());
+    std::_Exit(130);
+}
+
+void at_interrupts(void (*handler)(int)) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction before {};
+        sigaction(signal, nullptr, &before);
+        if (signal == SIGHUP && before.sa_handler == SIG_IGN) {
+            continue;
+        }
+        struct sigaction action {};
+        action.sa_handler = handler;
+        sigaction(signal, &action, nullptr);
+    }
+}
+
 } // namespace
 
 void catch_interrupts() {
-    struct sigaction action {};
-    action.sa_handler = handle;
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
+    at_interrupts(handle);
+}
+
+void end_at_interrupts() {
+    at_interrupts(end);
 }
 
 bool interrupted() {

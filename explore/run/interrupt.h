@@ -1,10 +1,13 @@
-// Ctrl-C and SIGTERM: finish what is being computed, keep it, and leave.
+// Ctrl-C, SIGTERM and a terminal that is closed: finish what is being computed, keep it, and leave.
 #pragma once
 
 namespace explore::run {
 
-// From now on SIGINT and SIGTERM set a flag. A second one ends the program at once.
+// From now on SIGINT, SIGTERM and (unless it is ignored, as under nohup) SIGHUP set a flag. A second one ends the
+// program at once.
 void catch_interrupts();
+// For a command that keeps nothing: they end the program at once, with exit status 130 and a word.
+void end_at_interrupts();
 bool interrupted();
 
 // Thrown by what cannot go on because of it.

@@ -2,6 +2,7 @@
 
 #include "run/blas.h"
 #include "run/cluster.h"
+#include "run/message.h"
 
 #include <ctime>
 #include <fmt/format.h>
@@ -17,10 +18,9 @@ int usable_threads(int asked) {
     if (!prepare_blas() && threads > 1) {
         static std::once_flag said;
         std::call_once(said, [] {
-            fmt::print(stderr,
-                       "warning: the BLAS of this machine is a build of OpenBLAS without threads, which cannot be "
-                       "used by two tasks at once; going on with one thread (package libopenblas0-pthread mends "
-                       "this)\n");
+            message("warning: the BLAS of this machine is a build of OpenBLAS without threads, which cannot be "
+                    "used by two tasks at once; going on with one thread (package libopenblas0-pthread mends "
+                    "this)\n");
         });
         return 1;
     }

@@ -1,5 +1,7 @@
 #include "run/progress.h"
 
+#include "run/message.h"
+
 #include <cmath>
 #include <cstdio>
 #include <fmt/format.h>
@@ -64,7 +66,7 @@ void Progress::draw(bool last) {
     if (!note_.empty()) {
         line += "  " + note_;
     }
-    fmt::print(stderr, "{}\x1b[K{}", line, last ? "\n" : "");
+    message("{}\x1b[K{}", line, last ? "\n" : "");
     std::fflush(stderr);
 }
 

@@ -179,10 +179,14 @@ struct Store::Implementation {
         } catch (const Damage& damage) {
             throw pave::Error({.file = file}, "the run store is damaged", damage.what, "another folder (--out)");
         } catch (const SQLite::Exception& error) {
-            const bool no_store = error.getErrorCode() == SQLITE_NOTADB || error.getErrorCode() == SQLITE_CORRUPT;
-            throw pave::Error(
-                {.file = file}, no_store ? "this is not a run store" : "the run store cannot be used", error.what(),
-                no_store ? "another folder (--out)" : "a folder that can be written, on a disk with room");
+            const int code = error.getErrorCode();
+            if (code == SQLITE_FULL || code == SQLITE_IOERR) { // nothing is wrong with what the user wrote
+                throw std::runtime_error(fmt::format(
+                    "{}: no room to keep what is computed: {}; what was finished is kept", file, error.what()));
+            }
+            const bool no_store = code == SQLITE_NOTADB || code == SQLITE_CORRUPT;
+            throw pave::Error({.file = file}, no_store ? "this is not a run store" : "the run store cannot be used",
+                              error.what(), no_store ? "another folder (--out)" : "a folder that can be written");
         }
     }
 };
@@ -348,7 +352,8 @@ void Store::count_evaluation() {
                               "evaluations) VALUES (?, ?, ?, ?, ?, ?, 0, 0)");
         add.bind(1, m.session->version);
         add.bind(2, m.session->libraries);
-        add.bind(3, nlohmann::json(m.session->arguments).dump());
+        add.bind(3, nlohmann::json(m.session->arguments)
+                        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)); // names of files are bytes
         add.bind(4, m.session->directory);
         add.bind(5, m.session->threads);
         add.bind(6, m.session->began);

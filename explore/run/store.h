@@ -27,6 +27,7 @@ struct RunKey {
     std::string command;
     std::string study_hash;
     std::string settings; // everything else that fixes the evaluations
+    bool operator==(const RunKey&) const = default;
 };
 
 // What a run holds about itself.

@@ -1,10 +1,12 @@
 #include "search/design.h"
 
+#include "base/error.h"
 #include "base/random.h"
 
 #include <cmath>
 #include <fmt/format.h>
 #include <gsl/gsl_qrng.h>
+#include <limits>
 #include <memory>
 
 namespace explore::search {
@@ -32,7 +34,10 @@ std::vector<std::vector<double>> shifted_sobol(unsigned dimension, int count, st
 std::int64_t full_grid_size(const problem::ParameterSpace& space, int points_per_axis) {
     std::int64_t size = 1;
     for (const auto& axis : space.axes) {
-        size *= points_per_axis > 0 && axis.points != 1 ? points_per_axis : axis.points;
+        const std::int64_t points = points_per_axis > 0 && axis.points != 1 ? points_per_axis : axis.points;
+        if (__builtin_mul_overflow(size, points, &size)) {
+            return std::numeric_limits<std::int64_t>::max();
+        }
     }
     return size;
 }
@@ -46,6 +51,10 @@ Design full_grid(const problem::ParameterSpace& space, int points_per_axis) {
         design.name += fmt::format("{}{}", count.size() == 1 ? " " : " x ", count.back());
     }
     const std::int64_t size = full_grid_size(space, points_per_axis);
+    if (size > most_grid_points) {
+        throw pave::Error({.key = "points"}, "the full grid has too many points", design.name,
+                          fmt::format("at most {} in all, or a sample (--design sobol)", most_grid_points));
+    }
     for (std::int64_t k = 0; k < size; ++k) {
         std::vector<double> point(count.size());
         std::int64_t rest = k;

@@ -16,9 +16,12 @@ struct Design {
 
 // Every combination of axis.points (or `points_per_axis` when positive) equally spaced values of each axis, the last
 // axis fastest. An axis with one point is held at its start value.
+// Throws pave::Error where that makes more than `most_grid_points`.
+inline constexpr std::int64_t most_grid_points = 100'000'000;
 Design full_grid(const problem::ParameterSpace& space, int points_per_axis = 0);
 
-// Number of points full_grid would have; 0 when an axis does not state its points.
+// Number of points full_grid would have; 0 when an axis does not state its points; the largest number there is where no
+// number holds them.
 std::int64_t full_grid_size(const problem::ParameterSpace& space, int points_per_axis = 0);
 
 // Sobol's sequence (Bratley and Fox, by GSL; at most 40 dimensions) shifted as a whole by an amount drawn from the

@@ -141,7 +141,7 @@ inline constexpr Key data_noise_floor{.table = "[data]",
                                       .low_is_open = true,
                                       .without = "not stated",
                                       .meaning =
-                                          "standard deviation of a reading at least, over the largest of its group"};
+                                          "what adds to it (root sum of squares), over the largest of its group"};
 inline constexpr Key data_held_out{.table = "[data]",
                                    .key = "held_out",
                                    .kind = texts,

@@ -1,5 +1,6 @@
 #include "study/study.h"
 
+#include "base/text.h"
 #include "base/units.h"
 #include "data/csv.h"
 #include "data/hash.h"
@@ -314,8 +315,9 @@ void read_data(const toml::table& table, Study& study, Readings readings) {
         }
     }
     const bool outside = reader.flag(keys::data_outside);
+    const auto folder = std::filesystem::path(study.file).parent_path();
     for (const std::string& file : study.data.files) {
-        if (!outside && leaves_folder(file)) {
+        if (!outside && leaves_folder(folder, file)) {
             throw pave::Error(reader.place(keys::data_files), "this file lies outside the study's own folder",
                               "\"" + file + "\"", "a file in it or below, or outside = true");
         }
@@ -335,10 +337,9 @@ void read_data(const toml::table& table, Study& study, Readings readings) {
     if (readings == Readings::elsewhere) {
         return;
     }
-    const auto folder = std::filesystem::path(study.file).parent_path();
     for (const std::string& file : study.data.files) {
         const std::string path = (folder / file).string();
-        if (!std::filesystem::exists(path)) {
+        if (std::error_code error; !std::filesystem::exists(path, error)) {
             throw pave::Error(reader.place(keys::data_files), "this measurement file does not exist",
                               "\"" + path + "\"", "a path relative to the study's own folder");
         }
@@ -367,7 +368,6 @@ std::vector<double> largest_of_group(const Study& study) {
 void set_noise(Study& study) {
     const auto largest = largest_of_group(study);
     const bool has_model = study.data.noise_relative || study.data.noise_floor;
-    const data::Measurement* without = nullptr; // the first reading without a standard deviation
     for (std::size_t i = 0; i < study.measurements.size(); ++i) {
         const auto& m = study.measurements[i];
         double sigma = 0.0;
@@ -377,22 +377,43 @@ void set_noise(Study& study) {
             sigma = std::hypot(study.data.noise_relative.value_or(0.0) * m.value * m.unit.to_si,
                                study.data.noise_floor.value_or(0.0) * largest[i]);
         }
-        if (sigma > 0.0) {
-            study.sigma.push_back(sigma);
-        } else if (without == nullptr) {
-            without = &m;
+        study.sigma.push_back(sigma);
+    }
+    // A reading without one, where others state theirs: their median share, of its own group if it has one there.
+    using Group = std::pair<std::string, std::string>;
+    std::map<Group, std::vector<double>> shares; // of all under the empty name
+    const auto size_of = [&](std::size_t i) {
+        const auto& m = study.measurements[i];
+        return std::max(std::abs(m.value * m.unit.to_si), 1e-3 * largest[i]);
+    };
+    const auto group_of = [&](std::size_t i) {
+        return Group{study.measurements[i].load, study.measurements[i].quantity};
+    };
+    for (std::size_t i = 0; i < study.sigma.size(); ++i) {
+        if (study.sigma[i] > 0.0 && size_of(i) > 0.0) {
+            shares[group_of(i)].push_back(study.sigma[i] / size_of(i));
+            shares[{}].push_back(study.sigma[i] / size_of(i));
         }
     }
-    if (without == nullptr) {
+    std::map<Group, double> median;
+    for (auto& [group, list] : shares) {
+        const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
+        std::nth_element(list.begin(), middle, list.end());
+        median[group] = *middle;
+    }
+    for (std::size_t i = 0; i < study.sigma.size() && !median.empty(); ++i) {
+        if (!(study.sigma[i] > 0.0)) {
+            const auto own = median.find(group_of(i));
+            study.sigma[i] = (own != median.end() ? own->second : median[{}]) * size_of(i);
+            ++study.noise_assumed;
+        }
+    }
+    if (std::all_of(study.sigma.begin(), study.sigma.end(), [](double s) { return s > 0.0; })) {
         study.noise = NoiseSource::stated;
         return;
     }
-    if (!study.sigma.empty()) {
-        throw pave::Error({.file = without->file, .line = without->line, .key = "sigma"},
-                          "this reading has no standard deviation where others have one", "nothing",
-                          "a sigma, or [data] noise_relative or noise_floor for the readings without one, or no sigma "
-                          "at all: the noise is then estimated");
-    }
+    study.sigma.clear();
+    study.noise_assumed = 0;
     study.noise = NoiseSource::estimated;
 }
 
@@ -433,13 +454,43 @@ problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& ro
         }
         terms.push_back(term);
     }
+    if (study.noise == NoiseSource::stated) {
+        std::vector<double> measured(study.responses(), 0.0);
+        for (const problem::Misfit::Term& term : terms) {
+            measured[term.response] = term.measured;
+        }
+        const Eigen::VectorXd slopes = problem::Misfit(study.data.misfit, terms).slopes(measured);
+        for (std::size_t k = 0; k < terms.size(); ++k) {
+            // The factor is the root of a weight, which counts as a variance.
+            terms[k].noise = slopes[static_cast<Eigen::Index>(k)] / terms[k].factor * study.sigma[terms[k].response];
+        }
+    }
     return {study.data.misfit, std::move(terms)};
+}
+
+// toml++ goes down a key such as a.b.c one call a part.
+void refuse_deep_keys(const std::string& text, const std::string& file) {
+    constexpr std::ptrdiff_t most_parts = 1000;
+    int line = 1;
+    for (std::size_t begin = 0; begin < text.size(); ++line) {
+        const std::size_t end = std::min(text.find('\n', begin), text.size());
+        if (std::count(text.begin() + static_cast<std::ptrdiff_t>(begin),
+                       text.begin() + static_cast<std::ptrdiff_t>(end), '.') > most_parts) {
+            throw pave::Error({.file = file, .line = line}, "a line with so many full stops is no key or value", {},
+                              fmt::format("at most {}", most_parts));
+        }
+        begin = end + 1;
+    }
 }
 
 // Unless stated, the wall stands where the sensors and the depth want it: set when all of them are known.
 constexpr double not_stated = 1e9;
 
 } // namespace
+
+std::string_view Study::noise_name() const {
+    return noise == NoiseSource::estimated ? "estimated" : noise_assumed > 0 ? "partly stated" : "stated";
+}
 
 std::string Study::stem() const {
     return std::filesystem::path(file).stem().string();
@@ -458,10 +509,18 @@ bool leaves_folder(const std::filesystem::path& path) {
     return normal.is_absolute() || (!normal.empty() && *normal.begin() == "..");
 }
 
+bool leaves_folder(const std::filesystem::path& folder, const std::filesystem::path& path) {
+    std::error_code error; // of a file that is not there, or of a circle of links: others complain of those
+    const auto own = std::filesystem::canonical(folder.empty() ? "." : folder, error);
+    const auto target = error ? own : std::filesystem::canonical(folder / path, error);
+    return leaves_folder(path) || (!error && leaves_folder(target.lexically_relative(own)));
+}
+
 Study load_study(const std::string& file, Readings readings) {
     Study study;
     study.file = file;
     const std::string text = data::read_file(file, "study");
+    refuse_deep_keys(text, file);
     toml::table table;
     try {
         table = toml::parse(text, file);
@@ -476,9 +535,11 @@ Study load_study(const std::string& file, Readings readings) {
     // Layers and loads share one list of names: parameter paths begin with one.
     std::set<std::string> names;
     const auto check_name = [&](const std::string& name, const toml::table& item) {
-        if (name.empty() || name.find('.') != std::string::npos || !names.insert(name).second) {
+        if (name.empty() || name.find('.') != std::string::npos || pave::printable(name) != name ||
+            !names.insert(name).second) {
             throw pave::Error(TableReader(item, file, "").place("name"), "layers and loads are told apart by name",
-                              "\"" + name + "\"", "each name once, not empty, without a full stop");
+                              "\"" + name + "\"",
+                              "each name once, not empty, without a full stop or a control character");
         }
     };
     for (const auto* layer : reader.tables("layers")) {
@@ -639,16 +700,10 @@ problem::Problem make_noise_problem(const Study& study, Scope scope) {
     if (study.noise == NoiseSource::estimated) {
         return p;
     }
-    std::vector<double> measured(study.responses(), 0.0);
-    for (std::size_t i = 0; i < study.measurements.size(); ++i) {
-        measured[i] = study.measurements[i].value * study.measurements[i].unit.to_si;
-    }
     std::vector<problem::Misfit::Term> terms(p.misfit.terms().begin(), p.misfit.terms().end());
-    const Eigen::VectorXd slopes = p.misfit.slopes(measured);
-    for (std::size_t i = 0; i < terms.size(); ++i) {
-        // factor^2 is the weight; d(residual)/d(reading) = factor * slope of the residual alone.
-        const double weight = terms[i].factor * terms[i].factor;
-        terms[i].factor = weight / (slopes[static_cast<Eigen::Index>(i)] * study.sigma[terms[i].response]);
+    for (problem::Misfit::Term& term : terms) {
+        term.factor /= term.noise;
+        term.noise = 1.0;
     }
     p.misfit = problem::Misfit(p.misfit.kind(), std::move(terms));
     return p;

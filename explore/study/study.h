@@ -51,11 +51,15 @@ struct Study {
     NoiseSource noise = NoiseSource::estimated;
     // SI, one a measurement; empty when the noise is to be estimated (misfit "weighted" then weighs by |measured|).
     std::vector<double> sigma;
+    // Of these, how many the study took from the others: their median share of a reading.
+    std::size_t noise_assumed = 0;
     bool extent_is_stated = false; // else the wall stands at the model's default_extent()
     std::string hash;              // of everything that changes a result: model, parameters, data
 
     // Name without folder and ending: the default folder of its results.
     std::string stem() const;
+    // "stated", "partly stated" (some are assumed) or "estimated" (from what the fit leaves over).
+    std::string_view noise_name() const;
     // The reporting unit of response i (measurements first, then outputs), and what takes SI there.
     std::string_view response_unit(std::size_t i) const;
     double response_to_si(std::size_t i) const;
@@ -86,6 +90,8 @@ enum class Scope { everything, fitted };
 
 // Whether a path that is read from a folder may lead out of it.
 bool leaves_folder(const std::filesystem::path& path);
+// The same, links in the folder followed.
+bool leaves_folder(const std::filesystem::path& folder, const std::filesystem::path& path);
 
 // Of each load: whether readings under it are fitted.
 std::vector<bool> fitted_loads(const Study& study);

@@ -82,7 +82,9 @@ public:
         if (!node->is_number()) {
             throw wrong_type(key, *node, "a number, " + allowed);
         }
-        const double value = *node->value<double>();
+        // A whole number may be one that no double holds exactly: toml++ then converts nothing.
+        const double value =
+            node->is_integer() ? static_cast<double>(node->as_integer()->get()) : node->as_floating_point()->get();
         if (!((low_is_open ? value > low : value >= low) && value <= high)) {
             throw pave::Error(place(key), "value out of range", fmt::format("{}", value), allowed);
         }

@@ -1,5 +1,7 @@
 #include "base/error.h"
 
+#include "base/text.h"
+
 #include <algorithm>
 #include <numeric>
 
@@ -12,21 +14,21 @@ std::string Error::message(const Place& place, std::string_view problem, std::st
                            std::string_view allowed) {
     std::string text;
     if (!place.file.empty()) {
-        text += place.file;
+        text += printable(place.file, 300);
         if (place.line > 0) {
             text.append(":").append(std::to_string(place.line));
         }
         text += ": ";
     }
     if (!place.key.empty()) {
-        text += place.key + ": ";
+        text += printable(place.key, 100) + ": ";
     }
-    text += problem;
+    text += printable(problem, 300);
     if (!found.empty()) {
-        text += "; found " + std::string(found);
+        text += "; found " + printable(found, 200);
     }
     if (!allowed.empty()) {
-        text += "; allowed: " + std::string(allowed);
+        text += "; allowed: " + printable(allowed, 4000);
     }
     return text;
 }

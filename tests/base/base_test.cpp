@@ -1,5 +1,6 @@
 #include "base/error.h"
 #include "base/random.h"
+#include "base/text.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -11,6 +12,39 @@ TEST(Error, SaysWhereWhatWasFoundAndWhatIsAllowed) {
                  "a.toml:7: base.k1: must be positive; found -3; allowed: > 0");
     EXPECT_STREQ(Error({.file = "a.toml"}, "cannot be read").what(), "a.toml: cannot be read");
     EXPECT_STREQ(Error({.key = "base.k1"}, "is missing").what(), "base.k1: is missing");
+}
+
+TEST(Error, ShowsWhatOthersWroteInOneLineThatEnds) {
+    EXPECT_STREQ(Error({.key = "a\nb\x1b[2J"}, "unknown", std::string("x\0y", 3)).what(),
+                 "a\\nb\\x1b[2J: unknown; found x\\x00y");
+    EXPECT_LT(std::string(Error({.file = std::string(9999, 'f')}, "unknown", std::string(9999, 'x')).what()).size(),
+              600U);
+}
+
+// Well-formed sequences and their nearest neighbours that are not: table 3-7 of the Unicode standard.
+TEST(Text, TellsUtf8FromOtherBytes) {
+    for (const std::string_view good : {"", "abc", "\xc3\xa9", "\xe0\xa0\x80", "\xed\x9f\xbf", "\xee\x80\x80",
+                                        "\xef\xbb\xbf", "\xf0\x90\x80\x80", "\xf4\x8f\xbf\xbf"}) {
+        EXPECT_EQ(first_not_utf8(good), std::string_view::npos) << printable(good);
+    }
+    for (const std::string_view bad :
+         {"\x80", "\xc0\x80", "\xc1\xbf", "\xc3", "\xc3(", "\xe0\x9f\xbf", "\xed\xa0\x80", "\xe2\x82",
+          "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xff"}) {
+        EXPECT_EQ(first_not_utf8(bad), 0U) << printable(bad);
+        EXPECT_EQ(first_not_utf8("ab\xc3\xa9" + std::string(bad)), 4U) << printable(bad);
+    }
+    EXPECT_EQ(first_not_utf8(std::string_view("a\0b", 3)), 1U);
+    EXPECT_EQ(to_utf8("caf\xe9"), "caf\xc3\xa9"); // ISO 8859-1
+    EXPECT_EQ(to_utf8("caf\xc3\xa9"), "caf\xc3\xa9");
+    EXPECT_EQ(to_utf8("\xff"), "\xc3\xbf");
+}
+
+TEST(Text, IsShownInOneLine) {
+    EXPECT_EQ(printable("plain, \xc3\xa9"), "plain, \xc3\xa9");
+    EXPECT_EQ(printable("a\tb\nc\rd\x7f\xff"), "a\\tb\\nc\\x0dd\\x7f\\xff");
+    EXPECT_EQ(printable("abcdef", 6), "abcdef");
+    EXPECT_EQ(printable("abcdef", 5), "abcde...");
+    EXPECT_EQ(printable("abcd\xc3\xa9", 5), "abcd..."); // no half characters
 }
 
 TEST(NearestName, FindsASlipAndNothingFarOff) {

@@ -133,6 +133,57 @@ TEST(Multistart, NamesTheDirectionTheDataDoNotSee) {
     EXPECT_TRUE(std::isinf(local.standard_error[0]));
 }
 
+// A straight line fitted without weights to readings of unequal noise: (X'X)^-1 X'SX (X'X)^-1 (White 1980,
+// Econometrica 48), and the same times chi2 / degrees of freedom where the noise does not explain what is left over.
+TEST(Minima, HaveTheErrorsThatTheStatedNoiseGivesThem) {
+    static const std::vector<double> at{0.0, 0.2, 0.5, 0.6, 0.9, 1.0};
+    class Line final : public problem::ForwardFunction {
+        std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Workspace>(); }
+        pave::Outcome<problem::Prediction> evaluate(std::span<const double> p, bool, Workspace&) const override {
+            problem::Prediction out;
+            out.jacobian.resize(static_cast<Eigen::Index>(at.size()), 2);
+            for (std::size_t i = 0; i < at.size(); ++i) {
+                out.responses.push_back(p[0] + p[1] * at[i]);
+                out.jacobian.row(static_cast<Eigen::Index>(i)) << 1.0, at[i];
+            }
+            return out;
+        }
+    };
+    Eigen::MatrixXd x(6, 2);
+    Eigen::VectorXd sigma(6);
+    sigma << 0.01, 0.02, 0.05, 0.01, 0.04, 0.03;
+    const std::vector<double> gaps{0.01, -0.02, 0.03, 0.005, -0.03, 0.02};
+    for (const double size : {1.0, 10.0}) {
+        std::vector<problem::Misfit::Term> terms;
+        Eigen::VectorXd y(6);
+        for (std::size_t i = 0; i < at.size(); ++i) {
+            const auto row = static_cast<Eigen::Index>(i);
+            x.row(row) << 1.0, at[i];
+            y[row] = 1.0 + 2.0 * at[i] + size * gaps[i];
+            terms.push_back({.response = i, .measured = y[row], .noise = sigma[row]});
+        }
+        const problem::Problem problem{
+            {{{"a", -5, 5, problem::Scale::linear, 0, 0}, {"b", -5, 5, problem::Scale::linear, 0, 0}}},
+            std::make_shared<Line>(),
+            problem::Misfit(problem::MisfitKind::weighted, terms)};
+        run::Engine engine(problem, nullptr, 0, {.threads = 1, .show_progress = false});
+        const auto result = landscape::multistart(engine, problem, search::sobol(problem.space, 8, 1), {.starts = 2});
+        ASSERT_TRUE(result);
+        const auto local = landscape::analyse(result->minima[0], problem);
+        const Eigen::MatrixXd inverse = (x.transpose() * x).inverse();
+        const Eigen::VectorXd best = inverse * (x.transpose() * y);
+        const double chi2 = (y - x * best).cwiseQuotient(sigma).squaredNorm();
+        Eigen::MatrixXd covariance =
+            inverse * x.transpose() * sigma.cwiseAbs2().asDiagonal() * x * inverse * (size > 1.0 ? chi2 / 4.0 : 1.0);
+        EXPECT_EQ(local.widened, size > 1.0);
+        EXPECT_NEAR(local.chi2, chi2, 1e-3 * chi2); // the search ends somewhere near the minimum
+        for (int k = 0; k < 2; ++k) {
+            EXPECT_NEAR(10.0 * local.standard_error[static_cast<std::size_t>(k)], std::sqrt(covariance(k, k)),
+                        1e-3 * std::sqrt(covariance(k, k)));
+        }
+    }
+}
+
 TEST(Engine, GivesTheSameTableForAnyNumberOfThreads) {
     std::string first;
     for (const int threads : {1, 2, 4}) {

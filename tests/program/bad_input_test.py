@@ -61,8 +61,6 @@ expect("not TOML", ["not valid TOML"], changed("[mesh]", "[mesh"), line="[mesh")
 expect("unknown load in the data", ["this load is not in the study", "fwd"], data=DATA.replace("fwd,strain_zz", "fdw,strain_zz"),
        line="fdw", file="small.csv")
 expect("negative sigma", ["sigma", "positive"], data=DATA.replace("0.95,mm,", "0.95,mm,-1"), line="0.95", file="small.csv")
-expect("sigma for some readings only", ["sigma", "no standard deviation"], data=DATA.replace("0.95,mm,", "0.95,mm,0.01"),
-       line="520", file="small.csv")
 expect("gauge where there is none", ["gauge length"], data=DATA.replace("600,0,0,0", "600,0,0,75").replace("deflection,600", "strain_xx,600").replace("0.21,mm", "210,microstrain"))
 expect("log of a parameter that may be zero", ["base.k3", "value out of range"],
        changed('name = "base.n"\nmin = 0.1\nmax = 4.5', 'name = "base.k3"\nmin = -1\nmax = -0.1\nscale = "log"'))

@@ -1,0 +1,19 @@
+// Text of others: is it UTF-8, and how is it shown?
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace pave {
+
+// Where the first byte stands that does not belong to a character of UTF-8, or that is zero; npos: nowhere.
+std::size_t first_not_utf8(std::string_view text);
+
+// The text itself where it is UTF-8, else its bytes read as ISO 8859-1, as older instruments write it.
+std::string to_utf8(std::string text);
+
+// For a line of a terminal: what is not a printable character as \n, \t or \x1b, and no more than `limit` bytes, the
+// rest left out as "...".
+std::string printable(std::string_view text, std::size_t limit = std::string_view::npos);
+
+} // namespace pave
