@@ -209,20 +209,12 @@ bool SupernodalFactor<Scalar>::factorize(std::span<const double> values, bool fi
             return false;
         }
     }
-    for (const Scalar shift : {Scalar(0), Scalar(1e-6), Scalar(1e-5), Scalar(1e-4), Scalar(1e-3)}) {
-        if ((!first || eliminate(values, true, shift)) && eliminate(values, false, shift)) {
-            return true;
-        }
-        if (std::is_same_v<Scalar, double>) {
-            return false;
-        }
-    }
-    return false;
+    return (!first || eliminate(values, true)) && eliminate(values, false);
 }
 
 // Eliminates the supernodes that are constant, or those that are not.
 template <class Scalar>
-bool SupernodalFactor<Scalar>::eliminate(std::span<const double> values, bool constant, Scalar shift) {
+bool SupernodalFactor<Scalar>::eliminate(std::span<const double> values, bool constant) {
     Scalar* top = stack_.data();
     for (std::size_t s = 0; s + 1 < structure_.supernodes.size(); ++s) {
         const auto& node = structure_.supernodes[s];
@@ -236,9 +228,6 @@ bool SupernodalFactor<Scalar>::eliminate(std::span<const double> values, bool co
         }
         for (std::size_t k = node.entry_start; k < structure_.supernodes[s + 1].entry_start; ++k) {
             front[structure_.entry_place[k]] = static_cast<Scalar>(values[structure_.entry_value[k]]);
-        }
-        for (std::ptrdiff_t j = 0; j < node.columns; ++j) {
-            front[j * size + j] *= Scalar(1) + shift;
         }
         // Of the children those of the same kind lie on the stack, the last one on top.
         for (int c = node.first_child; c >= 0; c = structure_.supernodes[c].next_sibling) {

@@ -74,8 +74,8 @@ public:
     SupernodalFactor(const Pattern& lower, const FactorStructure& structure) : lower_(lower), structure_(structure) {}
 
     // Of a matrix with one value for each entry of the pattern. first: of a sequence; the matrices that follow have
-    // the same constant columns. In single precision a matrix that is definite by less than that can tell is made so
-    // by a small multiple of its diagonal. False where the matrix is found not to be positive definite.
+    // the same constant columns. False where the matrix is found not to be positive definite, in single precision also
+    // where it is so by less than that can tell.
     bool factorize(std::span<const double> values, bool first);
 
     // z := (L L^T)^-1 z in the order of K. C: 1, 4 or 8.
@@ -85,7 +85,7 @@ public:
 private:
     using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
-    bool eliminate(std::span<const double> values, bool constant, Scalar shift);
+    bool eliminate(std::span<const double> values, bool constant);
     bool eliminate_front(const FactorStructure::Supernode& node);
     void store_panels(const FactorStructure::Supernode& node);
 
