@@ -566,6 +566,7 @@ int unique(const UniqueOptions& options) {
         words.push_back(model_words(options.model));
     }
     Json json = uniqueness_json(study, fitted, u, next);
+    json["noise"] = {{"source", study.noise_name()}};
     json["misfit_kind"] = std::string(to_string(study.data.misfit)) +
                           (study.noise == study::NoiseSource::stated ? ", residuals in standard deviations" : "");
     json["model"] = options.model.model;
