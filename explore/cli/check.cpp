@@ -110,9 +110,8 @@ int check_study(const CommonOptions& options) {
     const auto timing = measure(study);
     if (!timing) {
         if (options.json) {
-            fmt::print("{}\n", report::Json{{"status", std::string(to_string(timing.status()))},
-                                            {"reason", timing.failure().reason}}
-                                   .dump(2));
+            fmt::print("{}\n", report::json_text({{"status", std::string(to_string(timing.status()))},
+                                                  {"reason", timing.failure().reason}}));
         }
         run::message("pavescape: the study can be read, but has no answer at its own values: {}: {}\n",
                      to_string(timing.status()), timing.failure().reason);
@@ -129,14 +128,13 @@ int check_study(const CommonOptions& options) {
         for (const auto& group : study.groups) {
             groups.push_back({{"group", group.name}, {"readings", group.rows.size()}, {"held_out", group.held_out}});
         }
-        fmt::print("{}\n", report::Json{{"status", "converged"},
-                                        {"readings", study.measurements.size()},
-                                        {"groups", groups},
-                                        {"parameters", study.parameters.size()},
-                                        {"outputs", study.outputs.size()},
-                                        {"threads", threads},
-                                        {"commands", commands}}
-                               .dump(2));
+        fmt::print("{}\n", report::json_text({{"status", "converged"},
+                                              {"readings", study.measurements.size()},
+                                              {"groups", groups},
+                                              {"parameters", study.parameters.size()},
+                                              {"outputs", study.outputs.size()},
+                                              {"threads", threads},
+                                              {"commands", commands}}));
         return done;
     }
     fmt::print("{}", study_summary(study));

@@ -215,7 +215,7 @@ int diagnose_study(const DiagnoseOptions& options) {
     const Diagnosis& d = *result;
     if (!d.failed.empty()) {
         if (options.common.json) {
-            fmt::print("{}\n", Json{{"status", "failed"}, {"reason", d.failed}}.dump(2));
+            fmt::print("{}\n", report::json_text({{"status", "failed"}, {"reason", d.failed}}));
         }
         run::message("pavescape: {}\n", d.failed);
         return computation_failed;

@@ -230,7 +230,7 @@ int fit(FitOptions options) {
         const std::string reason =
             "not one explored point has an answer; the first says: " + result->explored.front().reason;
         if (options.common.json) {
-            fmt::print("{}\n", report::Json{{"status", "failed"}, {"reason", reason}, {"statuses", statuses}}.dump(2));
+            fmt::print("{}\n", report::json_text({{"status", "failed"}, {"reason", reason}, {"statuses", statuses}}));
         }
         run::message("pavescape: {}\n", reason);
         return computation_failed;

@@ -226,13 +226,12 @@ int rerun(const std::string& folder, bool json) {
         for (const run::Session& s : sessions) {
             then.push_back({{"arguments", s.arguments}, {"version", s.version}, {"libraries", s.libraries}});
         }
-        fmt::print("{}\n", Json({{"same", c.difference.empty()},
-                                 {"runs", c.runs},
-                                 {"evaluations", c.evaluations},
-                                 {"first_difference", c.difference},
-                                 {"then", std::move(then)},
-                                 {"now", {{"version", now.version}, {"libraries", now.libraries}}}})
-                               .dump(2));
+        fmt::print("{}\n", report::json_text({{"same", c.difference.empty()},
+                                              {"runs", c.runs},
+                                              {"evaluations", c.evaluations},
+                                              {"first_difference", c.difference},
+                                              {"then", std::move(then)},
+                                              {"now", {{"version", now.version}, {"libraries", now.libraries}}}}));
         return c.difference.empty() ? done : computation_failed;
     }
     for (const run::Session& s : sessions) {

@@ -361,7 +361,8 @@ int sensitivity(const SensitivityOptions& options) {
         if (!s.own.converged()) {
             const std::string reason = "the study's own values have no answer: " + s.own.reason;
             if (options.common.json) {
-                fmt::print("{}\n", Json{{"status", std::string(to_string(s.own.status))}, {"reason", reason}}.dump(2));
+                fmt::print("{}\n",
+                           report::json_text({{"status", std::string(to_string(s.own.status))}, {"reason", reason}}));
             }
             run::message("pavescape: {}: {}\n", to_string(s.own.status), reason);
             return computation_failed;

@@ -75,7 +75,7 @@ int twin(const CommonOptions& options, double noise, const std::vector<std::stri
     const std::string folder = options.folder(study);
     write_file(folder, "twin.csv", text);
     if (options.json) {
-        fmt::print("{}\n", report::Json{{"file", folder + "/twin.csv"}, {"measurements", rows}}.dump(2));
+        fmt::print("{}\n", report::json_text({{"file", folder + "/twin.csv"}, {"measurements", rows}}));
     } else {
         fmt::print("{}", text);
         run::message("written to {}/twin.csv\n", folder);

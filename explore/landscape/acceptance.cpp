@@ -11,7 +11,6 @@ double Acceptance::noise() const {
 
 std::optional<Acceptance> acceptance_of(const problem::Problem& problem, const Minimum& best, bool noise_is_stated) {
     constexpr double level = 0.95;
-    constexpr double contradicted = 0.01;
     Acceptance a;
     a.noise_is_stated = noise_is_stated;
     a.degrees_of_freedom = static_cast<int>(problem.misfit.size() + best.on_bound.size()) - problem.space.dimension();

@@ -101,7 +101,6 @@ Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem
     }
     a.chi2 = problem.misfit.residuals(minimum.evaluation.responses).cwiseQuotient(noise).squaredNorm();
     if (a.degrees_of_freedom > 0) {
-        constexpr double contradicted = 0.01;
         a.p_value = gsl_cdf_chisq_Q(a.chi2, a.degrees_of_freedom);
         a.widened = a.p_value < contradicted;
     }

@@ -25,6 +25,9 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, con
 std::vector<std::string> bounds_met(const problem::ParameterSpace& space, const std::vector<double>& unit);
 bool is_at_bound(double unit);
 
+// Stated noise whose chi2 is less probable than this does not explain the misfit: it is then taken larger.
+inline constexpr double contradicted = 0.01;
+
 // What the residuals say around a minimum, to first order.
 struct LocalAnalysis {
     int degrees_of_freedom = 0; // data - parameters that are off their bounds
@@ -34,7 +37,7 @@ struct LocalAnalysis {
     bool noise_is_stated = false;
     double chi2 = 0.0;    // by the stated noise
     double p_value = 1.0; // of it
-    // The stated noise does not explain the misfit (p < 0.01): all of it is taken larger, so that it does.
+    // The stated noise is contradicted: all of it is taken larger, so that it explains the misfit.
     bool widened = false;
     // Of each parameter in unit coordinates; infinity: not determined. J^+ W J^+^T for the inverse J^+ of the jacobian
     // and the variances W of the residuals (the least squares estimator's, whatever its weights).

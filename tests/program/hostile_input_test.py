@@ -221,6 +221,8 @@ done = call("map", path, *SOBOL, "--out", out, names_bytes=True)
 check(done.returncode == 0, f"a folder whose name is no text: {done.returncode} {done.stderr.strip()}")
 if os.path.exists(out + b"/map.json"):
     check(json.loads(pathlib.Path(os.fsdecode(out), "map.json").read_text("utf-8"))["points"] == 4, "its map.json")
+done = call("twin", path, "--json", "--out", out)
+check(len(parsed(done, "twin, a folder whose name is no text").get("measurements", [])) == 4, f"twin, a folder whose name is no text: {done.stderr.strip()}")
 path = case(data=changed("fwd,deflection,0", "fw\xff,deflection,0", DATA).encode("latin-1"))
 refused(call("map", path, *SOBOL, "--out", path.parent / "out"), "a load that is not UTF-8", file="small.csv:3:")
 
