@@ -1,7 +1,12 @@
-// The Python module: studies, their forward model and their misfit as functions of NumPy arrays.
-#include "landscape/multistart.h"
+// The Python module: studies, their forward model and their misfit as functions of NumPy arrays, and the analyses of the
+// command line as dictionaries equal to its JSON.
+#include "report/compare.h"
+#include "report/diagnose.h"
+#include "report/fit.h"
+#include "report/map.h"
+#include "report/sensitivity.h"
+#include "report/unique.h"
 #include "run/blas.h"
-#include "study/study.h"
 
 #include <mutex>
 #include <pybind11/eigen.h>
@@ -22,19 +27,64 @@ Eigen::VectorXd array(const std::vector<double>& values) {
     return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
+// Where and how an analysis runs.
+explore::analysis::RunOptions run_options(const std::string& out, int threads, std::uint64_t seed) {
+    return {.folder = out, .threads = threads, .seed = seed, .show_progress = false};
+}
+
+template <class Enum, std::size_t N>
+Enum one_of(const std::string& word, const std::string_view (&words)[N], const char* what) {
+    for (std::size_t i = 0; i < N; ++i) {
+        if (words[i] == word) {
+            return static_cast<Enum>(i);
+        }
+    }
+    throw py::value_error(std::string("unknown ") + what + " \"" + word + "\"; allowed: " +
+                          pave::join({std::begin(words), std::end(words)}));
+}
+
+explore::analysis::ModelOptions model_of(const std::string& name) {
+    return {.use = one_of<explore::analysis::ModelUse>(name, explore::analysis::model_names, "model")};
+}
+
+py::object dictionary(const explore::report::Json& json) {
+    return py::module_::import("json").attr("loads")(explore::report::json_text(json, -1));
+}
+
+// analyse(session): an optional result; json(result, run). The JSON of the command, kept where it keeps it.
+template <class Analyse, class Render>
+py::object analysed(const explore::analysis::RunOptions& run, const char* name, const Analyse& analyse,
+                    const Render& render) {
+    explore::report::Json json;
+    {
+        const py::gil_scoped_release release;
+        explore::analysis::Session session(run);
+        const auto result = analyse(session);
+        if (!result) {
+            throw std::runtime_error("interrupted");
+        }
+        json = render(*result, session.options());
+        if (result->failed()) {
+            throw NoAnswer(json.value("reason", "no answer"));
+        }
+        session.keep(name, explore::report::json_text(json));
+    }
+    return dictionary(json);
+}
+
 class Study {
 public:
-    explicit Study(const std::string& file) : study_(explore::study::load_study(file)) {
+    explicit Study(explore::study::Study study) : study_(std::move(study)) {
         if (!study_.parameters.empty()) {
-            if (study_.measurements.empty()) {
+            if (study_.measured().empty()) {
                 function_ = explore::study::make_prediction_problem(study_).function;
             } else {
                 problem_ = explore::study::make_problem(study_);
                 function_ = problem_->function;
             }
         }
-        for (std::size_t i = 0; i < study_.responses(); ++i) {
-            to_si_.push_back(study_.response_to_si(i));
+        for (const auto& reading : study_.readings) {
+            to_si_.push_back(reading.unit.to_si);
         }
     }
 
@@ -47,18 +97,17 @@ public:
 
     std::vector<py::dict> responses() const {
         std::vector<py::dict> list;
-        for (std::size_t i = 0; i < study_.responses(); ++i) {
-            const auto& s = study_.model.sensors[i];
+        for (const auto& reading : study_.readings) {
             py::dict row;
-            row["load"] = study_.model.loads[static_cast<std::size_t>(s.load)].name;
-            row["quantity"] = std::string(info(s.quantity).name);
-            row["x_mm"] = 1e3 * s.x;
-            row["y_mm"] = 1e3 * s.y;
-            row["depth_mm"] = 1e3 * s.depth;
-            row["gauge_mm"] = 1e3 * s.gauge;
-            row["unit"] = std::string(study_.response_unit(i));
-            if (i >= study_.measurements.size()) {
-                row["name"] = study_.outputs[i - study_.measurements.size()].name;
+            row["load"] = reading.load;
+            row["quantity"] = reading.quantity;
+            row["x_mm"] = reading.x_mm;
+            row["y_mm"] = reading.y_mm;
+            row["depth_mm"] = reading.depth_mm;
+            row["gauge_mm"] = reading.gauge_mm;
+            row["unit"] = std::string(reading.unit.name);
+            if (!reading.is_measured()) {
+                row["name"] = reading.output;
             }
             list.push_back(std::move(row));
         }
@@ -66,12 +115,11 @@ public:
     }
 
     Eigen::VectorXd measured() const {
-        Eigen::VectorXd values(static_cast<Eigen::Index>(study_.measurements.size()));
-        for (std::size_t i = 0; i < study_.measurements.size(); ++i) {
-            const auto& m = study_.measurements[i];
-            values[static_cast<Eigen::Index>(i)] = m.value * m.unit.to_si / to_si_[i];
+        std::vector<double> values;
+        for (const auto& reading : study_.measured()) {
+            values.push_back(reading.value);
         }
-        return values;
+        return array(values);
     }
 
     Eigen::VectorXd forward(const std::optional<Eigen::VectorXd>& values) const {
@@ -88,7 +136,9 @@ public:
     }
 
     Eigen::VectorXd residuals(const std::optional<Eigen::VectorXd>& values) const {
-        return problem().misfit.residuals(evaluate(values, false).responses);
+        explore::problem::Evaluation e;
+        e.responses = evaluate(values, false).responses;
+        return problem().residuals(e);
     }
 
     Eigen::MatrixXd residual_jacobian(const std::optional<Eigen::VectorXd>& values) const {
@@ -107,35 +157,96 @@ public:
         return j;
     }
 
-    py::dict fit(int starts, int points, int threads, std::uint64_t seed) const {
-        const auto problem = explore::study::make_problem(study_, explore::study::Scope::fitted);
-        std::optional<explore::landscape::MultistartResult> result;
-        {
-            const py::gil_scoped_release release;
-            explore::run::Engine engine(problem, nullptr, 0, {.threads = threads, .show_progress = false});
-            explore::landscape::MultistartSettings settings;
-            settings.starts = starts;
-            result = explore::landscape::multistart(engine, problem,
-                                                    explore::search::sobol(problem.space, points, seed), settings);
-        }
-        if (!result || result->minima.empty()) {
-            throw NoAnswer("not one explored point has an answer");
-        }
-        py::list minima;
-        for (const auto& m : result->minima) {
-            py::dict minimum;
-            minimum["parameters"] = array(m.evaluation.parameters);
-            minimum["misfit"] = m.evaluation.misfit;
-            minimum["starts"] = m.members.size();
-            minimum["converged"] = m.converged;
-            minimum["on_bound"] = m.on_bound;
-            minima.append(std::move(minimum));
-        }
-        py::dict answer;
-        answer["parameters"] = array(result->minima[0].evaluation.parameters);
-        answer["misfit"] = result->minima[0].evaluation.misfit;
-        answer["minima"] = std::move(minima);
-        return answer;
+    py::object fit(int starts, int explore, const std::string& model, bool joint_only, const std::string& out,
+                   int threads, std::uint64_t seed) const {
+        explore::analysis::FitOptions options{
+            .model = model_of(model), .explore = explore, .joint_only = joint_only};
+        options.multistart.starts = starts;
+        return analysed(
+            run_options(out, threads, seed), "fit",
+            [&](auto& session) { return explore::analysis::fit(session, study_, options); },
+            explore::report::fit_json);
+    }
+
+    // With the points as arrays beside the JSON.
+    py::object map(const std::string& design, int points, const std::string& model, const std::string& out, int threads,
+                   std::uint64_t seed) const {
+        static constexpr std::string_view designs[] = {"auto", "grid", "sobol", "adaptive"};
+        const explore::analysis::MapOptions options{
+            .model = model_of(model),
+            .design = one_of<explore::analysis::MapDesign>(design, designs, "design"),
+            .points = points};
+        Eigen::MatrixXd parameters;
+        Eigen::VectorXd misfit;
+        py::object json = analysed(
+            run_options(out, threads, seed), "map",
+            [&](auto& session) {
+                auto result = explore::analysis::map(session, study_, options);
+                if (result) {
+                    const auto n = static_cast<Eigen::Index>(result->evaluations.size());
+                    parameters.resize(n, study_.space.dimension());
+                    misfit.resize(n);
+                    for (Eigen::Index i = 0; i < n; ++i) {
+                        const auto& e = result->evaluations[static_cast<std::size_t>(i)];
+                        parameters.row(i) = array(e.parameters);
+                        misfit[i] = e.misfit;
+                    }
+                }
+                return result;
+            },
+            explore::report::map_json);
+        return py::make_tuple(json, parameters, misfit);
+    }
+
+    py::object unique(int explore, int verify, int searches, const std::string& model, const std::string& out,
+                      int threads, std::uint64_t seed) const {
+        explore::analysis::UniqueOptions options{.model = model_of(model)};
+        options.settings.explore = explore;
+        options.settings.verify = verify;
+        options.settings.max_searches = searches;
+        return analysed(
+            run_options(out, threads, seed), "unique",
+            [&](auto& session) { return explore::analysis::unique(session, study_, options); },
+            explore::report::unique_json);
+    }
+
+    py::object diagnose(int explore, int starts, int bootstrap, const std::vector<std::string>& without,
+                        const std::string& model, const std::string& out, int threads, std::uint64_t seed) const {
+        const explore::analysis::DiagnoseOptions options{
+            .model = model_of(model),
+            .without = without,
+            .settings = {.explore = explore, .starts = starts, .bootstrap = bootstrap}};
+        return analysed(
+            run_options(out, threads, seed), "diagnose",
+            [&](auto& session) {
+                auto result = explore::analysis::diagnose(session, study_, options);
+                if (result && result->is_extended() && !out.empty()) {
+                    explore::report::write_extended(*result, session.options());
+                }
+                return result;
+            },
+            explore::report::diagnose_json);
+    }
+
+    py::object compare(const std::string& layer, const std::vector<std::string>& laws, int explore, int verify,
+                       const std::string& out, int threads, std::uint64_t seed) const {
+        explore::analysis::CompareOptions options{.layer = layer, .laws = laws};
+        options.settings.explore = explore;
+        options.settings.verify = verify;
+        return analysed(
+            run_options(out, threads, seed), "compare",
+            [&](auto& session) { return explore::analysis::compare(session, study_, options); },
+            explore::report::compare_json);
+    }
+
+    py::object sensitivity(const std::vector<std::string>& parameters, double range, int points, int samples,
+                           const std::string& out, int threads, std::uint64_t seed) const {
+        const explore::analysis::SensitivityOptions options{
+            .parameters = parameters, .range = range, .points = points, .samples = samples};
+        return analysed(
+            run_options(out, threads, seed), "sensitivity",
+            [&](auto& session) { return explore::analysis::sensitivity(session, study_, options); },
+            explore::report::sensitivity_json);
     }
 
 private:
@@ -239,8 +350,21 @@ PYBIND11_MODULE(pavescape, m) {
     });
     const char* of_values =
         "values: of the parameters in their order, in the units of the study; None: the study's own.";
+    const auto as_command = [](const std::string& name) {
+        return "As the command " + name +
+               ": its JSON as a dictionary. Raises NoAnswer where there is none. out: the folder of the run, which "
+               "continues; empty: nothing is kept.";
+    };
     py::class_<Study>(m, "Study", "A study file with its measurements. Raises ValueError for what is wrong in it.")
-        .def(py::init<const std::string&>(), py::arg("file"))
+        .def(py::init([](const std::string& file) { return std::make_unique<Study>(explore::study::load_study(file)); }),
+             py::arg("file"))
+        .def_static(
+            "from_text",
+            [](const std::string& text, const std::map<std::string, std::string>& files, const std::string& name) {
+                return std::make_unique<Study>(explore::study::study_of(text, name, files));
+            },
+            py::arg("text"), py::arg("files") = std::map<std::string, std::string>{}, py::arg("name") = "study.toml",
+            "A study in memory: the text of the study, and the texts of its data files by the names it calls them.")
         .def_property_readonly("title", [](const Study& s) { return s.study().title; })
         .def_property_readonly("parameters", &Study::parameters, "names of what the study varies")
         .def_property_readonly("low", &Study::low)
@@ -258,8 +382,29 @@ PYBIND11_MODULE(pavescape, m) {
              (std::string("Residuals of the study's misfit; its norm is the misfit. ") + of_values).c_str())
         .def("residual_jacobian", &Study::residual_jacobian, py::arg("values") = py::none(),
              (std::string("Derivatives of the residuals: residuals x parameters. ") + of_values).c_str())
-        .def("fit", &Study::fit, py::arg("starts") = 12, py::arg("explore") = 256, py::arg("threads") = 0,
-             py::arg("seed") = 1,
-             "As the command fit, nothing is kept: {parameters, misfit, minima: [{parameters, misfit, starts, "
-             "converged, on_bound}]}, best first.");
+        .def("fit", &Study::fit, py::arg("starts") = explore::landscape::MultistartSettings{}.starts,
+             py::arg("explore") = explore::analysis::fit_points, py::arg("model") = "full",
+             py::arg("joint_only") = false, py::arg("out") = "", py::arg("threads") = 0, py::arg("seed") = 1,
+             as_command("fit").c_str())
+        .def("map", &Study::map, py::arg("design") = "auto", py::arg("points") = 0, py::arg("model") = "full",
+             py::arg("out") = "", py::arg("threads") = 0, py::arg("seed") = 1,
+             (as_command("map") + " With it, as a tuple, the parameters and the misfit of every point.").c_str())
+        .def("unique", &Study::unique, py::arg("explore") = explore::landscape::UniquenessSettings{}.explore,
+             py::arg("verify") = explore::landscape::UniquenessSettings{}.verify,
+             py::arg("searches") = explore::landscape::UniquenessSettings{}.max_searches, py::arg("model") = "full",
+             py::arg("out") = "", py::arg("threads") = 0, py::arg("seed") = 1, as_command("unique").c_str())
+        .def("diagnose", &Study::diagnose, py::arg("explore") = explore::diagnose::DiagnosisSettings{}.explore,
+             py::arg("starts") = explore::diagnose::DiagnosisSettings{}.starts,
+             py::arg("bootstrap") = explore::diagnose::DiagnosisSettings{}.bootstrap,
+             py::arg("without") = std::vector<std::string>{}, py::arg("model") = "full", py::arg("out") = "",
+             py::arg("threads") = 0, py::arg("seed") = 1, as_command("diagnose").c_str())
+        .def("compare", &Study::compare, py::arg("layer") = "", py::arg("laws") = std::vector<std::string>{},
+             py::arg("explore") = explore::landscape::UniquenessSettings{}.explore,
+             py::arg("verify") = explore::landscape::UniquenessSettings{}.verify, py::arg("out") = "",
+             py::arg("threads") = 0, py::arg("seed") = 1, as_command("compare").c_str())
+        .def("sensitivity", &Study::sensitivity, py::arg("parameters") = std::vector<std::string>{},
+             py::arg("range") = explore::analysis::SensitivityOptions{}.range,
+             py::arg("points") = explore::analysis::SensitivityOptions{}.points,
+             py::arg("samples") = explore::analysis::SensitivityOptions{}.samples, py::arg("out") = "",
+             py::arg("threads") = 0, py::arg("seed") = 1, as_command("sensitivity").c_str());
 }

@@ -1,19 +1,28 @@
-// What the commands share: options, the run folder, the first lines of every report.
+// What the commands share: options, how a result is handed over, the table of commands.
 #pragma once
 
+#include "analysis/session.h"
 #include "report/json.h"
-#include "run/store.h"
-#include "study/study.h"
 
 #include <CLI/CLI.hpp>
+#include <functional>
 
 namespace explore::cli {
 
-// Points of a Sobol sample when nothing else is asked for.
-inline constexpr int map_points = 1024;
-inline constexpr int fit_points = 256;
-
 enum ExitStatus { done = 0, computation_failed = 1, wrong_input = 2, was_interrupted = 130 };
+
+// A command registers itself and sets `action`, which is called after parsing and returns the exit status.
+using Action = std::function<int()>;
+
+// A command is a file of its own and a line in commands().
+struct Command {
+    std::string_view name;
+    void (*add)(CLI::App& app, Action& action);
+    // Of its run, whose folder then holds NAME.json: the page of `report` shows it, `rerun` repeats it. An interrupt
+    // lets it finish what is being computed; one of the others ends the program at once.
+    bool keeps_a_run = false;
+};
+std::span<const Command> commands();
 
 struct CommonOptions {
     std::string study;
@@ -23,59 +32,46 @@ struct CommonOptions {
     bool json = false;
 
     std::string folder(const study::Study& s) const { return out.empty() ? "output/" + s.stem() : out; }
+    analysis::RunOptions run(std::string folder) const;
+    analysis::RunOptions run(const study::Study& s) const { return run(folder(s)); }
 };
 
 // The value of an option lies between these; nan does not.
 CLI::Validator within(double low, double high);
 
+// One of these words, kept as its number.
+template <class Enum, std::size_t N>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Enum& value, const std::string_view (&words)[N],
+                        const std::string& help) {
+    std::map<std::string, Enum> choices;
+    std::vector<std::string> list;
+    for (std::size_t i = 0; i < N; ++i) {
+        choices.emplace(words[i], static_cast<Enum>(i));
+        list.emplace_back(words[i]);
+    }
+    return app
+        .add_option_function<std::string>(
+            name, [&value, choices](const std::string& word) { value = choices.at(word); }, help)
+        ->check(CLI::IsMember(list))
+        ->default_str(std::string(words[static_cast<std::size_t>(value)]));
+}
+
 // Adds --out, --threads, --seed, --json. default_folder: where results go without --out, in words.
 void add_run_options(CLI::App& app, CommonOptions& options, const std::string& default_folder);
-
 // Adds STUDY, --out, --threads, --seed, --json.
 void add_common(CLI::App& app, CommonOptions& options);
+// Adds --model and --model-error. alone: whether the command can do with the reduced model alone.
+void add_model(CLI::App& app, analysis::ModelOptions& options, bool alone = true);
 
-// A command registers itself and sets `action`, which is called after parsing and returns the exit status.
-using Action = std::function<int()>;
-void add_new(CLI::App& app, Action& action);
-void add_check(CLI::App& app, Action& action);
-void add_forward(CLI::App& app, Action& action);
-void add_map(CLI::App& app, Action& action);
-void add_fit(CLI::App& app, Action& action);
-void add_sensitivity(CLI::App& app, Action& action);
-void add_compare(CLI::App& app, Action& action);
-void add_twin(CLI::App& app, Action& action);
-void add_effects(CLI::App& app, Action& action);
-void add_survey(CLI::App& app, Action& action);
-void add_unique(CLI::App& app, Action& action);
-void add_diagnose(CLI::App& app, Action& action);
-void add_report(CLI::App& app, Action& action);
-void add_export(CLI::App& app, Action& action);
-void add_rerun(CLI::App& app, Action& action);
-
-// What main was called with; kept for session().
+// What main was called with; kept for the stores that this process writes to.
 void remember_command_line(int argc, const char* const* argv);
-// The versions of the program and of the libraries that decide digits.
-std::string build_words();
-// This process, for the stores it writes to.
-run::Session session(const CommonOptions& options);
 
-// Header of a run of this study for the store.
-run::RunHeader run_header(const study::Study& study, std::string command, std::string settings);
-
-// Writes a file of a run's folder (created when missing) at once. Throws pave::Error.
-void write_file(const std::string& folder, const std::string& name, const std::string& text);
-
-// "asphalt 30 mm linear | base 277 mm uzan | ..." and what is varied.
-std::string study_summary(const study::Study& study);
-
-// What the header of every table of responses says.
-inline constexpr std::string_view sign_convention =
-    "deflection: positive down; strain and load-induced stress: positive in compression";
-
-// Measured against modelled, one row a response, with the line that states the signs.
-std::string response_table(const study::Study& study, const std::vector<double>& responses);
-
-// Message on standard error for a run that was cut off.
+// What was computed: kept, and printed as JSON or as the page.
+int hand_over(analysis::Session& session, const CommonOptions& options, std::string_view name, const report::Json& json,
+              const std::function<std::string()>& page);
+// A computation without an answer: JSON where it is asked for, and the reason on standard error. Exit status 1.
+int hand_over_failure(const CommonOptions& options, const report::Json& json, std::string_view reason);
+// For a run that was cut off: a message on standard error. Exit status 130.
 int report_interrupt(const std::string& folder);
 
 } // namespace explore::cli

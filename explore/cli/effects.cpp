@@ -1,5 +1,5 @@
 // pavescape effects: the catalogue of effects that a study may lack.
-#include "cli/common.h"
+#include "cli/commands.h"
 #include "pavement/effects/catalog.h"
 #include "report/table.h"
 

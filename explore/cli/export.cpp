@@ -1,7 +1,7 @@
 // pavescape export: the evaluations of a run, one line each in run order.
-#include "cli/common.h"
+#include "cli/commands.h"
 #include "data/csv.h"
-#include "report/table.h"
+#include "base/text.h"
 #include "run/message.h"
 
 #include <algorithm>
@@ -30,7 +30,7 @@ int export_run(const std::string& folder, const std::string& format, const std::
     const run::RunHeader& header = *chosen;
     if (runs.size() > 1) {
         run::message("exporting: {} ({}); {} more in this folder (--command)\n", header.key.command,
-                     header.key.settings, report::counted(runs.size() - 1, "run", "runs"));
+                     header.key.settings, pave::counted(runs.size() - 1, "run", "runs"));
     }
     const auto phase = [](run::RunNumber n) { return n.start < 0 ? "design" : "search"; };
     if (format == "json") {

@@ -1,10 +1,10 @@
 // pavescape forward: responses at the study's own parameter values.
-#include "base/units.h"
-#include "cli/common.h"
-#include "report/table.h"
+#include "cli/commands.h"
+#include "report/forward.h"
 #include "report/vtu.h"
-#include "run/message.h"
+#include "run/files.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
 #include <stdexcept>
@@ -28,7 +28,7 @@ std::vector<std::string> write_fields(const study::Study& study, const pave::pav
             path.replace_filename(path.stem().string() + "-" + load + path.extension().string());
         }
         const std::string folder = path.parent_path().string();
-        write_file(folder.empty() ? "." : folder, path.filename().string(), report::vtu_text(fields.value()));
+        run::write_file(folder.empty() ? "." : folder, path.filename().string(), report::vtu_text(fields.value()));
         written.push_back(path.string());
     }
     return written;
@@ -44,78 +44,25 @@ int forward(const CommonOptions& options, bool with_jacobian, const std::string&
     }
     const auto outcome =
         model.run(study.model, with_jacobian ? study.parameters : std::vector<pave::pavement::Parameter>{}, *workspace);
-
-    report::Json json = {{"status", std::string(to_string(outcome.status()))}};
+    report::Json json = report::forward_json(study, model, outcome);
     if (!outcome) {
-        json["reason"] = outcome.failure().reason;
-        if (options.json) {
-            fmt::print("{}\n", report::json_text(json));
-        }
-        run::message("pavescape: {}: {}\n", to_string(outcome.status()), outcome.failure().reason);
-        return computation_failed;
+        return hand_over_failure(options, json,
+                                 std::string(to_string(outcome.status())) + ": " + outcome.failure().reason);
     }
-    const auto& s = outcome->statistics;
     const auto fields = vtu.empty() ? std::vector<std::string>{} : write_fields(study, model, vtu);
     if (options.json) {
-        json["responses"] = report::responses_json(study, outcome->values);
-        json["newton_steps"] = s.newton_steps;
-        json["load_steps"] = s.load_steps;
-        json["factorizations"] = s.factorizations;
-        json["iterations"] = s.iterations;
-        json["unknowns"] = model.unknowns();
-        json["residual_relative"] = s.residual_relative;
-        json["warnings"] = outcome->warnings;
         if (!fields.empty()) {
             json["vtu"] = fields;
-        }
-        if (with_jacobian) {
-            report::Json names = report::Json::array();
-            report::Json rows = report::Json::array();
-            for (const auto& axis : study.space.axes) {
-                names.push_back(axis.name);
-            }
-            for (std::size_t i = 0; i < outcome->values.size(); ++i) {
-                report::Json row = report::Json::array();
-                for (Eigen::Index k = 0; k < outcome->jacobian.cols(); ++k) {
-                    row.push_back(outcome->jacobian(static_cast<Eigen::Index>(i), k) / study.response_to_si(i));
-                }
-                rows.push_back(std::move(row));
-            }
-            json["jacobian"] = {{"parameters", std::move(names)}, {"rows", std::move(rows)}};
         }
         fmt::print("{}\n", report::json_text(json));
         return done;
     }
-    fmt::print("{}", study_summary(study));
-    fmt::print("  converged: {}, {}{}, unbalanced force {:.0e} of the load\n\n",
-               study.model.settings.integration == pave::pavement::Integration::secant
-                   ? report::counted(static_cast<std::size_t>(s.newton_steps), "Newton step", "Newton steps")
-                   : report::counted(static_cast<std::size_t>(s.load_steps), "load step", "load steps"),
-               report::counted(static_cast<std::size_t>(s.factorizations), "factorisation", "factorisations"),
-               s.iterations > 0 ? fmt::format(", {} conjugate gradient steps", s.iterations) : "", s.residual_relative);
-    fmt::print("{}", response_table(study, outcome->values));
-    for (const std::string& warning : outcome->warnings) {
-        fmt::print("  warning: {}\n", warning);
-    }
+    fmt::print("{}", report::forward_text(study, *outcome));
     for (const std::string& file : fields) {
         fmt::print("  fields for ParaView: {}\n", file);
     }
     if (with_jacobian) {
-        std::vector<std::string> header{"d(response)/d(parameter)"};
-        for (const auto& axis : study.space.axes) {
-            header.push_back(axis.name);
-        }
-        report::Table table(header);
-        const auto names = run_header(study, "", "").responses;
-        for (std::size_t i = 0; i < outcome->values.size(); ++i) {
-            std::vector<std::string> row{names[i]};
-            for (Eigen::Index k = 0; k < outcome->jacobian.cols(); ++k) {
-                row.push_back(fmt::format("{:.5g}", outcome->jacobian(static_cast<Eigen::Index>(i), k) /
-                                                        study.response_to_si(i)));
-            }
-            table.add(std::move(row));
-        }
-        fmt::print("\n{}", table.text());
+        fmt::print("{}", report::jacobian_text(study, *outcome));
     }
     return done;
 }

@@ -1,5 +1,6 @@
 #include "base/error.h"
-#include "cli/common.h"
+#include "analysis/build.h"
+#include "cli/commands.h"
 #include "run/blas.h"
 #include "run/cluster.h"
 #include "run/interrupt.h"
@@ -43,7 +44,7 @@ int perform(const explore::cli::Action& action) {
 // As one process of a job of many: the first performs the command, the others compute what it asks for.
 int perform_together(const explore::cli::Action& action) {
     namespace run = explore::run;
-    const std::string build = explore::cli::build_words();
+    const std::string build = explore::analysis::build_words();
     try {
         auto transport = run::join_mpi();
         if (transport->rank() == 0) {
@@ -77,27 +78,13 @@ int main(int argc, char** argv) {
     mallopt(M_TOP_PAD, 16 << 20);
     CLI::App app{"Pavescape calibrates stress-dependent pavement models and says whether the answer can be trusted."};
     app.name("pavescape");
-    app.set_version_flag("--version", PAVESCAPE_VERSION);
+    app.set_version_flag("--version", explore::analysis::version);
     app.require_subcommand(1);
     cli::Action action;
-    cli::add_new(app, action);
-    cli::add_check(app, action);
-    cli::add_forward(app, action);
-    cli::add_map(app, action);
-    cli::add_fit(app, action);
-    cli::add_sensitivity(app, action);
-    cli::add_unique(app, action);
-    cli::add_diagnose(app, action);
-    cli::add_compare(app, action);
-    cli::add_twin(app, action);
-    cli::add_effects(app, action);
-    cli::add_survey(app, action);
-    cli::add_report(app, action);
-    cli::add_export(app, action);
-    cli::add_rerun(app, action);
     std::vector<std::string> names;
-    for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-        names.push_back(command->get_name());
+    for (const cli::Command& command : cli::commands()) {
+        command.add(app, action);
+        names.emplace_back(command.name);
     }
     if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
         const std::string near = pave::nearest_name(argv[1], names);
@@ -118,10 +105,12 @@ int main(int argc, char** argv) {
         return status == 0 ? cli::done : cli::wrong_input;
     }
     cli::remember_command_line(argc, argv);
-    constexpr std::string_view keep_nothing[] = {"new", "check", "forward", "twin", "effects", "report", "export"};
-    const bool keeps = std::find(std::begin(keep_nothing), std::end(keep_nothing),
-                                 app.get_subcommands()[0]->get_name()) == std::end(keep_nothing);
-    keeps ? explore::run::catch_interrupts() : explore::run::end_at_interrupts();
+    const auto chosen = std::find_if(cli::commands().begin(), cli::commands().end(), [&](const cli::Command& command) {
+        return command.name == app.get_subcommands()[0]->get_name();
+    });
+    // `rerun` waits for the commands that it starts.
+    chosen->keeps_a_run || chosen->name == "rerun" ? explore::run::catch_interrupts()
+                                                   : explore::run::end_at_interrupts();
     explore::run::prepare_blas();
     const int status = explore::run::begun_by_mpi() ? perform_together(action) : perform(action);
     std::fflush(nullptr);

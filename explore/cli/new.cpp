@@ -1,5 +1,6 @@
 // pavescape new: a commented study to start from, with readings to replace.
-#include "cli/common.h"
+#include "cli/commands.h"
+#include "run/files.h"
 
 #include <filesystem>
 #include <fmt/format.h>
@@ -121,8 +122,8 @@ int write_study(const std::string& file) {
             throw pave::Error({.file = there.string()}, "this file is there already", {}, "a name that is free");
         }
     }
-    write_file(folder, stem + ".csv", std::string(data_template));
-    write_file(folder, stem + ".toml", fmt::format(fmt::runtime(study_template), stem));
+    run::write_file(folder, stem + ".csv", std::string(data_template));
+    run::write_file(folder, stem + ".toml", fmt::format(fmt::runtime(study_template), stem));
     fmt::print("written: {0}/{1}.toml and {0}/{1}.csv\nnext:    pavescape check {0}/{1}.toml\n", folder, stem);
     return done;
 }

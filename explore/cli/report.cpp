@@ -1,7 +1,8 @@
 // pavescape report: one HTML file from a run.
-#include "cli/common.h"
+#include "cli/commands.h"
+#include "analysis/build.h"
 #include "report/page.h"
-#include "report/table.h"
+#include "run/files.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -15,7 +16,6 @@ namespace {
 
 using report::Json;
 
-constexpr std::string_view commands[] = {"fit", "map", "unique", "diagnose", "compare", "sensitivity", "survey"};
 constexpr std::size_t most_points = 5000; // of a picture of the landscape
 
 std::string contents(const std::filesystem::path& path) {
@@ -60,9 +60,9 @@ bool names_its_study(const Json& result) {
 // What each command left in the folder when it was done.
 Json results_in(const std::filesystem::path& folder) {
     Json results = Json::object();
-    for (const std::string_view command : commands) {
+    for (const auto& [command, add, keeps_a_run] : commands()) {
         const auto path = folder / (std::string(command) + ".json");
-        if (!std::filesystem::is_regular_file(path)) {
+        if (!keeps_a_run || !std::filesystem::is_regular_file(path)) {
             continue;
         }
         const std::string text = contents(path);
@@ -179,7 +179,7 @@ int make_report(const std::string& folder, const std::string& out) {
     }
     Json studies = studies_of(results);
     const std::string text = report::page({{"folder", std::filesystem::canonical(folder).filename().string()},
-                                           {"version", PAVESCAPE_VERSION},
+                                           {"version", analysis::version},
                                            {"results", std::move(results)},
                                            {"evaluations", std::move(evaluations)},
                                            {"sessions", std::move(sessions)},
@@ -187,7 +187,7 @@ int make_report(const std::string& folder, const std::string& out) {
     const std::filesystem::path path =
         out.empty() ? std::filesystem::path(folder) / "report.html" : std::filesystem::path(out);
     const std::string parent = path.parent_path().string();
-    write_file(parent.empty() ? "." : parent, path.filename().string(), text);
+    run::write_file(parent.empty() ? "." : parent, path.filename().string(), text);
     fmt::print("{} ({:.1f} MB): open it in a browser\n", path.string(), static_cast<double>(text.size()) / 1e6);
     return done;
 }

@@ -1,6 +1,7 @@
 // pavescape rerun: does everything a run's folder holds once more, elsewhere, and says where the two differ first.
-#include "cli/common.h"
-#include "report/table.h"
+#include "cli/commands.h"
+#include "analysis/build.h"
+#include "base/text.h"
 #include "run/interrupt.h"
 #include "run/message.h"
 
@@ -23,11 +24,8 @@ extern char** environ;
 namespace explore::cli {
 namespace {
 
-using report::counted;
+using pave::counted;
 using report::Json;
-
-// Commands that write evaluations; nothing else that a store may name is started.
-constexpr std::string_view repeatable[] = {"fit", "map", "unique", "diagnose", "compare", "sensitivity", "survey"};
 
 // A folder for the repetition, removed at the end.
 class Scratch {
@@ -206,12 +204,18 @@ int rerun(const std::string& folder, bool json) {
             sessions.push_back(std::move(session));
         }
     }
+    std::vector<std::string> repeatable; // nothing else that a store may name is started
+    for (const Command& command : commands()) {
+        if (command.keeps_a_run) {
+            repeatable.emplace_back(command.name);
+        }
+    }
     const Scratch scratch;
     for (const run::Session& session : sessions) {
         const std::string command = session.arguments.empty() ? "" : session.arguments[0];
-        if (std::find(std::begin(repeatable), std::end(repeatable), command) == std::end(repeatable)) {
+        if (std::find(repeatable.begin(), repeatable.end(), command) == repeatable.end()) {
             throw pave::Error({.file = folder, .key = "RUN"}, "the store names a command that is not repeated",
-                              "\"" + command + "\"", fmt::format("{}", fmt::join(repeatable, ", ")));
+                              "\"" + command + "\"", pave::join(repeatable));
         }
         run::message("repeating: pavescape {}\n", fmt::join(session.arguments, " "));
         const int status = start(redirected(session.arguments, scratch.path()), session.directory);
@@ -220,7 +224,7 @@ int rerun(const std::string& folder, bool json) {
         }
     }
     const Comparison c = compare(old_store, run::Store(scratch.path()));
-    const run::Session now = session({});
+    const std::string libraries = analysis::library_words();
     if (json) {
         Json then = Json::array();
         for (const run::Session& s : sessions) {
@@ -231,13 +235,13 @@ int rerun(const std::string& folder, bool json) {
                                               {"evaluations", c.evaluations},
                                               {"first_difference", c.difference},
                                               {"then", std::move(then)},
-                                              {"now", {{"version", now.version}, {"libraries", now.libraries}}}}));
+                                              {"now", {{"version", analysis::version}, {"libraries", libraries}}}}));
         return c.difference.empty() ? done : computation_failed;
     }
     for (const run::Session& s : sessions) {
-        if (s.version != now.version || s.libraries != now.libraries) {
-            fmt::print("then: pavescape {}, {}\nnow:  pavescape {}, {}\n", s.version, s.libraries, now.version,
-                       now.libraries);
+        if (s.version != analysis::version || s.libraries != libraries) {
+            fmt::print("then: pavescape {}, {}\nnow:  pavescape {}, {}\n", s.version, s.libraries, analysis::version,
+                       libraries);
             break;
         }
     }

@@ -1,11 +1,15 @@
 // pavescape survey: a road of FWD stations; deflection ratios, and the parameters of a study at every station.
 #include "base/units.h"
-#include "cli/common.h"
+#include "analysis/build.h"
+#include "cli/commands.h"
 #include "data/csv.h"
 #include "landscape/batch.h"
 #include "landscape/multistart.h"
-#include "report/table.h"
+#include "base/text.h"
+#include "report/text.h"
+#include "run/files.h"
 #include "run/progress.h"
+#include "study/problems.h"
 #include "study/station.h"
 
 #include <algorithm>
@@ -19,8 +23,8 @@
 namespace explore::cli {
 namespace {
 
-using report::counted;
-using report::figure;
+using pave::counted;
+using pave::figure;
 
 struct SurveyOptions {
     CommonOptions common;
@@ -109,21 +113,20 @@ Survey read_survey(const std::vector<std::string>& files) {
 
 double rms_percent(const problem::Problem& problem, const std::vector<double>& responses) {
     double sum = 0.0;
-    for (const auto& term : problem.misfit.terms()) {
-        sum += std::pow(responses[term.response] / term.measured - 1.0, 2);
+    for (std::size_t i = 0; i < problem.readings(); ++i) {
+        sum += std::pow(responses[problem.response_of(i)] / problem.measured(i) - 1.0, 2);
     }
-    return 100.0 * std::sqrt(sum / static_cast<double>(problem.misfit.size()));
+    return 100.0 * std::sqrt(sum / static_cast<double>(problem.readings()));
 }
 
 // What is explored once for all stations with one plate and one set of sensors: the responses at the points of a
 // design, under the common pressure. Nothing: interrupted.
 class Exploration {
 public:
-    Exploration(const Survey& survey, search::Design design, run::Store& store, int threads)
+    Exploration(const Survey& survey, search::Design design, analysis::Session& session)
         : survey_(survey),
           design_(std::move(design)),
-          store_(store),
-          threads_(threads) {}
+          session_(session) {}
 
     struct Starts {
         std::vector<std::vector<double>> points;
@@ -143,7 +146,7 @@ public:
             for (double& response : e.responses) {
                 response *= row.bowl->pressure_kPa / survey_.common_pressure;
             }
-            e.misfit = e.converged() ? problem.misfit.residuals(e.responses).norm() : e.misfit;
+            e.misfit = e.converged() ? problem.misfit(e) : e.misfit;
         }
         Starts starts;
         for (const std::size_t i : run::distinct_starts(design_, scaled, settings.starts, settings.start_distance)) {
@@ -170,8 +173,8 @@ private:
         bowl.pressure_kPa = survey_.common_pressure;
         const study::Study study = study::station_study(*survey_.study, row.station, bowl);
         const problem::Problem problem = study::make_problem(study);
-        run::Engine engine(problem, &store_, store_.begin(run_header(study, "survey", "explored: " + design_.name)),
-                           {.threads = threads_, .show_progress = true});
+        auto engine =
+            session_.engine(problem, session_.begin(study, "survey", "explored: " + design_.run_name()));
         auto evaluations = engine.evaluate(design_);
         tally_.computed += engine.tally().computed;
         if (!evaluations) {
@@ -182,8 +185,7 @@ private:
 
     const Survey& survey_;
     search::Design design_;
-    run::Store& store_;
-    int threads_;
+    analysis::Session& session_;
     std::map<std::vector<double>, std::vector<problem::Evaluation>> explored_; // by plate radius and offsets
     run::Tally tally_;
 };
@@ -216,9 +218,9 @@ bool fit_stations(Survey& survey, const CommonOptions& options, const std::strin
         throw *complaint;
     }
     const auto begin = std::chrono::steady_clock::now();
-    run::Store store(folder, session(options));
+    analysis::Session session(options.run(folder));
     std::vector<std::string> why_none; // should a station end without a result
-    Exploration exploration(survey, design, store, options.threads);
+    Exploration exploration(survey, design, session);
     for (std::size_t i = 0; i < items.size(); ++i) {
         auto starts = exploration.starts(*rows[i], items[i].problem, settings);
         if (!starts) {
@@ -228,13 +230,13 @@ bool fit_stations(Survey& survey, const CommonOptions& options, const std::strin
         why_none.push_back(starts->why_none.empty() ? "no start has an answer under the load of this station"
                                                     : std::move(starts->why_none));
         const auto& station = rows[i]->station;
-        items[i].run = store.begin(
-            run_header(studies[i], "survey",
+        items[i].run = session.begin(
+            studies[i], "survey",
                        fmt::format("station {} at {} m; {} at {} kPa; {} starts, distance {}; {}",
                                    pave::join(station.lane.empty() ? std::vector{station.name}
                                                                    : std::vector{station.name, station.lane}),
                                    station.chainage_m, design.name, survey.common_pressure, settings.starts,
-                                   settings.start_distance, settings.method)));
+                                   settings.start_distance, settings.method));
     }
 
     run::Progress progress("survey", static_cast<std::int64_t>(items.size()), {"stations/min", 60.0});
@@ -256,7 +258,7 @@ bool fit_stations(Survey& survey, const CommonOptions& options, const std::strin
         row.fit = StationFit{minima[0], minima.size(), ends.size(),
                              rms_percent(items[i].problem, minima[0].evaluation.responses)};
     };
-    landscape::search_batch(items, store, *optimise::find_method(settings.method), settings.search, options.threads,
+    landscape::search_batch(items, *session.store(), *optimise::find_method(settings.method), settings.search, options.threads,
                             keep);
     survey.computed += exploration.tally().computed;
     survey.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -264,11 +266,11 @@ bool fit_stations(Survey& survey, const CommonOptions& options, const std::strin
 }
 
 // What a reader should know of a station besides its numbers.
-std::string remark(const Row& row) {
+std::string remark(const Survey& survey, const Row& row) {
     if (row.state != State::ok) {
         return std::string(state_words[static_cast<int>(row.state)]) + ": " + row.reason;
     }
-    std::string text = row.fit ? pave::join(row.fit->best.on_bound) : "";
+    std::string text = row.fit ? pave::join(bound_words(survey.study->space, row.fit->best.on_bound)) : "";
     if (row.fit && !row.fit->best.converged) {
         text += (text.empty() ? "" : "; ") + std::string("search not converged");
     }
@@ -318,7 +320,7 @@ std::string station_table(const Survey& survey) {
             }
             cells.resize(header.size() - 1);
         }
-        cells.push_back(remark(row));
+        cells.push_back(remark(survey, row));
         table.add(std::move(cells));
     }
     return table.text();
@@ -417,7 +419,7 @@ report::Json row_json(const Survey& survey, const Row& row) {
                        {"rms_percent", row.fit->rms_percent},
                        {"status", std::string(to_string(best.evaluation.status))},
                        {"converged", best.converged},
-                       {"on_bound", best.on_bound},
+                       {"on_bound", bound_words(survey.study->space, best.on_bound)},
                        {"starts", row.fit->starts},
                        {"starts_in_best", best.members.size()},
                        {"minima", row.fit->minima},
@@ -441,7 +443,7 @@ report::Json survey_json(const Survey& survey, const SurveyOptions& options, con
                            {"interpolation", interpolation_words}}},
                          {"common_pressure_kPa", survey.common_pressure},
                          {"files", options.files},
-                         {"version", PAVESCAPE_VERSION},
+                         {"version", analysis::version},
                          {"run", folder}};
     for (const Row& row : survey.rows) {
         json["stations"].push_back(row_json(survey, row));
@@ -483,7 +485,7 @@ std::string survey_csv(const Survey& survey) {
                 text += fmt::format(",{}", value);
             }
             text += fmt::format(",{},{},{},{}", best.evaluation.misfit, row.fit->rms_percent, best.converged,
-                                data::csv_cell(pave::join(best.on_bound)));
+                                data::csv_cell(pave::join(bound_words(survey.study->space, best.on_bound))));
         } else if (survey.study) {
             text += std::string(names.size() + 4, ',');
         }
@@ -502,8 +504,8 @@ int survey_road(const SurveyOptions& options) {
         }
     }
     const report::Json json = survey_json(survey, options, folder);
-    write_file(folder, "survey.csv", survey_csv(survey));
-    write_file(folder, "survey.json", report::json_text(json) + "\n");
+    run::write_file(folder, "survey.csv", survey_csv(survey));
+    run::write_file(folder, "survey.json", report::json_text(json) + "\n");
     const auto& counts = json["counts"];
     const bool nothing = survey.study ? counts["fitted"] == 0 : counts["rejected"] == counts["stations"];
     const int status = nothing ? computation_failed : done;
@@ -512,7 +514,7 @@ int survey_road(const SurveyOptions& options) {
         return status;
     }
     if (survey.study) {
-        fmt::print("{}\n", study_summary(*survey.study));
+        fmt::print("{}\n", report::study_summary(*survey.study));
     }
     fmt::print("{}: {} pass, {} fail, {} rejected", counted(survey.rows.size(), "station", "stations"),
                counts["pass"].get<int>(), counts["fail"].get<int>(), counts["rejected"].get<int>());

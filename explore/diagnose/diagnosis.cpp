@@ -49,6 +49,7 @@ constexpr int blind_number = 400;
 constexpr int baseline_number = 500;
 constexpr int fold_number = 5000;
 constexpr int bootstrap_number = 20'000;
+constexpr int search_number = 10'000'000; // + the point of the sample
 
 // Puts the model that was found in place of the best so far where it is lower by more than this.
 void keep_lower(std::optional<Model>& best, std::optional<Model> found, double by = 0.0) {
@@ -63,6 +64,7 @@ public:
         : task_(task),
           bench_(task.bench),
           settings_(settings),
+          noise_is_stated_(task.bench.problem({}).noise_is_stated()),
           arena_(run::concurrency(task.bench.threads())) {}
 
     // False: interrupted.
@@ -107,23 +109,23 @@ private:
         const Mimicry mimicry = mimicry_of(model);
         j.chi2 = model.sum / d_.variance;
         j.dof = static_cast<int>(model.residuals.size()) - mimicry.rank();
-        if (task_.noise_is_stated && j.dof > 0) {
+        if (noise_is_stated_ && j.dof > 0) {
             j.p_value = gsl_cdf_chisq_Q(j.chi2, j.dof);
         }
         j.aicc =
-            aicc(model.sum, static_cast<std::size_t>(model.residuals.size()), model.unit.size(), task_.noise_is_stated);
+            aicc(model.sum, static_cast<std::size_t>(model.residuals.size()), model.unit.size(), noise_is_stated_);
         j.pattern = test_pattern(model.residuals / std::sqrt(d_.variance), mimicry, task_.groups);
         j.model = std::move(model);
         return j;
     }
 
     bool contradicted(const Judged& j, double p_familywise) const {
-        const bool by_noise = task_.noise_is_stated && (j.p_value < level_chi2 || j.pattern.p_value < level_pattern);
+        const bool by_noise = noise_is_stated_ && (j.p_value < level_chi2 || j.pattern.p_value < level_pattern);
         return by_noise || p_familywise < level_family;
     }
 
     bool rejected(const Judged& j) const {
-        return task_.noise_is_stated && std::min(j.p_value, j.pattern.p_value) < level_rejected;
+        return noise_is_stated_ && std::min(j.p_value, j.pattern.p_value) < level_rejected;
     }
 
     // Chi2 with the price of having chosen the best of several variants.
@@ -144,6 +146,7 @@ private:
         landscape::MultistartSettings multistart;
         multistart.starts = settings_.starts;
         multistart.search.enough = close_enough;
+        multistart.first_kept = search_number;
         auto result = bench_.use({}, [&](const problem::Problem& own, run::Engine& engine) {
             if (!task_.explore) {
                 return landscape::multistart(engine, own, design, multistart);
@@ -164,20 +167,20 @@ private:
                 explored_.push_back({{},
                                      design.points[i],
                                      result->explored[i],
-                                     problem.misfit.residuals(result->explored[i].responses),
+                                     problem.residuals(result->explored[i]),
                                      0.0});
             }
         }
         d_.minima = std::move(result->minima);
         const landscape::Minimum& best = d_.minima[0];
-        Model model{{}, best.unit, best.evaluation, problem.misfit.residuals(best.evaluation.responses), 0.0};
+        Model model{{}, best.unit, best.evaluation, problem.residuals(best.evaluation), 0.0};
         model.sum = model.residuals.squaredNorm();
         set_baseline(std::move(model));
         return true;
     }
 
     void set_baseline(Model model) {
-        if (!task_.noise_is_stated) {
+        if (!noise_is_stated_) {
             d_.variance = 1.0;
             const double dof = static_cast<double>(model.residuals.size()) - static_cast<double>(model.unit.size());
             d_.variance = std::max(model.sum / std::max(1.0, dof), 1e-24);
@@ -274,7 +277,7 @@ private:
     }
 
     bool fit_singles() {
-        auto screening = screen(bench_, d_.baseline.model, task_.candidates, d_.variance, !task_.noise_is_stated,
+        auto screening = screen(bench_, d_.baseline.model, task_.candidates, d_.variance, !noise_is_stated_,
                                 task_.seed, scanned, screen_number);
         if (!screening) {
             return false;
@@ -335,7 +338,7 @@ private:
 
     // Everything that depends on the variance.
     void set_statistics() {
-        if (!task_.noise_is_stated) { // the noise is what the best model leaves over
+        if (!noise_is_stated_) { // the noise is what the best model leaves over
             d_.variance = d_.baseline.model.sum / std::max(1, d_.baseline.dof);
             for (const EffectResult& effect : d_.effects) {
                 if (effect.fit) {
@@ -405,7 +408,7 @@ private:
         std::vector<Job> jobs;
         for (std::size_t b = 0; b < beam.size(); ++b) {
             const int number = pair_number + 100 * static_cast<int>(b);
-            auto screening = screen(bench_, beam[b]->model, task_.candidates, d_.variance, !task_.noise_is_stated,
+            auto screening = screen(bench_, beam[b]->model, task_.candidates, d_.variance, !noise_is_stated_,
                                     task_.seed, scanned_of_pairs, number);
             if (!screening) {
                 return false;
@@ -538,7 +541,7 @@ private:
     // Fills explanations_ : the models that explain the data, best first; empty: none does. False: interrupted.
     bool explain() {
         const auto is_doubtful = [&](const Judged& j) {
-            return task_.noise_is_stated && std::min(j.p_value, j.pattern.p_value) < level_doubtful;
+            return noise_is_stated_ && std::min(j.p_value, j.pattern.p_value) < level_doubtful;
         };
         if (!d_.effects.empty() && d_.effects[0].fit && is_doubtful(*d_.effects[0].fit) && !search_further()) {
             return false;
@@ -553,7 +556,7 @@ private:
             return true;
         }
         const Judged& first = *singles[0];
-        auto next = screen(bench_, first.model, task_.candidates, d_.variance, !task_.noise_is_stated, task_.seed, 0,
+        auto next = screen(bench_, first.model, task_.candidates, d_.variance, !noise_is_stated_, task_.seed, 0,
                            pair_number + 100 * static_cast<int>(beam_width));
         if (!next) {
             return false;
@@ -852,6 +855,7 @@ private:
     const DiagnosisTask& task_;
     Workbench& bench_;
     const DiagnosisSettings& settings_;
+    bool noise_is_stated_; // residuals are then in units of it
     tbb::task_arena arena_;
     Diagnosis d_;
     std::vector<Model> explored_; // points of the sample: residuals, no derivatives

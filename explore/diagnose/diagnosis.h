@@ -15,7 +15,6 @@ struct Fold {
 struct DiagnosisTask {
     Workbench& bench;
     std::vector<Candidate> candidates;
-    bool noise_is_stated = false; // residuals are then in units of it
     std::vector<ReadingGroup> groups;
     std::vector<Fold> places; // of the sensors; every term in one
     std::vector<Fold> loads;

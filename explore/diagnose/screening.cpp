@@ -151,7 +151,7 @@ void differentiate(Workbench& bench, const Model& base, const std::vector<Candid
             s.impossible = e.reason;
             return;
         }
-        s.at_null = problem.misfit.residuals(e.responses);
+        s.at_null = problem.residuals(e);
         const auto at = static_cast<Index>(size_index(bench, members, c));
         s.derivative = problem.residual_jacobian(e).col(at);
     });
@@ -170,7 +170,7 @@ void scan(Workbench& bench, const Model& base, const std::vector<Candidate>& can
             for (std::size_t i = from; i < std::min(sizes.size(), from + most); ++i) {
                 const auto e = chain.at(point_of(bench, base, c, sizes[i]));
                 s.sizes.push_back(sizes[i]);
-                s.moved.push_back(e.converged() ? problem.misfit.residuals(e.responses) - s.at_null : VectorXd());
+                s.moved.push_back(e.converged() ? problem.residuals(e) - s.at_null : VectorXd());
             }
         },
         false);

@@ -38,7 +38,7 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
         if (!e.converged()) {
             return optimise::Answer::no_answer;
         }
-        Eigen::VectorXd residuals = problem.misfit.residuals(e.responses);
+        Eigen::VectorXd residuals = problem.residuals(e);
         if (target.offset.size() > 0) {
             residuals += target.offset;
         }

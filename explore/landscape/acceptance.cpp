@@ -9,21 +9,21 @@ double Acceptance::noise() const {
     return std::sqrt(variance);
 }
 
-std::optional<Acceptance> acceptance_of(const problem::Problem& problem, const Minimum& best, bool noise_is_stated) {
+std::optional<Acceptance> acceptance_of(const problem::Problem& problem, const Minimum& best) {
     constexpr double level = 0.95;
     Acceptance a;
-    a.noise_is_stated = noise_is_stated;
-    a.degrees_of_freedom = static_cast<int>(problem.misfit.size() + best.on_bound.size()) - problem.space.dimension();
+    a.noise_is_stated = problem.noise_is_stated();
+    a.degrees_of_freedom = problem.degrees_of_freedom(problem.space.axes.size() - best.on_bound.size());
     const double sum = best.evaluation.misfit * best.evaluation.misfit;
     const double dof = a.degrees_of_freedom;
-    if (noise_is_stated) {
+    if (a.noise_is_stated) {
         a.chi2 = sum;
         a.p_value = a.degrees_of_freedom > 0 ? gsl_cdf_chisq_Q(sum, dof) : 1.0;
         a.widened = a.p_value < contradicted;
     } else if (a.degrees_of_freedom <= 0) {
         return std::nullopt;
     }
-    if (noise_is_stated && !a.widened) {
+    if (a.noise_is_stated && !a.widened) {
         a.threshold = gsl_cdf_chisq_Pinv(level, 1.0);
     } else {
         a.variance = std::max(sum / dof, 1e-24);

@@ -38,12 +38,7 @@ std::optional<Conflict> conflict_of(run::Engine& engine, const problem::Problem&
     c.p_value = std::numeric_limits<double>::quiet_NaN();
     std::vector<problem::Problem> problems;
     for (const auto& rows : groups) {
-        std::vector<problem::Misfit::Term> terms;
-        terms.reserve(rows.size());
-        for (const std::size_t i : rows) {
-            terms.push_back(problem.misfit.terms()[i]);
-        }
-        problems.push_back({problem.space, problem.function, {problem.misfit.kind(), std::move(terms)}});
+        problems.push_back(problem.with_readings(rows));
     }
     std::vector<Fitted> fits(groups.size() * starts.size());
     const bool finished = engine.chains("groups alone", first, fits.size(), [&](std::size_t i, run::Chain& chain) {
@@ -54,7 +49,7 @@ std::optional<Conflict> conflict_of(run::Engine& engine, const problem::Problem&
             if (!e.converged()) {
                 return optimise::Answer::no_answer;
             }
-            sample.residuals = own.misfit.residuals(e.responses);
+            sample.residuals = own.residuals(e);
             sample.jacobian = own.residual_jacobian(e);
             if (sample.residuals.norm() < fit.misfit) {
                 fit.misfit = sample.residuals.norm();
@@ -101,7 +96,7 @@ std::optional<Conflict> conflict_of(run::Engine& engine, const problem::Problem&
     }
     const double sum = joint.evaluation.misfit * joint.evaluation.misfit;
     c.degrees_of_freedom = ranks - rank_of(problem.residual_jacobian(joint.evaluation) / acceptance.noise());
-    c.remaining = static_cast<int>(problem.misfit.size()) - ranks;
+    c.remaining = problem.degrees_of_freedom(static_cast<std::size_t>(ranks));
     if (c.degrees_of_freedom > 0) {
         // Stated noise that even the separate fits contradict is no measure of their difference.
         constexpr double contradicted = 0.01;

@@ -22,11 +22,10 @@ bool same_minimum(const Minimum& minimum, const run::Endpoint& end, const proble
     if (d.lpNorm<Eigen::Infinity>() < 0.01) {
         return true;
     }
-    const auto data = static_cast<double>(problem.misfit.size());
+    const auto data = static_cast<double>(problem.readings());
     const double free = std::max(1.0, data - static_cast<double>(problem.space.dimension()));
     const double noise = stated > 0.0 ? stated : minimum.evaluation.misfit / std::sqrt(free);
-    const Eigen::VectorXd r =
-        problem.misfit.residuals(end.evaluation.responses) - problem.misfit.residuals(minimum.evaluation.responses);
+    const Eigen::VectorXd r = problem.residuals(end.evaluation) - problem.residuals(minimum.evaluation);
     return end.search.misfit - minimum.evaluation.misfit < 0.1 * noise && r.norm() < noise &&
            (problem.residual_jacobian(minimum.evaluation) * d).norm() < noise;
 }
@@ -37,14 +36,26 @@ bool is_at_bound(double unit) {
     return unit < at_bound || unit > 1.0 - at_bound;
 }
 
-std::vector<std::string> bounds_met(const problem::ParameterSpace& space, const std::vector<double>& unit) {
-    std::vector<std::string> met;
+std::vector<BoundMet> bounds_met(const std::vector<double>& unit) {
+    std::vector<BoundMet> met;
     for (std::size_t k = 0; k < unit.size(); ++k) {
         if (is_at_bound(unit[k])) {
-            met.push_back(space.axes[k].name + (unit[k] < 0.5 ? " at its lower bound" : " at its upper bound"));
+            met.push_back({k, unit[k] >= 0.5});
         }
     }
     return met;
+}
+
+std::string bound_words(const problem::ParameterSpace& space, const BoundMet& bound) {
+    return space.axes[bound.axis].name + (bound.upper ? " at its upper bound" : " at its lower bound");
+}
+
+std::vector<std::string> bound_words(const problem::ParameterSpace& space, const std::vector<BoundMet>& bounds) {
+    std::vector<std::string> words;
+    for (const BoundMet& bound : bounds) {
+        words.push_back(bound_words(space, bound));
+    }
+    return words;
 }
 
 std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem,
@@ -68,7 +79,7 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, con
             m.unit = end->search.unit;
             m.lowest = m.highest = parameters;
             m.converged = end->search.converged;
-            m.on_bound = bounds_met(problem.space, m.unit);
+            m.on_bound = bounds_met(m.unit);
             minima.push_back(std::move(m));
             home = minima.end() - 1;
         }
@@ -85,21 +96,16 @@ namespace {
 
 // The standard deviation of every residual, with what it says of the fit.
 Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem, LocalAnalysis& a) {
-    const auto terms = problem.misfit.terms();
-    const auto count = static_cast<Eigen::Index>(terms.size());
-    a.noise_is_stated =
-        !terms.empty() && std::all_of(terms.begin(), terms.end(), [](const auto& t) { return t.noise > 0.0; });
+    const auto count = static_cast<Eigen::Index>(problem.readings());
+    a.noise_is_stated = problem.noise_is_stated();
     if (!a.noise_is_stated) {
         if (a.degrees_of_freedom > 0) {
             a.noise = minimum.evaluation.misfit / std::sqrt(static_cast<double>(a.degrees_of_freedom));
         }
         return Eigen::VectorXd::Constant(count, a.noise);
     }
-    Eigen::VectorXd noise(count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-        noise[i] = terms[static_cast<std::size_t>(i)].noise;
-    }
-    a.chi2 = problem.misfit.residuals(minimum.evaluation.responses).cwiseQuotient(noise).squaredNorm();
+    Eigen::VectorXd noise = problem.noise();
+    a.chi2 = problem.residuals(minimum.evaluation).cwiseQuotient(noise).squaredNorm();
     if (a.degrees_of_freedom > 0) {
         a.p_value = gsl_cdf_chisq_Q(a.chi2, a.degrees_of_freedom);
         a.widened = a.p_value < contradicted;
@@ -125,7 +131,7 @@ LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     const double infinity = std::numeric_limits<double>::infinity();
     a.standard_error.assign(minimum.unit.size(), infinity);
     a.weakest.assign(minimum.unit.size(), 0.0);
-    a.degrees_of_freedom = static_cast<int>(j.rows()) - static_cast<int>(free.size());
+    a.degrees_of_freedom = problem.degrees_of_freedom(free.size());
     const Eigen::VectorXd noise = noise_of(minimum, problem, a);
     if (free.empty()) {
         return a;

@@ -5,11 +5,23 @@
 
 namespace explore::landscape {
 
+// A parameter of the best point that lies on a bound of its range.
+struct BoundMet {
+    std::size_t axis = 0;
+    bool upper = false;
+    bool operator==(const BoundMet&) const = default;
+};
+std::vector<BoundMet> bounds_met(const std::vector<double>& unit);
+bool is_at_bound(double unit);
+// "base.n at its upper bound"
+std::string bound_words(const problem::ParameterSpace& space, const BoundMet& bound);
+std::vector<std::string> bound_words(const problem::ParameterSpace& space, const std::vector<BoundMet>& bounds);
+
 struct Minimum {
     problem::Evaluation evaluation;      // of the best member, with jacobian
     std::vector<double> unit;            // its unit coordinates
     std::vector<int> members;            // numbers of the starts that ended here, best first
-    std::vector<std::string> on_bound;   // parameters that lie on a bound: "base.n at its upper bound"
+    std::vector<BoundMet> on_bound;
     std::vector<double> lowest, highest; // of each parameter over the members, physical
     bool converged = false;              // the search of the best member met a tolerance
 };
@@ -20,10 +32,6 @@ struct Minimum {
 // noise: standard deviation of a residual; 0: s with s2 = f^2 / (data - parameters) of the lower of the two.
 std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem,
                                      double noise = 0.0);
-
-// Parameters of a point of the unit cube that lie on a bound: "base.n at its upper bound".
-std::vector<std::string> bounds_met(const problem::ParameterSpace& space, const std::vector<double>& unit);
-bool is_at_bound(double unit);
 
 // Stated noise whose chi2 is less probable than this does not explain the misfit: it is then taken larger.
 inline constexpr double contradicted = 0.01;

@@ -15,12 +15,19 @@ std::optional<MultistartResult> refine(run::Engine& engine, const problem::Probl
                                        const search::Design& design, std::vector<problem::Evaluation> explored,
                                        const std::vector<std::vector<double>>& also,
                                        const MultistartSettings& settings) {
+    // By the point that it starts from: more points or starts continue a run.
+    constexpr int first_of_also = 100'000'000;
     std::vector<std::vector<double>> starts;
+    std::vector<int> kept_as;
     for (const std::size_t i : run::distinct_starts(design, explored, settings.starts, settings.start_distance)) {
+        kept_as.push_back(settings.first_kept + static_cast<int>(i));
         starts.push_back(design.points[i]);
     }
-    starts.insert(starts.end(), also.begin(), also.end());
-    auto ends = engine.search(starts, *optimise::find_method(settings.method), settings.search);
+    for (const auto& start : also) {
+        kept_as.push_back(first_of_also + static_cast<int>(&start - also.data()));
+        starts.push_back(start);
+    }
+    auto ends = engine.search(starts, *optimise::find_method(settings.method), settings.search, 0, kept_as);
     if (!ends) {
         return std::nullopt;
     }

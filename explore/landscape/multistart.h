@@ -10,6 +10,7 @@ struct MultistartSettings {
     double start_distance = 0.25; // between starts, Euclid in the unit cube
     std::string method = "gauss-newton";
     optimise::SearchSettings search{};
+    int first_kept = 0; // the search from point i of the design is kept as start first_kept + i
 };
 
 struct MultistartResult {

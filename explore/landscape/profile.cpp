@@ -69,7 +69,7 @@ public:
                 return optimise::Answer::no_answer;
             }
             const std::vector<double> unit(at.begin(), at.end());
-            const VectorXd residuals = problem_.misfit.residuals(e.responses);
+            const VectorXd residuals = problem_.residuals(e);
             const MatrixXd jacobian = problem_.residual_jacobian(e);
             const VectorXd gradient = quantity.gradient(unit, e);
             if (weight == 0.0) {
@@ -235,7 +235,7 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
             branch.limit = here.value + std::clamp(share, 0.0, 1.0) * (found->value - here.value);
             branch.limit_unit =
                 clamped(here.unit, std::clamp(share, 0.0, 1.0) * (vector_of(found->unit) - vector_of(here.unit)));
-            branch.on_bound = bounds_met(problem.space, found->unit);
+            branch.on_bound = bounds_met(found->unit);
             branch.points.push_back(std::move(*found));
             branch.end = WalkEnd::threshold;
             return branch;
@@ -250,7 +250,7 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
         branch.limit = here.value;
         branch.points.push_back(std::move(*found));
     }
-    branch.on_bound = bounds_met(problem.space, here.unit);
+    branch.on_bound = bounds_met(here.unit);
     branch.limit_unit = here.unit;
     return branch;
 }
@@ -307,8 +307,8 @@ Branch trace_valley(run::Chain& chain, const problem::Problem& problem, const Ac
             branch.end = WalkEnd::threshold;
             break;
         }
-        const auto met = bounds_met(problem.space, here.unit);
-        if (!met.empty() && met != bounds_met(problem.space, from.unit)) {
+        const auto met = bounds_met(here.unit);
+        if (!met.empty() && met != bounds_met(from.unit)) {
             branch.end = WalkEnd::bound;
             break;
         }
@@ -340,7 +340,7 @@ Branch trace_valley(run::Chain& chain, const problem::Problem& problem, const Ac
         heading(open) = next.normalized();
     }
     branch.limit = travelled;
-    branch.on_bound = bounds_met(problem.space, here.unit);
+    branch.on_bound = bounds_met(here.unit);
     branch.limit_unit = here.unit;
     return branch;
 }

@@ -41,7 +41,7 @@ public:
         }
         constexpr int most_rounds = 4; // a walk that finds a better minimum begins a new round
         for (int round = 0; round < most_rounds; ++round) {
-            result_.acceptance = acceptance_of(task_.fitted, result_.minima[0], task_.noise_is_stated);
+            result_.acceptance = acceptance_of(task_.fitted, result_.minima[0]);
             if (!result_.acceptance) {
                 result_.missing.emplace_back(
                     "the noise of the readings: none is stated, and there are not more readings "
@@ -100,7 +100,7 @@ private:
         for (const auto& e : result_.explored) {
             misfit.push_back(e.misfit);
             gradients.push_back(e.converged() ? VectorXd(task_.fitted.residual_jacobian(e).transpose() *
-                                                         task_.fitted.misfit.residuals(e.responses))
+                                                         task_.fitted.residuals(e))
                                               : VectorXd());
         }
         result_.tree = merge_tree(result_.sample.points, misfit, neighbours);
@@ -154,7 +154,7 @@ private:
         std::vector<run::Endpoint> own;
         std::copy_if(ends_.begin(), ends_.end(), std::back_inserter(own),
                      [&](const auto& end) { return !followed_by_.contains(end.start); });
-        result_.minima = distinct_minima(own, task_.fitted, task_.noise_is_stated ? 1.0 : 0.0);
+        result_.minima = distinct_minima(own, task_.fitted, task_.fitted.noise_is_stated() ? 1.0 : 0.0);
         home_.clear();
         for (std::size_t m = 0; m < result_.minima.size(); ++m) {
             for (const int start : result_.minima[m].members) {
@@ -421,14 +421,12 @@ private:
             const auto home = home_.find(end.start);
             c.minimum = home == home_.end() ? -1 : home->second;
             if (end.search.unit.empty() || !end.search.converged) {
-                c.why = end.search.ended;
+                c.unfinished = end.search.ended;
                 result_.ends.push_back(std::move(c));
                 continue;
             }
-            const auto met = bounds_met(task_.fitted.space, end.search.unit);
-            for (const auto& bound : met) {
-                c.why += (c.why.empty() ? "" : ", ") + bound;
-            }
+            const auto met = bounds_met(end.search.unit);
+            c.bounds = met;
             bool flat = false;
             if (result_.acceptance) {
                 Minimum here;

@@ -19,7 +19,6 @@ struct UniquenessTask {
     const problem::Problem& everything;
     run::Engine& fitted_engine;
     run::Engine& everything_engine;
-    bool noise_is_stated = false;
     std::vector<std::size_t> outputs;             // responses whose range is wanted
     std::vector<std::vector<std::size_t>> groups; // terms of the misfit of each group of data
     std::uint64_t seed = 1;
@@ -47,7 +46,8 @@ inline constexpr std::string_view end_kind_names[] = {"interior minimum", "minim
 struct ClassifiedEnd {
     int start = 0;
     EndKind kind = EndKind::unfinished;
-    std::string why;  // which bounds; why unfinished
+    std::vector<BoundMet> bounds; // that it lies on
+    std::string unfinished;       // why it ended before a minimum
     int minimum = -1; // index of the minimum it belongs to
     int evaluations = 0;
 };
@@ -57,7 +57,7 @@ struct Range {
     double low = 0.0, high = 0.0; // parameter: physical; output: SI
     std::vector<Branch> branches; // down and up from every distinct minimum the data accept
     WalkEnd low_end = WalkEnd::limit, high_end = WalkEnd::limit;
-    std::vector<std::string> low_bounds, high_bounds; // parameters that lie on a bound at the ends
+    std::vector<BoundMet> low_bounds, high_bounds;    // parameters that lie on a bound at the ends
     std::vector<double> low_set, high_set;            // parameters of the sets at the ends, physical
 };
 

@@ -16,6 +16,7 @@ struct Prediction {
     std::vector<double> responses;
     Eigen::MatrixXd jacobian; // responses x parameters, empty unless asked for
     std::vector<std::string> warnings;
+    bool in_place_of_reduced = false; // by the full model, where a reduced one could not answer
 };
 
 // Must be pure: the same parameters give the same bits on any thread, whatever was computed before.

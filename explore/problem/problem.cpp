@@ -1,5 +1,6 @@
 #include "problem/problem.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace explore::problem {
@@ -18,8 +19,9 @@ Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
     e.responses = std::move(prediction.responses);
     e.jacobian = std::move(prediction.jacobian);
     e.warnings = std::move(prediction.warnings);
-    if (misfit.size() > 0) {
-        e.misfit = misfit.residuals(e.responses).norm();
+    e.in_place_of_reduced = prediction.in_place_of_reduced;
+    if (readings() > 0) {
+        e.misfit = misfit(e);
         if (!std::isfinite(e.misfit)) {
             Evaluation without_answer;
             without_answer.parameters = std::move(e.parameters);
@@ -33,10 +35,10 @@ Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
 }
 
 Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {
-    const Eigen::VectorXd slopes = misfit.slopes(evaluation.responses);
+    const Eigen::VectorXd slopes = misfit_.slopes(evaluation.responses);
     Eigen::MatrixXd j(slopes.size(), evaluation.jacobian.cols());
     for (Eigen::Index i = 0; i < j.rows(); ++i) {
-        const std::size_t response = misfit.terms()[static_cast<std::size_t>(i)].response;
+        const std::size_t response = response_of(static_cast<std::size_t>(i));
         j.row(i) = slopes[i] * evaluation.jacobian.row(static_cast<Eigen::Index>(response));
     }
     for (Eigen::Index k = 0; k < j.cols(); ++k) {
@@ -44,6 +46,40 @@ Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {
         j.col(k) *= axis.d_physical(axis.unit(evaluation.parameters[static_cast<std::size_t>(k)]));
     }
     return j;
+}
+
+bool Problem::noise_is_stated() const {
+    const auto terms = misfit_.terms();
+    return !terms.empty() && std::all_of(terms.begin(), terms.end(), [](const auto& t) { return t.noise > 0.0; });
+}
+
+Eigen::VectorXd Problem::noise() const {
+    Eigen::VectorXd noise(static_cast<Eigen::Index>(readings()));
+    for (Eigen::Index i = 0; i < noise.size(); ++i) {
+        noise[i] = misfit_.terms()[static_cast<std::size_t>(i)].noise;
+    }
+    return noise;
+}
+
+Problem Problem::with_readings(const std::vector<std::size_t>& residuals) const {
+    std::vector<Misfit::Term> terms;
+    terms.reserve(residuals.size());
+    for (const std::size_t i : residuals) {
+        terms.push_back(misfit_.terms()[i]);
+    }
+    return {space, function, {misfit_.kind(), std::move(terms)}};
+}
+
+Problem Problem::in_units_of_noise() const {
+    if (!noise_is_stated()) {
+        return *this;
+    }
+    std::vector<Misfit::Term> terms(misfit_.terms().begin(), misfit_.terms().end());
+    for (Misfit::Term& term : terms) {
+        term.factor /= term.noise;
+        term.noise = 1.0;
+    }
+    return {space, function, {misfit_.kind(), std::move(terms)}};
 }
 
 } // namespace explore::problem

@@ -19,20 +19,52 @@ struct Evaluation {
     Eigen::MatrixXd jacobian; // responses x parameters, physical; empty unless asked for
     std::vector<std::string> warnings;
     double misfit = std::numeric_limits<double>::quiet_NaN();
+    bool in_place_of_reduced = false; // by the full model, where a reduced one could not answer
 
     bool converged() const { return status == pave::Status::converged; }
 };
 
-struct Problem {
+// The likelihood is the problem's own: whoever wants residuals, their derivatives, degrees of freedom or the noise that
+// is assumed asks here. Everything but `function` is cheap.
+class Problem {
+public:
+    Problem(ParameterSpace own_space, std::shared_ptr<const ForwardFunction> own_function, Misfit misfit)
+        : space(std::move(own_space)),
+          function(std::move(own_function)),
+          misfit_(std::move(misfit)) {}
+
     ParameterSpace space;
     std::shared_ptr<const ForwardFunction> function;
-    Misfit misfit;
 
     // unit: a point of the unit cube.
     Evaluation evaluate(std::span<const double> unit, bool with_jacobian, ForwardFunction::Workspace& workspace) const;
 
+    // Readings that are compared: one residual each.
+    std::size_t readings() const { return misfit_.size(); }
+    // Which response residual i compares.
+    std::size_t response_of(std::size_t i) const { return misfit_.terms()[i].response; }
+    double measured(std::size_t i) const { return misfit_.terms()[i].measured; } // SI
+
+    // Of a converged evaluation, whoever made it.
+    Eigen::VectorXd residuals(const Evaluation& evaluation) const { return misfit_.residuals(evaluation.responses); }
+    double misfit(const Evaluation& evaluation) const { return residuals(evaluation).norm(); }
     // d(residuals)/d(unit coordinates) of an evaluation with a jacobian.
     Eigen::MatrixXd residual_jacobian(const Evaluation& evaluation) const;
+
+    // Readings less the parameters that are free.
+    int degrees_of_freedom(std::size_t free) const { return static_cast<int>(readings()) - static_cast<int>(free); }
+    // Whether every reading states its noise.
+    bool noise_is_stated() const;
+    // Standard deviation of every residual by the stated noise; 0: not stated.
+    Eigen::VectorXd noise() const;
+
+    // The same question with these residuals alone.
+    Problem with_readings(const std::vector<std::size_t>& residuals) const;
+    // The same with every residual in units of its noise, where all state one; else as it is.
+    Problem in_units_of_noise() const;
+
+private:
+    Misfit misfit_;
 };
 
 } // namespace explore::problem

@@ -1,7 +1,5 @@
 #include "report/json.h"
 
-#include "base/units.h"
-
 #include <cmath>
 
 namespace explore::report {
@@ -33,38 +31,30 @@ Json space_json(const problem::ParameterSpace& space) {
     return json;
 }
 
-Json place_json(const study::Study& study, std::size_t i) {
-    const auto& s = study.model.sensors[i];
-    const std::string& load = study.model.loads[static_cast<std::size_t>(s.load)].name;
-    if (i < study.measurements.size()) { // not metres turned back
-        const auto& m = study.measurements[i];
-        return {{"load", load},   {"quantity", m.quantity}, {"x_mm", m.x_mm},
-                {"y_mm", m.y_mm}, {"depth_mm", m.depth_mm}, {"gauge_mm", m.gauge_mm}};
-    }
-    // To the picometre: what the study states, without the rounding of metres.
-    const auto mm = [](double metres) { return std::round(metres / pave::unit::mm * 1e9) / 1e9; };
-    return {{"load", load},
-            {"quantity", std::string(info(s.quantity).name)},
-            {"x_mm", mm(s.x)},
-            {"y_mm", mm(s.y)},
-            {"depth_mm", mm(s.depth)},
-            {"gauge_mm", mm(s.gauge)}};
+Json place_json(const data::Reading& r) {
+    return {{"load", r.load},     {"quantity", r.quantity}, {"x_mm", r.x_mm},
+            {"y_mm", r.y_mm},     {"depth_mm", r.depth_mm}, {"gauge_mm", r.gauge_mm}};
 }
 
 Json responses_json(const study::Study& study, const std::vector<double>& responses) {
     Json json = Json::array();
     for (std::size_t i = 0; i < responses.size(); ++i) {
-        Json row = place_json(study, i);
-        row["value"] = responses[i] / study.response_to_si(i);
-        row["unit"] = std::string(study.response_unit(i));
-        if (i < study.measurements.size()) {
-            row["measured"] = study.measurements[i].value;
+        const data::Reading& reading = study.readings[i];
+        Json row = place_json(reading);
+        row["value"] = reading.in_unit(responses[i]);
+        row["unit"] = std::string(reading.unit.name);
+        if (reading.is_measured()) {
+            row["measured"] = reading.value;
         } else {
-            row["name"] = study.outputs[i - study.measurements.size()].name;
+            row["name"] = reading.output;
         }
         json.push_back(std::move(row));
     }
     return json;
+}
+
+Json study_json(const study::Study& study) {
+    return {{"file", study.file}, {"title", study.title}, {"hash", study.hash}};
 }
 
 Json status_counts(const std::vector<problem::Evaluation>& evaluations) {
@@ -77,21 +67,45 @@ Json status_counts(const std::vector<problem::Evaluation>& evaluations) {
 }
 
 Json minimum_json(const problem::Problem& problem, const landscape::Minimum& minimum) {
-    const landscape::LocalAnalysis analysis = landscape::analyse(minimum, problem);
+    return minimum_json(problem.space, minimum, landscape::analyse(minimum, problem));
+}
+
+Json minimum_json(const problem::ParameterSpace& space, const landscape::Minimum& minimum,
+                  const landscape::LocalAnalysis& analysis) {
     Json errors = Json::object();
     for (std::size_t k = 0; k < minimum.unit.size(); ++k) {
-        const problem::Axis& axis = problem.space.axes[k];
+        const problem::Axis& axis = space.axes[k];
         const double error = analysis.standard_error[k] * axis.d_physical(minimum.unit[k]);
         errors[axis.name] = std::isfinite(error) ? Json(error) : Json(nullptr);
     }
     return {{"misfit", minimum.evaluation.misfit},
-            {"parameters", parameters_json(problem.space, minimum.evaluation.parameters)},
+            {"parameters", parameters_json(space, minimum.evaluation.parameters)},
             {"standard_errors", std::move(errors)},
             {"starts", minimum.members},
             {"converged", minimum.converged},
-            {"on_bound", minimum.on_bound},
-            {"lowest", parameters_json(problem.space, minimum.lowest)},
-            {"highest", parameters_json(problem.space, minimum.highest)}};
+            {"on_bound", bound_words(space, minimum.on_bound)},
+            {"lowest", parameters_json(space, minimum.lowest)},
+            {"highest", parameters_json(space, minimum.highest)}};
+}
+
+Json warnings_json(const problem::Evaluation& evaluation) {
+    Json json = evaluation.warnings;
+    if (evaluation.in_place_of_reduced) {
+        json.push_back("computed by the full model: the reduced one is not sure enough here");
+    }
+    return json;
+}
+
+Json reduced_json(const analysis::ReducedProblem& reduced) {
+    Json json = {{"loads", Json::array()}};
+    for (const auto& load : reduced.loads) {
+        json["loads"].push_back({{"load", load.name},
+                                 {"modes", load.report.modes},
+                                 {"points", load.report.points},
+                                 {"full_runs", load.report.full_runs},
+                                 {"error_95", load.report.error_95}});
+    }
+    return json;
 }
 
 } // namespace explore::report

@@ -1,8 +1,8 @@
 // Numbers of runs as JSON.
 #pragma once
 
+#include "analysis/session.h"
 #include "landscape/minima.h"
-#include "study/study.h"
 
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -24,18 +24,28 @@ Json parameters_json(const problem::ParameterSpace& space, const std::vector<dou
 // [{"name", "min", "max", "scale"}]
 Json space_json(const problem::ParameterSpace& space);
 
-// Where and what response number i is: {"load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm"}; of a reading as
-// its file states them.
-Json place_json(const study::Study& study, std::size_t i);
+// Where and what it reads: {"load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm"}, as its file states them.
+Json place_json(const data::Reading& reading);
 
 // [{"load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm", "value", "unit", ("measured"), ("name")}], value in
 // unit.
 Json responses_json(const study::Study& study, const std::vector<double>& responses);
+
+// {"file", "title", "hash"}
+Json study_json(const study::Study& study);
+
+// The warnings of a run, in sentences.
+Json warnings_json(const problem::Evaluation& evaluation);
+
+// What a reduced model was built of, the same whether now or before.
+Json reduced_json(const analysis::ReducedProblem& reduced);
 
 // {"converged": 240, "invalid-parameters": 16, ...}, every status named.
 Json status_counts(const std::vector<problem::Evaluation>& evaluations);
 
 // One minimum with its starts, spread and local analysis.
 Json minimum_json(const problem::Problem& problem, const landscape::Minimum& minimum);
+Json minimum_json(const problem::ParameterSpace& space, const landscape::Minimum& minimum,
+                  const landscape::LocalAnalysis& analysis);
 
 } // namespace explore::report

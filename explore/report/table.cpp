@@ -42,20 +42,6 @@ std::string Table::text(int indent) const {
     return all;
 }
 
-std::string figure(double value) {
-    if (value == 0.0 || !std::isfinite(value)) {
-        return fmt::format("{}", value);
-    }
-    const int digits = 3 - static_cast<int>(std::floor(std::log10(std::abs(value))));
-    return digits < 0   ? fmt::format("{:.0f}", value)
-           : digits > 9 ? fmt::format("{:.3e}", value)
-                        : fmt::format("{:.{}f}", value, digits);
-}
-
-std::string counted(std::size_t count, const std::string& one, const std::string& many) {
-    return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
 std::string sparkline(const std::vector<double>& values) {
     static const char* const blocks[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
     double low = INFINITY;

@@ -17,12 +17,6 @@ private:
     std::vector<std::vector<std::string>> rows_;
 };
 
-// Four significant digits, no exponent for the magnitudes of pavements: "5500", "0.7000", "-0.006628".
-std::string figure(double value);
-
-// "3 of 12 starts", "1 minimum", "2 minima"
-std::string counted(std::size_t count, const std::string& one, const std::string& many);
-
 // A row of blocks, lowest value lowest; not-a-number is a space.
 std::string sparkline(const std::vector<double>& values);
 

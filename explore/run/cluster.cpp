@@ -42,7 +42,8 @@ std::string packed(const Json& json) {
 
 Json told(const Prediction& p) {
     return {p.responses, p.jacobian.rows(), p.jacobian.cols(),
-            std::vector<double>(p.jacobian.data(), p.jacobian.data() + p.jacobian.size()), p.warnings};
+            std::vector<double>(p.jacobian.data(), p.jacobian.data() + p.jacobian.size()), p.warnings,
+            p.in_place_of_reduced};
 }
 
 Prediction prediction_of(const Json& json) {
@@ -51,6 +52,7 @@ Prediction prediction_of(const Json& json) {
     const auto numbers = json.at(3).get<std::vector<double>>();
     p.jacobian = Eigen::Map<const Eigen::MatrixXd>(numbers.data(), json.at(1), json.at(2));
     json.at(4).get_to(p.warnings);
+    json.at(5).get_to(p.in_place_of_reduced);
     return p;
 }
 

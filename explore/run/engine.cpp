@@ -127,19 +127,27 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
 
 namespace {
 
-// A chain that keeps what it computes under the start number it was given.
+// A chain that keeps what it computes under the start number it was given. What the store has of that start answers for
+// the same point, whenever it is asked for: evaluations are pure.
 class KeptChain final : public Chain {
 public:
     using Compute = std::function<Evaluation(std::span<const double>)>;
-    KeptChain(const problem::Problem& problem, Store* store, int run, int start, Compute compute, Progress& progress)
+    KeptChain(const problem::Problem& problem, Store* store, int run, int start, bool with_jacobian, Compute compute,
+              Progress& progress)
         : problem_(problem),
           store_(store),
           run_(run),
           start_(start),
           compute_(std::move(compute)),
           progress_(progress) {
-        if (store != nullptr) {
-            known_ = store->get(run, {start, 0}, {start, std::numeric_limits<int>::max()});
+        if (store == nullptr) {
+            return;
+        }
+        for (auto& [number, e] : store->get(run, {start, 0}, {start, std::numeric_limits<int>::max()})) {
+            next_ = number.number + 1;
+            if (!with_jacobian || !e.converged() || e.jacobian.size() > 0) {
+                known_.try_emplace(e.parameters, std::move(e));
+            }
         }
     }
 
@@ -147,12 +155,11 @@ public:
         if (interrupted()) {
             throw Interrupted();
         }
-        const RunNumber number{start_, number_++};
-        const auto old = known_.find(number);
-        const bool have = old != known_.end() && old->second.parameters == problem_.space.physical(unit);
-        Evaluation e = have ? std::move(old->second) : compute_(unit);
+        const auto old = known_.find(problem_.space.physical(unit));
+        const bool have = old != known_.end();
+        Evaluation e = have ? old->second : compute_(unit);
         if (!have && store_ != nullptr) {
-            store_->put(run_, number, e);
+            store_->put(run_, {start_, next_++}, e);
         }
         (have ? kept : computed)++;
         progress_.add(1, !have);
@@ -168,13 +175,19 @@ private:
     int start_;
     Compute compute_;
     Progress& progress_;
-    std::map<RunNumber, Evaluation> known_;
-    int number_ = 0;
+    std::map<std::vector<double>, Evaluation> known_; // by parameters
+    int next_ = 0;
 };
 
 } // namespace
 
 bool Engine::chains(const std::string& what, int first, std::size_t count,
+                    const std::function<void(std::size_t i, Chain& chain)>& body, bool with_jacobian) {
+    return chains(
+        what, [&](std::size_t i) { return first + static_cast<int>(i); }, count, body, with_jacobian);
+}
+
+bool Engine::chains(const std::string& what, const std::function<int(std::size_t)>& start, std::size_t count,
                     const std::function<void(std::size_t i, Chain& chain)>& body, bool with_jacobian) {
     Implementation& m = *implementation_;
     const auto begin = Clock::now();
@@ -184,7 +197,7 @@ bool Engine::chains(const std::string& what, int first, std::size_t count,
         Progress progress(what, m.settings.show_progress ? 0 : -1);
         for_each_index(m.arena, count, [&](std::size_t i) {
             KeptChain chain(
-                m.problem, m.store, m.run, first + static_cast<int>(i),
+                m.problem, m.store, m.run, start(i), with_jacobian,
                 [&](std::span<const double> unit) { return m.evaluate(unit, with_jacobian); }, progress);
             try {
                 body(i, chain);
@@ -204,11 +217,13 @@ bool Engine::chains(const std::string& what, int first, std::size_t count,
 
 std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vector<double>>& starts,
                                                     const optimise::Method& method,
-                                                    const optimise::SearchSettings& settings, int first) {
+                                                    const optimise::SearchSettings& settings, int first,
+                                                    const std::vector<int>& kept_as) {
     Implementation& m = *implementation_;
     std::vector<Endpoint> ends(starts.size());
     const bool finished = chains(
-        "search", first, starts.size(),
+        "search", [&](std::size_t s) { return kept_as.empty() ? first + static_cast<int>(s) : kept_as[s]; },
+        starts.size(),
         [&](std::size_t s, Chain& chain) {
             Endpoint& end = ends[s];
             end.start = first + static_cast<int>(s);
@@ -224,7 +239,7 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
                     if (!e.converged()) {
                         return optimise::Answer::no_answer;
                     }
-                    sample.residuals = m.problem.misfit.residuals(e.responses);
+                    sample.residuals = m.problem.residuals(e);
                     if (method.uses_gradient) {
                         sample.jacobian = m.problem.residual_jacobian(e);
                     }

@@ -52,10 +52,12 @@ public:
     std::optional<std::vector<problem::Evaluation>> evaluate(const search::Design& design, bool with_jacobian = false,
                                                              std::size_t first = 0);
 
-    // Local searches from these points of the unit cube; search i is kept as start first + i. Nothing: interrupted.
+    // Local searches from these points of the unit cube; search i is start first + i, and kept as that or, where it is
+    // given, as start kept_as[i]. Nothing: interrupted.
     std::optional<std::vector<Endpoint>> search(const std::vector<std::vector<double>>& starts,
                                                 const optimise::Method& method,
-                                                const optimise::SearchSettings& settings, int first = 0);
+                                                const optimise::SearchSettings& settings, int first = 0,
+                                                const std::vector<int>& kept_as = {});
 
     // body(i, chain) for i in [0, count), in parallel; what chain i asks for is kept as start first + i. False:
     // interrupted.
@@ -69,6 +71,9 @@ public:
 
 private:
     struct Implementation;
+    bool chains(const std::string& what, const std::function<int(std::size_t)>& start, std::size_t count,
+                const std::function<void(std::size_t i, Chain& chain)>& body, bool with_jacobian);
+
     std::unique_ptr<Implementation> implementation_;
     Tally tally_;
 };

@@ -40,6 +40,7 @@ CREATE TABLE evaluation (
     jacobian BLOB NOT NULL,
     warnings TEXT NOT NULL,
     misfit REAL,
+    in_place_of_reduced INTEGER NOT NULL,
     PRIMARY KEY (run, start, number)
 ) WITHOUT ROWID;
 CREATE TABLE session (
@@ -130,11 +131,13 @@ problem::Evaluation evaluation_of(SQLite::Statement& row, int first, Shape shape
     if (!row.getColumn(first + 6).isNull()) {
         e.misfit = row.getColumn(first + 6).getDouble();
     }
+    e.in_place_of_reduced = row.getColumn(first + 7).getInt() != 0;
     return e;
 }
 
 constexpr const char* select_columns =
-    "SELECT start, number, status, reason, parameters, responses, jacobian, warnings, misfit FROM evaluation WHERE ";
+    "SELECT start, number, status, reason, parameters, responses, jacobian, warnings, misfit, "
+    "in_place_of_reduced FROM evaluation WHERE ";
 
 } // namespace
 
@@ -251,7 +254,7 @@ Store::Store(const std::string& folder, std::optional<Session> session) {
         }
         m.insert = std::make_unique<SQLite::Statement>(
             m.database, "INSERT OR IGNORE INTO evaluation (run, start, number, status, reason, parameters, responses, "
-                        "jacobian, warnings, misfit) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+                        "jacobian, warnings, misfit, in_place_of_reduced) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
         if (m.session) {
             m.session->began = m.database.execAndGet("SELECT strftime('%Y-%m-%dT%H:%M:%SZ', 'now')").getString();
         }
@@ -335,6 +338,7 @@ void Store::put(int run, RunNumber number, const problem::Evaluation& e) {
         } else {
             s.bind(10);
         }
+        s.bind(11, e.in_place_of_reduced ? 1 : 0);
         s.exec();
         if (m.session) {
             count_evaluation();

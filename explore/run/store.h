@@ -56,7 +56,7 @@ struct Session {
 // another version, or cannot be written.
 class Store {
 public:
-    static constexpr int format_version = 2;
+    static constexpr int format_version = 3;
 
     // Opens DIR/run.sqlite to read what is there.
     explicit Store(const std::string& folder);

@@ -70,8 +70,9 @@ Design full_grid(const problem::ParameterSpace& space, int points_per_axis) {
 }
 
 Design sobol(const problem::ParameterSpace& space, int count, std::uint64_t seed) {
-    return {fmt::format("sobol {} (seed {})", count, seed),
-            shifted_sobol(static_cast<unsigned>(space.dimension()), count, seed)};
+    return {.name = fmt::format("sobol {} (seed {})", count, seed),
+            .points = shifted_sobol(static_cast<unsigned>(space.dimension()), count, seed),
+            .family = fmt::format("sobol (seed {})", seed)};
 }
 
 Design one_at_a_time(int dimension, const std::vector<std::size_t>& axes, int points) {
@@ -91,6 +92,7 @@ Design radial(int dimension, int rows, std::uint64_t seed) {
     const auto d = static_cast<std::size_t>(dimension);
     Design design;
     design.name = fmt::format("radial {} x {} (seed {})", rows, dimension + 2, seed);
+    design.family = fmt::format("radial (seed {})", seed);
     for (const auto& both : shifted_sobol(2 * static_cast<unsigned>(dimension), rows, seed)) {
         const auto middle = both.begin() + dimension;
         const std::vector<double> a(both.begin(), middle);

@@ -12,6 +12,10 @@ namespace explore::search {
 struct Design {
     std::string name; // "grid 9 x 9 x 9 x 9", "sobol 256 (seed 1)"
     std::vector<std::vector<double>> points;
+    // Designs of one family begin with the same points, however many there are; empty: it is the only one of its kind.
+    std::string family{};
+
+    const std::string& run_name() const { return family.empty() ? name : family; }
 };
 
 // Every combination of axis.points (or `points_per_axis` when positive) equally spaced values of each axis, the last

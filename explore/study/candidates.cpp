@@ -17,28 +17,24 @@ namespace {
 
 constexpr double raised = 1.5; // pressure of a second drop
 
-std::vector<data::Measurement> readings(const Study& study, const Load& load, bool deflections_only) {
+std::vector<data::Reading> readings(const Study& study, const Load& load, bool deflections_only) {
     const auto& layers = study.model.layers;
-    const auto unit_of = [](std::string_view name) {
-        const auto all = data::units();
-        return *std::find_if(all.begin(), all.end(), [&](const data::Unit& u) { return u.name == name; });
-    };
-    std::vector<data::Measurement> list;
+    std::vector<data::Reading> list;
     const auto add = [&](Quantity quantity, double x_mm, double depth_mm, double gauge_mm) {
         const auto& about = info(quantity);
-        data::Measurement m{.load = load.name,
-                            .quantity = std::string(about.name),
-                            .x_mm = x_mm,
-                            .depth_mm = depth_mm,
-                            .gauge_mm = gauge_mm,
-                            .unit = unit_of(about.unit),
-                            .sigma = std::nullopt,
-                            .file = study.file};
-        const bool taken =
-            std::any_of(study.measurements.begin(), study.measurements.end(), [&](const data::Measurement& old) {
-                return old.load == m.load && old.quantity == m.quantity && std::abs(old.x_mm - m.x_mm) < 1.0 &&
-                       old.y_mm == 0.0 && std::abs(old.depth_mm - m.depth_mm) < 1.0;
-            });
+        data::Reading m{.load = load.name,
+                        .quantity = std::string(about.name),
+                        .x_mm = x_mm,
+                        .depth_mm = depth_mm,
+                        .gauge_mm = gauge_mm,
+                        .unit = data::unit_named(about.unit),
+                        .sigma = std::nullopt,
+                        .file = study.file};
+        const auto own = study.measured();
+        const bool taken = std::any_of(own.begin(), own.end(), [&](const data::Reading& old) {
+            return old.load == m.load && old.quantity == m.quantity && std::abs(old.x_mm - m.x_mm) < 1.0 &&
+                   old.y_mm == 0.0 && std::abs(old.depth_mm - m.depth_mm) < 1.0;
+        });
         if (!taken) {
             list.push_back(std::move(m));
         }
@@ -70,10 +66,9 @@ std::vector<data::Measurement> readings(const Study& study, const Load& load, bo
 
 } // namespace
 
-Candidates candidates(const Study& study) {
-    Candidates result;
+Study candidates(const Study& study) {
     Study extended = study;
-    std::vector<data::Measurement> list;
+    std::vector<data::Reading> list;
     for (const Load& load : study.model.loads) {
         auto more = readings(study, load, false);
         std::move(more.begin(), more.end(), std::back_inserter(list));
@@ -88,12 +83,7 @@ Candidates candidates(const Study& study) {
             std::move(more.begin(), more.end(), std::back_inserter(list));
         }
     }
-    for (const auto& m : list) {
-        std::string where = m.quantity == "deflection" ? "" : fmt::format(", {:g} mm deep", m.depth_mm);
-        result.names.push_back(fmt::format("{} at {:g} mm{} under {}", m.quantity, m.x_mm, where, m.load));
-    }
-    result.study = with_measurements(std::move(extended), std::move(list));
-    return result;
+    return with_measurements(std::move(extended), std::move(list));
 }
 
 double candidate_noise(Quantity quantity, double value) {

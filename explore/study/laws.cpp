@@ -11,22 +11,17 @@ using pave::material::ParameterInfo;
 
 namespace {
 
-// Where a law keeps what another calls by this key.
-std::optional<std::size_t> counterpart(const Law& law, std::string_view key) {
-    if (const auto same = law.index_of(key)) {
-        return same;
-    }
-    if (key == "poisson") {
-        return law.index_of("poisson_31");
-    }
-    return key == "poisson_12" || key == "poisson_31" ? law.index_of("poisson") : std::nullopt;
+// Where a law keeps this parameter of another.
+std::optional<std::size_t> counterpart(const Law& law, const ParameterInfo& of_another) {
+    const auto same = law.index_of(of_another.key);
+    return same || of_another.alias.empty() ? same : law.index_of(of_another.alias);
 }
 
 // SI values of the new law where the old one had these.
 std::vector<double> translated(const Law& from, const std::vector<double>& values, const Law& to) {
     std::vector<double> result;
     for (const ParameterInfo& info : to.parameters()) {
-        if (const auto old = counterpart(from, info.key)) {
+        if (const auto old = counterpart(from, info)) {
             result.push_back(values[*old]);
         } else {
             result.push_back(info.to_si * (info.usual ? info.usual->start : info.default_value.value_or(0.0)));
@@ -66,7 +61,7 @@ Study with_law(Study study, std::size_t number, const Law& law, const pave::Plac
     for (std::size_t k = 0; k < axes.size(); ++k) {
         problem::Axis axis = axes[k];
         if (parameters[k].law_index && parameters[k].owner == static_cast<int>(number)) {
-            const auto there = counterpart(law, old.parameters()[*parameters[k].law_index].key);
+            const auto there = counterpart(law, old.parameters()[*parameters[k].law_index]);
             if (!there) {
                 continue;
             }
@@ -79,7 +74,7 @@ Study with_law(Study study, std::size_t number, const Law& law, const pave::Plac
         vary(std::move(axis));
     }
     for (const ParameterInfo& info : law.parameters()) {
-        if (info.usual && !counterpart(old, info.key)) {
+        if (info.usual && !counterpart(old, info)) {
             vary({.name = layer.name + "." + std::string(info.key),
                   .low = info.usual->low,
                   .high = info.usual->high,

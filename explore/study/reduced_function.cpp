@@ -18,8 +18,6 @@ using Json = nlohmann::json;
 // Of this layout of the file, and of the algorithm that builds.
 constexpr int format_version = 3;
 
-constexpr const char* by_full_model = "computed by the full model: the reduced one is not sure enough here";
-
 class ReducedFunction final : public problem::ForwardFunction {
 public:
     ReducedFunction(std::shared_ptr<const problem::ForwardFunction> full, const Study& study, std::vector<bool> loads,
@@ -54,7 +52,7 @@ public:
             return answer;
         }
         problem::Prediction prediction = std::move(answer).value();
-        prediction.warnings.emplace_back(by_full_model);
+        prediction.in_place_of_reduced = true;
         return prediction;
     }
 
@@ -302,11 +300,6 @@ problem::Problem with_reduced_model(problem::Problem fitted, const Study& study,
                                     double limit) {
     fitted.function = std::make_shared<ReducedFunction>(fitted.function, study, fitted_loads(study), loads, limit);
     return fitted;
-}
-
-bool is_by_full_model(const problem::Evaluation& evaluation) {
-    return std::find(evaluation.warnings.begin(), evaluation.warnings.end(), by_full_model) !=
-           evaluation.warnings.end();
 }
 
 } // namespace explore::study

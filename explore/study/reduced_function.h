@@ -2,7 +2,7 @@
 #pragma once
 
 #include "reduced/reduced_load.h"
-#include "study/study.h"
+#include "study/problems.h"
 
 namespace explore::study {
 
@@ -29,11 +29,8 @@ std::optional<ReducedLoads> load_reduced(const std::string& file, const std::str
 
 // A problem of the study's fitted readings with the reduced model in place of the full one, which runs where the
 // reduced one estimates an error of any fitted reading above `limit` (relative to pave::reduced::scales) or does not
-// cover the point; such evaluations carry a warning.
+// cover the point; such evaluations say so (in_place_of_reduced).
 problem::Problem with_reduced_model(problem::Problem fitted, const Study& study, const ReducedLoads& loads,
                                     double limit);
-
-// Whether an evaluation of such a problem carries it.
-bool is_by_full_model(const problem::Evaluation& evaluation);
 
 } // namespace explore::study

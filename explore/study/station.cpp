@@ -45,15 +45,13 @@ Study station_study(const Study& survey, const data::FwdStation& station, const 
     plate.radius = bowl.radius_mm * unit::mm;
     plate.pressure = bowl.pressure_kPa * unit::kPa;
     study.hash += fmt::format(" {} {}", bowl.radius_mm, bowl.pressure_kPa);
-    const auto& units = data::units();
-    const auto um = std::find_if(units.begin(), units.end(), [](const data::Unit& u) { return u.name == "um"; });
-    std::vector<data::Measurement> measurements;
+    std::vector<data::Reading> measurements;
     for (const auto& reading : bowl.readings) {
         measurements.push_back({.load = plate.name,
                                 .quantity = "deflection",
                                 .x_mm = reading.offset_mm,
                                 .value = reading.deflection_um,
-                                .unit = *um,
+                                .unit = data::unit_named("um"),
                                 .sigma = std::nullopt,
                                 .file = station.file,
                                 .line = station.line});

@@ -1,21 +1,17 @@
-// A study: the one file a user writes. Reads it, checks every key, and makes the calibration problem of it. The only
-// part of the explorer that knows pavements.
+// A study: the one file a user writes, checked and as plain values. With problems.h, which makes the calibration
+// problem of it, the part of the explorer that knows pavements.
 #pragma once
 
-#include "data/measurement.h"
+#include "data/reading.h"
 #include "pavement/forward.h"
-#include "problem/problem.h"
+#include "problem/misfit.h"
+#include "problem/parameter_space.h"
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 
 namespace explore::study {
-
-// An engineering response predicted from every acceptable parameter set.
-struct Output {
-    std::string name;
-    pave::pavement::Sensor sensor;
-};
 
 // Where the noise of a measurement was taken from.
 enum class NoiseSource { stated, estimated };
@@ -33,25 +29,23 @@ struct DataSettings {
 // The readings of one quantity under one load: what is weighed, held out and judged together.
 struct Group {
     std::string name; // "fwd.deflection"
-    std::vector<std::size_t> rows;
-    double weight = 1.0;   // of its squared residuals in the misfit
-    bool held_out = false; // predicted, never fitted
+    std::vector<std::size_t> rows; // of the study's readings
+    double weight = 1.0;           // of its squared residuals in the misfit
+    bool held_out = false;         // predicted, never fitted
 };
 
 struct Study {
     std::string file; // as given by the user
+    std::string text; // of the file
     std::string title;
-    pave::pavement::Case model; // its sensors: the measurements, then the outputs
+    pave::pavement::Case model;
+    std::vector<data::Reading> readings; // what each sensor of the model reads: the measured ones first, then outputs
     std::vector<pave::pavement::Parameter> parameters;
     problem::ParameterSpace space;
     DataSettings data;
-    std::vector<data::Measurement> measurements;
-    std::vector<Group> groups; // of the measurements, in their order
-    std::vector<Output> outputs;
+    std::vector<Group> groups; // of the measured readings, in their order
     NoiseSource noise = NoiseSource::estimated;
-    // SI, one a measurement; empty when the noise is to be estimated (misfit "weighted" then weighs by |measured|).
-    std::vector<double> sigma;
-    // Of these, how many the study took from the others: their median share of a reading.
+    // Of the measured readings, how many took their noise from the others: their median share of a reading.
     std::size_t noise_assumed = 0;
     bool extent_is_stated = false; // else the wall stands at the model's default_extent()
     std::string hash;              // of everything that changes a result: model, parameters, data
@@ -60,10 +54,10 @@ struct Study {
     std::string stem() const;
     // "stated", "partly stated" (some are assumed) or "estimated" (from what the fit leaves over).
     std::string_view noise_name() const;
-    // The reporting unit of response i (measurements first, then outputs), and what takes SI there.
-    std::string_view response_unit(std::size_t i) const;
-    double response_to_si(std::size_t i) const;
-    std::size_t responses() const { return measurements.size() + outputs.size(); }
+    std::span<const data::Reading> measured() const;
+    std::vector<std::size_t> outputs() const; // which of the readings are outputs
+    std::vector<std::string> groups_fitted() const; // their names
+    std::size_t held_out_readings() const;
 };
 
 // Throws pave::Error for anything wrong in the study or its data: file, line, key, found, allowed.
@@ -71,45 +65,29 @@ struct Study {
 enum class Readings { own, elsewhere };
 Study load_study(const std::string& file, Readings readings = Readings::own);
 
+// The same from memory: the text of a study, which messages call `name`, and the texts of its data files by the names
+// that it calls them.
+Study study_of(std::string text, const std::string& name, const std::map<std::string, std::string>& files);
+
 // The study with these measurements in place of its own, and without outputs. Throws pave::Error for a measurement that
 // does not fit the model.
-Study with_measurements(Study study, std::vector<data::Measurement> measurements);
+Study with_measurements(Study study, std::vector<data::Reading> measurements);
 
 // Throws pave::Error at `place` for a name that no effect has.
 const pave::pavement::Effect& effect_named(const std::string& name, const pave::Place& place);
+std::vector<std::string> effect_names();
+
+// Throws pave::Error at `place` where the study cannot have the effect.
+void check_effect(const Study& study, const pave::pavement::AppliedEffect& applied, const pave::Place& place);
 
 // The study with an effect of this size (in the effect's unit): added, or in place of the size of its own entry of that
 // name. place: of whoever asks for it. Throws pave::Error for an unknown name, a size out of range, and an effect that
 // this study cannot have.
 Study with_effect(Study study, const std::string& name, double size, const pave::Place& place);
 
-// The problem the explorer works on. Throws pave::Error when the study has no parameters or no measurements.
-// What a problem computes at every point: all responses, or those of the loads with readings that are fitted (the
-// others are then not numbers).
-enum class Scope { everything, fitted };
-
 // Whether a path that is read from a folder may lead out of it.
 bool leaves_folder(const std::filesystem::path& path);
 // The same, links in the folder followed.
 bool leaves_folder(const std::filesystem::path& folder, const std::filesystem::path& path);
-
-// Of each load: whether readings under it are fitted.
-std::vector<bool> fitted_loads(const Study& study);
-
-// Its misfit: the readings that are not held out, weighed.
-problem::Problem make_problem(const Study& study, Scope scope = Scope::everything);
-// One group of readings alone, each with weight 1.
-problem::Problem make_problem(const Study& study, const Group& group);
-
-// The fitted readings with every residual in units of its noise at the measured value: what statements of probability
-// need. Weights count as variances. The same as make_problem where the noise is not stated.
-problem::Problem make_noise_problem(const Study& study, Scope scope);
-
-// The misfit of these measurements alone, each with weight 1.
-problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows);
-
-// The same with nothing to compare with: for what needs responses and no data. Throws pave::Error when the study has no
-// parameters.
-problem::Problem make_prediction_problem(const Study& study);
 
 } // namespace explore::study

@@ -1,6 +1,5 @@
 #include "study/variants.h"
 
-#include "data/csv.h"
 #include "pavement/effects/catalog.h"
 #include "pavement/effects/effect.h"
 #include "study/table_reader.h"
@@ -58,9 +57,8 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
         };
         if (effect->takes_reading) {
             for (const std::size_t i : readings) {
-                const auto& m = study.measurements[i];
-                add({.reading = static_cast<int>(i)}, fmt::format("reading {}: {}, {} at x = {:g}, depth {:g} mm",
-                                                                  i + 1, m.load, m.quantity, m.x_mm, m.depth_mm));
+                add({.reading = static_cast<int>(i)},
+                    fmt::format("reading {}: {}", i + 1, study.readings[i].words()));
             }
         } else if (effect->takes_quantity) {
             for (const auto& [load, quantity] : groups) {
@@ -173,9 +171,8 @@ std::string quoted(const std::string& text) {
 
 std::string extended_text(const Study& extended, const std::vector<Variant>& variants,
                           const std::vector<double>& values, const std::string& folder) {
-    const std::string text = data::read_file(extended.file, "study");
-    const toml::table root = toml::parse(text, extended.file);
-    Editor editor(text);
+    const toml::table root = toml::parse(extended.text, extended.file);
+    Editor editor(extended.text);
     const auto own = std::filesystem::absolute(extended.file).parent_path();
     if (const toml::array* files = root["data"]["files"].as_array()) {
         bool outside = false;

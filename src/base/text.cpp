@@ -1,6 +1,8 @@
 #include "base/text.h"
 
 #include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
 
 namespace pave {
 namespace {
@@ -80,6 +82,20 @@ std::string printable(std::string_view text, std::size_t limit) {
         i += std::max<std::size_t>(length, 1);
     }
     return shown;
+}
+
+std::string figure(double value) {
+    if (value == 0.0 || !std::isfinite(value)) {
+        return fmt::format("{}", value);
+    }
+    const int digits = 3 - static_cast<int>(std::floor(std::log10(std::abs(value))));
+    return digits < 0   ? fmt::format("{:.0f}", value)
+           : digits > 9 ? fmt::format("{:.3e}", value)
+                        : fmt::format("{:.{}f}", value, digits);
+}
+
+std::string counted(std::size_t count, const std::string& one, const std::string& many) {
+    return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
 } // namespace pave

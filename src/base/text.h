@@ -1,6 +1,7 @@
 // Text of others: is it UTF-8, and how is it shown?
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -15,5 +16,11 @@ std::string to_utf8(std::string text);
 // For a line of a terminal: what is not a printable character as \n, \t or \x1b, and no more than `limit` bytes, the
 // rest left out as "...".
 std::string printable(std::string_view text, std::size_t limit = std::string_view::npos);
+
+// Four significant digits, no exponent for the magnitudes of pavements: "5500", "0.7000", "-0.006628".
+std::string figure(double value);
+
+// "1 minimum", "2 minima"
+std::string counted(std::size_t count, const std::string& one, const std::string& many);
 
 } // namespace pave

@@ -39,7 +39,7 @@ public:
              "exponent; half of an exponent of theta",
              {},
              UsualRange{0.0, 0.5, 0.3, false}},
-            {"poisson", 1.0, -0.99, 0.49, false, {}, "Poisson's ratio", {}},
+            {"poisson", 1.0, -0.99, 0.49, false, {}, "Poisson's ratio", {}, {}, {}, "poisson_31"},
             {"tension_smoothing_kPa", unit::kPa, 0.0, 1e3, true, 5.0, "delta, keeps the modulus from zero", {}},
         };
         return infos;

@@ -23,6 +23,12 @@ struct UsualRange {
     bool log = false; // by equal ratios
 };
 
+// The modulus is in proportion to (stress/pa + offset)^parameter, pa = 100 kPa.
+struct StressPower {
+    std::string_view stress; // "theta", "tau", "deviator"
+    double offset = 0.0;     // 0 or 1
+};
+
 // One number (or choice) of a law as it stands in a study file.
 struct ParameterInfo {
     std::string_view key; // with its unit: "modulus_MPa"
@@ -34,6 +40,8 @@ struct ParameterInfo {
     std::string_view meaning;
     std::vector<std::string_view> choices; // words instead of a number: the value is the index of the word
     std::optional<UsualRange> usual{};     // of what a fit of the law varies
+    std::optional<StressPower> power{};    // of an exponent
+    std::string_view alias{};              // what laws with other parameters call the same number
 };
 
 // Value of an optional parameter that is not given.

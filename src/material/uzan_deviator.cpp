@@ -27,7 +27,8 @@ public:
                    {},
                    "exponent of the deviator stress: softens when negative",
                    {},
-                   UsualRange{-0.8, 0.1, -0.2, false}},
+                   UsualRange{-0.8, 0.1, -0.2, false},
+                   StressPower{"deviator"}},
                   {"deviator_floor_kPa", unit::kPa, 0.0, 1e3, true, 10.0, "what the deviator does not fall below", {}},
               },
               1.0) {}

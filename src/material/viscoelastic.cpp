@@ -46,7 +46,7 @@ public:
              "instantaneous Young's modulus",
              {},
              UsualRange{3000.0, 40000.0, 15000.0, true}},
-            {"poisson", 1.0, -0.99, 0.4999, false, {}, "Poisson's ratio, of all times", {}},
+            {"poisson", 1.0, -0.99, 0.4999, false, {}, "Poisson's ratio, of all times", {}, {}, {}, "poisson_31"},
             {"temperature_C", 1.0, -60.0, 120.0, false, 20.0, "temperature of the layer", {}},
             {"reference_C",
              1.0,

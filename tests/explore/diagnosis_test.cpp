@@ -28,6 +28,7 @@ struct World {
     MatrixXd a;
     MatrixXd signatures;
     VectorXd data;
+    bool noise_is_stated = true;
 
     World(std::uint64_t seed, Index candidates) {
         const pave::RandomStream random(seed, 0);
@@ -56,7 +57,7 @@ struct World {
         }
         std::vector<problem::Misfit::Term> terms;
         for (Index i = 0; i < readings; ++i) {
-            terms.push_back({static_cast<std::size_t>(i), data[i], 1.0});
+            terms.push_back({static_cast<std::size_t>(i), data[i], 1.0, 1.0, noise_is_stated ? 1.0 : 0.0});
         }
         test::Formula linear([matrix](const VectorXd& x, VectorXd& responses, MatrixXd& jacobian) {
             responses = matrix * x;
@@ -80,11 +81,10 @@ struct World {
         return list;
     }
 
-    diagnose::Diagnosis diagnose(std::uint64_t seed, bool noise_is_stated = true) const {
+    diagnose::Diagnosis diagnose(std::uint64_t seed) const {
         auto own = bench();
         diagnose::DiagnosisTask task{.bench = own,
                                      .candidates = candidates(),
-                                     .noise_is_stated = noise_is_stated,
                                      .groups = {},
                                      .places = {},
                                      .loads = {},
@@ -198,7 +198,9 @@ TEST(Diagnosis, FindsWhatIsHiddenInLinearModels) {
         const auto seed = static_cast<std::uint64_t>(t) + 10;
         World world(seed, candidates);
         adequate += world.diagnose(seed).verdict == Verdict::adequate;
-        adequate_estimated += world.diagnose(seed, false).verdict == Verdict::adequate;
+        world.noise_is_stated = false;
+        adequate_estimated += world.diagnose(seed).verdict == Verdict::adequate;
+        world.noise_is_stated = true;
         const VectorXd plain = world.data;
         const pave::RandomStream random(seed, 77);
         const auto hidden = static_cast<std::size_t>(random.uniform(0) * candidates);

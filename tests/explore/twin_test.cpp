@@ -1,7 +1,7 @@
 // The twin experiment of the paper (section III): data made by the model are given back as the parameters they were
 // made with.
 #include "landscape/multistart.h"
-#include "study/study.h"
+#include "study/problems.h"
 #include "support/folder.h"
 #include "support/sections.h"
 

@@ -27,7 +27,6 @@ landscape::Uniqueness analyse(const problem::Problem& problem, const landscape::
                                          .everything = problem,
                                          .fitted_engine = engine,
                                          .everything_engine = engine,
-                                         .noise_is_stated = true,
                                          .outputs = std::move(outputs),
                                          .groups = std::move(groups),
                                          .seed = seed,
@@ -378,9 +377,9 @@ TEST(Profile, SaysWhichOtherBoundStopsIt) {
     const auto& p0 = u.parameters[0];
     EXPECT_NEAR(p0.low, 0.3, 0.02);
     EXPECT_EQ(p0.low_end, landscape::WalkEnd::threshold);
-    EXPECT_EQ(p0.low_bounds, std::vector<std::string>{"p1 at its upper bound"});
+    EXPECT_EQ(p0.low_bounds, (std::vector<landscape::BoundMet>{{1, true}}));
     EXPECT_EQ(p0.high_end, landscape::WalkEnd::bound);
-    EXPECT_EQ(p0.high_bounds, std::vector<std::string>{"p0 at its upper bound"});
+    EXPECT_EQ(p0.high_bounds, (std::vector<landscape::BoundMet>{{0, true}}));
 }
 
 TEST(Pass, BetweenTwoWellsIsTheirRidge) {

@@ -1,5 +1,5 @@
 // A study file: read, and made into all that a command makes of it before it computes.
-#include "study/study.h"
+#include "study/problems.h"
 #include "target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string file = folder.write("study.toml", fuzz::text_of(data, size));
     fuzz::expect_message([&] {
         const auto study = explore::study::load_study(file, explore::study::Readings::own);
-        if (!study.measurements.empty() && !study.parameters.empty()) {
+        if (!study.measured().empty() && !study.parameters.empty()) {
             explore::study::make_noise_problem(study, explore::study::Scope::fitted);
         }
     });

@@ -44,7 +44,7 @@ private:
     double failing_;
 };
 
-// Axes from 0 to 1; readings `measured` with standard deviation sigma.
+// Axes from 0 to 1; readings `measured` with standard deviation sigma, which they state.
 inline explore::problem::Problem problem_of(int dimension, Formula formula, const std::vector<double>& measured,
                                             double sigma) {
     explore::problem::ParameterSpace space;
@@ -53,7 +53,7 @@ inline explore::problem::Problem problem_of(int dimension, Formula formula, cons
     }
     std::vector<explore::problem::Misfit::Term> terms;
     for (std::size_t i = 0; i < measured.size(); ++i) {
-        terms.push_back({i, measured[i], sigma});
+        terms.push_back({i, measured[i], sigma, 1.0, 1.0});
     }
     return {space, std::make_shared<Formula>(std::move(formula)), {explore::problem::MisfitKind::weighted, terms}};
 }

@@ -2,7 +2,7 @@
 // A plane case and a solid one; five derivatives: of four numbers of the base and the modulus of the subgrade.
 // usage: benchmarks [OPTIONS OF GOOGLE BENCHMARK], from the top of the repository
 #include "run/blas.h"
-#include "study/study.h"
+#include "study/problems.h"
 
 #include <benchmark/benchmark.h>
 #include <cholmod.h>

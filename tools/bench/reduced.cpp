@@ -4,7 +4,7 @@
 #include "reduced/reduced_load.h"
 #include "search/design.h"
 #include "study/pavement_function.h"
-#include "study/study.h"
+#include "study/problems.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,10 +1,10 @@
 // The data groups of a fit: how well each is met, and what fitting one of them alone predicts for the others.
 #pragma once
 
-#include "cli/common.h"
+#include "analysis/session.h"
 #include "landscape/multistart.h"
 
-namespace explore::cli {
+namespace explore::analysis {
 
 // What a fit leaves out at every point and a report needs at a few: the loads that are held out or only asked for.
 class Predictor {
@@ -20,22 +20,22 @@ private:
 // A fit of all fitted groups together, or of one alone.
 struct GroupFit {
     std::string fitted; // "all" or the name of a group
-    problem::Evaluation best;
-    report::Json minimum;    // what report::minimum_json says of it
-    std::vector<double> rms; // of the residuals of every group of the study, each reading with weight 1
+    landscape::Minimum minimum;
+    landscape::LocalAnalysis local;
+    problem::Evaluation best; // the minimum's, with the responses of every load
+    std::vector<double> rms;  // of the residuals of every group of the study, each reading with weight 1
 };
+
+GroupFit group_fit(const study::Study& study, const Predictor& predictor, std::string fitted,
+                   const problem::Problem& problem, landscape::Minimum minimum);
 
 // The root mean square residual of every group of the study at an evaluation.
 std::vector<double> group_rms(const study::Study& study, const problem::Evaluation& evaluation);
 
 // Fits each group that is not held out alone, from the points explored for all of them and from the joint answer.
 // Empty when there are fewer than two. Nothing: interrupted.
-std::optional<std::vector<GroupFit>> fit_alone(const study::Study& study, const Predictor& predictor,
+std::optional<std::vector<GroupFit>> fit_alone(Session& session, const study::Study& study, const Predictor& predictor,
                                                const search::Design& design, const landscape::MultistartResult& joint,
-                                               run::Store& store, const std::string& settings_words,
-                                               landscape::MultistartSettings settings, int threads);
+                                               const std::string& settings, landscape::MultistartSettings multistart);
 
-std::string group_text(const study::Study& study, const GroupFit& joint, const std::vector<GroupFit>& alone);
-report::Json group_json(const study::Study& study, const GroupFit& joint, const std::vector<GroupFit>& alone);
-
-} // namespace explore::cli
+} // namespace explore::analysis

@@ -1,23 +1,20 @@
-// The fitted readings of a study as the terms of its misfit: their groups, and what is left out together.
+// The fitted readings of a study as the residuals of its problem: their groups, and what is left out together.
 #pragma once
 
 #include "diagnose/diagnosis.h"
 #include "landscape/uniqueness.h"
-#include "study/study.h"
+#include "study/problems.h"
 
-namespace explore::cli {
+namespace explore::analysis {
 
-// Terms are the fitted readings in the order of the study's groups.
+// Residuals are the fitted readings in the order of the study's groups.
 struct Layout {
-    std::vector<std::size_t> rows; // the reading of each term
+    std::vector<std::size_t> rows; // the reading of each residual
     std::vector<diagnose::ReadingGroup> groups;
     std::vector<diagnose::Fold> places, loads; // places: at most ten, those beyond share them
 };
 
 Layout layout_of(const study::Study& study);
-
-// "deflection at 300 mm", "strain_zz 112 mm deep"
-std::string place_words(const data::Measurement& m);
 
 // Root mean square of the residuals of the readings that the study holds out, in standard deviations of their stated
 // noise; nothing where there are none or none is stated. responses: all of them.
@@ -29,4 +26,4 @@ landscape::UniquenessTask uniqueness_task(const study::Study& study, const probl
                                           const problem::Problem& everything, run::Engine& fitted_engine,
                                           run::Engine& everything_engine, std::uint64_t seed);
 
-} // namespace explore::cli
+} // namespace explore::analysis

@@ -1,9 +1,11 @@
-#include "data/measurement.h"
+#include "data/reading.h"
 
 #include "data/csv.h"
 
 #include <algorithm>
 #include <array>
+#include <fmt/format.h>
+#include <stdexcept>
 
 namespace explore::data {
 namespace {
@@ -22,12 +24,52 @@ std::span<const Unit> units() {
     return all;
 }
 
+const Unit& unit_named(std::string_view name) {
+    const auto all = units();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Unit& u) { return u.name == name; });
+    if (found == all.end()) {
+        throw std::out_of_range("no unit " + std::string(name));
+    }
+    return *found;
+}
+
+std::string Reading::label() const {
+    return is_measured() ? fmt::format("{}@{:g},{:g},{:g}", group(), x_mm, y_mm, depth_mm) : output;
+}
+
+std::string Reading::label_with_unit() const {
+    return fmt::format("{} [{}]", label(), unit.name);
+}
+
+std::string Reading::place_words() const {
+    std::string at;
+    if (y_mm != 0.0) {
+        at = fmt::format(" at x = {:g}, y = {:g} mm", x_mm, y_mm);
+    } else if (x_mm != 0.0 || quantity == "deflection") {
+        at = fmt::format(" at {:g} mm", x_mm);
+    }
+    return (quantity == "deflection" ? quantity : fmt::format("{} {:g} mm deep", quantity, depth_mm)) + at;
+}
+
+std::string Reading::words() const {
+    return place_words() + " under " + load;
+}
+
 std::string_view measurement_header() {
     return "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma";
 }
 
-std::vector<Measurement> read_measurements(const std::string& file) {
-    const auto rows = parse_csv(read_file(file, "measurement file"), file);
+std::string measurement_row(const Reading& r) {
+    return fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_cell(r.load), r.quantity, r.x_mm, r.y_mm, r.depth_mm,
+                       r.gauge_mm, r.value, r.unit.name, r.sigma ? fmt::format("{}", *r.sigma) : "");
+}
+
+std::vector<Reading> read_measurements(const std::string& file) {
+    return measurements_of(read_file(file, "measurement file"), file);
+}
+
+std::vector<Reading> measurements_of(std::string_view text, const std::string& file) {
+    const auto rows = parse_csv(text, file);
     const std::string header_words = "the header " + std::string(measurement_header());
     if (rows.empty()) {
         throw pave::Error({.file = file}, "the file holds no measurements", "nothing but comments or blank lines",
@@ -55,7 +97,7 @@ std::vector<Measurement> read_measurements(const std::string& file) {
                               header_words);
         }
     }
-    std::vector<Measurement> measurements;
+    std::vector<Reading> measurements;
     for (std::size_t r = 1; r < rows.size(); ++r) {
         const CsvRow& row = rows[r];
         if (row.cells.size() != rows[0].cells.size()) {
@@ -67,7 +109,7 @@ std::vector<Measurement> read_measurements(const std::string& file) {
             return pave::Place{.file = file, .line = row.line, .key = std::string(names[c])};
         };
         const auto cell_number = [&](Column c) { return finite_number(cell(c), place(c)); };
-        Measurement m;
+        Reading m;
         m.file = file;
         m.line = row.line;
         m.load = cell(load);

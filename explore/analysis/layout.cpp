@@ -1,9 +1,10 @@
-#include "cli/layout.h"
+#include "analysis/layout.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
-namespace explore::cli {
+namespace explore::analysis {
 
 Layout layout_of(const study::Study& study) {
     Layout layout;
@@ -17,7 +18,7 @@ Layout layout_of(const study::Study& study) {
             const std::size_t term = layout.rows.size();
             layout.rows.push_back(row);
             own.terms.push_back(term);
-            const auto& m = study.measurements[row];
+            const data::Reading& m = study.readings[row];
             const auto add = [&](std::vector<diagnose::Fold>& folds, const std::string& name) {
                 auto fold = std::find_if(folds.begin(), folds.end(), [&](const auto& f) { return f.name == name; });
                 if (fold == folds.end()) {
@@ -25,12 +26,12 @@ Layout layout_of(const study::Study& study) {
                 }
                 fold->terms.push_back(term);
             };
-            add(places, place_words(m));
+            add(places, m.place_words());
             add(layout.loads, m.load);
         }
         std::stable_sort(own.terms.begin(), own.terms.end(), [&](std::size_t a, std::size_t b) {
-            const auto& first = study.measurements[layout.rows[a]];
-            const auto& second = study.measurements[layout.rows[b]];
+            const data::Reading& first = study.readings[layout.rows[a]];
+            const data::Reading& second = study.readings[layout.rows[b]];
             return std::tie(first.x_mm, first.y_mm, first.depth_mm) <
                    std::tie(second.x_mm, second.y_mm, second.depth_mm);
         });
@@ -49,22 +50,16 @@ Layout layout_of(const study::Study& study) {
     return layout;
 }
 
-std::string place_words(const data::Measurement& m) {
-    return m.quantity == "deflection" ? fmt::format("deflection at {:g} mm", m.x_mm)
-           : m.x_mm != 0.0            ? fmt::format("{} {:g} mm deep at {:g} mm", m.quantity, m.depth_mm, m.x_mm)
-                                      : fmt::format("{} {:g} mm deep", m.quantity, m.depth_mm);
-}
-
 std::optional<double> held_out_rms(const study::Study& study, const std::vector<double>& responses) {
     double squares = 0.0;
     std::size_t count = 0;
     for (const auto& group : study.groups) {
-        if (!group.held_out || study.sigma.empty()) {
+        if (!group.held_out || study.noise == study::NoiseSource::estimated) {
             continue;
         }
         for (const std::size_t i : group.rows) {
-            const double measured = study.measurements[i].value * study.measurements[i].unit.to_si;
-            squares += std::pow((responses[i] - measured) / study.sigma[i], 2);
+            const data::Reading& m = study.readings[i];
+            squares += std::pow((responses[i] - m.measured()) / m.noise, 2);
             ++count;
         }
     }
@@ -78,13 +73,9 @@ landscape::UniquenessTask uniqueness_task(const study::Study& study, const probl
                                    .everything = everything,
                                    .fitted_engine = fitted_engine,
                                    .everything_engine = everything_engine,
-                                   .noise_is_stated = study.noise == study::NoiseSource::stated,
-                                   .outputs = {},
+                                   .outputs = study.outputs(),
                                    .groups = {},
                                    .seed = seed};
-    for (std::size_t o = 0; o < study.outputs.size(); ++o) {
-        task.outputs.push_back(study.measurements.size() + o);
-    }
     std::size_t term = 0;
     for (const auto& group : study.groups) {
         if (!group.held_out) {
@@ -97,4 +88,4 @@ landscape::UniquenessTask uniqueness_task(const study::Study& study, const probl
     return task;
 }
 
-} // namespace explore::cli
+} // namespace explore::analysis

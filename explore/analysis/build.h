@@ -1,0 +1,14 @@
+// What this program was built from.
+#pragma once
+
+#include <string>
+
+namespace explore::analysis {
+
+inline constexpr const char* version = PAVESCAPE_VERSION;
+// The libraries that decide digits, with their versions, and the compiler.
+std::string library_words();
+// All of it: processes of one job compare it.
+std::string build_words();
+
+} // namespace explore::analysis

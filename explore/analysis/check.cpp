@@ -1,0 +1,104 @@
+#include "analysis/check.h"
+
+#include "analysis/fit.h"
+#include "analysis/map.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+
+namespace explore::analysis {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Median seconds of a run at the study's own values, after one that makes the buffers.
+struct Timing {
+    double forward = 0.0;
+    double with_derivatives = 0.0; // 0: nothing to differentiate by
+    double fitted_forward = 0.0;   // of the loads that are fitted
+    double fitted_with_derivatives = 0.0;
+};
+
+pave::Outcome<Timing> measure(const study::Study& study) {
+    const pave::pavement::ForwardModel model(study.model);
+    std::optional<pave::Failure> failure;
+    const auto seconds = [&](const pave::pavement::ForwardModel& of,
+                             const std::vector<pave::pavement::Parameter>& parameters) {
+        const auto workspace = of.make_workspace();
+        constexpr int rounds = 4;
+        std::vector<double> times;
+        for (int round = 0; round < rounds && !failure; ++round) {
+            const auto begin = Clock::now();
+            const auto outcome = of.run(study.model, parameters, *workspace);
+            if (!outcome) {
+                failure = outcome.failure();
+            }
+            if (round > 0) {
+                times.push_back(std::chrono::duration<double>(Clock::now() - begin).count());
+            }
+        }
+        std::sort(times.begin(), times.end());
+        return times.empty() ? 0.0 : times[times.size() / 2];
+    };
+    Timing timing;
+    timing.forward = seconds(model, {});
+    if (!study.parameters.empty()) {
+        timing.with_derivatives = seconds(model, study.parameters);
+        const std::vector<bool> fitted = study::fitted_loads(study);
+        const auto count = std::count(fitted.begin(), fitted.end(), true);
+        timing.fitted_forward = timing.forward;
+        timing.fitted_with_derivatives = timing.with_derivatives;
+        if (count > 0 && count < static_cast<std::ptrdiff_t>(fitted.size())) {
+            const pave::pavement::ForwardModel of_fit(study.model, fitted);
+            timing.fitted_forward = seconds(of_fit, {});
+            timing.fitted_with_derivatives = seconds(of_fit, study.parameters);
+        }
+    }
+    if (failure) {
+        return *failure;
+    }
+    return timing;
+}
+
+std::vector<Estimate> estimates(const study::Study& study, const Timing& timing, int threads) {
+    std::vector<Estimate> list{{"forward", "1", timing.forward}};
+    if (study.parameters.empty()) {
+        return list;
+    }
+    list.push_back({"forward --jacobian", "1 with derivatives", timing.with_derivatives});
+    if (study.groups_fitted().empty()) {
+        return list;
+    }
+    const auto shared = [&](double work) { return work / threads; };
+    const auto grid = search::full_grid_size(study.space);
+    const bool is_grid = grid > 0 && grid <= search::most_grid_points;
+    const auto points = static_cast<double>(is_grid ? grid : map_points);
+    list.push_back({grid > 0 && !is_grid ? "map --design sobol" : "map",
+                    fmt::format("{:.0f}{}", points,
+                                is_grid    ? ", the full grid"
+                                : grid > 0 ? ", a Sobol sample: the full grid has too many points"
+                                           : ", a Sobol sample"),
+                    shared(points * timing.forward)});
+    constexpr int steps = 15; // a search takes, on a deflection bowl
+    const int starts = landscape::MultistartSettings{}.starts;
+    list.push_back({"fit", fmt::format("{}, then {} searches of some {} with derivatives", fit_points, starts, steps),
+                    shared(fit_points * timing.fitted_forward + starts * steps * timing.fitted_with_derivatives)});
+    return list;
+}
+
+} // namespace
+
+pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int threads) {
+    if (!study.parameters.empty() && !study.groups_fitted().empty()) {
+        study::make_problem(study);
+        study::make_noise_problem(study, study::Scope::fitted);
+    }
+    const auto timing = measure(study);
+    if (!timing) {
+        return timing.failure();
+    }
+    return estimates(study, *timing, threads);
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,19 @@
+// What would run on a study, and for how long.
+#pragma once
+
+#include "study/problems.h"
+
+namespace explore::analysis {
+
+// What a command takes.
+struct Estimate {
+    std::string command;
+    std::string runs; // in words
+    double seconds = 0.0;
+};
+
+// From runs made now at the study's own values, for so many threads. Failure: no answer there. Throws pave::Error for
+// what every command that fits would complain of.
+pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int threads);
+
+} // namespace explore::analysis

@@ -1,0 +1,48 @@
+// The same data, each law in the same layer, each fitted by the same search.
+#pragma once
+
+#include "analysis/session.h"
+#include "landscape/uniqueness.h"
+
+namespace explore::analysis {
+
+struct CompareOptions {
+    std::string layer{};             // empty: the one whose law depends on stress
+    std::vector<std::string> laws{}; // empty: all
+    landscape::UniquenessSettings settings{};
+};
+
+// One law and what the data say of it.
+struct FittedLaw {
+    const pave::material::Law* law = nullptr;
+    study::Study study;
+    std::string failed{}; // why there is nothing more
+    landscape::Uniqueness answer{};
+    problem::Evaluation best{}; // of every response
+    double misfit = 0.0;        // the study's own
+    double chi2 = 0.0;          // sum of squared residuals, in units of the noise where it is stated
+    int dof = 0;
+    std::optional<double> p_value{};
+    double aicc = 0.0;
+    double weight = 0.0;                 // Akaike's, among the laws
+    std::optional<double> by_place{};    // rms of readings left out place by place
+    std::optional<double> study_holds{}; // rms of what the study holds out
+    std::vector<double> group_rms{};
+};
+
+struct CompareResult {
+    study::Study study;
+    std::string layer;
+    std::vector<FittedLaw> laws; // best first
+    double seconds = 0.0;
+
+    bool failed() const { return !laws[0].failed.empty(); }
+    std::string reason() const { return "no law has an answer; the first says: " + laws[0].failed; }
+};
+
+// Throws pave::Error for names that there are not, and laws that the study cannot have. Nothing: interrupted.
+std::optional<CompareResult> compare(Session& session, const study::Study& study, const CompareOptions& options);
+
+std::vector<std::string> findings(const CompareResult& result);
+
+} // namespace explore::analysis

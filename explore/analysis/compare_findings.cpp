@@ -1,0 +1,72 @@
+#include "analysis/compare.h"
+
+#include "base/error.h"
+#include "base/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace explore::analysis {
+
+using pave::figure;
+
+std::vector<std::string> findings(const CompareResult& result) {
+    const std::vector<FittedLaw>& laws = result.laws;
+    const std::string& layer = result.layer;
+    std::vector<std::string> text;
+    const FittedLaw& first = laws[0];
+    if (!first.failed.empty()) {
+        return {"No law has an answer."};
+    }
+    if (!std::isfinite(first.aicc)) {
+        text.emplace_back("There are too few readings for so many parameters: no criterion can weigh the laws. Hold "
+                          "parameters, or add readings.");
+    } else {
+        std::vector<std::string> alive;
+        std::vector<std::string> out;
+        std::vector<std::string> unweighed;
+        for (const FittedLaw& f : laws) {
+            if (f.failed.empty()) {
+                (!std::isfinite(f.aicc) ? unweighed : f.weight >= 0.05 ? alive : out).emplace_back(f.law->name());
+            }
+        }
+        if (alive.size() == 1) {
+            text.push_back(fmt::format(
+                "In \"{}\" AICc prefers {}{}.", layer, alive[0],
+                out.empty() ? ""
+                            : fmt::format(": next best is {}, {} higher", out[0], figure(laws[1].aicc - first.aicc))));
+        } else {
+            text.push_back(fmt::format("The data cannot tell these laws in \"{}\" apart: {}.{}", layer,
+                                       pave::join(alive),
+                                       out.empty() ? "" : " They speak against " + pave::join(out) + "."));
+        }
+        if (!unweighed.empty()) {
+            text.push_back(fmt::format("That is among the laws that AICc can weigh: for so few readings {} {} too many "
+                                       "parameters.",
+                                       pave::join(unweighed), unweighed.size() == 1 ? "has" : "have"));
+        }
+    }
+    const auto fits = [](const FittedLaw& f) { return f.failed.empty() && f.p_value && *f.p_value >= 0.05; };
+    if (std::any_of(laws.begin(), laws.end(), [](const FittedLaw& f) { return f.p_value.has_value(); })) {
+        std::vector<std::string> names;
+        for (const FittedLaw& f : laws) {
+            if (fits(f)) {
+                names.emplace_back(f.law->name());
+            }
+        }
+        text.push_back(names.empty() ? "None fits within the stated noise: something else is missing (diagnose)."
+                                     : "Within the stated noise fit: " + pave::join(names) + ".");
+    }
+    const auto best_predictor = std::min_element(laws.begin(), laws.end(), [](const FittedLaw& a, const FittedLaw& b) {
+        return a.by_place.value_or(INFINITY) < b.by_place.value_or(INFINITY);
+    });
+    if (best_predictor->by_place) {
+        text.push_back(fmt::format("Readings left out place by place are predicted best by {} ({}{}).",
+                                   best_predictor->law->name(), figure(*best_predictor->by_place),
+                                   best_predictor->p_value ? " standard deviations" : ""));
+    }
+    return text;
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,233 @@
+#include "analysis/diagnose.h"
+
+#include "analysis/groups.h"
+#include "pavement/effects/effect.h"
+#include "study/candidates.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
+
+namespace explore::analysis {
+namespace {
+
+using diagnose::Diagnosis;
+using diagnose::Judged;
+using diagnose::Members;
+
+std::vector<study::Variant> variants_of(const std::vector<study::Variant>& all, const Members& members) {
+    std::vector<study::Variant> list;
+    list.reserve(members.size());
+    for (const std::size_t c : members) {
+        list.push_back(all[c]);
+    }
+    return list;
+}
+
+DiagnosedModel model_of(const study::Study& study, const std::vector<study::Variant>& all, diagnose::Workbench& bench,
+                        const Judged& judged, double variance) {
+    DiagnosedModel m{.study = study::with_free_effects(study, variants_of(all, judged.model.members)),
+                     .evaluation = judged.model.evaluation,
+                     .parameters = {},
+                     .held_out_rms = {}};
+    const problem::Problem& problem = bench.problem(judged.model.members);
+    for (std::size_t k = 0; k < judged.model.unit.size(); ++k) {
+        m.parameters.push_back(diagnose::interval_of(problem, judged.model, k, variance));
+    }
+    Predictor(m.study).complete(m.evaluation);
+    m.held_out_rms = held_out_rms(study, m.evaluation.responses);
+    m.misfit = study::make_problem(study, study::Scope::fitted).misfit(m.evaluation);
+    return m;
+}
+
+// Every explanation predicts what could be read; the best reading is the one whose least separation from the best
+// explanation is largest, in standard deviations of the reading and of what the fits leave open.
+std::vector<SeparatingReading> separating_readings(const study::Study& study, const std::vector<study::Variant>& all,
+                                            diagnose::Workbench& bench, const Diagnosis& d) {
+    const study::Study list = study::candidates(study);
+    struct Predicted {
+        std::vector<double> values, variances;
+    };
+    std::vector<Predicted> predicted;
+    constexpr std::size_t most = 6;
+    for (std::size_t e = 0; e < std::min(most, d.explanations.size()); ++e) {
+        const auto& model = d.explanations[e].fit.model;
+        // A wrong reading is no property of the next one.
+        std::vector<study::Variant> own;
+        std::vector<double> values = model.evaluation.parameters;
+        std::vector<Eigen::Index> columns;
+        const std::size_t baseline = study.space.axes.size();
+        values.resize(baseline);
+        for (std::size_t k = 0; k < baseline; ++k) {
+            columns.push_back(static_cast<Eigen::Index>(k));
+        }
+        for (std::size_t m = 0; m < model.members.size(); ++m) {
+            const study::Variant& variant = all[model.members[m]];
+            if (!variant.applied.reading && why_impossible(list.model, variant.applied).empty()) {
+                own.push_back(variant);
+                values.push_back(model.evaluation.parameters[baseline + m]);
+                columns.push_back(static_cast<Eigen::Index>(baseline + m));
+            }
+        }
+        const problem::Problem problem = study::make_prediction_problem(study::with_free_effects(list, own));
+        const auto workspace = problem.function->make_workspace();
+        const auto outcome = problem.function->evaluate(values, true, *workspace);
+        if (!outcome) {
+            continue;
+        }
+        const problem::Problem& fitted = bench.problem(model.members);
+        const Eigen::MatrixXd j = fitted.residual_jacobian(model.evaluation);
+        Eigen::MatrixXd h = j.transpose() * j / d.variance;
+        constexpr double box_variance = 1.0 / 12.0;
+        h.diagonal().array() += 1.0 / box_variance;
+        const Eigen::MatrixXd covariance = h.inverse();
+        Predicted f{outcome->responses, {}};
+        for (std::size_t i = 0; i < list.readings.size(); ++i) {
+            Eigen::VectorXd slope(static_cast<Eigen::Index>(columns.size()));
+            for (std::size_t k = 0; k < columns.size(); ++k) {
+                const auto at = static_cast<std::size_t>(columns[k]);
+                slope[static_cast<Eigen::Index>(k)] =
+                    outcome->jacobian(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) *
+                    fitted.space.axes[at].d_physical(model.unit[at]);
+            }
+            const Eigen::MatrixXd part = covariance(columns, columns);
+            f.variances.push_back(slope.dot(part * slope));
+        }
+        predicted.push_back(std::move(f));
+    }
+    std::vector<SeparatingReading> readings;
+    if (predicted.size() < 2) {
+        return readings;
+    }
+    for (std::size_t i = 0; i < list.readings.size(); ++i) {
+        data::Reading reading = list.readings[i];
+        reading.noise = study::candidate_noise(list.model.sensors[i].quantity, predicted[0].values[i]);
+        const double noise = reading.noise;
+        SeparatingReading s{.reading = std::move(reading), .values = {}, .power = 1.0, .rate_now = 1.0};
+        for (std::size_t e = 0; e < predicted.size(); ++e) {
+            s.values.push_back(s.reading.in_unit(predicted[e].values[i]));
+            if (e == 0) {
+                continue;
+            }
+            // Now: the difference of chi2; the new reading adds its own.
+            const double now = std::max(0.0, d.explanations[e].behind);
+            const double more = std::pow(predicted[e].values[i] - predicted[0].values[i], 2) /
+                                (noise * noise + predicted[0].variances[i] + predicted[e].variances[i]);
+            s.power = std::min(s.power, gsl_cdf_ugaussian_P(std::sqrt(now + more) / 2.0));
+            s.rate_now = std::min(s.rate_now, gsl_cdf_ugaussian_P(std::sqrt(now) / 2.0));
+        }
+        readings.push_back(std::move(s));
+    }
+    std::stable_sort(readings.begin(), readings.end(), [](const auto& a, const auto& b) { return a.power > b.power; });
+    return readings;
+}
+
+std::vector<diagnose::Candidate> candidates_of(const std::vector<study::Variant>& variants, const Layout& layout) {
+    std::vector<diagnose::Candidate> list;
+    for (const study::Variant& variant : variants) {
+        const auto& effect = *variant.applied.effect;
+        const problem::Axis axis = study::size_axis(effect);
+        diagnose::Candidate candidate{.effect = std::string(effect.name),
+                                      .on = variant.on,
+                                      .null = axis.unit(effect.null),
+                                      .typical = axis.unit(effect.typical),
+                                      .reading = {}};
+        if (variant.applied.reading) {
+            candidate.reading =
+                std::find(layout.rows.begin(), layout.rows.end(), static_cast<std::size_t>(*variant.applied.reading)) -
+                layout.rows.begin();
+        }
+        list.push_back(std::move(candidate));
+    }
+    return list;
+}
+
+} // namespace
+
+std::string DiagnoseResult::extended_study(const std::string& folder) const {
+    const auto& model = diagnosis.extended->model;
+    return study::extended_text(after->study, variants_of(variants, model.members), model.evaluation.parameters,
+                                folder);
+}
+
+std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& study, const DiagnoseOptions& options) {
+    const auto begin = std::chrono::steady_clock::now();
+    const problem::Problem baseline = study::make_noise_problem(study, study::Scope::fitted);
+    for (const std::string& name : options.without) {
+        study::effect_named(name, {.key = "--without"});
+    }
+    DiagnoseResult result{.study = study,
+                          .options = options,
+                          .variants = study::variants(study, options.without),
+                          .candidates = {},
+                          .layout = layout_of(study),
+                          .diagnosis = {},
+                          .before = {},
+                          .after = {},
+                          .next = {},
+                          .held_out = {},
+                          .reduced = session.reduced(baseline, study, options.model),
+                          .tally = {}};
+    if (options.model.reduced() && !result.reduced) {
+        return std::nullopt;
+    }
+    result.candidates = candidates_of(result.variants, result.layout);
+    const std::string settings =
+        fmt::format("seed {}{}", session.options().seed, result.reduced ? result.reduced->settings : "");
+    const auto extended_study = [&](const Members& members) {
+        return study::with_free_effects(study, variants_of(result.variants, members));
+    };
+    session.begin(study, "diagnose", settings);
+    diagnose::Workbench bench(
+        {.problem =
+             [&](const Members& members) {
+                 return study::make_noise_problem(extended_study(members), study::Scope::fitted);
+             },
+         .run = [&](const Members& members) { return session.begin(extended_study(members), "diagnose", settings); },
+         .store = session.store(),
+         .threads = session.options().threads});
+    diagnose::DiagnosisTask task{.bench = bench,
+                                 .candidates = result.candidates,
+                                 .groups = result.layout.groups,
+                                 .places = result.layout.places,
+                                 .loads = result.layout.loads,
+                                 .seed = session.options().seed};
+    if (result.reduced) {
+        task.explore = [&](const search::Design& sample) {
+            auto engine = session.engine(result.reduced->problem, session.begin(study, "explore", settings));
+            return engine.evaluate(sample);
+        };
+    }
+    auto diagnosis = diagnose::diagnose(task, options.settings);
+    if (!diagnosis) {
+        return std::nullopt;
+    }
+    result.diagnosis = std::move(*diagnosis);
+    const Diagnosis& d = result.diagnosis;
+    if (result.failed()) {
+        return result;
+    }
+    const auto reported = [&](const Judged& judged) {
+        return model_of(study, result.variants, bench, judged, d.variance);
+    };
+    result.before = reported(d.baseline);
+    if (d.extended) {
+        result.after = reported(*d.extended);
+    }
+    if (d.explanations.size() > 1) {
+        result.next = separating_readings(study, result.variants, bench, d);
+    }
+    for (std::size_t e = 0; e < d.explanations.size(); ++e) {
+        const bool is_known = e == 0 || !result.before->held_out_rms; // the first is the extended model
+        result.held_out.push_back(is_known ? result.after->held_out_rms
+                                           : reported(d.explanations[e].fit).held_out_rms);
+    }
+    session.begin(study, "diagnose", settings); // the run of the study's own model is the one used last
+    result.tally = bench.tally();
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return result;
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,66 @@
+// What the simulation gets wrong, the cause, the extended model, the gain.
+#pragma once
+
+#include "analysis/layout.h"
+#include "analysis/session.h"
+#include "study/variants.h"
+
+namespace explore::analysis {
+
+struct DiagnoseOptions {
+    ModelOptions model{};
+    std::vector<std::string> without{}; // effects that are known not to be there
+    diagnose::DiagnosisSettings settings{};
+};
+
+// A model of the diagnosis with everything a report asks of it.
+struct DiagnosedModel {
+    study::Study study; // with the effects, their sizes free
+    problem::Evaluation evaluation;
+    double misfit = 0.0;                        // the study's own
+    std::vector<diagnose::Interval> parameters; // the effects' sizes last
+    std::optional<double> held_out_rms;         // of the readings the study holds out, standard deviations
+};
+
+// One reading that would separate what the data leave ambiguous.
+struct SeparatingReading {
+    data::Reading reading;      // its noise: assumed
+    std::vector<double> values; // predicted by each explanation, in the reading's unit
+    double power = 0.0;         // the rate of the right decision between the best explanation and its closest rival
+    double rate_now = 0.0;      // the same with the present readings
+};
+
+struct DiagnoseResult {
+    study::Study study;
+    DiagnoseOptions options;
+    std::vector<study::Variant> variants; // of effects, in the order of the candidates
+    std::vector<diagnose::Candidate> candidates;
+    Layout layout;
+    diagnose::Diagnosis diagnosis;
+    std::optional<DiagnosedModel> before; // none: failed
+    std::optional<DiagnosedModel> after;  // with the best explanation
+    std::vector<SeparatingReading> next;
+    std::vector<std::optional<double>> held_out; // of each explanation: see DiagnosedModel
+    std::optional<ReducedProblem> reduced;
+    run::Tally tally;
+    double seconds = 0.0;
+
+    bool failed() const { return !diagnosis.failed.empty(); }
+    // Whether there is an extended model that explains the data.
+    bool is_extended() const { return after && diagnosis.verdict != diagnose::Verdict::unexplained; }
+    // The study file of the extended model, with data files found from `folder`; is_extended().
+    std::string extended_study(const std::string& folder) const;
+};
+
+// Throws pave::Error for a study that cannot be fitted and effects that there are not. Nothing: interrupted.
+std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& study, const DiagnoseOptions& options);
+
+// The verdict and its reasons, in sentences.
+std::vector<std::string> findings(const DiagnoseResult& result);
+
+// "sensor-gain (fwd, deflection) with outlier (...)"
+std::string members_words(const std::vector<diagnose::Candidate>& candidates, const diagnose::Members& members);
+// "95 %", "99.5 %", "0.03 %"
+std::string percent(double share);
+
+} // namespace explore::analysis

@@ -1,0 +1,231 @@
+#include "analysis/diagnose.h"
+
+#include "base/error.h"
+#include "base/text.h"
+#include "pavement/effects/effect.h"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace explore::analysis {
+
+using diagnose::Members;
+using diagnose::Verdict;
+using pave::counted;
+using pave::figure;
+
+namespace {
+
+std::string variant_words(const diagnose::Candidate& candidate) {
+    return candidate.effect + (candidate.on.empty() ? "" : " (" + candidate.on + ")");
+}
+
+std::string chance(double p) {
+    return p < 1e-4 ? "less than 1 in 10,000" : fmt::format("{:.2g}", p);
+}
+
+} // namespace
+
+std::string members_words(const std::vector<diagnose::Candidate>& candidates, const Members& members) {
+    std::vector<std::string> words;
+    words.reserve(members.size());
+    for (const std::size_t c : members) {
+        words.push_back(variant_words(candidates[c]));
+    }
+    return pave::join(words, " with ");
+}
+
+std::string percent(double share) {
+    return fmt::format("{:.{}f} %", 100.0 * share,
+                       share > 0.999 || share < 0.001 ? 2
+                       : share > 0.99 || share < 0.01 ? 1
+                                                      : 0);
+}
+
+namespace {
+
+class Sentences {
+public:
+    explicit Sentences(const DiagnoseResult& result)
+        : study(result.study),
+          variants(result.variants),
+          candidates(result.candidates),
+          layout(result.layout),
+          d(result.diagnosis),
+          before(*result.before),
+          after(result.after),
+          next(result.next) {}
+
+    std::vector<std::string> all() const {
+        std::vector<std::string> text;
+        verdict(text);
+        wrong(text);
+        if (after) {
+            gain(text);
+        }
+        if (!next.empty()) {
+            const SeparatingReading& best = next[0];
+            text.push_back(fmt::format(
+                "One reading more that would help most: {} (to {} {}). It would raise the rate of the right decision "
+                "between the closest two from {} to {}.",
+                best.reading.words(), figure(best.reading.in_unit(best.reading.noise)), best.reading.unit.name, percent(best.rate_now), percent(best.power)));
+        }
+        return text;
+    }
+
+private:
+    std::string effect_words(std::size_t member) const {
+        const auto& interval = after->parameters[study.space.axes.size() + member];
+        const std::size_t c = d.extended->model.members[member];
+        const auto& effect = *variants[c].applied.effect;
+        return fmt::format("{} = {} [{}] (95 %: {} to {})", variant_words(candidates[c]), figure(interval.value),
+                           effect.unit, figure(interval.low), figure(interval.high));
+    }
+
+    void verdict(std::vector<std::string>& text) const {
+        switch (d.verdict) {
+        case Verdict::adequate:
+            text.push_back("ADEQUATE: nothing in these data contradicts the model beyond their noise.");
+            if (study.noise == study::NoiseSource::estimated) {
+                text.push_back("The data state no noise: it was taken from what the fit leaves over, so a model that "
+                               "is wrong everywhere by a like amount would not be noticed.");
+            }
+            break;
+        case Verdict::cause_named: {
+            std::vector<std::string> found;
+            for (std::size_t m = 0; m < d.extended->model.members.size(); ++m) {
+                found.push_back(effect_words(m));
+            }
+            text.push_back("CAUSE NAMED: the model lacks " + pave::join(found, " and ") + ".");
+            for (const std::size_t c : d.extended->model.members) {
+                text.emplace_back(variants[c].applied.effect->mechanism);
+            }
+            break;
+        }
+        case Verdict::ambiguous: {
+            std::vector<std::string> sets;
+            for (const auto& e : d.explanations) {
+                sets.push_back(members_words(candidates, e.fit.model.members));
+            }
+            if (sets.size() > 1) {
+                text.push_back(fmt::format("AMBIGUOUS: the model lacks something, and {} explanations fit these data "
+                                           "so alike that they cannot be told apart: {}.",
+                                           sets.size(), pave::join(sets, "; ")));
+            } else if (d.leaves_more_than_noise) {
+                text.push_back(
+                    fmt::format("AMBIGUOUS: {} explains most of the contradiction, but leaves more than noise "
+                                "(p = {:.2g}): something else is missing too, or this is not quite it.",
+                                sets[0], std::min(d.extended->p_value, d.extended->pattern.p_value)));
+            } else if (d.extended->model.members.size() > 1) {
+                text.push_back(fmt::format("AMBIGUOUS: {} together explain the data, but one explains so little beyond "
+                                           "the other that both may stand for one thing outside the catalogue.",
+                                           sets[0]));
+            } else {
+                text.push_back(
+                    fmt::format("AMBIGUOUS: {} explains the data, but the evidence is too weak to name it.", sets[0]));
+            }
+            break;
+        }
+        case Verdict::unexplained:
+            text.push_back("UNEXPLAINED: the data contradict the model, and no effect of the catalogue, alone or in "
+                           "pairs, explains it. The pattern that remains is shown below.");
+            if (study.noise == study::NoiseSource::stated) {
+                text.push_back(
+                    fmt::format("If the model were right, the noise would have to be {} times what is stated.",
+                                figure(std::sqrt(d.baseline.chi2 / std::max(1, d.baseline.dof)))));
+            }
+            break;
+        }
+    }
+
+    void wrong(std::vector<std::string>& text) const {
+        if (study.noise == study::NoiseSource::stated) {
+            text.push_back(fmt::format(
+                "The study's model leaves chi2 = {} with {}: {}.", figure(d.baseline.chi2),
+                counted(static_cast<std::size_t>(std::max(0, d.baseline.dof)), "degree of freedom",
+                        "degrees of freedom"),
+                d.baseline.p_value < 0.01
+                    ? fmt::format("the stated noise explains so much with probability {}", chance(d.baseline.p_value))
+                    : fmt::format("the stated noise explains that (p = {:.2g})", d.baseline.p_value)));
+        }
+        if (d.verdict == Verdict::adequate) {
+            return;
+        }
+        for (std::size_t g = 0; g < layout.groups.size(); ++g) {
+            const auto& test = d.groups[g];
+            constexpr double clear = 0.02;
+            if (test.p_sign < clear) {
+                text.push_back(fmt::format("{}: the model lies {} nearly everywhere (sign test p = {:.2g}).",
+                                           layout.groups[g].name, test.mean > 0.0 ? "too high" : "too low",
+                                           test.p_sign));
+            }
+            if (test.p_runs < clear) {
+                text.push_back(
+                    fmt::format("{}: the residuals follow a pattern along the positions (runs test p = {:.2g}).",
+                                layout.groups[g].name, test.p_runs));
+            }
+        }
+        constexpr double strong = 4.0;
+        if (!d.constancy.empty() && std::abs(d.constancy[0].score) > strong) {
+            const auto& c = d.constancy[0];
+            text.push_back(fmt::format("{} wants a {} {} than the other readings ({:.1f} standard errors).",
+                                       layout.groups[c.group].name, c.score > 0.0 ? "higher" : "lower",
+                                       study.space.axes[c.axis].name, std::abs(c.score)));
+        }
+    }
+
+    void gain(std::vector<std::string>& text) const {
+        text.push_back(fmt::format(
+            "With {} the misfit falls from {} to {}, chi2 from {} to {}{}{}.",
+            members_words(candidates, d.extended->model.members), figure(before.misfit), figure(after->misfit),
+            figure(d.baseline.chi2), figure(d.extended->chi2),
+            study.noise == study::NoiseSource::stated ? fmt::format(" (p = {:.2g})", d.extended->p_value) : "",
+            std::isfinite(d.extended->aicc - d.baseline.aicc)
+                ? "; AICc changes by " + figure(d.extended->aicc - d.baseline.aicc)
+                : "; AICc says nothing of so many parameters for so few readings"));
+        if (d.places) {
+            text.push_back(
+                fmt::format("Readings left out of the fit, place by place, are predicted with an error of {} "
+                            "instead of {} standard deviations.",
+                            figure(d.places->after), figure(d.places->before)));
+        }
+        if (d.loads) {
+            text.push_back(
+                fmt::format("Load by load: {} instead of {}.", figure(d.loads->after), figure(d.loads->before)));
+        }
+        if (before.held_out_rms && after->held_out_rms) {
+            text.push_back(fmt::format("The {} that the study holds out are predicted with {} instead of {}.",
+                                       counted(study.held_out_readings(), "reading", "readings"), figure(*after->held_out_rms),
+                                       figure(*before.held_out_rms)));
+        }
+        std::vector<std::string> biased;
+        for (std::size_t k = 0; k < study.space.axes.size(); ++k) {
+            const auto& was = before.parameters[k];
+            const auto& is = after->parameters[k];
+            if (was.value < is.low || was.value > is.high) {
+                biased.push_back(
+                    fmt::format("{} {} instead of {}", study.space.axes[k].name, figure(is.value), figure(was.value)));
+            }
+        }
+        if (!biased.empty()) {
+            text.push_back("Without the effect the fit was biased: " + pave::join(biased) + ".");
+        }
+    }
+
+    const study::Study& study;
+    const std::vector<study::Variant>& variants;
+    const std::vector<diagnose::Candidate>& candidates;
+    const Layout& layout;
+    const diagnose::Diagnosis& d;
+    const DiagnosedModel& before;
+    const std::optional<DiagnosedModel>& after;
+    const std::vector<SeparatingReading>& next;
+};
+
+} // namespace
+
+std::vector<std::string> findings(const DiagnoseResult& result) {
+    return Sentences(result).all();
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,97 @@
+#include "analysis/fit.h"
+
+#include "base/error.h"
+#include "base/text.h"
+
+#include <fmt/format.h>
+
+namespace explore::analysis {
+namespace {
+
+search::Design make_design(FitOptions& options, const study::Study& study, std::uint64_t seed) {
+    if (options.scheme == Scheme::multistart) {
+        return search::sobol(study.space, options.explore, seed);
+    }
+    options.multistart.starts = 1;
+    constexpr int coarse = 4;
+    if (search::full_grid_size(study.space, coarse) > 100'000) {
+        throw pave::Error({.file = study.file, .key = "parameters"}, "too many parameters for the paper's full grid",
+                          pave::counted(study.space.axes.size(), "parameter", "parameters"), "--scheme multistart");
+    }
+    problem::ParameterSpace space = study.space;
+    for (auto& axis : space.axes) {
+        axis.points = coarse; // an axis held in `map` is free here
+    }
+    return search::full_grid(space);
+}
+
+} // namespace
+
+std::string FitResult::reason() const {
+    return "not one explored point has an answer; the first says: " + searches.explored.front().reason;
+}
+
+std::optional<FitResult> fit(Session& session, const study::Study& study, const FitOptions& asked) {
+    const problem::Problem full = study::make_problem(study, study::Scope::fitted);
+    auto reduced = session.reduced(full, study, asked.model);
+    if (asked.model.reduced() && !reduced) {
+        return std::nullopt;
+    }
+    FitOptions options = asked;
+    search::Design design = make_design(options, study, session.options().seed);
+    FitResult result{.study = study,
+                     .options = options,
+                     .problem = options.model.alone() ? reduced->problem : full,
+                     .design = std::move(design),
+                     .searches = {},
+                     .local = {},
+                     .joint = {},
+                     .alone = {},
+                     .reduced = std::move(reduced),
+                     .tally = {}};
+    const auto& search = options.multistart.search;
+    const std::string settings =
+        fmt::format("{}; starts at distance {}; {}, {} evaluations, tolerances {} {}{}{}", result.design.run_name(),
+                    options.multistart.start_distance, options.multistart.method, search.max_evaluations,
+                    search.step_tolerance, search.misfit_tolerance, result.reduced ? result.reduced->settings : "",
+                    options.model.confirmed() ? " to explore" : "");
+    std::optional<std::vector<problem::Evaluation>> explored;
+    if (options.model.confirmed()) { // a run of its own: its evaluations are not the full model's
+        auto engine = session.engine(result.reduced->problem, session.begin(study, "explore", settings));
+        explored = engine.evaluate(result.design);
+        if (!explored) {
+            return std::nullopt;
+        }
+        result.seconds_by_reduced_model = engine.tally().seconds;
+    }
+    auto engine = session.engine(result.problem, session.begin(study, "fit", settings));
+    auto searches = explored ? landscape::refine(engine, result.problem, result.design, std::move(*explored), {},
+                                                 options.multistart)
+                             : landscape::multistart(engine, result.problem, result.design, options.multistart);
+    if (!searches) {
+        return std::nullopt;
+    }
+    result.searches = std::move(*searches);
+    if (result.failed()) {
+        result.tally = engine.tally();
+        return result;
+    }
+    const Predictor predictor(study);
+    landscape::Minimum& best = result.searches.minima[0];
+    predictor.complete(best.evaluation);
+    result.joint = group_fit(study, predictor, "all", result.problem, best);
+    result.local = result.joint->local;
+    if (!options.joint_only && !options.model.alone()) {
+        auto alone =
+            fit_alone(session, study, predictor, result.design, result.searches, settings, options.multistart);
+        if (!alone) {
+            return std::nullopt;
+        }
+        result.alone = std::move(*alone);
+        session.begin(study, "fit", settings); // the run of this fit is the one used last
+    }
+    result.tally = engine.tally();
+    return result;
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,49 @@
+// Fit: explore, then refine the best distinct starts.
+#pragma once
+
+#include "analysis/groups.h"
+
+namespace explore::analysis {
+
+// Points of a Sobol sample when nothing else is asked for.
+inline constexpr int fit_points = 256;
+
+enum class Scheme {
+    multistart, // a Sobol sample and several starts
+    paper       // a coarse full grid, and one search from its smallest misfit
+};
+inline constexpr std::string_view scheme_names[] = {"multistart", "paper"};
+
+struct FitOptions {
+    ModelOptions model{};
+    Scheme scheme = Scheme::multistart;
+    int explore = fit_points;
+    bool joint_only = false; // no fits of one group of readings alone
+    landscape::MultistartSettings multistart{};
+};
+
+struct FitResult {
+    study::Study study;
+    FitOptions options;
+    problem::Problem problem;
+    search::Design design;
+    landscape::MultistartResult searches; // the best minimum with the responses of every load; no minima: no answer
+    landscape::LocalAnalysis local;       // at the best minimum
+    std::optional<GroupFit> joint;
+    std::vector<GroupFit> alone;
+    std::optional<ReducedProblem> reduced;
+    run::Tally tally;
+    double seconds_by_reduced_model = 0.0;
+
+    const landscape::Minimum& best() const { return searches.minima[0]; }
+    bool failed() const { return searches.minima.empty(); }
+    std::string reason() const; // of failed()
+};
+
+// Throws pave::Error for a study that cannot be fitted so. Nothing: interrupted.
+std::optional<FitResult> fit(Session& session, const study::Study& study, const FitOptions& options);
+
+// What the ends of the searches mean, in sentences.
+std::vector<std::string> findings(const FitResult& result);
+
+} // namespace explore::analysis

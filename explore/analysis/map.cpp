@@ -1,0 +1,101 @@
+#include "analysis/map.h"
+
+#include "base/error.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace explore::analysis {
+namespace {
+
+constexpr std::int64_t most_points = 10'000'000;
+
+search::Design make_design(const MapOptions& options, const study::Study& study, std::uint64_t seed) {
+    const auto grid_size = search::full_grid_size(study.space, options.points);
+    const bool grid =
+        options.design == MapDesign::automatic ? search::full_grid_size(study.space) > 0 : options.design == MapDesign::grid;
+    if (!grid) {
+        return search::sobol(study.space, options.points > 0 ? options.points : map_points, seed);
+    }
+    if (grid_size <= 0 || grid_size > most_points) {
+        throw pave::Error(
+            {.file = study.file, .key = "parameters"}, "a full grid needs the number of points of each parameter",
+            grid_size <= 0 ? "a parameter without points" : "too many points",
+            fmt::format("points = ... in every [[parameters]], or --points; at most {} in all", most_points));
+    }
+    return search::full_grid(study.space, options.points);
+}
+
+// The full model at the points where the reduced one found the lowest misfits, by its own. False: interrupted.
+bool confirm(Session& session, MapResult& map, const std::string& settings) {
+    search::Design again{map.design.name, {}};
+    for (const auto& low : map.lowest) {
+        again.points.push_back(map.design.points[low.number]);
+    }
+    const problem::Problem full = study::make_problem(map.study);
+    run::Engine engine(full, session.store(), session.begin(map.study, "map", settings + ", its lowest by the full model"),
+                       {.threads = session.options().threads, .show_progress = false});
+    auto confirmed = engine.evaluate(again);
+    if (!confirmed) {
+        return false;
+    }
+    for (std::size_t k = 0; k < map.lowest.size(); ++k) {
+        map.lowest[k].evaluation = std::move((*confirmed)[k]);
+    }
+    std::stable_sort(map.lowest.begin(), map.lowest.end(), [](const auto& a, const auto& b) {
+        return a.evaluation.converged() && !(a.evaluation.misfit >= b.evaluation.misfit); // the others have no misfit
+    });
+    session.begin(map.study, "map", settings); // the map is the run used last
+    return true;
+}
+
+} // namespace
+
+std::optional<MapResult> map(Session& session, const study::Study& study, const MapOptions& options) {
+    const bool adaptive = options.design == MapDesign::adaptive;
+    const int points = options.points > 0 ? options.points : map_points;
+    const auto [threads, seed] = std::pair(session.options().threads, session.options().seed);
+    std::optional<ReducedProblem> reduced;
+    if (options.model.reduced()) {
+        reduced = session.reduced(study::make_problem(study, study::Scope::fitted), study, options.model);
+        if (!reduced) {
+            return std::nullopt;
+        }
+    }
+    MapResult result{.study = study,
+                     .options = options,
+                     .design = adaptive ? search::Design{landscape::adaptive_name(points, seed), {}}
+                                        : make_design(options, study, seed),
+                     .evaluations = {},
+                     .lowest = {},
+                     .explored = {},
+                     .reduced = std::move(reduced),
+                     .tally = {}};
+    const problem::Problem problem = result.reduced ? result.reduced->problem : study::make_problem(study);
+    const std::string settings = result.design.run_name() + (result.reduced ? result.reduced->settings : "");
+    auto engine = session.engine(problem, session.begin(study, "map", settings));
+    std::optional<std::vector<problem::Evaluation>> evaluations;
+    if (adaptive) {
+        if (auto map = landscape::adaptive_map(engine, problem, points, seed, threads)) {
+            result.design = std::move(map->design);
+            evaluations = std::move(map->evaluations);
+            result.explored = map->explored;
+        }
+    } else {
+        evaluations = engine.evaluate(result.design);
+    }
+    if (!evaluations) {
+        return std::nullopt;
+    }
+    result.evaluations = std::move(*evaluations);
+    result.tally = engine.tally();
+    for (const std::size_t i : run::distinct_starts(result.design, result.evaluations, 10, 0.0)) {
+        result.lowest.push_back({i, result.evaluations[i]});
+    }
+    if (options.model.confirmed() && !confirm(session, result, settings)) {
+        return std::nullopt;
+    }
+    return result;
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,125 @@
+#include "analysis/session.h"
+
+#include "analysis/build.h"
+#include "run/files.h"
+#include "run/parallel.h"
+#include "run/progress.h"
+#include "search/design.h"
+
+#include <filesystem>
+#include <fmt/format.h>
+#include <stdexcept>
+
+namespace explore::analysis {
+namespace {
+
+// Cases that a reduced model is built and judged from; the full model answers a part of them.
+constexpr int samples = 512;
+// Their own: not those of a run, which are to be new to the model.
+constexpr std::uint64_t sample_seed = 0x5eed0fca5e5;
+
+// Nothing: interrupted.
+std::optional<study::ReducedLoads> build(const study::Study& study, const RunOptions& options) {
+    tbb::task_arena arena(run::usable_threads(options.threads));
+    run::Progress progress("build the reduced model", options.show_progress ? 0 : -1);
+    const pave::reduced::ForEach for_each = [&](std::size_t n, const std::function<void(std::size_t)>& body) {
+        run::for_each_index(arena, n, [&](std::size_t i) {
+            body(i);
+            progress.add(1, true);
+        });
+        if (run::interrupted()) {
+            throw run::Interrupted();
+        }
+    };
+    try {
+        auto outcome = study::build_reduced(study, search::sobol(study.space, samples, sample_seed).points, for_each);
+        if (!outcome) {
+            throw std::runtime_error(outcome.failure().reason);
+        }
+        return std::move(outcome).value();
+    } catch (const run::Interrupted&) {
+        return std::nullopt;
+    }
+}
+
+} // namespace
+
+Session::Session(RunOptions options) : options_(std::move(options)) {}
+
+int Session::begin(const study::Study& study, const std::string& name, const std::string& settings) {
+    if (options_.folder.empty()) {
+        return 0;
+    }
+    if (!store_) { // not before there is something to keep: a study that is refused leaves no folder
+        store_.emplace(options_.folder, run::Session{.version = version,
+                                                     .libraries = library_words(),
+                                                     .arguments = options_.arguments,
+                                                     .directory = std::filesystem::current_path().string(),
+                                                     .threads = run::concurrency(options_.threads)});
+    }
+    run::RunHeader header;
+    header.key = {name, study.hash, settings};
+    header.version = version;
+    for (const auto& axis : study.space.axes) {
+        header.parameters.push_back(axis.name);
+    }
+    for (const data::Reading& reading : study.readings) {
+        header.responses.push_back(reading.label_with_unit());
+        header.response_to_si.push_back(reading.unit.to_si);
+    }
+    newest_ = store_->begin(header);
+    return newest_;
+}
+
+run::Engine Session::engine(const problem::Problem& problem, int run) {
+    return {problem, store(), run, engine_settings()};
+}
+
+run::EngineSettings Session::engine_settings() const {
+    return {.threads = options_.threads, .show_progress = options_.show_progress};
+}
+
+std::optional<ReducedProblem> Session::reduced(const problem::Problem& fitted, const study::Study& study,
+                                               const ModelOptions& model) {
+    if (!model.reduced()) {
+        return std::nullopt;
+    }
+    if (const std::string why = study::why_no_reduced_model(study); !why.empty()) {
+        throw pave::Error({.file = study.file}, "this study has no reduced model", why, "--model full");
+    }
+    const std::string key = study::reduced_key(study, samples);
+    const std::string file = (std::filesystem::path(options_.folder) / "reduced.bin").string();
+    auto loads = options_.folder.empty() ? std::nullopt : study::load_reduced(file, key);
+    const bool built = !loads;
+    if (built) {
+        loads = build(study, options_);
+        if (!loads) {
+            return std::nullopt;
+        }
+        if (!options_.folder.empty()) {
+            std::filesystem::create_directories(options_.folder);
+            study::save_reduced(file, key, *loads);
+        }
+    }
+    ReducedProblem result{.problem = study::with_reduced_model(fitted, study, *loads, model.limit_percent / 100.0),
+                          .settings = fmt::format(", reduced model {}, {} %", key, model.limit_percent),
+                          .loads = {},
+                          .built = built};
+    for (std::size_t l = 0; l < loads->size(); ++l) {
+        if ((*loads)[l]) {
+            result.loads.push_back({study.model.loads[l].name, (*loads)[l]->report});
+        }
+    }
+    return result;
+}
+
+void Session::keep(const std::string& name, const std::string& json) {
+    if (store_) {
+        store_->put_result(newest_, json);
+    }
+    if (!options_.folder.empty()) {
+        run::write_file(options_.folder, name + ".json", json + "\n");
+    }
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,46 @@
+// Is the answer unique, along what is it not, and what does that do to the outputs?
+#pragma once
+
+#include "analysis/next_reading.h"
+#include "analysis/session.h"
+
+namespace explore::analysis {
+
+struct UniqueOptions {
+    ModelOptions model{};
+    landscape::UniquenessSettings settings{};
+};
+
+struct UniqueResult {
+    study::Study study;
+    UniqueOptions options;
+    problem::Problem problem; // residuals in units of their noise where it is stated
+    landscape::Uniqueness answer;
+    NextReading next;
+    std::optional<ReducedProblem> reduced;
+    std::int64_t computed = 0;           // runs of this process
+    std::int64_t kept = 0;               // runs that were in the store
+    std::int64_t computed_by_reduced_model = 0;
+    double seconds = 0.0;
+    double forward_cpu_seconds = 0.0;
+
+    bool failed() const { return answer.minima.empty(); }
+    std::string reason() const; // of failed()
+    const landscape::Minimum& best() const { return answer.minima[0]; }
+};
+
+// Throws pave::Error for a study that cannot be fitted. Nothing: interrupted.
+std::optional<UniqueResult> unique(Session& session, const study::Study& study, const UniqueOptions& options);
+
+// The verdict and its reasons, in sentences.
+std::vector<std::string> findings(const UniqueResult& result);
+
+// "base.k1 * (theta/pa)^base.k2 at theta = 62 kPa is fixed to 2 %": a combination in the terms of the laws.
+std::string combination_words(const study::Study& study, const landscape::Combination& combination);
+// Why a walk ended: "the data", "base.n at its upper bound". bounds: that it met, in words of the caller's.
+std::string end_words(landscape::WalkEnd end, const std::vector<std::string>& bounds);
+std::string end_words(const problem::ParameterSpace& space, landscape::WalkEnd end,
+                      const std::vector<landscape::BoundMet>& bounds);
+std::vector<std::string> names_of(const problem::ParameterSpace& space, const std::vector<std::size_t>& axes);
+
+} // namespace explore::analysis

@@ -1,0 +1,252 @@
+#include "analysis/unique.h"
+
+#include "base/error.h"
+#include "base/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace explore::analysis {
+
+using landscape::Branch;
+using landscape::Range;
+using landscape::Uniqueness;
+using landscape::Verdict;
+using landscape::WalkEnd;
+using pave::counted;
+using pave::figure;
+
+namespace {
+
+// What the law of a layer says of a parameter that is an exponent.
+std::optional<pave::material::StressPower> power_of(const study::Study& study, std::size_t axis) {
+    const auto& parameter = study.parameters[axis];
+    if (!parameter.law_index) {
+        return std::nullopt;
+    }
+    const auto& law = *study.model.layers[static_cast<std::size_t>(parameter.owner)].law;
+    return law.parameters()[*parameter.law_index].power;
+}
+
+std::string model_words(const ModelOptions& model) {
+    return model.alone()
+               ? fmt::format(
+                     "All of this is the reduced model's, whose error is estimated below {} % of a reading "
+                     "where it was used; --model auto says it of the full model, with the ranges of the outputs.",
+                     figure(model.limit_percent))
+               : "The reduced model explored and searched. Every minimum it found was sought again by the full model, "
+                 "whose are the minima, ranges and verdict here.";
+}
+
+} // namespace
+
+// A factor c^k of the fixed combination is a power of stress at a stress of its own.
+std::string combination_words(const study::Study& study, const landscape::Combination& c) {
+    const problem::ParameterSpace& space = study.space;
+    const auto is_log = [&](std::size_t k) { return space.axes[k].scale == problem::Scale::log; };
+    constexpr double pa_kPa = 100.0;
+    if (!is_log(c.leading)) {
+        std::string text = space.axes[c.leading].name;
+        for (const auto& term : c.others) {
+            const std::string name =
+                is_log(term.axis) ? "ln(" + space.axes[term.axis].name + ")" : space.axes[term.axis].name;
+            text +=
+                fmt::format(" {} {:.3g} * {}", term.coefficient < 0.0 ? "-" : "+", std::abs(term.coefficient), name);
+        }
+        return text + fmt::format(" is fixed to {:.2g}", c.standard_error);
+    }
+    std::string text = space.axes[c.leading].name;
+    for (const auto& term : c.others) {
+        const std::string& name = space.axes[term.axis].name;
+        if (is_log(term.axis)) {
+            text += fmt::format(" * {}^{:.3g}", name, term.coefficient);
+            continue;
+        }
+        const double base = std::exp(term.coefficient);
+        const auto power = power_of(study, term.axis);
+        if (power && base > power->offset) {
+            text += fmt::format(" * ({0}/pa{1})^{2} at {0} = {3:.3g} kPa", power->stress,
+                                power->offset > 0.0 ? fmt::format(" + {:g}", power->offset) : "", name,
+                                pa_kPa * (base - power->offset));
+        } else {
+            text += fmt::format(" * {:.3g}^{}", base, name);
+        }
+    }
+    return text + fmt::format(" is fixed to {:.2g} %", 100.0 * c.standard_error);
+}
+
+std::string end_words(WalkEnd end, const std::vector<std::string>& bounds) {
+    switch (end) {
+    case WalkEnd::threshold: return bounds.empty() ? "the data" : "the data, with " + pave::join(bounds);
+    case WalkEnd::bound: return bounds.empty() ? "the box" : pave::join(bounds);
+    case WalkEnd::hole: return "points without an answer";
+    case WalkEnd::better: return "a lower misfit found";
+    case WalkEnd::limit: return "the limit of steps";
+    }
+    return "";
+}
+
+std::string end_words(const problem::ParameterSpace& space, WalkEnd end, const std::vector<landscape::BoundMet>& met) {
+    return end_words(end, bound_words(space, met));
+}
+
+std::vector<std::string> names_of(const problem::ParameterSpace& space, const std::vector<std::size_t>& axes) {
+    std::vector<std::string> names;
+    names.reserve(axes.size());
+    for (const std::size_t k : axes) {
+        names.push_back(space.axes[k].name);
+    }
+    return names;
+}
+
+std::vector<std::string> findings(const UniqueResult& result) {
+    std::vector<std::string> text;
+    const study::Study& study = result.study;
+    const problem::ParameterSpace& space = result.problem.space;
+    const Uniqueness& u = result.answer;
+    const NextReading& next = result.next;
+    const auto outputs = study.outputs();
+    const auto say = [&](std::string sentence) { text.push_back(std::move(sentence)); };
+    switch (u.verdict) {
+    case Verdict::unique:
+        say("UNIQUE within what was searched: one set of parameters, with the ranges below, fits these data.");
+        break;
+    case Verdict::non_unique:
+        say(u.alternatives && u.valley
+                ? "NON-UNIQUE: separate minima fit these data, and a continuous valley of parameter sets too."
+            : u.alternatives ? "NON-UNIQUE: separate minima fit these data, with no acceptable way found between them."
+                             : "NON-UNIQUE: a continuous valley of parameter sets fits these data equally well.");
+        break;
+    case Verdict::undecided: say("UNDECIDED. What is missing: " + pave::join(u.missing) + "."); break;
+    }
+    if (!u.acceptance) {
+        return text;
+    }
+    const auto& acceptance = *u.acceptance;
+    if (u.verdict == Verdict::non_unique && !u.missing.empty()) {
+        say("Not settled beyond that: " + pave::join(u.missing) + ".");
+    }
+    if (!u.directions.free.empty()) {
+        std::vector<std::string> fixed;
+        for (const auto& c : u.directions.fixed) {
+            fixed.push_back(combination_words(study, c));
+        }
+        say(fmt::format("At the best minimum the data do not determine {} one by one{}",
+                        pave::join(names_of(space, u.directions.free)),
+                        fixed.empty() ? "." : "; what they fix: " + pave::join(fixed) + "."));
+    }
+    if (!u.directions.dead.empty()) {
+        say(fmt::format("No reading sees {} here: crossing the whole range moves nothing beyond the noise.",
+                        pave::join(names_of(space, u.directions.dead))));
+    }
+    std::vector<std::string> wide;
+    for (std::size_t k = 0; k < u.parameters.size(); ++k) {
+        const Range& r = u.parameters[k];
+        const problem::Axis& axis = space.axes[k];
+        constexpr double half = 0.5;
+        if (axis.unit(r.high) - axis.unit(r.low) > half) {
+            wide.push_back(fmt::format("{} anywhere from {} to {}", axis.name, figure(r.low), figure(r.high)));
+        }
+    }
+    if (!wide.empty()) {
+        say(fmt::format("The data accept {}, if the others follow.", pave::join(wide)));
+    }
+    for (std::size_t o = 0; o < u.outputs.size(); ++o) {
+        const Range& r = u.outputs[o];
+        const data::Reading& output = study.readings[outputs[o]];
+        say(fmt::format("Over the sets the data accept, {} runs from {} to {} {} (best fit: {}).", output.output,
+                        figure(output.in_unit(r.low)), figure(output.in_unit(r.high)), output.unit.name,
+                        figure(output.in_unit(u.minima[0].evaluation.responses[outputs[o]]))));
+    }
+    if (u.traces.size() == 2) {
+        std::vector<std::string> reach;
+        double highest = 0.0;
+        for (const Branch& trace : u.traces) {
+            for (const auto& p : trace.points) {
+                highest = std::max(highest, std::min(p.rise, acceptance.threshold));
+            }
+        }
+        for (std::size_t k = 0; k < space.axes.size(); ++k) {
+            const auto end = [&](int side) {
+                const auto& points = u.traces[static_cast<std::size_t>(side)].points;
+                return points.empty() ? u.minima[0].evaluation.parameters[k] : points.back().evaluation.parameters[k];
+            };
+            if (std::abs(space.axes[k].unit(end(0)) - space.axes[k].unit(end(1))) > 0.05) {
+                reach.push_back(fmt::format("{} from {} to {}", space.axes[k].name, figure(end(0)), figure(end(1))));
+            }
+        }
+        say(fmt::format(
+            "The valley was followed: {}, chi2 rising by {} at most (allowed: {}). One end: {}; the other: {}.",
+            pave::join(reach), figure(highest), figure(acceptance.threshold),
+            end_words(space, u.traces[0].end, u.traces[0].on_bound),
+            end_words(space, u.traces[1].end, u.traces[1].on_bound)));
+    }
+    for (const auto& p : u.passes) {
+        const bool joined = p.pass.rise < acceptance.threshold;
+        say(fmt::format(
+            "Minima {} and {}: {}.", p.a + 1, p.b + 1,
+            !std::isfinite(p.pass.rise) ? "no way without a hole was found between them"
+            : joined ? fmt::format("joined by a way on which chi2 rises by {} at most: one valley", figure(p.pass.rise))
+                     : fmt::format("the lowest way found between them rises chi2 by {}", figure(p.pass.rise))));
+    }
+    if (acceptance.widened) {
+        say(fmt::format("The model does not fit these data within their stated noise (chi2 = {} with {}, p = {:.2g}). "
+                        "The ranges are "
+                        "widened as if the noise were what the fit leaves over; a wrong model can still mislead them.",
+                        figure(acceptance.chi2),
+                        counted(static_cast<std::size_t>(std::max(0, acceptance.degrees_of_freedom)),
+                                "degree of freedom", "degrees of freedom"),
+                        acceptance.p_value));
+    } else if (!acceptance.noise_is_stated) {
+        say(fmt::format(
+            "The data state no noise. It is taken from what the fit leaves over, with only {}: chi2 may rise by {}.",
+            counted(static_cast<std::size_t>(acceptance.degrees_of_freedom), "degree of freedom", "degrees of freedom"),
+            figure(acceptance.threshold)));
+    }
+    if (u.conflict && std::isfinite(u.conflict->p_value)) {
+        const auto& c = *u.conflict;
+        const std::vector<std::string> names = study.groups_fitted();
+        if (c.p_value < 0.05) {
+            std::string direction;
+            for (Eigen::Index k = 0; k < c.direction.size(); ++k) {
+                if (std::abs(c.direction[k]) > 0.3) {
+                    direction +=
+                        fmt::format("{}{} {}", direction.empty() ? "" : ", ", c.direction[k] > 0.0 ? "higher" : "lower",
+                                    space.axes[static_cast<std::size_t>(k)].name);
+                }
+            }
+            say(fmt::format(
+                "The groups of data contradict each other under this model (p = {:.2g}): {} wants {} than {}.",
+                c.p_value, names[c.alone[c.second].group], direction, names[c.alone[c.first].group]));
+        } else {
+            say(fmt::format("The groups of data do not contradict each other (p = {:.2g}).", c.p_value));
+        }
+    }
+    if (!next.effects.empty() && u.verdict != Verdict::unique) {
+        const auto& e = next.effects[0];
+        const auto most =
+            static_cast<std::size_t>(std::min_element(e.parameters.begin(), e.parameters.end()) - e.parameters.begin());
+        const data::Reading& reading = next.candidates[e.candidate];
+        std::string of_outputs;
+        for (std::size_t o = 0; o < e.predictions.size(); ++o) {
+            of_outputs += fmt::format(", of the output {} to {:.0f} %", study.readings[outputs[o]].output,
+                                      100.0 * e.predictions[o]);
+        }
+        say(fmt::format("One reading more that would tell most: {} (noise {} {} assumed): the standard error of {} "
+                        "falls to {:.0f} %{} of "
+                        "what it is.",
+                        reading.words(), figure(reading.in_unit(reading.noise)), reading.unit.name,
+                        space.axes[most].name, 100.0 * e.parameters[most], of_outputs));
+    }
+    say(fmt::format(
+        "{} independent starts in a row found no minimum not known before: at 95 % those not found draw in less than "
+        "{:.2g} % of the box. They may still exist.",
+        u.unseen.since_new, 100.0 * u.unseen.volume_bound));
+    if (result.reduced) {
+        say(model_words(result.options.model));
+    }
+    return text;
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,26 @@
+#include "cli/commands.h"
+
+namespace explore::cli {
+
+std::span<const Command> commands() {
+    static constexpr Command all[] = {
+        {"new", add_new},
+        {"check", add_check},
+        {"forward", add_forward},
+        {"map", add_map, true},
+        {"fit", add_fit, true},
+        {"sensitivity", add_sensitivity, true},
+        {"unique", add_unique, true},
+        {"diagnose", add_diagnose, true},
+        {"compare", add_compare, true},
+        {"twin", add_twin},
+        {"effects", add_effects},
+        {"survey", add_survey, true},
+        {"report", add_report},
+        {"export", add_export},
+        {"rerun", add_rerun},
+    };
+    return all;
+}
+
+} // namespace explore::cli

@@ -1,0 +1,60 @@
+// One response of a study: a reading that was measured, or one that is asked for (an output).
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace explore::data {
+
+enum class Dimension { length, strain, pressure };
+
+struct Unit {
+    std::string_view name;
+    Dimension dimension;
+    double to_si;
+};
+std::span<const Unit> units();
+// One of them. Throws std::out_of_range.
+const Unit& unit_named(std::string_view name);
+
+struct Reading {
+    std::string load;
+    std::string quantity;
+    double x_mm = 0.0, y_mm = 0.0, depth_mm = 0.0, gauge_mm = 0.0; // as the file states them
+    double value = 0.0;                                            // measured, in `unit`; of an output nothing
+    Unit unit{};                 // of the value; of an output the one it is reported in
+    std::optional<double> sigma; // one standard deviation that the file states, in `unit`
+    std::string file;
+    int line = 0;
+    std::string output{}; // the name of an output; empty: measured
+    // One standard deviation as it is assumed [SI]: stated, by the study's rule, or taken from others; 0: to be
+    // estimated from the fit.
+    double noise = 0.0;
+
+    bool is_measured() const { return output.empty(); }
+    double measured() const { return value * unit.to_si; }        // SI
+    double in_unit(double si) const { return si / unit.to_si; }   // what a report says of a response
+    std::string group() const { return load + "." + quantity; }   // "fwd.deflection"
+    std::string label() const;                                    // "fwd.deflection@200,0,0", or the output's name
+    std::string label_with_unit() const;                          // "fwd.deflection@200,0,0 [mm]"
+    // Where it is read, without its load: "deflection at 300 mm", "strain_zz 112.5 mm deep at 170 mm". Readings of one
+    // place have the same words, and only those.
+    std::string place_words() const;
+    std::string words() const; // with its load: "deflection at 300 mm under fwd"
+};
+
+// Reads the measurement format of this project: RFC 4180 with a header
+// load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma; lines that start with # are comments; sigma may be
+// empty. Columns may come in any order; the ones named must all be there and no others. Throws pave::Error.
+std::vector<Reading> read_measurements(const std::string& file);
+// The same from the text of such a file, which messages call `file`.
+std::vector<Reading> measurements_of(std::string_view text, const std::string& file);
+
+// The header line of that format, and a reading as a row of it.
+std::string_view measurement_header();
+std::string measurement_row(const Reading& reading);
+
+} // namespace explore::data

@@ -1,0 +1,150 @@
+#include "report/compare.h"
+
+#include "analysis/build.h"
+#include "base/text.h"
+#include "material/law.h"
+#include "report/text.h"
+#include "run/progress.h"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace explore::report {
+namespace {
+
+using analysis::CompareResult;
+using analysis::FittedLaw;
+using pave::figure;
+
+Json laws_json(const CompareResult& result) {
+    const study::Study& study = result.study;
+    Json json = {{"layer", result.layer}, {"laws", Json::array()}};
+    for (const FittedLaw& f : result.laws) {
+        Json law = {{"law", std::string(f.law->name())}, {"summary", std::string(f.law->summary())}};
+        if (!f.failed.empty()) {
+            law["status"] = "failed";
+            law["reason"] = f.failed;
+            json["laws"].push_back(std::move(law));
+            continue;
+        }
+        law["status"] = "converged";
+        law["misfit"] = f.misfit;
+        law["chi2"] = f.chi2;
+        law["dof"] = f.dof;
+        law["p_value"] = optional_json(f.p_value);
+        law["aicc"] = std::isfinite(f.aicc) ? Json(f.aicc) : Json(nullptr);
+        law["weight"] = f.weight;
+        law["held_out_rms"] = optional_json(f.by_place);
+        law["study_held_out_rms"] = optional_json(f.study_holds);
+        law["verdict"] = std::string(landscape::verdict_names[static_cast<int>(f.answer.verdict)]);
+        law["minima"] = f.answer.minima.size();
+        law["parameters"] = Json::object();
+        for (std::size_t k = 0; k < f.study.space.axes.size(); ++k) {
+            Json value = {{"value", f.best.parameters[k]}};
+            if (k < f.answer.parameters.size()) {
+                value["low"] = f.answer.parameters[k].low;
+                value["high"] = f.answer.parameters[k].high;
+            }
+            law["parameters"][f.study.space.axes[k].name] = std::move(value);
+        }
+        law["outputs"] = Json::array();
+        const auto outputs = study.outputs();
+        for (std::size_t o = 0; o < outputs.size(); ++o) {
+            const data::Reading& reading = study.readings[outputs[o]];
+            Json output = {{"name", reading.output},
+                           {"best", reading.in_unit(f.best.responses[outputs[o]])},
+                           {"unit", std::string(reading.unit.name)}};
+            if (o < f.answer.outputs.size()) {
+                output["low"] = reading.in_unit(f.answer.outputs[o].low);
+                output["high"] = reading.in_unit(f.answer.outputs[o].high);
+            }
+            law["outputs"].push_back(std::move(output));
+        }
+        law["groups"] = Json::object();
+        for (std::size_t g = 0; g < study.groups.size(); ++g) {
+            law["groups"][study.groups[g].name] = f.group_rms[g];
+        }
+        law["responses"] = responses_json(study, f.best.responses);
+        law["warnings"] = warnings_json(f.best);
+        json["laws"].push_back(std::move(law));
+    }
+    return json;
+}
+
+std::string comparison_text(const CompareResult& result) {
+    const study::Study& study = result.study;
+    const auto outputs = study.outputs();
+    const auto optional = [](const std::optional<double>& v) { return v ? figure(*v) : std::string("-"); };
+    Table table({"law", "varied", "chi2", "dof", "p", "AICc", "weight", "left out", "held out", "answer"});
+    for (const FittedLaw& f : result.laws) {
+        if (!f.failed.empty()) {
+            table.add({std::string(f.law->name()), "", "", "", "", "", "", "", "", f.failed});
+            continue;
+        }
+        table.add({std::string(f.law->name()), fmt::format("{}", f.study.space.axes.size()), figure(f.chi2),
+                   fmt::format("{}", f.dof), f.p_value ? fmt::format("{:.2g}", *f.p_value) : "-",
+                   std::isfinite(f.aicc) ? figure(f.aicc) : "-",
+                   std::isfinite(f.aicc) ? fmt::format("{:.0f} %", 100.0 * f.weight) : "-", optional(f.by_place),
+                   optional(f.study_holds), std::string(landscape::verdict_names[static_cast<int>(f.answer.verdict)])});
+    }
+    std::string text =
+        table.text() +
+        "  left out: error of readings predicted place by place by fits without them; held out: of those "
+        "that the study\n  holds out; both root mean squares of residuals\n";
+    if (!outputs.empty()) {
+        text += fmt::format("  {}\n", sign_convention);
+    }
+    for (const FittedLaw& f : result.laws) {
+        if (!f.failed.empty()) {
+            continue;
+        }
+        text += fmt::format("\n{}: {}\n", f.law->name(), f.law->summary());
+        Table values({"", "best", "low", "high", "unit"});
+        const bool ranges = !f.answer.parameters.empty();
+        for (std::size_t k = 0; k < f.study.space.axes.size(); ++k) {
+            values.add({f.study.space.axes[k].name, figure(f.best.parameters[k]),
+                        ranges ? figure(f.answer.parameters[k].low) : "-",
+                        ranges ? figure(f.answer.parameters[k].high) : "-", ""});
+        }
+        for (std::size_t o = 0; o < outputs.size(); ++o) {
+            const data::Reading& output = study.readings[outputs[o]];
+            const bool range = o < f.answer.outputs.size();
+            values.add({output.output, figure(output.in_unit(f.best.responses[outputs[o]])),
+                        range ? figure(output.in_unit(f.answer.outputs[o].low)) : "-",
+                        range ? figure(output.in_unit(f.answer.outputs[o].high)) : "-",
+                        std::string(output.unit.name)});
+        }
+        text += values.text();
+        for (std::size_t g = 0; g < study.groups.size() && study.groups.size() > 1; ++g) {
+            text += fmt::format("  {}{}: residual {}\n", study.groups[g].name,
+                                study.groups[g].held_out ? " (held out)" : "", figure(f.group_rms[g]));
+        }
+    }
+    return text;
+}
+
+} // namespace
+
+Json compare_json(const CompareResult& result, const analysis::RunOptions& run) {
+    Json json = laws_json(result);
+    json["findings"] = findings(result);
+    json["noise"] = result.study.noise_name();
+    json["study"] = study_json(result.study);
+    json["version"] = analysis::version;
+    json["seed"] = run.seed;
+    json["run"] = run.folder;
+    if (result.failed()) {
+        json["status"] = "failed";
+        json["reason"] = result.laws[0].failed;
+    }
+    return json;
+}
+
+std::string compare_text(const CompareResult& result, const analysis::RunOptions& run) {
+    return fmt::format("{}\n  {} in \"{}\", {}\n\n{}\n{}\n  results: {}/compare.json\n", study_summary(result.study),
+                       pave::counted(result.laws.size(), "law", "laws"), result.layer,
+                       run::duration_words(result.seconds), sentences(findings(result)), comparison_text(result),
+                       run.folder);
+}
+
+} // namespace explore::report

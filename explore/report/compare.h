@@ -1,0 +1,13 @@
+// A comparison of laws as JSON and as a page of the terminal.
+#pragma once
+
+#include "analysis/compare.h"
+#include "report/json.h"
+
+namespace explore::report {
+
+// "status" and "reason" where no law has an answer.
+Json compare_json(const analysis::CompareResult& result, const analysis::RunOptions& run);
+std::string compare_text(const analysis::CompareResult& result, const analysis::RunOptions& run);
+
+} // namespace explore::report

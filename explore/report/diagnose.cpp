@@ -1,0 +1,395 @@
+#include "report/diagnose.h"
+
+#include "analysis/build.h"
+#include "base/text.h"
+#include "pavement/effects/effect.h"
+#include "report/text.h"
+#include "run/files.h"
+#include "run/progress.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace explore::report {
+namespace {
+
+using analysis::DiagnosedModel;
+using analysis::DiagnoseResult;
+using analysis::members_words;
+using analysis::percent;
+using analysis::SeparatingReading;
+using diagnose::Diagnosis;
+using diagnose::Judged;
+using diagnose::Verdict;
+using pave::counted;
+using pave::figure;
+
+// A bar of residuals from -4 to 4 standard deviations: "     ====|         "
+std::string bar(double residual) {
+    constexpr int half = 8;
+    constexpr double reach = 4.0;
+    const int cells = std::clamp(static_cast<int>(std::lround(std::abs(residual) / reach * half)), 0, half);
+    const std::string full(static_cast<std::size_t>(cells), std::abs(residual) > reach ? '#' : '=');
+    const std::string space(static_cast<std::size_t>(half - cells), ' ');
+    const std::string none(static_cast<std::size_t>(half), ' ');
+    return residual < 0.0 ? space + full + "|" + none : none + "|" + full + space;
+}
+
+// "+3.1"; "-": there is none.
+std::string change_words(double change) {
+    return std::isfinite(change) ? fmt::format("{:+.1f}", change) : "-";
+}
+
+// Residuals in standard deviations, one a reading in the order of the data files; those not fitted are not numbers.
+std::vector<double> residuals_of(const DiagnoseResult& f, const diagnose::Model& model) {
+    std::vector<double> residuals(f.study.measured().size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t t = 0; t < f.layout.rows.size(); ++t) {
+        residuals[f.layout.rows[t]] = model.residuals[static_cast<Eigen::Index>(t)] / std::sqrt(f.diagnosis.variance);
+    }
+    return residuals;
+}
+
+// Where the extended study of a run stands.
+std::string extended_path(const DiagnoseResult& result, const analysis::RunOptions& run) {
+    return result.is_extended() ? run.folder + "/extended.toml" : "";
+}
+
+Json judged_json(const Judged& judged, double misfit, const std::string& study_path) {
+    return {{"misfit", misfit},          {"chi2", judged.chi2}, {"dof", judged.dof},
+            {"p_value", judged.p_value}, {"aicc", judged.aicc}, {"p_pattern", judged.pattern.p_value},
+            {"study", study_path}};
+}
+
+Json intervals_json(const problem::ParameterSpace& space, const std::vector<diagnose::Interval>& intervals) {
+    Json json = Json::object();
+    for (std::size_t k = 0; k < intervals.size(); ++k) {
+        json[space.axes[k].name] = {
+            {"value", intervals[k].value}, {"low", intervals[k].low}, {"high", intervals[k].high}};
+    }
+    return json;
+}
+
+Json held_out_json(const diagnose::HeldOut& held) {
+    Json folds = Json::array();
+    for (const auto& fold : held.folds) {
+        folds.push_back({{"left_out", fold.name}, {"rmse_before", fold.before}, {"rmse_after", fold.after}});
+    }
+    return {{"rmse_before", held.before}, {"rmse_after", held.after}, {"readings", held.readings}, {"folds", folds}};
+}
+
+Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Candidate>& candidates, const Diagnosis& d) {
+    Json foretold = Json::array();
+    for (std::size_t e = 0; e < s.values.size(); ++e) {
+        foretold.push_back(
+            {{"explanation", members_words(candidates, d.explanations[e].fit.model.members)}, {"value", s.values[e]}});
+    }
+    return {{"reading", s.reading.words()},
+            {"unit", s.reading.unit.name},
+            {"sigma", s.reading.in_unit(s.reading.noise)},
+            {"power", s.power},
+            {"rate_now", s.rate_now},
+            {"foretold", foretold}};
+}
+
+Json diagnosis_json(const DiagnoseResult& f, const std::string& extended_path) {
+    const Diagnosis& d = f.diagnosis;
+    const bool is_extended = f.is_extended();
+    const DiagnosedModel& before = *f.before;
+    Json json = {{"verdict", std::string(diagnose::verdict_names[static_cast<int>(d.verdict)])},
+                 {"causes", d.causes},
+                 {"baseline", judged_json(d.baseline, before.misfit, f.study.file)}};
+    json["baseline"]["parameters"] = intervals_json(before.study.space, before.parameters);
+    if (f.study.noise == study::NoiseSource::estimated) {
+        json["baseline"]["p_value"] = d.screening.p_familywise; // the only evidence there is
+    }
+    json["baseline"]["p_familywise"] = d.screening.p_familywise;
+    const Judged& best = is_extended ? *d.extended : d.baseline;
+    const DiagnosedModel& reported = is_extended ? *f.after : before;
+    json["extended"] = judged_json(best, reported.misfit, is_extended ? extended_path : f.study.file);
+    json["extended"]["parameters"] = intervals_json(reported.study.space, reported.parameters);
+    if (is_extended) {
+        json["extended"]["effects"] = Json::array();
+        for (const std::size_t c : best.model.members) {
+            json["extended"]["effects"].push_back({{"effect", f.candidates[c].effect}, {"on", f.candidates[c].on}});
+        }
+    }
+    Json gain = {{"misfit_reduction", is_extended ? 1.0 - reported.misfit / before.misfit : 0.0},
+                 {"held_out_rmse_before", nullptr},
+                 {"held_out_rmse_after", nullptr},
+                 {"delta_aicc", best.aicc - d.baseline.aicc}};
+    if (d.places) {
+        gain["held_out_rmse_before"] = d.places->before;
+        gain["held_out_rmse_after"] = is_extended ? d.places->after : d.places->before;
+        gain["by_place"] = held_out_json(*d.places);
+    }
+    if (d.loads) {
+        gain["by_load"] = held_out_json(*d.loads);
+    }
+    if (before.held_out_rms) {
+        gain["study_held_out"] = {{"readings", f.study.held_out_readings()},
+                                  {"rms_before", *before.held_out_rms},
+                                  {"rms_after", *reported.held_out_rms}};
+    }
+    json["gain"] = std::move(gain);
+    json["evidence"] = {{"p_familywise", d.p_evidence},
+                        {"bartlett_factor", d.bartlett},
+                        {"bootstrap", d.bootstrap},
+                        {"bootstrap_as_large", d.bootstrap_above}};
+    Json candidates = Json::array();
+    for (const auto& effect : d.effects) {
+        Json one = {{"effect", f.candidates[effect.candidate].effect},
+                    {"on", f.candidates[effect.candidate].on},
+                    {"unit", std::string(f.variants[effect.candidate].applied.effect->unit)},
+                    {"variants", effect.variants},
+                    {"score_z", effect.score},
+                    {"p_familywise", effect.p_familywise},
+                    {"delta_aicc", nullptr},
+                    {"size", nullptr},
+                    {"size_low", nullptr},
+                    {"size_high", nullptr}};
+        if (effect.fit) {
+            one["delta_aicc"] = effect.delta_aicc;
+            one["delta_chi2"] = -effect.gain;
+            one["chi2"] = effect.fit->chi2;
+            one["p_value"] = effect.fit->p_value;
+            one["size"] = effect.size.value;
+            one["size_low"] = effect.size.low;
+            one["size_high"] = effect.size.high;
+        } else {
+            one["not_fitted"] = effect.impossible;
+        }
+        candidates.push_back(std::move(one));
+    }
+    json["candidates"] = std::move(candidates);
+    Json explanations = Json::array();
+    for (const auto& e : d.explanations) {
+        Json names = Json::array();
+        for (const std::size_t c : e.fit.model.members) {
+            names.push_back({{"effect", f.candidates[c].effect}, {"on", f.candidates[c].on}});
+        }
+        explanations.push_back({{"effects", names},
+                                {"chi2", e.fit.chi2},
+                                {"p_value", e.fit.p_value},
+                                {"delta_aicc", e.fit.aicc - d.baseline.aicc},
+                                {"behind", e.behind}});
+        if (const auto& rms = f.held_out[explanations.size() - 1]) {
+            explanations.back()["study_held_out_rms"] = *rms;
+        }
+    }
+    json["explanations"] = std::move(explanations);
+    Json confounding = Json::array();
+    for (const auto& pair : d.confounding) {
+        confounding.push_back({{"effect", f.candidates[pair.a].effect},
+                               {"other", f.candidates[pair.b].effect},
+                               {"cosine", pair.cosine},
+                               {"rate", pair.rate}});
+    }
+    json["confounding"] = std::move(confounding);
+    json["next_measurement"] = f.next.empty() ? Json::object() : separating_json(f.next[0], f.candidates, d);
+    Json groups = Json::array();
+    for (std::size_t g = 0; g < f.layout.groups.size() && g < d.groups.size(); ++g) {
+        const auto& test = d.groups[g];
+        groups.push_back({{"group", f.layout.groups[g].name},
+                          {"readings", f.layout.groups[g].terms.size()},
+                          {"chi2", test.chi2},
+                          {"mean", test.mean},
+                          {"p_sign", test.p_sign},
+                          {"p_runs", test.p_runs}});
+    }
+    json["groups"] = std::move(groups);
+    Json constancy = Json::array();
+    for (const auto& c : d.constancy) {
+        constancy.push_back({{"parameter", f.study.space.axes[c.axis].name},
+                             {"group", f.layout.groups[c.group].name},
+                             {"score_z", c.score}});
+    }
+    json["parameter_constancy"] = std::move(constancy);
+    std::vector<double> measured;
+    std::vector<double> baseline;
+    std::vector<double> extended;
+    json["readings"] = Json::array();
+    for (std::size_t i = 0; i < f.study.measured().size(); ++i) {
+        const data::Reading& m = f.study.readings[i];
+        measured.push_back(m.in_unit(m.measured()));
+        baseline.push_back(m.in_unit(before.evaluation.responses[i]));
+        if (f.after) {
+            extended.push_back(m.in_unit(f.after->evaluation.responses[i]));
+        }
+        Json reading = place_json(m);
+        reading["unit"] = std::string(m.unit.name);
+        json["readings"].push_back(std::move(reading));
+    }
+    json["responses"] = {{"measured", measured}, {"baseline", baseline}, {"extended", extended}};
+    json["residuals"] = {{"baseline", residuals_of(f, d.baseline.model)},
+                         {"extended", d.extended ? residuals_of(f, d.extended->model) : std::vector<double>{}}};
+    Json outputs = Json::array();
+    for (const std::size_t i : f.study.outputs()) {
+        const data::Reading& output = f.study.readings[i];
+        outputs.push_back({{"name", output.output},
+                           {"unit", std::string(output.unit.name)},
+                           {"before", output.in_unit(before.evaluation.responses[i])},
+                           {"after", output.in_unit(reported.evaluation.responses[i])}});
+    }
+    json["outputs"] = std::move(outputs);
+    json["noise"] = {{"source", f.study.noise_name()}, {"residual_standard_deviation", std::sqrt(d.variance)}};
+    json["findings"] = findings(f);
+    return json;
+}
+
+} // namespace
+
+void write_extended(const DiagnoseResult& result, const analysis::RunOptions& run) {
+    run::write_file(run.folder, "extended.toml", result.extended_study(run.folder));
+}
+
+Json diagnose_json(const DiagnoseResult& result, const analysis::RunOptions& run) {
+    if (result.failed()) {
+        return {{"status", "failed"}, {"reason", result.diagnosis.failed}};
+    }
+    Json json = diagnosis_json(result, extended_path(result, run));
+    json["study"] = study_json(result.study);
+    json["version"] = analysis::version;
+    json["seed"] = run.seed;
+    json["model"] = result.options.model.name();
+    if (result.reduced) {
+        json["reduced_model"] = reduced_json(*result.reduced);
+    }
+    json["run"] = run.folder;
+    return json;
+}
+
+std::string diagnosis_page(const DiagnoseResult& f) {
+    const Diagnosis& d = f.diagnosis;
+    const DiagnosedModel& reported_before = *f.before;
+    const std::vector<double> before = residuals_of(f, d.baseline.model);
+    const std::vector<double> after = d.extended ? residuals_of(f, d.extended->model) : std::vector<double>{};
+    std::string text = sentences(findings(f));
+    text += "\nResiduals (model - measured) in standard deviations, of the study's model";
+    text += after.empty() ? "\n" : ", and with " + members_words(f.candidates, d.extended->model.members) + "\n";
+    text += fmt::format("  {}\n", sign_convention);
+    std::vector<std::string> header{"load", "reading", "before", "-4       0       4"};
+    if (!after.empty()) {
+        header.insert(header.end(), {"after", "-4       0       4"});
+    }
+    Table picture(header);
+    for (const auto& group : f.layout.groups) {
+        for (const std::size_t t : group.terms) {
+            const std::size_t row = f.layout.rows[t];
+            const data::Reading& m = f.study.readings[row];
+            std::vector<std::string> line{m.load, m.place_words(), fmt::format("{:+.1f}", before[row]),
+                                          bar(before[row])};
+            if (!after.empty()) {
+                line.push_back(fmt::format("{:+.1f}", after[row]));
+                line.push_back(bar(after[row]));
+            }
+            picture.add(std::move(line));
+        }
+    }
+    text += picture.text();
+    text +=
+        fmt::format("\nCandidates (score in standard deviations; under noise alone the largest exceeds {:.1f} in 5 % "
+                    "of cases)\n",
+                    d.screening.threshold);
+    Table table({"effect", "on", "score", "p", "chi2 falls by", "AICc", "size", "95 % from", "to", "unit"});
+    for (const auto& effect : d.effects) {
+        const auto& candidate = f.candidates[effect.candidate];
+        if (!effect.fit) {
+            table.add({candidate.effect, candidate.on, fmt::format("{:+.1f}", effect.score),
+                       fmt::format("{:.2g}", effect.p_familywise), "-", "", "", "", "", effect.impossible});
+            continue;
+        }
+        table.add({candidate.effect, candidate.on, fmt::format("{:+.1f}", effect.score),
+                   fmt::format("{:.2g}", effect.p_familywise), figure(effect.gain), change_words(effect.delta_aicc),
+                   figure(effect.size.value), figure(effect.size.low), figure(effect.size.high),
+                   std::string(f.variants[effect.candidate].applied.effect->unit)});
+    }
+    text += table.text();
+    if (d.explanations.size() > 1) {
+        text += "\nExplanations that these data do not tell apart\n";
+        const bool holds_out = reported_before.held_out_rms.has_value();
+        std::vector<std::string> columns{"", "chi2", "p", "AICc", "behind by"};
+        if (holds_out) {
+            columns.emplace_back("error of what the study holds out");
+        }
+        Table alternatives(columns);
+        for (std::size_t e = 0; e < d.explanations.size(); ++e) {
+            const auto& own = d.explanations[e];
+            std::vector<std::string> row{members_words(f.candidates, own.fit.model.members), figure(own.fit.chi2),
+                                         fmt::format("{:.2g}", own.fit.p_value),
+                                         change_words(own.fit.aicc - d.baseline.aicc), figure(own.behind)};
+            if (holds_out) {
+                row.push_back(figure(*f.held_out[e]));
+            }
+            alternatives.add(std::move(row));
+        }
+        if (holds_out) {
+            alternatives.add({"the study's model", figure(d.baseline.chi2), fmt::format("{:.2g}", d.baseline.p_value),
+                              "", "", figure(*reported_before.held_out_rms)});
+        }
+        text += alternatives.text();
+    }
+    if (!d.confounding.empty() && d.verdict != Verdict::unexplained) {
+        text += "\nHardest to tell from " + f.candidates[d.confounding[0].a].effect + " with these readings\n";
+        Table pairs({"effect", "cosine", "best possible rate"});
+        constexpr std::size_t shown = 4;
+        for (std::size_t i = 0; i < std::min(shown, d.confounding.size()); ++i) {
+            pairs.add({f.candidates[d.confounding[i].b].effect, fmt::format("{:.2f}", d.confounding[i].cosine),
+                       percent(d.confounding[i].rate)});
+        }
+        text += pairs.text();
+    }
+    text += "\nParameters and outputs\n";
+    Table values(
+        f.after ? std::vector<std::string>{"", "before", "95 % from", "to", "after", "95 % from", "to", "unit"}
+                : std::vector<std::string>{"", "value", "95 % from", "to", "unit"});
+    const auto& space = (f.after ? f.after->study : reported_before.study).space;
+    for (std::size_t k = 0; k < space.axes.size(); ++k) {
+        std::vector<std::string> row{space.axes[k].name};
+        const auto add = [&](const DiagnosedModel& r) {
+            if (k < r.parameters.size()) {
+                const auto& i = r.parameters[k];
+                row.insert(row.end(), {figure(i.value), figure(i.low), figure(i.high)});
+            } else {
+                row.insert(row.end(), {"", "", ""});
+            }
+        };
+        add(reported_before);
+        if (f.after) {
+            add(*f.after);
+        }
+        row.emplace_back("");
+        values.add(std::move(row));
+    }
+    for (const std::size_t i : f.study.outputs()) {
+        const data::Reading& output = f.study.readings[i];
+        std::vector<std::string> row{output.output, figure(output.in_unit(reported_before.evaluation.responses[i])), "",
+                                     ""};
+        if (f.after) {
+            row.insert(row.end(), {figure(output.in_unit(f.after->evaluation.responses[i])), "", ""});
+        }
+        row.emplace_back(output.unit.name);
+        values.add(std::move(row));
+    }
+    return text + values.text();
+}
+
+std::string diagnose_text(const DiagnoseResult& result, const analysis::RunOptions& run) {
+    std::string text = fmt::format(
+        "{0}\n  {1} computed in {2}, {3} kept from before\n{4}\n{5}\n  results: {6}/diagnose.json, this page: "
+        "{6}/diagnose.txt\n",
+        study_summary(result.study), counted(static_cast<std::size_t>(result.tally.computed), "run", "runs"),
+        run::duration_words(result.seconds), result.tally.kept,
+        result.reduced
+            ? fmt::format("{}  {} explored by the reduced model, all below is the full model's\n",
+                          reduced_words(*result.reduced),
+                          counted(static_cast<std::size_t>(result.options.settings.explore), "point", "points"))
+            : "",
+        diagnosis_page(result), run.folder);
+    if (result.is_extended()) {
+        text += fmt::format("  the extended study: {}\n", extended_path(result, run));
+    }
+    return text;
+}
+
+} // namespace explore::report

@@ -1,0 +1,79 @@
+#include "report/forward.h"
+
+#include "base/text.h"
+#include "report/text.h"
+
+#include <fmt/format.h>
+
+namespace explore::report {
+
+using pave::counted;
+using pave::pavement::Response;
+
+Json forward_json(const study::Study& study, const pave::pavement::ForwardModel& model,
+                  const pave::Outcome<Response>& outcome) {
+    Json json = {{"status", std::string(to_string(outcome.status()))}};
+    if (!outcome) {
+        json["reason"] = outcome.failure().reason;
+        return json;
+    }
+    const Response& response = *outcome;
+    const auto& s = response.statistics;
+    json["responses"] = responses_json(study, response.values);
+    json["newton_steps"] = s.newton_steps;
+    json["load_steps"] = s.load_steps;
+    json["factorizations"] = s.factorizations;
+    json["iterations"] = s.iterations;
+    json["unknowns"] = model.unknowns();
+    json["residual_relative"] = s.residual_relative;
+    json["warnings"] = response.warnings;
+    if (response.jacobian.cols() > 0) {
+        Json names = Json::array();
+        Json rows = Json::array();
+        for (const auto& axis : study.space.axes) {
+            names.push_back(axis.name);
+        }
+        for (std::size_t i = 0; i < response.values.size(); ++i) {
+            Json row = Json::array();
+            for (Eigen::Index k = 0; k < response.jacobian.cols(); ++k) {
+                row.push_back(response.jacobian(static_cast<Eigen::Index>(i), k) / study.readings[i].unit.to_si);
+            }
+            rows.push_back(std::move(row));
+        }
+        json["jacobian"] = {{"parameters", std::move(names)}, {"rows", std::move(rows)}};
+    }
+    return json;
+}
+
+std::string forward_text(const study::Study& study, const Response& response) {
+    const auto& s = response.statistics;
+    std::string text = study_summary(study);
+    text += fmt::format("  converged: {}, {}{}, unbalanced force {:.0e} of the load\n\n",
+                        study.model.settings.integration == pave::pavement::Integration::secant
+                            ? counted(static_cast<std::size_t>(s.newton_steps), "Newton step", "Newton steps")
+                            : counted(static_cast<std::size_t>(s.load_steps), "load step", "load steps"),
+                        counted(static_cast<std::size_t>(s.factorizations), "factorisation", "factorisations"),
+                        s.iterations > 0 ? fmt::format(", {} conjugate gradient steps", s.iterations) : "",
+                        s.residual_relative);
+    text += response_table(study, response.values);
+    for (const std::string& warning : response.warnings) {
+        text += fmt::format("  warning: {}\n", warning);
+    }
+    return text;
+}
+
+std::string jacobian_text(const study::Study& study, const Response& response) {
+    Table table(with_axes({"d(response)/d(parameter)"}, study.space));
+    for (std::size_t i = 0; i < response.values.size(); ++i) {
+        const data::Reading& reading = study.readings[i];
+        std::vector<std::string> row{reading.label_with_unit()};
+        for (Eigen::Index k = 0; k < response.jacobian.cols(); ++k) {
+            row.push_back(
+                fmt::format("{:.5g}", reading.in_unit(response.jacobian(static_cast<Eigen::Index>(i), k))));
+        }
+        table.add(std::move(row));
+    }
+    return "\n" + table.text();
+}
+
+} // namespace explore::report

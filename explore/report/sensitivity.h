@@ -1,0 +1,13 @@
+// Sensitivities as JSON and as a page of the terminal.
+#pragma once
+
+#include "analysis/sensitivity.h"
+#include "report/json.h"
+
+namespace explore::report {
+
+// Of a result with an answer, or {"status", "reason"}.
+Json sensitivity_json(const analysis::SensitivityResult& result, const analysis::RunOptions& run);
+std::string sensitivity_text(const analysis::SensitivityResult& result, const analysis::RunOptions& run);
+
+} // namespace explore::report

@@ -1,0 +1,82 @@
+#include "report/text.h"
+
+#include "base/text.h"
+#include "base/units.h"
+#include "pavement/effects/effect.h"
+#include "report/json.h"
+
+#include <fmt/format.h>
+
+namespace explore::report {
+
+using pave::figure;
+
+std::string study_summary(const study::Study& study) {
+    std::string text = pave::printable(study.title) + "\n  ";
+    for (const auto& layer : study.model.layers) {
+        text += fmt::format("{} {:g} mm ({}) / ", layer.name, layer.thickness / pave::unit::mm, layer.law->name());
+    }
+    text += "rigid floor\n";
+    for (const auto& applied : study.model.effects) {
+        text += fmt::format("  with {} = {:g} [{}]\n", applied.effect->name, applied.size, applied.effect->unit);
+    }
+    if (study.noise_assumed > 0) {
+        text += fmt::format("  {} of {} state no standard deviation and take the median share of those that do\n",
+                            study.noise_assumed, pave::counted(study.measured().size(), "reading", "readings"));
+    }
+    return text;
+}
+
+std::string response_table(const study::Study& study, const std::vector<double>& responses) {
+    Table table(
+        {"load", "quantity", "x mm", "y mm", "depth mm", "gauge mm", "measured", "model", "unit", "difference"});
+    for (std::size_t i = 0; i < responses.size(); ++i) {
+        const data::Reading& r = study.readings[i];
+        const double model = r.in_unit(responses[i]);
+        const auto mm = [](double value) { return fmt::format("{:g}", value); };
+        table.add({r.load, r.is_measured() ? r.quantity : r.output, mm(r.x_mm), mm(r.y_mm), mm(r.depth_mm),
+                   mm(r.gauge_mm), r.is_measured() ? fmt::format("{}", r.value) : "", figure(model),
+                   std::string(r.unit.name),
+                   r.is_measured() && r.value != 0.0 ? fmt::format("{:+.1f} %", 100.0 * (model / r.value - 1.0)) : ""});
+    }
+    return fmt::format("  {}\n{}", sign_convention, table.text());
+}
+
+std::string reduced_words(const analysis::ReducedProblem& reduced) {
+    std::string text;
+    for (const auto& load : reduced.loads) {
+        const auto& r = load.report;
+        text += fmt::format("  reduced model of load {}: {} modes, {} points, from {} full runs{}; errors at "
+                            "new points below {:.2g} % in 95 of 100\n",
+                            load.name, r.modes, r.points, r.full_runs, reduced.built ? "" : " before",
+                            100.0 * r.error_95);
+    }
+    return text;
+}
+
+std::string sentences(const std::vector<std::string>& text) {
+    std::string lines;
+    for (const std::string& sentence : text) {
+        lines += "  " + sentence + "\n";
+    }
+    return lines;
+}
+
+std::string warning_lines(const problem::Evaluation& evaluation) {
+    std::string lines;
+    for (const auto& warning : warnings_json(evaluation)) {
+        lines += "  warning: " + warning.get<std::string>() + "\n";
+    }
+    return lines;
+}
+
+std::vector<std::string> with_axes(std::vector<std::string> before, const problem::ParameterSpace& space,
+                                   const std::vector<std::string>& after) {
+    for (const auto& axis : space.axes) {
+        before.push_back(axis.name);
+    }
+    before.insert(before.end(), after.begin(), after.end());
+    return before;
+}
+
+} // namespace explore::report

@@ -1,0 +1,35 @@
+// What the pages of several commands share.
+#pragma once
+
+#include "analysis/session.h"
+#include "report/table.h"
+
+#include <string>
+#include <vector>
+
+namespace explore::report {
+
+// "asphalt 30 mm linear | base 277 mm uzan | ..." and what is varied.
+std::string study_summary(const study::Study& study);
+
+// What the header of every table of responses says.
+inline constexpr std::string_view sign_convention =
+    "deflection: positive down; strain and load-induced stress: positive in compression";
+
+// Measured against modelled, one row a response, with the line that states the signs.
+std::string response_table(const study::Study& study, const std::vector<double>& responses);
+
+// A line a load: what a reduced model is worth.
+std::string reduced_words(const analysis::ReducedProblem& reduced);
+
+// A line a sentence.
+std::string sentences(const std::vector<std::string>& text);
+
+// A line a warning of a run.
+std::string warning_lines(const problem::Evaluation& evaluation);
+
+// The header of a table with a column a parameter.
+std::vector<std::string> with_axes(std::vector<std::string> before, const problem::ParameterSpace& space,
+                                   const std::vector<std::string>& after = {});
+
+} // namespace explore::report

@@ -1,0 +1,115 @@
+#include "study/problems.h"
+
+#include "base/error.h"
+#include "study/pavement_function.h"
+#include "study/readings.h"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace explore::study {
+namespace {
+
+problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows, const std::vector<double>& factor) {
+    std::vector<problem::Misfit::Term> terms;
+    const auto largest = largest_of_group(study);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const std::size_t i = rows[k];
+        const auto& m = study.readings[i];
+        problem::Misfit::Term term{.response = i, .measured = m.measured(), .factor = factor[k]};
+        switch (study.data.misfit) {
+        case problem::MisfitKind::log: term.scale = study.data.log_floor * largest[i]; break;
+        case problem::MisfitKind::relative: term.scale = std::abs(term.measured); break;
+        case problem::MisfitKind::weighted:
+            term.scale = study.noise == NoiseSource::stated ? m.noise : std::abs(term.measured);
+            break;
+        }
+        if (!(term.scale > 0.0)) {
+            throw pave::Error(
+                {.file = m.file, .line = m.line, .key = "value"}, "a reading of zero has no place in this misfit",
+                fmt::format("{}", m.value),
+                "another value, a sigma with misfit = \"weighted\", or a group with some reading that is not zero");
+        }
+        terms.push_back(term);
+    }
+    if (study.noise == NoiseSource::stated) {
+        std::vector<double> measured(study.readings.size(), 0.0);
+        for (const problem::Misfit::Term& term : terms) {
+            measured[term.response] = term.measured;
+        }
+        const Eigen::VectorXd slopes = problem::Misfit(study.data.misfit, terms).slopes(measured);
+        for (std::size_t k = 0; k < terms.size(); ++k) {
+            // The factor is the root of a weight, which counts as a variance.
+            terms[k].noise = slopes[static_cast<Eigen::Index>(k)] / terms[k].factor * study.readings[terms[k].response].noise;
+        }
+    }
+    return {study.data.misfit, std::move(terms)};
+}
+
+// Each reading with weight 1.
+problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows) {
+    return misfit_of(study, rows, std::vector<double>(rows.size(), 1.0));
+}
+
+problem::Problem problem_of(const Study& study, const std::vector<bool>& loads, problem::Misfit misfit) {
+    if (study.parameters.empty()) {
+        throw pave::Error({.file = study.file, .key = "parameters"}, "this command needs parameters to change", {},
+                          "at least one [[parameters]]");
+    }
+    if (study.space.dimension() > 40) {
+        throw pave::Error({.file = study.file, .key = "parameters"}, "too many parameters",
+                          fmt::format("{}", study.space.dimension()), "at most 40");
+    }
+    return {study.space, make_function(study.model, study.parameters, loads), std::move(misfit)};
+}
+
+} // namespace
+
+problem::Problem make_prediction_problem(const Study& study) {
+    return problem_of(study, {}, problem::Misfit(study.data.misfit, {}));
+}
+
+std::vector<bool> fitted_loads(const Study& study) {
+    std::vector<bool> loads(study.model.loads.size(), false);
+    for (const Group& group : study.groups) {
+        if (!group.held_out) {
+            loads[static_cast<std::size_t>(study.model.sensors[group.rows[0]].load)] = true;
+        }
+    }
+    return loads;
+}
+
+problem::Problem make_problem(const Study& study, Scope scope) {
+    if (study.measured().empty()) {
+        throw pave::Error({.file = study.file, .key = "data"}, "this command needs measurements", {},
+                          "[data] files = [...]");
+    }
+    std::vector<std::size_t> rows;
+    std::vector<double> factor;
+    const std::vector<bool> loads =
+        scope == Scope::everything ? std::vector<bool>(study.model.loads.size(), true) : fitted_loads(study);
+    for (const Group& group : study.groups) {
+        if (!group.held_out) {
+            rows.insert(rows.end(), group.rows.begin(), group.rows.end());
+            factor.insert(factor.end(), group.rows.size(), std::sqrt(group.weight));
+        }
+    }
+    return problem_of(study, loads, misfit_of(study, rows, factor));
+}
+
+problem::Problem make_noise_problem(const Study& study, Scope scope) {
+    return make_problem(study, scope).in_units_of_noise();
+}
+
+problem::Problem make_problem(const Study& study, const Group& group) {
+    std::vector<bool> loads(study.model.loads.size(), false);
+    loads[static_cast<std::size_t>(study.model.sensors[group.rows[0]].load)] = true;
+    return problem_of(study, loads, misfit_of(study, group.rows));
+}
+
+double group_rms(const Study& study, const Group& group, const std::vector<double>& responses) {
+    const auto residuals = misfit_of(study, group.rows).residuals(responses);
+    return residuals.norm() / std::sqrt(static_cast<double>(residuals.size()));
+}
+
+} // namespace explore::study

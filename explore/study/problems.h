@@ -1,0 +1,31 @@
+// The calibration problems of a study.
+#pragma once
+
+#include "problem/problem.h"
+#include "study/study.h"
+
+namespace explore::study {
+
+// What a problem computes at every point: all responses, or those of the loads with readings that are fitted (the
+// others are then not numbers).
+enum class Scope { everything, fitted };
+
+// Of each load: whether readings under it are fitted.
+std::vector<bool> fitted_loads(const Study& study);
+
+// The problem the explorer works on, with the study's own misfit: the readings that are not held out, weighed. Throws
+// pave::Error when the study has no parameters or no measurements.
+problem::Problem make_problem(const Study& study, Scope scope = Scope::everything);
+// One group of readings alone, each with weight 1.
+problem::Problem make_problem(const Study& study, const Group& group);
+// The same problem with every residual in units of its noise at the measured value: what statements of probability
+// need. Weights count as variances. The same as make_problem where the noise is not stated.
+problem::Problem make_noise_problem(const Study& study, Scope scope);
+// The same with nothing to compare with: for what needs responses and no data. Throws pave::Error when the study has no
+// parameters.
+problem::Problem make_prediction_problem(const Study& study);
+
+// The root mean square residual of a group at the responses of the study's sensors, each reading with weight 1.
+double group_rms(const Study& study, const Group& group, const std::vector<double>& responses);
+
+} // namespace explore::study

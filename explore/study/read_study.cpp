@@ -1,0 +1,364 @@
+// Reads a study file and checks every key.
+#include "base/text.h"
+#include "base/units.h"
+#include "data/csv.h"
+#include "material/catalog.h"
+#include "pavement/effects/catalog.h"
+#include "study/readings.h"
+#include "study/table_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace explore::study {
+namespace {
+
+using namespace pave::pavement;
+namespace unit = pave::unit;
+
+Layer read_layer(const toml::table& table, const std::string& file) {
+    TableReader reader(table, file, "[[layers]]");
+    Layer layer;
+    layer.name = reader.text(keys::layer_name);
+    reader.rename("layer \"" + layer.name + "\"");
+    std::vector<std::string> law_names;
+    for (const auto* law : pave::material::laws()) {
+        law_names.emplace_back(law->name());
+    }
+    layer.law = pave::material::laws()[reader.choice(keys::layer_law, law_names)];
+    reader.expect(layer_keys());
+    reader.expect(layer.law->parameters());
+    for (const KeyInfo& key : layer_keys()) {
+        key.of(layer) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, key.default_value);
+    }
+    for (const auto& info : layer.law->parameters()) {
+        if (!info.choices.empty()) {
+            const std::vector<std::string> words(info.choices.begin(), info.choices.end());
+            std::optional<std::size_t> fallback;
+            if (info.default_value) {
+                fallback = static_cast<std::size_t>(*info.default_value);
+            }
+            layer.parameters.push_back(static_cast<double>(reader.choice(info.key, words, fallback)));
+        } else {
+            layer.parameters.push_back(
+                info.to_si * reader.number(info.key, info.low, info.high, info.low_is_open, info.default_value));
+        }
+    }
+    reader.done();
+    if (const std::string why = layer.law->impossible(layer.parameters); !why.empty()) {
+        std::vector<std::string> found;
+        for (std::size_t i = 0; i < layer.parameters.size(); ++i) {
+            const auto fades = layer.law->relaxation_derivative(layer.parameters, i);
+            const bool is_share = std::any_of(fades.begin(), fades.end(), [](const auto& f) { return f.share != 0.0; });
+            if (is_share || !layer.law->unit_stiffness_derivative(layer.parameters, {}, i).isZero(0.0)) {
+                found.push_back(fmt::format("{} = {:g}", layer.law->parameters()[i].key, layer.parameters[i]));
+            }
+        }
+        throw pave::Error(reader.place(""), "no material has these parameters", pave::join(found), why);
+    }
+    return layer;
+}
+
+Load read_load(const toml::table& table, const std::string& file) {
+    TableReader reader(table, file, "[[loads]]");
+    Load load;
+    load.name = reader.text(keys::load_name);
+    reader.rename("load \"" + load.name + "\"");
+    load.type = static_cast<LoadType>(reader.choice(keys::load_type));
+    if (load.type == LoadType::plate) {
+        load.patch = Patch::circle;
+    } else {
+        load.patch = static_cast<Patch>(reader.choice(keys::load_patch));
+    }
+    for (const KeyInfo& key : load_keys(load.type, load.patch)) {
+        key.of_load(load) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, key.default_value);
+    }
+    reader.done();
+    return load;
+}
+
+void read_output(const toml::table& table, Study& study) {
+    TableReader reader(table, study.file, "[[outputs]]");
+    data::Reading output{.output = reader.text(keys::output_name)};
+    reader.rename("output \"" + output.output + "\"");
+    Sensor sensor;
+    output.load = reader.text(keys::output_load);
+    sensor.load = find_load(study.model, output.load, reader.place(keys::output_load));
+    output.quantity = reader.text(keys::output_quantity);
+    sensor.quantity = find_quantity(output.quantity, reader.place(keys::output_quantity));
+    output.unit = data::unit_named(info(sensor.quantity).unit);
+    output.x_mm = reader.number(keys::output_x);
+    output.y_mm = reader.number(keys::output_y);
+    output.depth_mm = reader.number(keys::output_depth);
+    output.gauge_mm = reader.number(keys::output_gauge);
+    sensor.x = unit::mm * output.x_mm;
+    sensor.y = unit::mm * output.y_mm;
+    sensor.depth = unit::mm * output.depth_mm;
+    sensor.gauge = unit::mm * output.gauge_mm;
+    sensor.measured = false;
+    reader.done();
+    check_sensor(study.model, sensor, reader.place(""));
+    study.model.sensors.push_back(sensor);
+    study.readings.push_back(std::move(output));
+}
+
+void read_effect(const toml::table& table, Study& study) {
+    TableReader reader(table, study.file, "[[effects]]");
+    AppliedEffect applied;
+    applied.effect = effects()[reader.choice(keys::effect_name, effect_names())];
+    const Effect& effect = *applied.effect;
+    reader.rename("effect \"" + std::string(effect.name) + "\"");
+    applied.size = reader.number(keys::effect_size, effect.low, effect.high, false, effect.null);
+    Case& model = study.model;
+    if (effect.layer != LayerRole::none) {
+        applied.layer = reader.text(keys::effect_layer, "");
+        const auto names = names_of(model.layers);
+        if (!applied.layer.empty() && std::find(names.begin(), names.end(), applied.layer) == names.end()) {
+            throw pave::Error(reader.place(keys::effect_layer), "this layer is not in the study",
+                              "\"" + applied.layer + "\"", pave::join(names));
+        }
+    }
+    if (effect.takes_load) {
+        if (const std::string load = reader.text(keys::effect_load, ""); !load.empty()) {
+            applied.load = find_load(model, load, reader.place(keys::effect_load));
+        }
+    }
+    if (effect.takes_quantity) {
+        if (const std::string quantity = reader.text(keys::effect_quantity, ""); !quantity.empty()) {
+            applied.quantity = find_quantity(quantity, reader.place(keys::effect_quantity));
+        }
+    }
+    if (effect.takes_reading) {
+        const int last = std::max(1, static_cast<int>(study.measured().size()));
+        applied.reading = reader.integer(keys::effect_reading, 1, last, 1) - 1;
+    }
+    reader.done();
+    for (const AppliedEffect& other : model.effects) {
+        if (other.effect == applied.effect) {
+            throw pave::Error(reader.place("name"), "this effect stands twice", "\"" + std::string(effect.name) + "\"",
+                              "each once");
+        }
+    }
+    check_effect(study, applied, reader.place("name"));
+    model.effects.push_back(std::move(applied));
+}
+
+void read_parameter(const toml::table& table, Study& study) {
+    TableReader reader(table, study.file, "[[parameters]]");
+    problem::Axis axis;
+    axis.name = reader.text(keys::parameter_name);
+    const Parameter parameter = find_parameter(study.model, axis.name, reader.place("name"));
+    reader.rename("parameter \"" + axis.name + "\"");
+    axis.scale = static_cast<problem::Scale>(reader.choice(keys::parameter_scale));
+    const bool is_log = axis.scale == problem::Scale::log;
+    const double low = is_log ? std::max(parameter.low, 0.0) : parameter.low;
+    axis.low = reader.number(keys::parameter_min, low, parameter.high, parameter.low_is_open || is_log);
+    axis.high = reader.number(keys::parameter_max, low, parameter.high, parameter.low_is_open || is_log);
+    axis.points = reader.has(keys::parameter_points) ? reader.integer(keys::parameter_points) : 0;
+    if (!(axis.low < axis.high)) {
+        throw pave::Error(reader.place(keys::parameter_min), "the bounds are swapped or equal",
+                          fmt::format("min = {}, max = {}", axis.low, axis.high), "min < max");
+    }
+    axis.start = parameter.get(study.model);
+    if (!std::isfinite(axis.start)) {
+        throw pave::Error(reader.place("name"), "the layer does not state this key, so it cannot be varied",
+                          "\"" + axis.name + "\"", "a value for it in the layer");
+    }
+    if (axis.points == 1 && !(axis.start >= axis.low && axis.start <= axis.high)) {
+        throw pave::Error(reader.place(keys::parameter_points),
+                          "one point means held at the study's own value, which is out of bounds",
+                          fmt::format("{}", axis.start), fmt::format("{} to {}", axis.low, axis.high));
+    }
+    for (const auto& other : study.space.axes) {
+        if (other.name == axis.name) {
+            throw pave::Error(reader.place("name"), "this parameter stands twice", "\"" + axis.name + "\"",
+                              "each once");
+        }
+    }
+    reader.done();
+    if (parameter.in_effect) {
+        study.model.effects[parameter.owner].present = true;
+    }
+    study.parameters.push_back(parameter);
+    study.space.axes.push_back(std::move(axis));
+}
+
+// The measured readings of a data file that the study names. place: of that name in the study.
+using DataReader = std::function<std::vector<data::Reading>(const std::string& name, const pave::Place& place)>;
+
+// read_file: none where the readings come from elsewhere.
+void read_data(const toml::table& table, Study& study, const DataReader& read_file) {
+    TableReader reader(table, study.file, "[data]");
+    if (reader.has(keys::data_files)) {
+        study.data.files = reader.texts(keys::data_files);
+        if (study.data.files.empty()) {
+            throw pave::Error(reader.place(keys::data_files), "the list of measurement files is empty", "[]",
+                              "at least one file");
+        }
+    }
+    const bool outside = reader.flag(keys::data_outside);
+    const auto folder = std::filesystem::path(study.file).parent_path();
+    for (const std::string& file : study.data.files) {
+        if (!outside && leaves_folder(folder, file)) {
+            throw pave::Error(reader.place(keys::data_files), "this file lies outside the study's own folder",
+                              "\"" + file + "\"", "a file in it or below, or outside = true");
+        }
+    }
+    study.data.misfit = static_cast<problem::MisfitKind>(reader.choice(keys::data_misfit));
+    study.data.log_floor = reader.number(keys::data_log_floor);
+    if (reader.has(keys::data_noise_relative)) {
+        study.data.noise_relative = reader.number(keys::data_noise_relative);
+    }
+    if (reader.has(keys::data_noise_floor)) {
+        study.data.noise_floor = reader.number(keys::data_noise_floor);
+    }
+    const std::vector<std::string> held_out =
+        reader.has(keys::data_held_out) ? reader.texts(keys::data_held_out) : std::vector<std::string>{};
+    const toml::table* weights = reader.table(keys::data_weights);
+    reader.done();
+    if (!read_file) {
+        return;
+    }
+    for (const std::string& file : study.data.files) {
+        for (auto& m : read_file(file, reader.place(keys::data_files))) {
+            add_measurement(study, std::move(m));
+        }
+    }
+    set_groups(study, reader.place(keys::data_held_out), held_out, weights);
+}
+
+std::string hash_of(toml::table table, const Study& study) {
+    table.erase("title");
+    std::ostringstream text;
+    text << toml::default_formatter(table);
+    return hash_with_readings(text.str(), study.measured());
+}
+
+// toml++ goes down a key such as a.b.c one call a part.
+void refuse_deep_keys(const std::string& text, const std::string& file) {
+    constexpr std::ptrdiff_t most_parts = 1000;
+    int line = 1;
+    for (std::size_t begin = 0; begin < text.size(); ++line) {
+        const std::size_t end = std::min(text.find('\n', begin), text.size());
+        if (std::count(text.begin() + static_cast<std::ptrdiff_t>(begin),
+                       text.begin() + static_cast<std::ptrdiff_t>(end), '.') > most_parts) {
+            throw pave::Error({.file = file, .line = line}, "a line with so many full stops is no key or value", {},
+                              fmt::format("at most {}", most_parts));
+        }
+        begin = end + 1;
+    }
+}
+
+Study parse(std::string text, const std::string& file, const DataReader& read_file) {
+    Study study;
+    study.file = file;
+    refuse_deep_keys(text, file);
+    toml::table table;
+    try {
+        table = toml::parse(text, file);
+    } catch (const toml::parse_error& error) {
+        throw pave::Error({.file = file, .line = static_cast<int>(error.source().begin.line)}, "this is not valid TOML",
+                          std::string(error.description()), "see toml.io for the format");
+    }
+    TableReader reader(table, file, "");
+    reader.integer(keys::schema);
+    study.title = reader.text(keys::title, study.stem());
+
+    // Layers and loads share one list of names: parameter paths begin with one.
+    std::set<std::string> names;
+    const auto check_name = [&](const std::string& name, const toml::table& item) {
+        if (name.empty() || name.find('.') != std::string::npos || pave::printable(name) != name ||
+            !names.insert(name).second) {
+            throw pave::Error(TableReader(item, file, "").place("name"), "layers and loads are told apart by name",
+                              "\"" + name + "\"",
+                              "each name once, not empty, without a full stop or a control character");
+        }
+    };
+    for (const auto* layer : reader.tables("layers")) {
+        study.model.layers.push_back(read_layer(*layer, file));
+        check_name(study.model.layers.back().name, *layer);
+    }
+    for (const auto* load : reader.tables("loads")) {
+        study.model.loads.push_back(read_load(*load, file));
+        check_name(study.model.loads.back().name, *load);
+    }
+    if (study.model.layers.empty()) {
+        throw pave::Error({.file = file, .key = "layers"}, "the section has no layers", {}, "at least one [[layers]]");
+    }
+    if (study.model.loads.empty()) {
+        throw pave::Error({.file = file, .key = "loads"}, "the study has no loads", {}, "at least one [[loads]]");
+    }
+    if (const auto* solver = reader.table("solver")) {
+        TableReader r(*solver, file, "[solver]");
+        auto& settings = study.model.settings;
+        settings.integration = static_cast<Integration>(r.choice(keys::solver_integration));
+        check_integration(study.model, r.place(keys::solver_integration.key));
+        settings.solver.path_tolerance = r.number(keys::solver_path);
+        settings.solver.equilibrium_tolerance = r.number(keys::solver_equilibrium);
+        r.done();
+    }
+    study.model.settings.extent = extent_not_stated;
+    if (const auto* mesh = reader.table("mesh")) {
+        TableReader r(*mesh, file, "[mesh]");
+        study.model.settings.extent = r.has(keys::mesh_extent) ? r.number(keys::mesh_extent) : extent_not_stated;
+        study.model.settings.refine = r.number(keys::mesh_refine);
+        r.done();
+    }
+    if (const auto* data = reader.table("data")) {
+        read_data(*data, study, read_file);
+    }
+    set_noise(study);
+    for (const auto* output : reader.tables("outputs")) {
+        read_output(*output, study);
+    }
+    study.extent_is_stated = study.model.settings.extent != extent_not_stated;
+    settle_extent(study);
+    for (const auto* effect : reader.tables("effects")) {
+        read_effect(*effect, study);
+    }
+    for (const auto* parameter : reader.tables("parameters")) {
+        read_parameter(*parameter, study);
+    }
+    reader.done();
+    if (read_file && study.model.sensors.empty()) {
+        throw pave::Error({.file = file}, "the study asks for nothing", "neither measurements nor outputs",
+                          "[data] files, or [[outputs]]");
+    }
+    study.hash = hash_of(table, study);
+    study.text = std::move(text);
+    return study;
+}
+
+} // namespace
+
+Study load_study(const std::string& file, Readings readings) {
+    DataReader read;
+    if (readings == Readings::own) {
+        read = [folder = std::filesystem::path(file).parent_path()](const std::string& name, const pave::Place& place) {
+            const std::string path = (folder / name).string();
+            if (std::error_code error; !std::filesystem::exists(path, error)) {
+                throw pave::Error(place, "this measurement file does not exist", "\"" + path + "\"",
+                                  "a path relative to the study's own folder");
+            }
+            return data::read_measurements(path);
+        };
+    }
+    return parse(data::read_file(file, "study"), file, read);
+}
+
+Study study_of(std::string text, const std::string& name, const std::map<std::string, std::string>& files) {
+    return parse(std::move(text), name, [&](const std::string& file, const pave::Place& place) {
+        const auto found = files.find(file);
+        if (found == files.end()) {
+            std::vector<std::string> names;
+            for (const auto& [known, content] : files) {
+                names.push_back(known);
+            }
+            throw pave::Error(place, "this measurement file was not given", "\"" + file + "\"", pave::join(names));
+        }
+        return data::measurements_of(found->second, file);
+    });
+}
+
+} // namespace explore::study

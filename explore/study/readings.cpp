@@ -1,0 +1,198 @@
+#include "study/readings.h"
+
+#include "base/units.h"
+#include "data/hash.h"
+#include "study/table_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace explore::study {
+
+using namespace pave::pavement;
+namespace unit = pave::unit;
+
+int find_load(const Case& model, const std::string& name, const pave::Place& place) {
+    for (std::size_t l = 0; l < model.loads.size(); ++l) {
+        if (model.loads[l].name == name) {
+            return static_cast<int>(l);
+        }
+    }
+    throw pave::Error(place, "this load is not in the study", "\"" + name + "\"", pave::join(names_of(model.loads)));
+}
+
+Quantity find_quantity(const std::string& name, const pave::Place& place) {
+    std::vector<std::string> names;
+    for (const QuantityInfo& q : quantities) {
+        if (q.name == name) {
+            return q.quantity;
+        }
+        names.emplace_back(q.name);
+    }
+    throw pave::Error(place, "unknown quantity", "\"" + name + "\"", pave::join(names));
+}
+
+namespace {
+
+data::Dimension dimension_of(Quantity quantity) {
+    return quantity == Quantity::deflection  ? data::Dimension::length
+           : quantity <= Quantity::strain_yy ? data::Dimension::strain
+                                             : data::Dimension::pressure;
+}
+
+Sensor sensor_of(const data::Reading& m, const Case& model) {
+    const auto place = [&](const char* key) { return pave::Place{.file = m.file, .line = m.line, .key = key}; };
+    Sensor s;
+    s.load = find_load(model, m.load, place("load"));
+    s.quantity = find_quantity(m.quantity, place("quantity"));
+    if (m.unit.dimension != dimension_of(s.quantity)) {
+        std::vector<std::string> fitting;
+        for (const auto& u : data::units()) {
+            if (u.dimension == dimension_of(s.quantity)) {
+                fitting.emplace_back(u.name);
+            }
+        }
+        throw pave::Error(place("unit"), "this unit does not fit the quantity " + m.quantity,
+                          "\"" + std::string(m.unit.name) + "\"", pave::join(fitting));
+    }
+    s.x = m.x_mm * unit::mm;
+    s.y = m.y_mm * unit::mm;
+    s.depth = m.depth_mm * unit::mm;
+    s.gauge = m.gauge_mm * unit::mm;
+    check_sensor(model, s, place(m.quantity.c_str()));
+    return s;
+}
+
+} // namespace
+
+void add_measurement(Study& study, data::Reading reading) {
+    study.model.sensors.push_back(sensor_of(reading, study.model));
+    study.readings.push_back(std::move(reading));
+}
+
+std::vector<double> largest_of_group(const Study& study) {
+    std::map<std::pair<std::string, std::string>, double> largest;
+    for (const auto& m : study.measured()) {
+        double& value = largest[{m.load, m.quantity}];
+        value = std::max(value, std::abs(m.measured()));
+    }
+    std::vector<double> result;
+    for (const auto& m : study.measured()) {
+        result.push_back(largest[{m.load, m.quantity}]);
+    }
+    return result;
+}
+
+void set_groups(Study& study, const pave::Place& place, const std::vector<std::string>& held_out,
+                const toml::table* weights) {
+    study.groups.clear();
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < study.measured().size(); ++i) {
+        const auto& m = study.readings[i];
+        const std::string name = m.group();
+        auto group =
+            std::find_if(study.groups.begin(), study.groups.end(), [&](const Group& g) { return g.name == name; });
+        if (group == study.groups.end()) {
+            study.groups.push_back({.name = name, .rows = {}});
+            group = study.groups.end() - 1;
+            names.push_back(name);
+            if (std::find(names.begin(), names.end(), m.load) == names.end()) {
+                names.push_back(m.load);
+            }
+        }
+        group->rows.push_back(i);
+    }
+    const auto each = [&](const std::string& name, const pave::Place& where, const auto& action) {
+        bool found = false;
+        for (Group& group : study.groups) {
+            if (group.name == name || group.name.substr(0, group.name.rfind('.')) == name) {
+                action(group);
+                found = true;
+            }
+        }
+        if (!found) {
+            throw pave::Error(where, "no reading belongs to this group", "\"" + name + "\"", pave::join(names));
+        }
+    };
+    for (const std::string& name : held_out) {
+        each(name, place, [](Group& group) { group.held_out = true; });
+    }
+    if (weights != nullptr) {
+        TableReader reader(*weights, study.file, "[data.weights]");
+        for (const auto& [key, node] : *weights) {
+            const std::string name(key.str());
+            const double weight = reader.number(name, 0.0, 1e6, true);
+            each(name, reader.place(name), [&](Group& group) { group.weight = weight; });
+        }
+    }
+    if (!study.groups.empty() &&
+        std::all_of(study.groups.begin(), study.groups.end(), [](const Group& g) { return g.held_out; })) {
+        throw pave::Error(place, "every reading is held out: nothing is left to fit", pave::join(held_out),
+                          "at least one group that is fitted");
+    }
+}
+
+void set_noise(Study& study) {
+    const auto largest = largest_of_group(study);
+    const std::span<data::Reading> measured(study.readings.data(), largest.size());
+    const bool has_model = study.data.noise_relative || study.data.noise_floor;
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+        data::Reading& m = measured[i];
+        m.noise = 0.0;
+        if (m.sigma) {
+            m.noise = *m.sigma * m.unit.to_si;
+        } else if (has_model) {
+            m.noise = std::hypot(study.data.noise_relative.value_or(0.0) * m.value * m.unit.to_si,
+                                 study.data.noise_floor.value_or(0.0) * largest[i]);
+        }
+    }
+    // A reading without one, where others state theirs: their median share, of its own group if it has one there.
+    std::map<std::string, std::vector<double>> shares; // of all under the empty name
+    const auto size_of = [&](std::size_t i) { return std::max(std::abs(measured[i].measured()), 1e-3 * largest[i]); };
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+        if (measured[i].noise > 0.0 && size_of(i) > 0.0) {
+            shares[measured[i].group()].push_back(measured[i].noise / size_of(i));
+            shares[{}].push_back(measured[i].noise / size_of(i));
+        }
+    }
+    std::map<std::string, double> median;
+    for (auto& [group, list] : shares) {
+        const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
+        std::nth_element(list.begin(), middle, list.end());
+        median[group] = *middle;
+    }
+    study.noise_assumed = 0;
+    for (std::size_t i = 0; i < measured.size() && !median.empty(); ++i) {
+        if (!(measured[i].noise > 0.0)) {
+            const auto own = median.find(measured[i].group());
+            measured[i].noise = (own != median.end() ? own->second : median[{}]) * size_of(i);
+            ++study.noise_assumed;
+        }
+    }
+    if (std::all_of(measured.begin(), measured.end(), [](const auto& m) { return m.noise > 0.0; })) {
+        study.noise = NoiseSource::stated;
+        return;
+    }
+    for (data::Reading& m : measured) {
+        m.noise = 0.0;
+    }
+    study.noise_assumed = 0;
+    study.noise = NoiseSource::estimated;
+}
+
+std::string hash_with_readings(std::string text, std::span<const data::Reading> readings) {
+    for (const auto& m : readings) {
+        text += fmt::format("\n{},{},{},{},{},{},{},{},{}", m.load, m.quantity, m.x_mm, m.y_mm, m.depth_mm, m.gauge_mm,
+                            m.value, m.unit.name, m.sigma.value_or(0.0));
+    }
+    return data::hash_of(text);
+}
+
+void settle_extent(Study& study) {
+    if (!study.extent_is_stated) {
+        study.model.settings.extent = study.model.default_extent();
+    }
+}
+
+} // namespace explore::study
