@@ -102,7 +102,7 @@ std::vector<std::string> findings(const FitResult& result) {
         }
     }
     if (!unseen.empty() && local.degrees_of_freedom > 0) {
-        text.push_back(fmt::format("Not determined one by one (the standard error spans half of the allowed range or "
+        text.push_back(fmt::format("Not determined individually (the standard error spans half of the allowed range or "
                                    "more): {}. Other values fit these data as well, and what they predict elsewhere "
                                    "may differ.",
                                    pave::join(unseen)));

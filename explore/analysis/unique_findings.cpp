@@ -132,7 +132,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
         for (const auto& c : u.directions.fixed) {
             fixed.push_back(combination_words(study, c));
         }
-        say(fmt::format("At the best minimum the data do not determine {} one by one{}",
+        say(fmt::format("At the best minimum the data do not determine {} individually{}",
                         pave::join(names_of(space, u.directions.free)),
                         fixed.empty() ? "." : "; what they fix: " + pave::join(fixed) + "."));
     }
@@ -233,15 +233,15 @@ std::vector<std::string> findings(const UniqueResult& result) {
             of_outputs += fmt::format(", of the output {} to {:.0f} %", study.readings[outputs[o]].output,
                                       100.0 * e.predictions[o]);
         }
-        say(fmt::format("One reading more that would tell most: {} (noise {} {} assumed): the standard error of {} "
+        say(fmt::format("The most informative further reading: {} (noise {} {} assumed): the standard error of {} "
                         "falls to {:.0f} %{} of "
                         "what it is.",
                         reading.words(), figure(reading.in_unit(reading.noise)), reading.unit.name,
                         space.axes[most].name, 100.0 * e.parameters[most], of_outputs));
     }
     say(fmt::format(
-        "{} independent starts in a row found no minimum not known before: at 95 % those not found draw in less than "
-        "{:.2g} % of the box. They may still exist.",
+        "{} independent starts in a row found no minimum that was not known before: at 95 % confidence the basins of "
+        "attraction of any others make up less than {:.2g} % of the box. They may still exist.",
         u.unseen.since_new, 100.0 * u.unseen.volume_bound));
     if (result.reduced) {
         say(model_words(result.options.model));

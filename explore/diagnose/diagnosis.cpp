@@ -32,8 +32,8 @@ constexpr double level_doubtful = 0.05;
 constexpr double level_evidence = 0.01;
 constexpr double margin = 6.0;
 constexpr double least_rate = 0.95; // of telling two effects apart
-// A pair is named where each of its effects explains this much beyond the other: a single effect that is not in the
-// catalogue is often close to one of it, and a second one then takes the rest.
+// A pair is named where each of its effects explains this much beyond what the other explains: a single effect that is
+// not in the catalogue is often close to one that is, and a second one then takes up the rest.
 constexpr double least_share = 49.0;
 constexpr std::size_t scanned = 30; // candidates computed at several sizes
 constexpr std::size_t scanned_of_pairs = 12;
@@ -112,8 +112,7 @@ private:
         if (noise_is_stated_ && j.dof > 0) {
             j.p_value = gsl_cdf_chisq_Q(j.chi2, j.dof);
         }
-        j.aicc =
-            aicc(model.sum, static_cast<std::size_t>(model.residuals.size()), model.unit.size(), noise_is_stated_);
+        j.aicc = aicc(model.sum, static_cast<std::size_t>(model.residuals.size()), model.unit.size(), noise_is_stated_);
         j.pattern = test_pattern(model.residuals / std::sqrt(d_.variance), mimicry, task_.groups);
         j.model = std::move(model);
         return j;
@@ -164,11 +163,8 @@ private:
         }
         for (std::size_t i = 0; i < result->explored.size(); ++i) {
             if (result->explored[i].converged()) {
-                explored_.push_back({{},
-                                     design.points[i],
-                                     result->explored[i],
-                                     problem.residuals(result->explored[i]),
-                                     0.0});
+                explored_.push_back(
+                    {{}, design.points[i], result->explored[i], problem.residuals(result->explored[i]), 0.0});
             }
         }
         d_.minima = std::move(result->minima);
@@ -200,7 +196,7 @@ private:
     }
 
     // Fit of base with one candidate more: from the starts that the screening proposes, until one gets as low as
-    // foretold.
+    // predicted.
     std::optional<Model> fit_added(const Model& base, const Screened& screened, std::size_t candidate, int number) {
         const Members members = with_member(base.members, candidate);
         std::vector<std::vector<double>> starts;
@@ -228,8 +224,8 @@ private:
         return best;
     }
 
-    // The candidates that are worth a fit: of the effects that lead by what the screening foretells so many, those that
-    // lead by their score in any case (large effects bend, and what is foretold of them errs), and of each effect so
+    // The candidates that are worth a fit: of the effects that lead by what the screening predicts so many, those that
+    // lead by their score in any case (large effects bend, and what is predicted of them errs), and of each effect so
     // many variants that are not far behind its first.
     std::vector<std::size_t> worth_fitting(const Screening& screening, std::size_t effects, std::size_t each) const {
         std::vector<std::size_t> order;
@@ -258,7 +254,7 @@ private:
         const double best = order.empty() ? 0.0 : screening.items[order[0]].foretold;
         std::erase_if(order, [&](std::size_t c) {
             const double foretold = screening.items[c].foretold;
-            constexpr double hopeless = 50.0; // chi2 behind the best; the foretelling errs, so some are taken anyway
+            constexpr double hopeless = 50.0; // chi2 behind the best; the prediction errs, so some are taken anyway
             constexpr std::size_t anyway = 4; // effects
             const auto leader = scoring.find(task_.candidates[c].effect);
             const bool is_scoring = leader != scoring.end() && leader->second == c;
@@ -277,8 +273,8 @@ private:
     }
 
     bool fit_singles() {
-        auto screening = screen(bench_, d_.baseline.model, task_.candidates, d_.variance, !noise_is_stated_,
-                                task_.seed, scanned, screen_number);
+        auto screening = screen(bench_, d_.baseline.model, task_.candidates, d_.variance, !noise_is_stated_, task_.seed,
+                                scanned, screen_number);
         if (!screening) {
             return false;
         }

@@ -52,13 +52,13 @@ struct Screened {
     double score = 0.0;        // > 0: the data want a larger size [standard deviations]
     double p_familywise = 1.0; // of the score among all candidates
     bool duplicate = false;    // the same as an earlier candidate of the same effect
-    // Starts for a fit, by the sum of squares foretold there: unit coordinates with the size.
+    // Starts for a fit, by the sum of squares predicted there: unit coordinates with the size.
     struct Start {
         std::vector<double> unit;
         double foretold = 0.0;
     };
     std::vector<Start> starts;
-    double foretold = 0.0; // lowest sum of squares foretold
+    double foretold = 0.0; // lowest sum of squares predicted
 };
 
 struct Screening {

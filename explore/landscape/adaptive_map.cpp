@@ -129,7 +129,7 @@ private:
         auto& points = map_.design.points;
         const std::size_t n = points.size();
         const Neighbours tree(points);
-        std::vector<double> error(n, no_answer); // of the misfit when it is foretold from the other points
+        std::vector<double> error(n, no_answer); // of the misfit when it is predicted from the other points
         std::vector<double> reach(n, 0.0);
         run::for_each_index(arena_, n, [&](std::size_t i) {
             auto near = tree.nearest(points[i], neighbours_ + 1);
@@ -184,7 +184,7 @@ private:
     };
 
     // How much a point is worth that is `distance` from the next: the error around it, the room it has, and how low the
-    // misfit is foretold to be, compared with all of the map.
+    // misfit is predicted to be, compared with all of the map.
     double promise_of(const std::vector<double>& at, const Landscape& landscape, double distance) const {
         const auto near = landscape.tree.nearest(at, neighbours_);
         double error = 0.0;

@@ -5,11 +5,11 @@
 
 namespace explore::landscape {
 
-// How well the misfit at a point drawn at random from the box is foretold from the points of a map.
+// How well the misfit at a point drawn at random from the box is predicted from the points of a map.
 struct Explored {
     std::size_t checks = 0;   // points that were drawn, uniform and independent
     std::size_t foretold = 0; // of them: the misfit within `tolerance` of itself, or rightly no answer
-    double low = 0.0;         // share of the box that is foretold: 95 % interval (Clopper and Pearson 1934)
+    double low = 0.0;         // share of the box that is predicted: 95 % interval (Clopper and Pearson 1934)
     double high = 1.0;
     double median_error = 0.0; // of the misfit, relative
     static constexpr double tolerance = 0.1;
@@ -32,8 +32,8 @@ inline constexpr int least_adaptive = 50;
 // What its design is called.
 std::string adaptive_name(int points, std::uint64_t seed);
 
-// The first quarter is a Sobol sequence. Then, round by round: every point is left out in turn and its misfit foretold
-// from the others; the next points lie where that errs most, where there is room, and where the misfit is foretold to
+// The first quarter is a Sobol sequence. Then, round by round: every point is left out in turn and its misfit predicted
+// from the others; the next points lie where that errs most, where there is room, and where the misfit is predicted to
 // be low (as LOLA-Voronoi designs, Crombecq et al. 2011, doi 10.1016/j.ejor.2011.05.032, with this error in place of
 // theirs and with a preference for the bottom). The last tenth is uniform and random and tells what the map before it
 // is worth. The map is fixed by the problem, the number of points (at least `least_adaptive`) and the seed. Nothing:

@@ -1,4 +1,4 @@
-// Which further reading would tell most.
+// Which further reading would be most informative.
 #pragma once
 
 #include "landscape/acceptance.h"

@@ -167,7 +167,7 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
             curvature += (wrong * change.transpose() + change * wrong.transpose()) / along -
                          step.dot(wrong) / (along * along) * (change * change.transpose());
         }
-        // Which model would have foretold this gain better?
+        // Which model would have predicted this gain better?
         const double plain = -(gradient.dot(step) + 0.5 * step.dot(normal * step));
         const double curved = plain - 0.5 * step.dot(curvature * step);
         with_curvature = std::abs(curved - (half - half_there)) < std::abs(plain - (half - half_there));

@@ -71,8 +71,9 @@ Json answer_json(const UniqueResult& result) {
         for (const auto& t : c.others) {
             terms[space.axes[t.axis].name] = t.coefficient;
         }
-        combinations.push_back(
-            {{"words", analysis::combination_words(study, c)}, {"coefficients", terms}, {"standard_error", c.standard_error}});
+        combinations.push_back({{"words", analysis::combination_words(study, c)},
+                                {"coefficients", terms},
+                                {"standard_error", c.standard_error}});
     }
     json["spectrum"] = {{"collinearity_index", u.directions.collinearity},
                         {"not_determined", analysis::names_of(space, u.directions.free)},
@@ -89,8 +90,7 @@ Json answer_json(const UniqueResult& result) {
     for (const auto& p : u.passes) {
         Json way = Json::array();
         for (const auto& point : p.pass.way) {
-            way.push_back(
-                {{"parameters", parameters_json(space, space.physical(point.unit))}, {"rise", point.rise}});
+            way.push_back({{"parameters", parameters_json(space, space.physical(point.unit))}, {"rise", point.rise}});
         }
         json["passes"].push_back({{"a", p.a}, {"b", p.b}, {"rise", p.pass.rise}, {"way", way}});
     }
@@ -137,10 +137,10 @@ Json answer_json(const UniqueResult& result) {
     for (const Branch& trace : u.traces) {
         Json points = Json::array();
         for (const auto& p : trace.points) {
-            points.push_back(
-                {{"parameters", parameters_json(space, p.evaluation.parameters)}, {"rise", p.rise}});
+            points.push_back({{"parameters", parameters_json(space, p.evaluation.parameters)}, {"rise", p.rise}});
         }
-        json["traces"].push_back({{"stopped_by", analysis::end_words(space, trace.end, trace.on_bound)}, {"points", points}});
+        json["traces"].push_back(
+            {{"stopped_by", analysis::end_words(space, trace.end, trace.on_bound)}, {"points", points}});
     }
     if (u.conflict) {
         Json alone = Json::array();
@@ -246,12 +246,10 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
     const Uniqueness& u = result.answer;
     const analysis::NextReading& next = result.next;
     const auto outputs = study.outputs();
-    std::string text =
-        fmt::format("{}\n  {} explored, {}; {} computed in {}, {} kept from before\n{}", study_summary(study),
-                    u.sample.name, counted(u.ends.size(), "search", "searches"),
-                    counted(static_cast<std::size_t>(result.computed), "run", "runs"),
-                    run::duration_words(result.seconds), result.kept,
-                    result.reduced ? reduced_words(*result.reduced) : "");
+    std::string text = fmt::format(
+        "{}\n  {} explored, {}; {} computed in {}, {} kept from before\n{}", study_summary(study), u.sample.name,
+        counted(u.ends.size(), "search", "searches"), counted(static_cast<std::size_t>(result.computed), "run", "runs"),
+        run::duration_words(result.seconds), result.kept, result.reduced ? reduced_words(*result.reduced) : "");
     if (result.options.model.confirmed()) {
         text += fmt::format("    {} more by the reduced model, which explored and searched\n",
                             counted(static_cast<std::size_t>(result.computed_by_reduced_model), "run", "runs"));
@@ -299,7 +297,8 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
         text += table.text();
     }
     if (!u.directions.singular_values.empty()) {
-        text += fmt::format("\nDirections at the best minimum (data moved by crossing the box, in standard deviations)\n");
+        text +=
+            fmt::format("\nDirections at the best minimum (data moved by crossing the box, in standard deviations)\n");
         Table table(with_axes({"moved", ""}, space));
         for (std::size_t i = 0; i < u.directions.vectors.size(); ++i) {
             const bool flat =
@@ -332,7 +331,7 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
     }
     text += minima.text();
     if (!next.effects.empty()) {
-        text += fmt::format("\nReadings that would tell most (standard error left over)\n  {}\n", sign_convention);
+        text += fmt::format("\nMost informative further readings (standard error left over)\n  {}\n", sign_convention);
         std::vector<std::string> columns = with_axes({"reading", "value", "noise", "unit"}, space);
         for (const std::size_t i : outputs) {
             columns.push_back(study.readings[i].output);
@@ -342,8 +341,8 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
         for (std::size_t i = 0; i < std::min(shown, next.effects.size()); ++i) {
             const auto& e = next.effects[i];
             const data::Reading& reading = next.candidates[e.candidate];
-            std::vector<std::string> row{reading.words(), figure(reading.value),
-                                         figure(reading.in_unit(reading.noise)), std::string(reading.unit.name)};
+            std::vector<std::string> row{reading.words(), figure(reading.value), figure(reading.in_unit(reading.noise)),
+                                         std::string(reading.unit.name)};
             for (const auto* list : {&e.parameters, &e.predictions}) {
                 for (const double ratio : *list) {
                     row.push_back(fmt::format("{:.0f} %", 100.0 * ratio));

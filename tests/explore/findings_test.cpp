@@ -34,14 +34,13 @@ study::Study study_in_memory(const std::string& law) {
 analysis::FitResult fit_result(const std::vector<double>& unit, int starts, const Eigen::MatrixXd& sensitivity,
                                const Eigen::VectorXd& residuals) {
     const study::Study study = study_in_memory("uzan");
-    problem::Problem problem = test::problem_of(3,
-                                                test::Formula([=](const Eigen::VectorXd& x, Eigen::VectorXd& r,
-                                                                  Eigen::MatrixXd& j) {
-                                                    const Eigen::Map<const Eigen::VectorXd> at(unit.data(), 3);
-                                                    r = residuals + sensitivity * (x - at);
-                                                    j = sensitivity;
-                                                }),
-                                                std::vector<double>(5, 0.0), 1.0);
+    problem::Problem problem =
+        test::problem_of(3, test::Formula([=](const Eigen::VectorXd& x, Eigen::VectorXd& r, Eigen::MatrixXd& j) {
+                             const Eigen::Map<const Eigen::VectorXd> at(unit.data(), 3);
+                             r = residuals + sensitivity * (x - at);
+                             j = sensitivity;
+                         }),
+                         std::vector<double>(5, 0.0), 1.0);
     landscape::Minimum minimum;
     minimum.unit = unit;
     const auto workspace = problem.function->make_workspace();
@@ -83,14 +82,15 @@ TEST(FindingsOfAFit, SayWhereTheSearchesEndedAndWhatTheDataDoNotSee) {
     const Eigen::VectorXd small = Eigen::VectorXd::Constant(5, 0.5);
     const auto determined = findings(fit_result({0.5, 0.4, 0.3}, 4, seen, small));
     EXPECT_TRUE(says(determined, "4 of 4 starts ended in the best minimum"));
-    EXPECT_TRUE(says(determined, "The fit is consistent with the stated noise: chi2 = 1.250 with 2 degrees of freedom"));
+    EXPECT_TRUE(
+        says(determined, "The fit is consistent with the stated noise: chi2 = 1.250 with 2 degrees of freedom"));
     EXPECT_FALSE(says(determined, "Not determined"));
     EXPECT_FALSE(says(determined, "bound"));
 
     Eigen::MatrixXd blind = seen;
     blind(1, 1) = 0.5; // crossing the box moves the data by half a standard deviation
     const auto loose = findings(fit_result({0.5, 0.4, 0.3}, 4, blind, small));
-    EXPECT_TRUE(says(loose, "Not determined one by one"));
+    EXPECT_TRUE(says(loose, "Not determined individually"));
     EXPECT_TRUE(says(loose, "base.k2"));
 
     EXPECT_TRUE(says(findings(fit_result({0.5, 1.0, 0.3}, 4, seen, small)), "base.k2 at its upper bound"));

@@ -49,6 +49,6 @@ undecided = json.loads(run("unique", bare, "--json", "--out", folder / "b", *opt
 check(undecided["verdict"] == "undecided" and "noise" in undecided["missing"][0], "without noise or data left over: undecided")
 
 text = run("unique", study, "--out", folder / "one", "--threads", 1, *options).stdout
-check("What the data accept" in text and "Readings that would tell most" in text, "a person gets tables")
+check("What the data accept" in text and "Most informative further readings" in text, "a person gets tables")
 check(run("unique", folder / "none.toml").returncode == 2, "a missing study: exit status 2")
 finish()

@@ -328,7 +328,7 @@
     };
     const nextPart = (r) => {
         const list = Array.isArray(r.next_measurement) ? r.next_measurement.slice(0, 10) : [];
-        return list.length === 0 ? [] : [part("Readings that would tell most"),
+        return list.length === 0 ? [] : [part("Most informative further readings"),
             table(["reading", "gain"], list.map((c) => [c.reading, c.gain]))];
     };
 
