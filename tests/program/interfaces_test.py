@@ -10,6 +10,7 @@ folder = workspace()
 # How the program was compiled, as whoever links its library compiles.
 compiled = dict(re.findall(r"^(CMAKE_CXX_COMPILER|CMAKE_CXX_FLAGS):\w+=(.*)$", (BUILD / "CMakeCache.txt").read_text(), re.M))
 study = ROOT / "grids" / "captif-p1-fwd.toml"
+noisy = write_study(folder, STUDY.replace('misfit = "log"', 'misfit = "log"\nnoise_relative = 0.05'))
 forward = [r["value"] for r in json.loads(run("forward", study, "--json").stdout)["responses"]]
 
 
@@ -73,10 +74,21 @@ def error(kind, call):
     except kind as e:
         return str(e)
 fit = study.fit(starts=3, explore=48)
+best = np.array([fit["best"]["parameters"][name] for name in study.parameters])
+folder = sys.argv[2]
+noisy = pavescape.Study(sys.argv[3])
+answers = {"fit": noisy.fit(starts=3, explore=48, out=folder + "/fit"), "unique": noisy.unique(explore=24, verify=4, out=folder + "/unique"),
+           "diagnose": noisy.diagnose(explore=16, starts=2, bootstrap=4, out=folder + "/diagnose")}
+mapped, points, misfits = noisy.map(design="sobol", points=20, out=folder + "/map")
+answers["map"] = mapped
+with open(sys.argv[3]) as text, open(sys.argv[4]) as readings:
+    memory = pavescape.Study.from_text(text.read(), {"small.csv": readings.read()})
 print(json.dumps({"forward": own.tolist(), "parameters": study.parameters, "measured": study.measured.tolist(), "again": (study.forward(there) == responses).all().item(),
                   "jacobian": float(np.abs((jacobian - numeric) * there).max() / np.abs(jacobian * there).max()),
                   "residual_jacobian": float(np.abs((study.residual_jacobian(there) - numeric_residuals) * there).max() / np.abs(numeric_residuals * there).max()),
-                  "fit": fit["misfit"], "fitted": float(np.linalg.norm(study.residuals(fit["parameters"]))), "minima": len(fit["minima"]),
+                  "fit": fit["best"]["misfit"], "fitted": float(np.linalg.norm(study.residuals(best))), "answers": answers,
+                  "lowest": float(np.nanmin(misfits)), "shape": list(points.shape), "in_memory": (memory.forward() == noisy.forward()).all().item(),
+                  "unknown": error(ValueError, lambda: noisy.unique(model="other")), "minima": len(fit["minima"]),
                   "length": error(ValueError, lambda: study.forward(there[:-1])), "range": error(pavescape.NoAnswer, lambda: study.forward(-there)),
                   "file": error(ValueError, lambda: pavescape.Study("nothing.toml")), "units": [r["unit"] for r in study.responses]}))
 """
@@ -88,7 +100,7 @@ else:
     if sanitizer() == "address":  # before everything else, with what throws
         first = (command("g++", f"-print-file-name={library}").strip() for library in ("libasan.so", "libstdc++.so"))
         environment["LD_PRELOAD"] = " ".join(first)
-    found = json.loads(command("/usr/bin/python3", "-c", script, study, env=environment) or "{}")
+    found = json.loads(command("/usr/bin/python3", "-c", script, study, folder / "python", noisy, folder / "small.csv", env=environment) or "{}")
 if found:
     check(found["forward"] == forward, "Python gives the bits of the program")
     check(found["again"], "with and without derivatives the responses are the same")
@@ -96,6 +108,14 @@ if found:
     check(found["length"] and "parameters" in found["length"] and found["range"] and "invalid" in found["range"] and found["file"], "errors are Python's")
     same = json.loads(run("fit", study, "--starts", 3, "--explore", 48, "--out", folder / "fit", "--json").stdout)
     check(abs(found["fit"] - same["best"]["misfit"]) < 1e-12 and found["minima"] == len(same["minima"]), "fit is the command fit")
+    for name, options in (("fit", ("--starts", 3, "--explore", 48)), ("unique", ("--explore", 24, "--verify", 4)),
+                          ("diagnose", ("--explore", 16, "--starts", 2, "--bootstrap", 4)), ("map", ("--design", "sobol", "--points", 20))):
+        printed = run(name, noisy, *options, "--out", folder / "program" / name, "--json").stdout.replace(str(folder / "program"), str(folder / "python"))
+        check(lasting(json.loads(printed)) == lasting(found["answers"][name]), f"{name} in Python is the program's to the last bit")
+        check((folder / "python" / name / f"{name}.json").exists(), f"{name} in Python keeps its result")
+    check(found["lowest"] == found["answers"]["map"]["lowest"][0]["misfit"] and found["shape"] == [20, 2], f"the points of a map as arrays: {found['shape']}")
+    check(found["in_memory"], "a study in memory is the one in the file")
+    check(found["unknown"] and "full" in found["unknown"], "an unknown model is a message with what is allowed")
     check(abs(found["fitted"] - found["fit"]) < 1e-9 * found["fit"], "the norm of the residuals is the misfit")
     inverted = command("/usr/bin/python3", ROOT / "examples" / "invert.py", study, env=environment)
     misfit = float(inverted.split("misfit ")[1].split()[0])

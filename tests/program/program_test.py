@@ -50,6 +50,23 @@ done = run("forward", impossible, "--json")
 check(done.returncode == 1, "no equilibrium: exit status 1")
 check(json.loads(done.stdout)["status"] == "no-equilibrium" and "fold" in done.stderr, "no equilibrium: said in words")
 
+# More of the same sequence continues a run: only what is new is computed, and the result is that of a fresh run.
+for name, few, many, new in (("map", ("--design", "sobol", "--points", 10), ("--design", "sobol", "--points", 25), 15),
+                             ("fit", ("--explore", 12, "--starts", 2), ("--explore", 12, "--starts", 3), None),
+                             ("fit", ("--explore", 12, "--starts", 3), ("--explore", 20, "--starts", 3), None),
+                             ("unique", ("--explore", 12, "--verify", 3), ("--explore", 12, "--verify", 5), None)):
+    grown, fresh = folder / f"grown-{name}-{many[1]}-{many[3]}", folder / f"fresh-{name}-{many[1]}-{many[3]}"
+    call(name, study, *few, "--out", grown)
+    before = evaluations(grown)
+    extended = call(name, study, *many, "--out", grown)
+    added = evaluations(grown) - before
+    whole = call(name, study, *many, "--out", fresh)
+    check(lasting(extended) == lasting(whole), f"{name} {many} after {few}: the result of a fresh run")
+    check(0 < added < evaluations(fresh), f"{name} {many} after {few}: {added} new of {evaluations(fresh)}")
+    check(new is None or added == new, f"{name} {many} after {few}: {added} new, not {new}")
+    call(name, study, *few, "--out", grown)
+    check(evaluations(grown) == before + added, f"{name} {few} again: nothing new")
+
 # map and export
 result = call("map", study, "--out", folder / "map")
 check(result["points"] == 12 and sum(result["statuses"].values()) == 12, "map: a full grid of 4 x 3")
