@@ -66,9 +66,10 @@ public:
         if (!next.empty()) {
             const SeparatingReading& best = next[0];
             text.push_back(fmt::format(
-                "One reading more that would help most: {} (to {} {}). It would raise the rate of the right decision "
+                "The most informative further reading: {} (to {} {}). It would raise the rate of the right decision "
                 "between the closest two from {} to {}.",
-                best.reading.words(), figure(best.reading.in_unit(best.reading.noise)), best.reading.unit.name, percent(best.rate_now), percent(best.power)));
+                best.reading.words(), figure(best.reading.in_unit(best.reading.noise)), best.reading.unit.name,
+                percent(best.rate_now), percent(best.power)));
         }
         return text;
     }
@@ -87,8 +88,8 @@ private:
         case Verdict::adequate:
             text.push_back("ADEQUATE: nothing in these data contradicts the model beyond their noise.");
             if (study.noise == study::NoiseSource::estimated) {
-                text.push_back("The data state no noise: it was taken from what the fit leaves over, so a model that "
-                               "is wrong everywhere by a like amount would not be noticed.");
+                text.push_back("The data state no noise: it was estimated from the residuals of the fit, so a model "
+                               "that is wrong everywhere by a similar amount would not be noticed.");
             }
             break;
         case Verdict::cause_named: {
@@ -168,7 +169,7 @@ private:
         constexpr double strong = 4.0;
         if (!d.constancy.empty() && std::abs(d.constancy[0].score) > strong) {
             const auto& c = d.constancy[0];
-            text.push_back(fmt::format("{} wants a {} {} than the other readings ({:.1f} standard errors).",
+            text.push_back(fmt::format("{} calls for a {} {} than the other readings ({:.1f} standard errors).",
                                        layout.groups[c.group].name, c.score > 0.0 ? "higher" : "lower",
                                        study.space.axes[c.axis].name, std::abs(c.score)));
         }
@@ -182,7 +183,7 @@ private:
             study.noise == study::NoiseSource::stated ? fmt::format(" (p = {:.2g})", d.extended->p_value) : "",
             std::isfinite(d.extended->aicc - d.baseline.aicc)
                 ? "; AICc changes by " + figure(d.extended->aicc - d.baseline.aicc)
-                : "; AICc says nothing of so many parameters for so few readings"));
+                : "; AICc is not defined for so many parameters and so few readings"));
         if (d.places) {
             text.push_back(
                 fmt::format("Readings left out of the fit, place by place, are predicted with an error of {} "
@@ -195,8 +196,8 @@ private:
         }
         if (before.held_out_rms && after->held_out_rms) {
             text.push_back(fmt::format("The {} that the study holds out are predicted with {} instead of {}.",
-                                       counted(study.held_out_readings(), "reading", "readings"), figure(*after->held_out_rms),
-                                       figure(*before.held_out_rms)));
+                                       counted(study.held_out_readings(), "reading", "readings"),
+                                       figure(*after->held_out_rms), figure(*before.held_out_rms)));
         }
         std::vector<std::string> biased;
         for (std::size_t k = 0; k < study.space.axes.size(); ++k) {

@@ -109,13 +109,13 @@ std::vector<std::string> findings(const FitResult& result) {
     }
     if (!best.on_bound.empty()) {
         text.push_back(pave::join(bound_words(problem.space, best.on_bound)) +
-                       ": the data ask for more than the study allows there, or do not see it.");
+                       ": the data call for a value beyond the bound, or are not sensitive to it.");
     }
     if (local.noise > 0.0 && local.weakest_growth < 3.0 * local.noise) {
-        text.push_back(
-            fmt::format("The data hardly see this change: {}. It changes the residuals by {}, where their noise is {}.",
-                        direction_words(problem.space, best.unit, local.weakest), figure(local.weakest_growth),
-                        figure(local.noise)));
+        text.push_back(fmt::format("The data are hardly sensitive to this change: {}. It changes the residuals by {}, "
+                                   "where their noise is {}.",
+                                   direction_words(problem.space, best.unit, local.weakest),
+                                   figure(local.weakest_growth), figure(local.noise)));
     }
     const Eigen::VectorXd residuals = problem.residuals(best.evaluation);
     Eigen::Index worst = 0;
@@ -126,7 +126,7 @@ std::vector<std::string> findings(const FitResult& result) {
         const std::size_t i = problem.response_of(static_cast<std::size_t>(worst));
         const data::Reading& reading = study.readings[i];
         text.push_back(
-            fmt::format("One reading makes {:.0f} % of the sum of squares: {}, measured {:g}, model {}. Either "
+            fmt::format("One reading contributes {:.0f} % of the sum of squares: {}, measured {:g}, model {}. Either "
                         "it or the model is wrong there.",
                         100.0 * largest * largest / residuals.squaredNorm(), reading.label_with_unit(), reading.value,
                         figure(reading.in_unit(best.evaluation.responses[i]))));
@@ -152,7 +152,7 @@ std::vector<std::string> findings(const FitResult& result) {
             text.push_back("No reading states a standard deviation: each was weighted by its own size.");
         }
         text.push_back(fmt::format(
-            "The data state no noise. Taken from what the fit leaves over, with only {}, one "
+            "The data state no noise. Estimated from the residuals of the fit, with only {}, one "
             "residual has a standard deviation of {}.",
             counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom"),
             figure(local.noise)));

@@ -31,12 +31,13 @@ std::optional<pave::material::StressPower> power_of(const study::Study& study, s
 
 std::string model_words(const ModelOptions& model) {
     return model.alone()
-               ? fmt::format(
-                     "All of this is the reduced model's, whose error is estimated below {} % of a reading "
-                     "where it was used; --model auto says it of the full model, with the ranges of the outputs.",
-                     figure(model.limit_percent))
-               : "The reduced model explored and searched. Every minimum it found was sought again by the full model, "
-                 "whose are the minima, ranges and verdict here.";
+               ? fmt::format("All of this is the reduced model's, whose error is estimated below {} % of a reading "
+                             "where it was used; --model auto gives the same for the full model, with the ranges of "
+                             "the outputs.",
+                             figure(model.limit_percent))
+               : "The reduced model explored and searched. Every minimum it found was searched for again by the full "
+                 "model, "
+                 "which gives the minima, ranges and verdict here.";
 }
 
 } // namespace
@@ -137,8 +138,9 @@ std::vector<std::string> findings(const UniqueResult& result) {
                         fixed.empty() ? "." : "; what they fix: " + pave::join(fixed) + "."));
     }
     if (!u.directions.dead.empty()) {
-        say(fmt::format("No reading sees {} here: crossing the whole range moves nothing beyond the noise.",
-                        pave::join(names_of(space, u.directions.dead))));
+        say(fmt::format(
+            "No reading is sensitive to {} here: crossing the whole range changes none by more than its noise.",
+            pave::join(names_of(space, u.directions.dead))));
     }
     std::vector<std::string> wide;
     for (std::size_t k = 0; k < u.parameters.size(); ++k) {
@@ -191,16 +193,18 @@ std::vector<std::string> findings(const UniqueResult& result) {
                      : fmt::format("the lowest way found between them rises chi2 by {}", figure(p.pass.rise))));
     }
     if (acceptance.widened) {
-        say(fmt::format("The model does not fit these data within their stated noise (chi2 = {} with {}, p = {:.2g}). "
-                        "The ranges are "
-                        "widened as if the noise were what the fit leaves over; a wrong model can still mislead them.",
-                        figure(acceptance.chi2),
-                        counted(static_cast<std::size_t>(std::max(0, acceptance.degrees_of_freedom)),
-                                "degree of freedom", "degrees of freedom"),
-                        acceptance.p_value));
+        say(fmt::format(
+            "The model does not fit these data within their stated noise (chi2 = {} with {}, p = {:.2g}). "
+            "The ranges are "
+            "widened as if the noise were as large as the residuals; with a wrong model they can still mislead.",
+            figure(acceptance.chi2),
+            counted(static_cast<std::size_t>(std::max(0, acceptance.degrees_of_freedom)), "degree of freedom",
+                    "degrees of freedom"),
+            acceptance.p_value));
     } else if (!acceptance.noise_is_stated) {
         say(fmt::format(
-            "The data state no noise. It is taken from what the fit leaves over, with only {}: chi2 may rise by {}.",
+            "The data state no noise. It is estimated from the residuals of the fit, with only {}: chi2 may rise by "
+            "{}.",
             counted(static_cast<std::size_t>(acceptance.degrees_of_freedom), "degree of freedom", "degrees of freedom"),
             figure(acceptance.threshold)));
     }
@@ -217,7 +221,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
                 }
             }
             say(fmt::format(
-                "The groups of data contradict each other under this model (p = {:.2g}): {} wants {} than {}.",
+                "The groups of data contradict each other under this model (p = {:.2g}): {} calls for {} than {}.",
                 c.p_value, names[c.alone[c.second].group], direction, names[c.alone[c.first].group]));
         } else {
             say(fmt::format("The groups of data do not contradict each other (p = {:.2g}).", c.p_value));

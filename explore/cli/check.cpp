@@ -18,10 +18,10 @@ int check_study(const CommonOptions& options) {
     const int threads = run::usable_threads(options.threads);
     const auto list = analysis::check(study, threads);
     if (!list) {
-        return hand_over_failure(
-            options, {{"status", std::string(to_string(list.status()))}, {"reason", list.failure().reason}},
-            fmt::format("the study can be read, but has no answer at its own values: {}: {}", to_string(list.status()),
-                        list.failure().reason));
+        return hand_over_failure(options,
+                                 {{"status", std::string(to_string(list.status()))}, {"reason", list.failure().reason}},
+                                 fmt::format("the study can be read, but has no answer at its own values: {}: {}",
+                                             to_string(list.status()), list.failure().reason));
     }
     if (options.json) {
         report::Json commands = report::Json::array();
@@ -69,7 +69,7 @@ int check_study(const CommonOptions& options) {
 } // namespace
 
 void add_check(CLI::App& app, Action& action) {
-    auto* command = app.add_subcommand("check", "reads a study to the end; what would run, and for how long");
+    auto* command = app.add_subcommand("check", "checks a whole study: what would run, and for how long");
     auto options = std::make_shared<CommonOptions>();
     command->add_option("STUDY", options->study, "study file (TOML)")->required();
     command->add_option("--threads", options->threads, "number of threads that the times are for (default: one a core)")

@@ -1,6 +1,6 @@
 // pavescape diagnose: what the simulation gets wrong, the cause, the extended model, the gain.
-#include "cli/commands.h"
 #include "report/diagnose.h"
+#include "cli/commands.h"
 #include "run/files.h"
 
 namespace explore::cli {
@@ -43,13 +43,17 @@ void add_diagnose(CLI::App& app, Action& action) {
                      "NAME: an effect that is known not to be there (repeatable; `pavescape effects` lists them)")
         ->expected(1)
         ->take_all();
-    command->add_option("--explore", options->diagnose.settings.explore, "points of the Sobol sample for the study's model")
+    command
+        ->add_option("--explore", options->diagnose.settings.explore,
+                     "points of the Sobol sample for the study's model")
         ->check(CLI::Range(1, 100'000))
         ->capture_default_str();
     command->add_option("--starts", options->diagnose.settings.starts, "local searches of the study's model")
         ->check(CLI::Range(1, 10'000))
         ->capture_default_str();
-    command->add_option("--bootstrap", options->diagnose.settings.bootstrap, "simulated data that weigh the evidence")
+    command
+        ->add_option("--bootstrap", options->diagnose.settings.bootstrap,
+                     "simulated data sets to calibrate the evidence")
         ->check(CLI::Range(1, 100'000))
         ->capture_default_str();
     command->footer("Example: pavescape diagnose grids/captif-p1-fwd.toml");

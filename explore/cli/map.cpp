@@ -1,6 +1,6 @@
 // pavescape map: the misfit landscape over a grid or a space-filling design.
-#include "cli/commands.h"
 #include "report/map.h"
+#include "cli/commands.h"
 #include "run/message.h"
 
 #include <fmt/format.h>
@@ -14,8 +14,8 @@ struct Options {
 };
 
 int map(const Options& options) {
-    if (const int points = options.map.points; options.map.design == analysis::MapDesign::adaptive && points > 0 &&
-                                               points < landscape::least_adaptive) {
+    if (const int points = options.map.points;
+        options.map.design == analysis::MapDesign::adaptive && points > 0 && points < landscape::least_adaptive) {
         throw pave::Error({.key = "--points"}, "too few points for an adaptive map", fmt::format("{}", points),
                           fmt::format("at least {}", landscape::least_adaptive));
     }
@@ -48,10 +48,12 @@ void add_map(CLI::App& app, Action& action) {
                                       : word == "sobol" ? analysis::MapDesign::sobol
                                                         : analysis::MapDesign::adaptive;
             },
-            "grid, sobol, or adaptive: more points where the landscape bends and is low, and a word on how much of the "
-            "box is explored (default: grid when the study states the points, else sobol)")
+            "grid, sobol, or adaptive: more points where the landscape bends and is low, and an estimate of how much "
+            "of "
+            "the box is explored (default: grid when the study states the points, else sobol)")
         ->check(CLI::IsMember({"grid", "sobol", "adaptive"}));
-    command->add_option("--points", options->map.points, "sobol, adaptive: points in all; grid: points of each parameter")
+    command
+        ->add_option("--points", options->map.points, "sobol, adaptive: points in all; grid: points of each parameter")
         ->check(CLI::Range(1, 10'000'000));
     command->footer("Example: pavescape map grids/captif-p1-fwd.toml");
     command->callback([=, &action] { action = [=] { return map(*options); }; });

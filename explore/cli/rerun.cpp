@@ -1,7 +1,7 @@
 // pavescape rerun: does everything a run's folder holds once more, elsewhere, and says where the two differ first.
-#include "cli/commands.h"
 #include "analysis/build.h"
 #include "base/text.h"
+#include "cli/commands.h"
 #include "run/interrupt.h"
 #include "run/message.h"
 
@@ -257,7 +257,7 @@ int rerun(const std::string& folder, bool json) {
 } // namespace
 
 void add_rerun(CLI::App& app, Action& action) {
-    auto* command = app.add_subcommand("rerun", "does a run once more, elsewhere, and says where the two differ first");
+    auto* command = app.add_subcommand("rerun", "repeats a run in another folder and reports the first difference");
     auto folder = std::make_shared<std::string>();
     auto json = std::make_shared<bool>(false);
     command->add_option("RUN", *folder, "folder of the run")->required();

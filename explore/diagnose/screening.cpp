@@ -286,7 +286,7 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
         constexpr double invisible = 0.05; // standard deviations, crossing the whole range
         const double length = item.change.norm();
         if (length < invisible * noise) {
-            item.impossible = "the fitted parameters follow it, or no reading sees it";
+            item.impossible = "the fitted parameters can reproduce it, or no reading is sensitive to it";
             continue;
         }
         const VectorXd direction = item.change / length;

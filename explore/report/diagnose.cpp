@@ -78,7 +78,8 @@ Json held_out_json(const diagnose::HeldOut& held) {
     return {{"rmse_before", held.before}, {"rmse_after", held.after}, {"readings", held.readings}, {"folds", folds}};
 }
 
-Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Candidate>& candidates, const Diagnosis& d) {
+Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Candidate>& candidates,
+                     const Diagnosis& d) {
     Json foretold = Json::array();
     for (std::size_t e = 0; e < s.values.size(); ++e) {
         foretold.push_back(
@@ -306,7 +307,7 @@ std::string diagnosis_page(const DiagnoseResult& f) {
     }
     text += table.text();
     if (d.explanations.size() > 1) {
-        text += "\nExplanations that these data do not tell apart\n";
+        text += "\nExplanations that these data cannot distinguish\n";
         const bool holds_out = reported_before.held_out_rms.has_value();
         std::vector<std::string> columns{"", "chi2", "p", "AICc", "behind by"};
         if (holds_out) {
@@ -340,9 +341,8 @@ std::string diagnosis_page(const DiagnoseResult& f) {
         text += pairs.text();
     }
     text += "\nParameters and outputs\n";
-    Table values(
-        f.after ? std::vector<std::string>{"", "before", "95 % from", "to", "after", "95 % from", "to", "unit"}
-                : std::vector<std::string>{"", "value", "95 % from", "to", "unit"});
+    Table values(f.after ? std::vector<std::string>{"", "before", "95 % from", "to", "after", "95 % from", "to", "unit"}
+                         : std::vector<std::string>{"", "value", "95 % from", "to", "unit"});
     const auto& space = (f.after ? f.after->study : reported_before.study).space;
     for (std::size_t k = 0; k < space.axes.size(); ++k) {
         std::vector<std::string> row{space.axes[k].name};

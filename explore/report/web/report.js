@@ -319,7 +319,7 @@
         const list = r.directions || [];
         if (list.length === 0) return [];
         const names = Object.keys(list[0].vector);
-        return [part("Directions, from what the data see best to what they do not see"), chart("directions", [{
+        return [part("Directions, from those that the data determine best to those that they do not determine"), chart("directions", [{
             type: "heatmap", x: names, y: list.map((d, i) => `${i + 1}: ${figure(d.singular_value)}${d.flat ? " (flat)" : ""}`),
             z: list.map((d) => names.map((n) => d.vector[n])), zmin: -1, zmax: 1, colorscale: "RdBu", xgap: 1, ygap: 1,
             texttemplate: "%{z:.2f}",
@@ -363,7 +363,7 @@
                 type: "bar", orientation: "h", x: alike.map((c) => Math.abs(c.cosine)), y: alike.map((c) => `${c.effect} or ${c.other}`),
                 text: alike.map((c) => `told apart with a rate of ${figure(100 * c.rate)} %`),
                 marker: { color: alike.map((c) => (c.rate < 0.95 ? colours[1] : colours[5])) }, textposition: "none",
-            }], { xaxis: axis("|cosine| of what the parameters cannot follow", { range: [0, 1] }), yaxis: axis("", { automargin: true, tickfont: { size: 10 } }),
+            }], { xaxis: axis("|cosine| of what the parameters cannot reproduce", { range: [0, 1] }), yaxis: axis("", { automargin: true, tickfont: { size: 10 } }),
                 height: 120 + 22 * alike.length },
             "1: the readings cannot tell the two apart at all. In the darker colour: pairs that would be taken for each other in more than 5 % of cases.")] : [],
             (r.outputs || []).length ? [part("Outputs"), table(["output", "before", "after", "unit"], r.outputs.map((o) => [o.name, o.before, o.after, o.unit]))] : [],
