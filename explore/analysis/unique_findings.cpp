@@ -36,8 +36,7 @@ std::string model_words(const ModelOptions& model) {
                              "the outputs.",
                              figure(model.limit_percent))
                : "The reduced model explored and searched. Every minimum it found was searched for again by the full "
-                 "model, "
-                 "which gives the minima, ranges and verdict here.";
+                 "model, which gives the minima, ranges and verdict here.";
 }
 
 } // namespace
@@ -194,9 +193,9 @@ std::vector<std::string> findings(const UniqueResult& result) {
     }
     if (acceptance.widened) {
         say(fmt::format(
-            "The model does not fit these data within their stated noise (chi2 = {} with {}, p = {:.2g}). "
-            "The ranges are "
-            "widened as if the noise were as large as the residuals; with a wrong model they can still mislead.",
+            "The model does not fit these data within their stated noise (chi2 = {} with {}, p = {:.2g}). The "
+            "ranges are widened as if the noise were as large as the residuals; with a wrong model they can still "
+            "mislead.",
             figure(acceptance.chi2),
             counted(static_cast<std::size_t>(std::max(0, acceptance.degrees_of_freedom)), "degree of freedom",
                     "degrees of freedom"),

@@ -49,8 +49,7 @@ void add_map(CLI::App& app, Action& action) {
                                                         : analysis::MapDesign::adaptive;
             },
             "grid, sobol, or adaptive: more points where the landscape bends and is low, and an estimate of how much "
-            "of "
-            "the box is explored (default: grid when the study states the points, else sobol)")
+            "of the box is explored (default: grid when the study states the points, else sobol)")
         ->check(CLI::IsMember({"grid", "sobol", "adaptive"}));
     command
         ->add_option("--points", options->map.points, "sobol, adaptive: points in all; grid: points of each parameter")
