@@ -1,4 +1,4 @@
-"""Every `pavescape` command that stands in README and docs is one that works: run for a few seconds, then interrupted. (Those of the
+"""Every `pavescape` command that README, CONTRIBUTING and docs show works: run for a few seconds, then interrupted. (Those of the
 tutorial are run to their end, word by word: tutorial_test.py.)"""
 import os
 import re
@@ -9,7 +9,7 @@ from support import *
 SECONDS = 2
 reader = reader_of_pages()
 commands = 0
-for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+for page in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]:
     for line in page.read_text().splitlines():
         found = re.match(r"    (?:\$ )?(pavescape .*?)(?:\s+#.*)?$", line)
         if not found or page.name == "tutorial.md" or re.search(r"\b(STUDY|RUN|FILE)\b", found[1]):
