@@ -103,8 +103,8 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
     }
     for (std::size_t i = 0; i < list.readings.size(); ++i) {
         data::Reading reading = list.readings[i];
-        reading.noise = study::candidate_noise(list.model.sensors[i].quantity, predicted[0].values[i]);
-        const double noise = reading.noise;
+        reading.noise.absolute = study::candidate_noise(list.model.sensors[i].quantity, predicted[0].values[i]);
+        const double noise = reading.noise.absolute;
         SeparatingReading s{.reading = std::move(reading), .values = {}, .power = 1.0, .rate_now = 1.0};
         for (std::size_t e = 0; e < predicted.size(); ++e) {
             s.values.push_back(s.reading.in_unit(predicted[e].values[i]));

@@ -63,12 +63,15 @@ public:
         if (after) {
             gain(text);
         }
+        if (const std::string weights = weights_words(study); !weights.empty()) {
+            text.push_back(weights);
+        }
         if (!next.empty()) {
             const SeparatingReading& best = next[0];
             text.push_back(fmt::format(
                 "The most informative further reading: {} (to {} {}). It would raise the rate of the right decision "
                 "between the closest two from {} to {}.",
-                best.reading.words(), figure(best.reading.in_unit(best.reading.noise)), best.reading.unit.name,
+                best.reading.words(), figure(best.reading.in_unit(best.reading.noise.absolute)), best.reading.unit.name,
                 percent(best.rate_now), percent(best.power)));
         }
         return text;

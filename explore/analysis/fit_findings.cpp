@@ -1,10 +1,12 @@
 #include "analysis/fit.h"
+#include "analysis/layout.h"
 
 #include "base/error.h"
 #include "base/text.h"
 
 #include <cmath>
 #include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
 
 namespace explore::analysis {
 namespace {
@@ -44,6 +46,97 @@ std::string direction_words(const problem::ParameterSpace& space, const std::vec
     return text;
 }
 
+// What chi2 says, where the noise is stated.
+std::string noise_words(const landscape::LocalAnalysis& local) {
+    return fmt::format(
+        "{}: chi2 = {} with {}, p = {:.2g}.{}",
+        local.p_value < 0.05 ? "The model does not fit these data within their stated noise"
+                             : "The fit is consistent with the stated noise",
+        figure(local.chi2),
+        counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom"),
+        local.p_value,
+        local.widened ? " The standard errors are those of a noise that much larger; diagnose looks for the cause." : "");
+}
+
+// What the data do not determine: too few readings, parameters on bounds, errors as wide as the range.
+void unknown_parameters(const FitResult& result, std::vector<std::string>& text) {
+    const Minimum& best = result.best();
+    const problem::ParameterSpace& space = result.problem.space;
+    const std::size_t count = space.axes.size();
+    if (result.problem.readings() < count) {
+        text.push_back(fmt::format("{} for {}: whatever this fit says, other values fit these readings as well.",
+                                   counted(result.problem.readings(), "reading", "readings"),
+                                   counted(count, "parameter", "parameters")));
+    }
+    // A standard error that spans half of what the study allows says nothing about the parameter.
+    std::vector<std::string> unseen;
+    for (std::size_t k = 0; k < count; ++k) {
+        if (!landscape::is_at_bound(best.unit[k]) && result.local.standard_error[k] > 0.5) {
+            unseen.push_back(space.axes[k].name);
+        }
+    }
+    if (!unseen.empty() && (result.local.degrees_of_freedom > 0 || result.local.noise_is_stated)) {
+        text.push_back(fmt::format("Not determined individually (the standard error spans half of the allowed range or "
+                                   "more): {}. Other values fit these data as well, and what they predict elsewhere "
+                                   "may differ.",
+                                   pave::join(unseen)));
+    }
+    if (!best.on_bound.empty()) {
+        text.push_back(
+            fmt::format("{}: the data ask for more than the study allows there, or do not see it.{}",
+                        pave::join(bound_words(space, best.on_bound)),
+                        result.local.degrees_of_freedom > 0
+                            ? fmt::format(" The degrees of freedom count {} as known.",
+                                          counted(best.on_bound.size(), "parameter", "parameters") + " on a bound")
+                            : ""));
+    }
+}
+
+// A reading whose residual noise does not explain: its studentised residual (Cook and Weisberg 1982), the largest of all
+// at a family-wise level of 5 %. By the stated noise, else by what the other readings leave over; then with too few of
+// them nothing can be said. "": none.
+std::string accused_reading(const FitResult& result) {
+    const problem::Problem by_noise = result.problem.in_units_of_noise();
+    const Eigen::VectorXd r = by_noise.residuals(result.best().evaluation);
+    const landscape::LocalAnalysis& local = result.local;
+    const auto n = static_cast<double>(r.size());
+    Eigen::Index worst = -1;
+    double largest = 0.0;
+    double least_p = 1.0;
+    for (Eigen::Index i = 0; i < r.size(); ++i) {
+        const double own = 1.0 - local.leverage[i];
+        constexpr double followed = 1e-6; // by the parameters, whatever it reads
+        if (own < followed) {
+            continue;
+        }
+        double p = 1.0;
+        if (local.noise_is_stated) {
+            p = 2.0 * gsl_cdf_ugaussian_Q(std::abs(r[i]) / std::sqrt(own));
+        } else if (const double dof = local.degrees_of_freedom - 1.0; dof >= 1.0) {
+            const double rest = r.squaredNorm() - r[i] * r[i] / own;
+            constexpr double rounding = 1e-9;
+            p = rest > 0.0 && std::abs(r[i]) > rounding
+                    ? 2.0 * gsl_cdf_tdist_Q(std::abs(r[i]) / std::sqrt(own * rest / dof), dof)
+                    : 1.0;
+        }
+        if (p < least_p) {
+            least_p = p;
+            worst = i;
+            largest = r[i];
+        }
+    }
+    if (worst < 0 || n * least_p > 0.05) {
+        return "";
+    }
+    const data::Reading& reading = result.study.readings[result.problem.response_of(static_cast<std::size_t>(worst))];
+    const double model = result.best().evaluation.responses[result.problem.response_of(static_cast<std::size_t>(worst))];
+    return fmt::format("One reading stands out ({:.0f} % of the sum of squares; p = {:.2g} among {}): {}, measured {:g}, "
+                       "model {}. Either it or the model is wrong there.",
+                       100.0 * largest * largest / r.squaredNorm(), std::min(1.0, n * least_p),
+                       counted(static_cast<std::size_t>(r.size()), "reading", "readings"), reading.label_with_unit(),
+                       reading.value, figure(reading.in_unit(model)));
+}
+
 } // namespace
 
 std::vector<std::string> findings(const FitResult& result) {
@@ -52,11 +145,14 @@ std::vector<std::string> findings(const FitResult& result) {
     const problem::Problem& problem = result.problem;
     const landscape::LocalAnalysis& local = result.local;
     const std::vector<Minimum>& minima = result.searches.minima;
-    const bool weighted_by_noise =
-        study.data.misfit == problem::MisfitKind::weighted && study.noise == study::NoiseSource::stated;
     const Minimum& best = result.best();
     const std::size_t starts = result.searches.ends.size();
     const auto close = rivals(minima, local);
+    // What matters most comes first: what is not known, then where the searches ended.
+    if (local.noise_is_stated && local.p_value < landscape::contradicted && local.degrees_of_freedom > 0) {
+        text.push_back(noise_words(local));
+    }
+    unknown_parameters(result, text);
     const std::string unfinished = best.converged ? "" : ", whose search had not converged when it was ended";
     if (starts == 1) {
         text.push_back(fmt::format("One search from one start{}: it says nothing about other minima.", unfinished));
@@ -93,54 +189,26 @@ std::vector<std::string> findings(const FitResult& result) {
         text.push_back("Searches that fit equally well ended with " + pave::join(loose) +
                        ": what fits as well reaches at least that far.");
     }
-    // A standard error that spans half of what the study allows says nothing about the parameter.
-    std::vector<std::string> unseen;
-    for (std::size_t k = 0; k < problem.space.axes.size(); ++k) {
-        const bool at_bound = best.unit[k] <= 0.0 || best.unit[k] >= 1.0;
-        if (!at_bound && local.standard_error[k] > 0.5) {
-            unseen.push_back(problem.space.axes[k].name);
-        }
+    if (const auto asked = static_cast<std::size_t>(result.options.multistart.starts); starts < asked) {
+        text.push_back(fmt::format("{} of the {} starts asked for were run: every other explored point with an answer "
+                                   "lies nearer than {:g} (unit cube) to one of them. More explored points (--explore) "
+                                   "give more starts.",
+                                   starts, asked, result.options.multistart.start_distance));
     }
-    if (!unseen.empty() && local.degrees_of_freedom > 0) {
-        text.push_back(fmt::format("Not determined individually (the standard error spans half of the allowed range or "
-                                   "more): {}. Other values fit these data as well, and what they predict elsewhere "
-                                   "may differ.",
-                                   pave::join(unseen)));
-    }
-    if (!best.on_bound.empty()) {
-        text.push_back(pave::join(bound_words(problem.space, best.on_bound)) +
-                       ": the data call for a value beyond the bound, or are not sensitive to it.");
-    }
-    if (local.noise > 0.0 && local.weakest_growth < 3.0 * local.noise) {
-        text.push_back(fmt::format("The data are hardly sensitive to this change: {}. It changes the residuals by {}, "
-                                   "where their noise is {}.",
-                                   direction_words(problem.space, best.unit, local.weakest),
-                                   figure(local.weakest_growth), figure(local.noise)));
-    }
-    const Eigen::VectorXd residuals = problem.residuals(best.evaluation);
-    Eigen::Index worst = 0;
-    const double largest = residuals.cwiseAbs().maxCoeff(&worst);
-    // Residuals in units of stated noise are only news when they are large.
-    const bool within_noise = weighted_by_noise && largest < 3.0;
-    if (residuals.size() > 2 && !within_noise && largest * largest > 0.5 * residuals.squaredNorm()) {
-        const std::size_t i = problem.response_of(static_cast<std::size_t>(worst));
-        const data::Reading& reading = study.readings[i];
+    const std::string change = direction_words(problem.space, best.unit, local.weakest);
+    if (local.noise > 0.0 && local.weakest_growth < 3.0 * local.noise && !change.empty()) {
         text.push_back(
-            fmt::format("One reading contributes {:.0f} % of the sum of squares: {}, measured {:g}, model {}. Either "
-                        "it or the model is wrong there.",
-                        100.0 * largest * largest / residuals.squaredNorm(), reading.label_with_unit(), reading.value,
-                        figure(reading.in_unit(best.evaluation.responses[i]))));
+            fmt::format("The data hardly see this change: {}. It changes the residuals by {}, where their noise is {}.",
+                        change, figure(local.weakest_growth), figure(local.noise)));
     }
-    if (local.noise_is_stated && local.degrees_of_freedom > 0) {
-        text.push_back(fmt::format(
-            "{}: chi2 = {} with {}, p = {:.2g}.{}",
-            local.p_value < 0.05 ? "The model does not fit these data within their stated noise"
-                                 : "The fit is consistent with the stated noise",
-            figure(local.chi2),
-            counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom"),
-            local.p_value,
-            local.widened ? " The standard errors are those of a noise that much larger; diagnose looks for the cause."
-                          : ""));
+    if (const std::string accused = accused_reading(result); !accused.empty()) {
+        text.push_back(accused);
+    }
+    if (local.noise_is_stated && local.p_value >= landscape::contradicted && local.degrees_of_freedom > 0) {
+        text.push_back(noise_words(local));
+    }
+    if (const std::string weights = weights_words(study); !weights.empty()) {
+        text.push_back(weights);
     }
     if (local.degrees_of_freedom <= 0) {
         text.push_back(fmt::format("{} for {} free: the data cannot tell noise from a wrong model{}.",

@@ -50,6 +50,15 @@ Layout layout_of(const study::Study& study) {
     return layout;
 }
 
+std::string weights_words(const study::Study& study) {
+    const bool weighed = std::any_of(study.groups.begin(), study.groups.end(),
+                                     [](const auto& group) { return !group.held_out && group.weight != 1.0; });
+    return weighed && study.noise == study::NoiseSource::stated
+               ? "The weights of the groups shape the fit alone: every statement of probability takes the noise as the "
+                 "readings state it."
+               : "";
+}
+
 std::optional<double> held_out_rms(const study::Study& study, const std::vector<double>& responses) {
     double squares = 0.0;
     std::size_t count = 0;
@@ -59,7 +68,7 @@ std::optional<double> held_out_rms(const study::Study& study, const std::vector<
         }
         for (const std::size_t i : group.rows) {
             const data::Reading& m = study.readings[i];
-            squares += std::pow((responses[i] - m.measured()) / m.noise, 2);
+            squares += std::pow(m.noise.residual(responses[i], m.measured()), 2);
             ++count;
         }
     }

@@ -16,6 +16,9 @@ struct Layout {
 
 Layout layout_of(const study::Study& study);
 
+// What becomes of the study's weights where noise is stated; "": nothing to say.
+std::string weights_words(const study::Study& study);
+
 // Root mean square of the residuals of the readings that the study holds out, in standard deviations of their stated
 // noise; nothing where there are none or none is stated. responses: all of them.
 std::optional<double> held_out_rms(const study::Study& study, const std::vector<double>& responses);

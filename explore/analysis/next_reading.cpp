@@ -31,8 +31,8 @@ NextReading next_reading(const study::Study& study, const problem::Problem& prob
     for (std::size_t i = 0; i < next.candidates.size(); ++i) {
         data::Reading& candidate = next.candidates[i];
         candidate.value = candidate.in_unit(here.responses[i]);
-        candidate.noise = study::candidate_noise(list.model.sensors[i].quantity, here.responses[i]);
-        rows.row(static_cast<Eigen::Index>(i)) = here.jacobian.row(static_cast<Eigen::Index>(i)) / candidate.noise;
+        candidate.noise.absolute = study::candidate_noise(list.model.sensors[i].quantity, here.responses[i]);
+        rows.row(static_cast<Eigen::Index>(i)) = here.jacobian.row(static_cast<Eigen::Index>(i)) / candidate.noise.absolute;
     }
     const auto outputs = study.outputs();
     Eigen::MatrixXd predictions(static_cast<Eigen::Index>(outputs.size()), d);
@@ -55,7 +55,7 @@ NextReading next_reading(const study::Study& study, const problem::Problem& prob
         const auto a = evaluate(ends[0], false);
         const auto b = evaluate(ends[1], false);
         for (std::size_t i = 0; a.converged() && b.converged() && i < next.candidates.size(); ++i) {
-            next.separation.push_back(std::abs(a.responses[i] - b.responses[i]) / next.candidates[i].noise);
+            next.separation.push_back(std::abs(a.responses[i] - b.responses[i]) / next.candidates[i].noise.absolute);
         }
     }
     return next;

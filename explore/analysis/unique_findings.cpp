@@ -1,3 +1,4 @@
+#include "analysis/layout.h"
 #include "analysis/unique.h"
 
 #include "base/error.h"
@@ -37,6 +38,21 @@ std::string model_words(const ModelOptions& model) {
                              figure(model.limit_percent))
                : "The reduced model explored and searched. Every minimum it found was searched for again by the full "
                  "model, which gives the minima, ranges and verdict here.";
+}
+
+// The verdict `unique` with what takes it back: data that contradict the model, parameters that the box holds.
+std::string unique_words(const problem::ParameterSpace& space, const Uniqueness& u) {
+    std::string text = "UNIQUE within what was searched: one set of parameters, with the ranges below, fits these data";
+    const auto& bounds = u.minima[0].on_bound;
+    if (u.acceptance->widened) {
+        text = fmt::format("UNIQUE, but the data contradict the model (p = {:.2g}): one set of parameters, with the ranges "
+                           "below, fits best",
+                           u.acceptance->p_value);
+    }
+    if (!bounds.empty()) {
+        text += fmt::format("; it is the box that ends it: {}", pave::join(bound_words(space, bounds)));
+    }
+    return text + ".";
 }
 
 } // namespace
@@ -110,7 +126,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
     const auto say = [&](std::string sentence) { text.push_back(std::move(sentence)); };
     switch (u.verdict) {
     case Verdict::unique:
-        say("UNIQUE within what was searched: one set of parameters, with the ranges below, fits these data.");
+        say(unique_words(space, u));
         break;
     case Verdict::non_unique:
         say(u.alternatives && u.valley
@@ -163,18 +179,18 @@ std::vector<std::string> findings(const UniqueResult& result) {
     if (u.traces.size() == 2) {
         std::vector<std::string> reach;
         double highest = 0.0;
+        std::vector<std::vector<double>> ends;
         for (const Branch& trace : u.traces) {
+            ends.push_back(accepted_end(trace, u.minima[0].unit, acceptance.threshold));
             for (const auto& p : trace.points) {
                 highest = std::max(highest, std::min(p.rise, acceptance.threshold));
             }
         }
         for (std::size_t k = 0; k < space.axes.size(); ++k) {
-            const auto end = [&](int side) {
-                const auto& points = u.traces[static_cast<std::size_t>(side)].points;
-                return points.empty() ? u.minima[0].evaluation.parameters[k] : points.back().evaluation.parameters[k];
-            };
-            if (std::abs(space.axes[k].unit(end(0)) - space.axes[k].unit(end(1))) > 0.05) {
-                reach.push_back(fmt::format("{} from {} to {}", space.axes[k].name, figure(end(0)), figure(end(1))));
+            if (std::abs(ends[0][k] - ends[1][k]) > 0.05) {
+                reach.push_back(fmt::format("{} from {} to {}", space.axes[k].name,
+                                            figure(space.axes[k].physical(ends[0][k])),
+                                            figure(space.axes[k].physical(ends[1][k]))));
             }
         }
         say(fmt::format(
@@ -239,13 +255,16 @@ std::vector<std::string> findings(const UniqueResult& result) {
         say(fmt::format("The most informative further reading: {} (noise {} {} assumed): the standard error of {} "
                         "falls to {:.0f} %{} of "
                         "what it is.",
-                        reading.words(), figure(reading.in_unit(reading.noise)), reading.unit.name,
+                        reading.words(), figure(reading.in_unit(reading.noise.absolute)), reading.unit.name,
                         space.axes[most].name, 100.0 * e.parameters[most], of_outputs));
     }
     say(fmt::format(
         "{} independent starts in a row found no minimum that was not known before: at 95 % confidence the basins of "
         "attraction of any others make up less than {:.2g} % of the box. They may still exist.",
         u.unseen.since_new, 100.0 * u.unseen.volume_bound));
+    if (const std::string weights = weights_words(study); !weights.empty()) {
+        say(weights);
+    }
     if (result.reduced) {
         say(model_words(result.options.model));
     }

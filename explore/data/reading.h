@@ -1,6 +1,8 @@
 // One response of a study: a reading that was measured, or one that is asked for (an output).
 #pragma once
 
+#include "data/noise.h"
+
 #include <optional>
 #include <span>
 #include <string>
@@ -30,9 +32,8 @@ struct Reading {
     std::string file;
     int line = 0;
     std::string output{}; // the name of an output; empty: measured
-    // One standard deviation as it is assumed [SI]: stated, by the study's rule, or taken from others; 0: to be
-    // estimated from the fit.
-    double noise = 0.0;
+    // The error as it is assumed: stated, by the study's rule, or taken from others.
+    Noise noise{};
 
     bool is_measured() const { return output.empty(); }
     double measured() const { return value * unit.to_si; }        // SI

@@ -620,15 +620,10 @@ private:
         d_.bootstrap_above = static_cast<int>(
             std::count_if(gains.begin(), gains.end(), [&](double gain) { return gain >= leading.gain; }));
         if (gains.size() > 1) {
-            // As far as so few draws establish it: two standard errors below their mean.
-            const auto n = static_cast<double>(gains.size());
-            const double mean = std::accumulate(gains.begin(), gains.end(), 0.0) / n;
-            double squares = 0.0;
-            for (const double gain : gains) {
-                squares += (gain - mean) * (gain - mean);
-            }
+            const double mean =
+                std::accumulate(gains.begin(), gains.end(), 0.0) / static_cast<double>(gains.size());
             const double expected = screened.sense == 0 ? 1.0 : 0.5;
-            d_.bartlett = std::max(1.0, (mean - 2.0 * std::sqrt(squares / (n - 1.0) / n)) / expected);
+            d_.bartlett = std::max(1.0, mean / expected);
         }
         if (d_.screening.family) {
             d_.p_evidence = d_.screening.family->p_value(std::sqrt(std::max(0.0, leading.gain / d_.bartlett)));
@@ -862,9 +857,13 @@ private:
 } // namespace
 
 double aicc(double sum, std::size_t readings, std::size_t parameters, bool noise_is_stated) {
+    const auto k = static_cast<double>(parameters);
+    if (noise_is_stated) {
+        return sum + 2.0 * k;
+    }
     const auto n = static_cast<double>(readings);
-    const double free = static_cast<double>(parameters) + (noise_is_stated ? 0.0 : 1.0);
-    return (noise_is_stated ? sum : n * std::log(std::max(sum, 1e-300) / n)) + 2.0 * free +
+    const double free = k + 1.0;
+    return n * std::log(std::max(sum, 1e-300) / n) + 2.0 * free +
            (n > free + 1.0 ? 2.0 * free * (free + 1.0) / (n - free - 1.0) : INFINITY);
 }
 

@@ -17,16 +17,17 @@ Eigen::VectorXd difference(const std::vector<double>& a, const std::vector<doubl
     return d;
 }
 
-bool same_minimum(const Minimum& minimum, const run::Endpoint& end, const problem::Problem& problem, double stated) {
+// problem: its residuals in units of their noise, where that is stated.
+bool same_minimum(const Minimum& minimum, const run::Endpoint& end, const problem::Problem& problem) {
     const Eigen::VectorXd d = difference(end.search.unit, minimum.unit);
     if (d.lpNorm<Eigen::Infinity>() < 0.01) {
         return true;
     }
-    const auto data = static_cast<double>(problem.readings());
-    const double free = std::max(1.0, data - static_cast<double>(problem.space.dimension()));
-    const double noise = stated > 0.0 ? stated : minimum.evaluation.misfit / std::sqrt(free);
+    const double best = problem.misfit(minimum.evaluation);
+    const int free = std::max(1, problem.degrees_of_freedom(problem.space.axes.size()));
+    const double noise = problem.noise_is_stated() ? 1.0 : best / std::sqrt(static_cast<double>(free));
     const Eigen::VectorXd r = problem.residuals(end.evaluation) - problem.residuals(minimum.evaluation);
-    return end.search.misfit - minimum.evaluation.misfit < 0.1 * noise && r.norm() < noise &&
+    return problem.misfit(end.evaluation) - best < 0.1 * noise && r.norm() < noise &&
            (problem.residual_jacobian(minimum.evaluation) * d).norm() < noise;
 }
 
@@ -58,8 +59,8 @@ std::vector<std::string> bound_words(const problem::ParameterSpace& space, const
     return words;
 }
 
-std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem,
-                                     double noise) {
+std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem) {
+    const problem::Problem by_noise = problem.in_units_of_noise();
     std::vector<const run::Endpoint*> order;
     for (const auto& end : ends) {
         if (!end.search.unit.empty()) {
@@ -71,7 +72,7 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, con
     std::vector<Minimum> minima;
     for (const run::Endpoint* end : order) {
         auto home = std::find_if(minima.begin(), minima.end(),
-                                 [&](const Minimum& m) { return same_minimum(m, *end, problem, noise); });
+                                 [&](const Minimum& m) { return same_minimum(m, *end, by_noise); });
         const auto& parameters = end->evaluation.parameters;
         if (home == minima.end()) {
             Minimum m;
@@ -104,8 +105,8 @@ Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem
         }
         return Eigen::VectorXd::Constant(count, a.noise);
     }
-    Eigen::VectorXd noise = problem.noise();
-    a.chi2 = problem.residuals(minimum.evaluation).cwiseQuotient(noise).squaredNorm();
+    Eigen::VectorXd noise = problem.noise(minimum.evaluation);
+    a.chi2 = problem.in_units_of_noise().residuals(minimum.evaluation).squaredNorm();
     if (a.degrees_of_freedom > 0) {
         a.p_value = gsl_cdf_chisq_Q(a.chi2, a.degrees_of_freedom);
         a.widened = a.p_value < contradicted;
@@ -122,22 +123,15 @@ Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem
 LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     LocalAnalysis a;
     const Eigen::MatrixXd j = problem.residual_jacobian(minimum.evaluation);
-    std::vector<Eigen::Index> free;
-    for (std::size_t k = 0; k < minimum.unit.size(); ++k) {
-        if (!is_at_bound(minimum.unit[k])) {
-            free.push_back(static_cast<Eigen::Index>(k));
-        }
-    }
+    const auto n = static_cast<Eigen::Index>(minimum.unit.size());
     const double infinity = std::numeric_limits<double>::infinity();
     a.standard_error.assign(minimum.unit.size(), infinity);
     a.weakest.assign(minimum.unit.size(), 0.0);
-    a.degrees_of_freedom = problem.degrees_of_freedom(free.size());
+    const auto bounded = bounds_met(minimum.unit).size();
+    a.degrees_of_freedom = problem.degrees_of_freedom(minimum.unit.size() - bounded);
     const Eigen::VectorXd noise = noise_of(minimum, problem, a);
-    if (free.empty()) {
-        return a;
-    }
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j(Eigen::all, free), Eigen::ComputeThinU | Eigen::ComputeFullV);
-    const auto n = static_cast<Eigen::Index>(free.size());
+    // A parameter on a bound is no more known for that: it takes part like the others.
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinU | Eigen::ComputeFullV);
     Eigen::VectorXd s = Eigen::VectorXd::Zero(n);
     s.head(svd.singularValues().size()) = svd.singularValues();
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -152,9 +146,16 @@ LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
                 is_seen = false;
             }
         }
-        a.standard_error[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])] =
+        a.standard_error[static_cast<std::size_t>(i)] =
             is_seen && a.noise > 0.0 ? row.cwiseProduct(noise).norm() : infinity;
-        a.weakest[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])] = svd.matrixV()(i, n - 1);
+        a.weakest[static_cast<std::size_t>(i)] = svd.matrixV()(i, n - 1);
+    }
+    // What each residual has of its own: a reading that the parameters follow has nothing left to be judged by.
+    a.leverage = Eigen::VectorXd::Zero(j.rows());
+    for (Eigen::Index k = 0; k < svd.matrixU().cols(); ++k) {
+        if (s[k] > 1e-8 * s[0]) {
+            a.leverage += svd.matrixU().col(k).cwiseAbs2();
+        }
     }
     a.weakest_growth = 0.1 * s[n - 1];
     a.strongest_growth = 0.1 * s[0];

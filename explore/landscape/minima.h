@@ -28,10 +28,9 @@ struct Minimum {
 
 // Two ends are one minimum when they lie within 1 % of the box of each other, or when the misfit tells them apart by
 // less than its own noise: the misfit differs by less than a tenth of one noise level and the linearised residuals
-// between them by less than one. A flat valley is then one minimum whose members spread. Sorted by misfit.
-// noise: standard deviation of a residual; 0: s with s2 = f^2 / (data - parameters) of the lower of the two.
-std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem,
-                                     double noise = 0.0);
+// between them by less than one. A flat valley is then one minimum whose members spread. Sorted by misfit. The noise is
+// the stated one; without, s with s2 = f^2 / (data - parameters) of the lower of the two.
+std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem);
 
 // Stated noise whose chi2 is less probable than this does not explain the misfit: it is then taken larger.
 inline constexpr double contradicted = 0.01;
@@ -48,13 +47,15 @@ struct LocalAnalysis {
     // The stated noise is contradicted: all of it is taken larger, so that it explains the misfit.
     bool widened = false;
     // Of each parameter in unit coordinates; infinity: not determined. J^+ W J^+^T for the inverse J^+ of the jacobian
-    // and the variances W of the residuals (the least squares estimator's, whatever its weights).
+    // and the variances W of the residuals (the least squares estimator's, whatever its weights). Parameters on a bound
+    // count as unknown like the others.
     std::vector<double> standard_error;
     // Direction of the unit cube in which the misfit grows least, and how much the residual norm grows when moving
     // by a tenth of the box along it.
     std::vector<double> weakest;
     double weakest_growth = 0.0;
     double strongest_growth = 0.0;
+    Eigen::VectorXd leverage{}; // of each residual: the share of it that the parameters follow (diagonal of the hat matrix)
 };
 LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem);
 

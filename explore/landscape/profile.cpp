@@ -240,7 +240,12 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
             branch.end = WalkEnd::threshold;
             return branch;
         }
-        if (gained < 0.02 * std::abs(asked)) { // nothing in the box moves it further
+        if (gained < 0.02 * std::abs(asked)) { // nothing in the box moves it further, or only up to the bound
+            if (gained > 0.0) {
+                here = *found;
+                branch.limit = here.value;
+                branch.points.push_back(std::move(*found));
+            }
             branch.end = WalkEnd::bound;
             break;
         }
@@ -253,6 +258,20 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
     branch.on_bound = bounds_met(here.unit);
     branch.limit_unit = here.unit;
     return branch;
+}
+
+std::vector<double> accepted_end(const Branch& branch, const std::vector<double>& from, double threshold) {
+    std::vector<double> inside = from;
+    double rise = 0.0;
+    for (const ProfilePoint& p : branch.points) {
+        if (p.rise > threshold) {
+            const double share = (std::sqrt(threshold) - root(rise)) / std::max(root(p.rise) - root(rise), 1e-12);
+            return clamped(inside, share * (vector_of(p.unit) - vector_of(inside)));
+        }
+        inside = p.unit;
+        rise = p.rise;
+    }
+    return inside;
 }
 
 Branch trace_valley(run::Chain& chain, const problem::Problem& problem, const Acceptance& acceptance,

@@ -154,7 +154,7 @@ private:
         std::vector<run::Endpoint> own;
         std::copy_if(ends_.begin(), ends_.end(), std::back_inserter(own),
                      [&](const auto& end) { return !followed_by_.contains(end.start); });
-        result_.minima = distinct_minima(own, task_.fitted, task_.fitted.noise_is_stated() ? 1.0 : 0.0);
+        result_.minima = distinct_minima(own, task_.fitted);
         home_.clear();
         for (std::size_t m = 0; m < result_.minima.size(); ++m) {
             for (const int start : result_.minima[m].members) {

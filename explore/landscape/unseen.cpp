@@ -10,11 +10,11 @@ Unseen unseen(const std::vector<int>& found, int known_before) {
     Unseen u;
     std::map<int, int> times;
     for (const int minimum : found) {
-        ++u.starts;
-        ++u.since_new;
         if (minimum < 0) {
             continue;
         }
+        ++u.starts;
+        ++u.since_new;
         if (++times[minimum] == 1 && minimum >= known_before) {
             u.since_new = 0;
         }

@@ -7,7 +7,7 @@
 namespace explore::landscape {
 
 struct Unseen {
-    int starts = 0;    // independent and uniform in the box
+    int starts = 0;    // independent and uniform in the box, that ended in a minimum
     int since_new = 0; // of them, after the last that found a minimum not known before
     // Share of the box whose searches end in minima not found: below this at 95 %. (1 - v)^since_new = 0.05, about 3 /
     // m.
@@ -22,7 +22,8 @@ struct Unseen {
     double chao = 0.0;
 };
 
-// found[i]: the number of the minimum that independent start i ended in, -1: in none. known_before: minima that were
+// found[i]: the number of the minimum that independent start i ended in, -1: in none, which says nothing of minima.
+// known_before: minima that were
 // known when the first of them began are numbered below this.
 Unseen unseen(const std::vector<int>& found, int known_before);
 

@@ -9,10 +9,15 @@ Eigen::VectorXd Misfit::residuals(std::span<const double> responses) const {
     for (std::size_t i = 0; i < size(); ++i) {
         const Term& t = terms_[i];
         const double model = responses[t.response];
-        r[static_cast<Eigen::Index>(i)] =
-            t.factor * (kind_ == MisfitKind::log
-                            ? std::asinh(model / (2.0 * t.scale)) - std::asinh(t.measured / (2.0 * t.scale))
-                            : (model - t.measured) / t.scale);
+        double& value = r[static_cast<Eigen::Index>(i)];
+        switch (kind_) {
+        case MisfitKind::log:
+            value = std::asinh(model / (2.0 * t.scale)) - std::asinh(t.measured / (2.0 * t.scale));
+            break;
+        case MisfitKind::noise: value = t.noise.residual(model, t.measured); break;
+        default: value = (model - t.measured) / t.scale;
+        }
+        value *= t.factor;
     }
     return r;
 }
@@ -21,9 +26,13 @@ Eigen::VectorXd Misfit::slopes(std::span<const double> responses) const {
     Eigen::VectorXd d(static_cast<Eigen::Index>(size()));
     for (std::size_t i = 0; i < size(); ++i) {
         const Term& t = terms_[i];
-        d[static_cast<Eigen::Index>(i)] =
-            t.factor *
-            (kind_ == MisfitKind::log ? 1.0 / std::hypot(responses[t.response], 2.0 * t.scale) : 1.0 / t.scale);
+        double& value = d[static_cast<Eigen::Index>(i)];
+        switch (kind_) {
+        case MisfitKind::log: value = 1.0 / std::hypot(responses[t.response], 2.0 * t.scale); break;
+        case MisfitKind::noise: value = t.noise.slope(responses[t.response], t.measured); break;
+        default: value = 1.0 / t.scale;
+        }
+        value *= t.factor;
     }
     return d;
 }

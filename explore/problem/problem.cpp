@@ -50,13 +50,14 @@ Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {
 
 bool Problem::noise_is_stated() const {
     const auto terms = misfit_.terms();
-    return !terms.empty() && std::all_of(terms.begin(), terms.end(), [](const auto& t) { return t.noise > 0.0; });
+    return !terms.empty() && std::all_of(terms.begin(), terms.end(), [](const auto& t) { return t.noise.is_stated(); });
 }
 
-Eigen::VectorXd Problem::noise() const {
-    Eigen::VectorXd noise(static_cast<Eigen::Index>(readings()));
+Eigen::VectorXd Problem::noise(const Evaluation& evaluation) const {
+    Eigen::VectorXd noise = misfit_.slopes(evaluation.responses);
     for (Eigen::Index i = 0; i < noise.size(); ++i) {
-        noise[i] = misfit_.terms()[static_cast<std::size_t>(i)].noise;
+        const Misfit::Term& term = misfit_.terms()[static_cast<std::size_t>(i)];
+        noise[i] *= term.noise.deviation(evaluation.responses[term.response]);
     }
     return noise;
 }
@@ -76,10 +77,9 @@ Problem Problem::in_units_of_noise() const {
     }
     std::vector<Misfit::Term> terms(misfit_.terms().begin(), misfit_.terms().end());
     for (Misfit::Term& term : terms) {
-        term.factor /= term.noise;
-        term.noise = 1.0;
+        term.factor = 1.0;
     }
-    return {space, function, {misfit_.kind(), std::move(terms)}};
+    return {space, function, {MisfitKind::noise, std::move(terms)}};
 }
 
 } // namespace explore::problem

@@ -55,12 +55,12 @@ public:
     int degrees_of_freedom(std::size_t free) const { return static_cast<int>(readings()) - static_cast<int>(free); }
     // Whether every reading states its noise.
     bool noise_is_stated() const;
-    // Standard deviation of every residual by the stated noise; 0: not stated.
-    Eigen::VectorXd noise() const;
+    // Standard deviation of every residual by the stated noise, at the value of the model; 0: not stated.
+    Eigen::VectorXd noise(const Evaluation& evaluation) const;
 
     // The same question with these residuals alone.
     Problem with_readings(const std::vector<std::size_t>& residuals) const;
-    // The same with every residual in units of its noise, where all state one; else as it is.
+    // The same with every residual in units of its noise and all of one weight, where all state one; else as it is.
     Problem in_units_of_noise() const;
 
 private:

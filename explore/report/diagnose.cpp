@@ -87,7 +87,7 @@ Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Can
     }
     return {{"reading", s.reading.words()},
             {"unit", s.reading.unit.name},
-            {"sigma", s.reading.in_unit(s.reading.noise)},
+            {"sigma", s.reading.in_unit(s.reading.noise.absolute)},
             {"power", s.power},
             {"rate_now", s.rate_now},
             {"foretold", foretold}};

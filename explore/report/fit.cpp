@@ -132,6 +132,16 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
     if (result.reduced) {
         json["reduced_model"] = reduced_json(*result.reduced);
     }
+    json["readings"] = result.problem.readings();
+    json["free_parameters"] = space.axes.size() - best.on_bound.size();
+    json["at_bounds"] = Json::array();
+    for (const auto& bound : best.on_bound) {
+        json["at_bounds"].push_back(space.axes[bound.axis].name);
+    }
+    json["best"]["std_error"] = json["best"]["standard_errors"];
+    for (const auto& name : json["at_bounds"]) {
+        json["best"]["std_error"][name.get<std::string>()] = nullptr;
+    }
     json.update(group_json(result));
     json["parameters"] = space_json(space);
     json["ends"] = Json::array();
@@ -190,7 +200,10 @@ std::string fit_text(const FitResult& result, const analysis::RunOptions& run) {
         const problem::Axis& axis = problem.space.axes[k];
         const double error = local.standard_error[k] * axis.d_physical(best.unit[k]);
         parameters.add({axis.name, figure(best.evaluation.parameters[k]),
-                        local.standard_error[k] > 1.0 ? "> range" : figure(error), figure(axis.low),
+                        landscape::is_at_bound(best.unit[k])  ? "at bound"
+                        : local.standard_error[k] > 1.0 ? "> range"
+                                                        : figure(error),
+                        figure(axis.low),
                         figure(axis.high)});
     }
     text += parameters.text() + "\n" + response_table(study, best.evaluation.responses);

@@ -127,8 +127,8 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
 
 namespace {
 
-// A chain that keeps what it computes under the start number it was given. What the store has of that start answers for
-// the same point, whenever it is asked for: evaluations are pure.
+// A chain that keeps what it computes under the start number it was given. A point is computed and kept once, however
+// often it is asked for, now or in a run before: evaluations are pure.
 class KeptChain final : public Chain {
 public:
     using Compute = std::function<Evaluation(std::span<const double>)>;
@@ -146,7 +146,7 @@ public:
         for (auto& [number, e] : store->get(run, {start, 0}, {start, std::numeric_limits<int>::max()})) {
             next_ = number.number + 1;
             if (!with_jacobian || !e.converged() || e.jacobian.size() > 0) {
-                known_.try_emplace(e.parameters, std::move(e));
+                known_.try_emplace(e.parameters, Known{std::move(e), true});
             }
         }
     }
@@ -156,26 +156,36 @@ public:
             throw Interrupted();
         }
         const auto old = known_.find(problem_.space.physical(unit));
-        const bool have = old != known_.end();
-        Evaluation e = have ? old->second : compute_(unit);
-        if (!have && store_ != nullptr) {
+        if (old != known_.end()) {
+            kept += old->second.before ? 1 : 0;
+            progress_.add(1, false);
+            return old->second.evaluation;
+        }
+        Evaluation e = compute_(unit);
+        if (store_ != nullptr) {
             store_->put(run_, {start_, next_++}, e);
         }
-        (have ? kept : computed)++;
-        progress_.add(1, !have);
+        known_.emplace(e.parameters, Known{e, false});
+        ++computed;
+        progress_.add(1, true);
         return e;
     }
 
     std::int64_t kept = 0, computed = 0;
 
 private:
+    struct Known {
+        Evaluation evaluation;
+        bool before = false; // it was in the store
+    };
+
     const problem::Problem& problem_;
     Store* store_;
     int run_;
     int start_;
     Compute compute_;
     Progress& progress_;
-    std::map<std::vector<double>, Evaluation> known_; // by parameters
+    std::map<std::vector<double>, Known> known_; // by parameters
     int next_ = 0;
 };
 

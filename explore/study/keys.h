@@ -132,7 +132,8 @@ inline constexpr Key data_noise_relative{.table = "[data]",
                                          .high = 10.0,
                                          .low_is_open = true,
                                          .without = "not stated",
-                                         .meaning = "standard deviation of a reading without a sigma, over its size"};
+                                         .meaning =
+                                             "standard deviation of a reading without a sigma, over the model's value"};
 inline constexpr Key data_noise_floor{.table = "[data]",
                                       .key = "noise_floor",
                                       .kind = number,
@@ -142,6 +143,26 @@ inline constexpr Key data_noise_floor{.table = "[data]",
                                       .without = "not stated",
                                       .meaning =
                                           "what adds to it (root sum of squares), over the largest of its group"};
+inline constexpr Key data_noise{.table = "[data]",
+                                .key = "noise",
+                                .kind = table,
+                                .allowed = "the keys of [data.noise], below",
+                                .without = "noise_relative and noise_floor alone",
+                                .meaning = "the noise of readings without a sigma"};
+inline constexpr Key noise_relative{.table = "[data.noise]",
+                                    .key = "relative",
+                                    .kind = number,
+                                    .low = 0.0,
+                                    .high = 10.0,
+                                    .low_is_open = true,
+                                    .without = "not stated",
+                                    .meaning = "standard deviation over the model's value; the same as noise_relative"};
+inline constexpr Key noise_absolute{.table = "[data.noise]",
+                                    .key = "absolute",
+                                    .kind = table,
+                                    .allowed = "UNIT = 0 or more, for mm or um, microstrain or strain, kPa or MPa",
+                                    .without = "not stated",
+                                    .meaning = "what adds to it (root sum of squares), in units of the readings"};
 inline constexpr Key data_held_out{.table = "[data]",
                                    .key = "held_out",
                                    .kind = texts,

@@ -13,16 +13,19 @@ namespace {
 problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows, const std::vector<double>& factor) {
     std::vector<problem::Misfit::Term> terms;
     const auto largest = largest_of_group(study);
+    const bool stated = study.noise == NoiseSource::stated;
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const std::size_t i = rows[k];
         const auto& m = study.readings[i];
-        problem::Misfit::Term term{.response = i, .measured = m.measured(), .factor = factor[k]};
+        problem::Misfit::Term term{
+            .response = i, .measured = m.measured(), .factor = factor[k], .noise = m.noise};
         switch (study.data.misfit) {
         case problem::MisfitKind::log: term.scale = study.data.log_floor * largest[i]; break;
         case problem::MisfitKind::relative: term.scale = std::abs(term.measured); break;
         case problem::MisfitKind::weighted:
-            term.scale = study.noise == NoiseSource::stated ? m.noise : std::abs(term.measured);
+            term.scale = stated ? m.noise.deviation(term.measured) : std::abs(term.measured);
             break;
+        case problem::MisfitKind::noise: break; // of no study
         }
         if (!(term.scale > 0.0)) {
             throw pave::Error(
@@ -32,18 +35,9 @@ problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& ro
         }
         terms.push_back(term);
     }
-    if (study.noise == NoiseSource::stated) {
-        std::vector<double> measured(study.readings.size(), 0.0);
-        for (const problem::Misfit::Term& term : terms) {
-            measured[term.response] = term.measured;
-        }
-        const Eigen::VectorXd slopes = problem::Misfit(study.data.misfit, terms).slopes(measured);
-        for (std::size_t k = 0; k < terms.size(); ++k) {
-            // The factor is the root of a weight, which counts as a variance.
-            terms[k].noise = slopes[static_cast<Eigen::Index>(k)] / terms[k].factor * study.readings[terms[k].response].noise;
-        }
-    }
-    return {study.data.misfit, std::move(terms)};
+    // Weighed by noise that depends on the value: by its own scale.
+    const bool by_noise = study.data.misfit == problem::MisfitKind::weighted && stated;
+    return {by_noise ? problem::MisfitKind::noise : study.data.misfit, std::move(terms)};
 }
 
 // Each reading with weight 1.

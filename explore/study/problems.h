@@ -18,8 +18,8 @@ std::vector<bool> fitted_loads(const Study& study);
 problem::Problem make_problem(const Study& study, Scope scope = Scope::everything);
 // One group of readings alone, each with weight 1.
 problem::Problem make_problem(const Study& study, const Group& group);
-// The same problem with every residual in units of its noise at the measured value: what statements of probability
-// need. Weights count as variances. The same as make_problem where the noise is not stated.
+// The same problem with every residual in units of its stated noise, whatever the misfit and the weights of the study:
+// what statements of probability need. The same as make_problem where the noise is not stated.
 problem::Problem make_noise_problem(const Study& study, Scope scope);
 // The same with nothing to compare with: for what needs responses and no data. Throws pave::Error when the study has no
 // parameters.

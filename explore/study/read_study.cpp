@@ -184,6 +184,37 @@ void read_parameter(const toml::table& table, Study& study) {
     study.space.axes.push_back(std::move(axis));
 }
 
+// of: the reader of [data].
+void read_noise(const toml::table& table, Study& study, const TableReader& of) {
+    TableReader reader(table, study.file, "[data.noise]");
+    if (reader.has(keys::noise_relative)) {
+        if (study.data.noise_relative) {
+            throw pave::Error(of.place(keys::data_noise_relative), "the relative noise stands twice",
+                              "noise_relative and [data.noise] relative", "one of them");
+        }
+        study.data.noise_relative = reader.number(keys::noise_relative);
+    }
+    if (const auto* absolute = reader.table(keys::noise_absolute)) {
+        TableReader each(*absolute, study.file, "[data.noise] absolute");
+        for (const auto& [key, node] : *absolute) {
+            const std::string name(key.str());
+            const auto units = data::units();
+            const auto unit = std::find_if(units.begin(), units.end(), [&](const auto& u) { return u.name == name; });
+            if (unit == units.end()) {
+                throw pave::Error(each.place(name), "unknown unit", "\"" + name + "\"",
+                                  std::string(keys::noise_absolute.allowed));
+            }
+            double& value = study.data.noise_absolute[static_cast<std::size_t>(unit->dimension)];
+            if (value > 0.0) {
+                throw pave::Error(each.place(name), "this kind of reading has two absolute noises", "\"" + name + "\"",
+                                  "one unit a kind");
+            }
+            value = unit->to_si * each.number(name, 0.0, 1e9, false);
+        }
+    }
+    reader.done();
+}
+
 // The measured readings of a data file that the study names. place: of that name in the study.
 using DataReader = std::function<std::vector<data::Reading>(const std::string& name, const pave::Place& place)>;
 
@@ -212,6 +243,9 @@ void read_data(const toml::table& table, Study& study, const DataReader& read_fi
     }
     if (reader.has(keys::data_noise_floor)) {
         study.data.noise_floor = reader.number(keys::data_noise_floor);
+    }
+    if (const auto* noise = reader.table(keys::data_noise)) {
+        read_noise(*noise, study, reader);
     }
     const std::vector<std::string> held_out =
         reader.has(keys::data_held_out) ? reader.texts(keys::data_held_out) : std::vector<std::string>{};

@@ -136,24 +136,25 @@ void set_groups(Study& study, const pave::Place& place, const std::vector<std::s
 void set_noise(Study& study) {
     const auto largest = largest_of_group(study);
     const std::span<data::Reading> measured(study.readings.data(), largest.size());
-    const bool has_model = study.data.noise_relative || study.data.noise_floor;
     for (std::size_t i = 0; i < measured.size(); ++i) {
         data::Reading& m = measured[i];
-        m.noise = 0.0;
+        m.noise = {};
         if (m.sigma) {
-            m.noise = *m.sigma * m.unit.to_si;
-        } else if (has_model) {
-            m.noise = std::hypot(study.data.noise_relative.value_or(0.0) * m.value * m.unit.to_si,
-                                 study.data.noise_floor.value_or(0.0) * largest[i]);
+            m.noise.absolute = *m.sigma * m.unit.to_si;
+        } else {
+            m.noise.relative = study.data.noise_relative.value_or(0.0);
+            m.noise.absolute = std::hypot(study.data.noise_floor.value_or(0.0) * largest[i],
+                                          study.data.noise_absolute[static_cast<std::size_t>(m.unit.dimension)]);
         }
     }
     // A reading without one, where others state theirs: their median share, of its own group if it has one there.
     std::map<std::string, std::vector<double>> shares; // of all under the empty name
     const auto size_of = [&](std::size_t i) { return std::max(std::abs(measured[i].measured()), 1e-3 * largest[i]); };
     for (std::size_t i = 0; i < measured.size(); ++i) {
-        if (measured[i].noise > 0.0 && size_of(i) > 0.0) {
-            shares[measured[i].group()].push_back(measured[i].noise / size_of(i));
-            shares[{}].push_back(measured[i].noise / size_of(i));
+        const double deviation = measured[i].noise.deviation(measured[i].measured());
+        if (deviation > 0.0 && size_of(i) > 0.0) {
+            shares[measured[i].group()].push_back(deviation / size_of(i));
+            shares[{}].push_back(deviation / size_of(i));
         }
     }
     std::map<std::string, double> median;
@@ -162,20 +163,21 @@ void set_noise(Study& study) {
         std::nth_element(list.begin(), middle, list.end());
         median[group] = *middle;
     }
+    const auto is_stated = [](const data::Reading& m) { return m.noise.deviation(m.measured()) > 0.0; };
     study.noise_assumed = 0;
     for (std::size_t i = 0; i < measured.size() && !median.empty(); ++i) {
-        if (!(measured[i].noise > 0.0)) {
+        if (!is_stated(measured[i])) {
             const auto own = median.find(measured[i].group());
-            measured[i].noise = (own != median.end() ? own->second : median[{}]) * size_of(i);
+            measured[i].noise = {.absolute = (own != median.end() ? own->second : median[{}]) * size_of(i)};
             ++study.noise_assumed;
         }
     }
-    if (std::all_of(measured.begin(), measured.end(), [](const auto& m) { return m.noise > 0.0; })) {
+    if (std::all_of(measured.begin(), measured.end(), is_stated)) {
         study.noise = NoiseSource::stated;
         return;
     }
     for (data::Reading& m : measured) {
-        m.noise = 0.0;
+        m.noise = {};
     }
     study.noise_assumed = 0;
     study.noise = NoiseSource::estimated;

@@ -7,6 +7,7 @@
 #include "problem/misfit.h"
 #include "problem/parameter_space.h"
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -20,10 +21,11 @@ struct DataSettings {
     std::vector<std::string> files; // as written in the study
     problem::MisfitKind misfit = problem::MisfitKind::log;
     double log_floor = 0.01; // s of the log misfit as a share of the largest |measured| of that load and quantity
-    // Standard deviation of a reading without its own sigma:
-    // sqrt((noise_relative |value|)^2 + (noise_floor largest |value| of that load and quantity)^2)
+    // Standard deviation of a reading without its own sigma: sqrt((noise_relative v)^2 + (noise_floor largest |value| of
+    // that load and quantity)^2 + noise_absolute^2), v the value without error.
     std::optional<double> noise_relative;
     std::optional<double> noise_floor;
+    std::array<double, 3> noise_absolute{}; // SI, of every data::Dimension
 };
 
 // The readings of one quantity under one load: what is weighed, held out and judged together.

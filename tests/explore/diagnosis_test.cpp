@@ -57,7 +57,7 @@ struct World {
         }
         std::vector<problem::Misfit::Term> terms;
         for (Index i = 0; i < readings; ++i) {
-            terms.push_back({static_cast<std::size_t>(i), data[i], 1.0, 1.0, noise_is_stated ? 1.0 : 0.0});
+            terms.push_back({static_cast<std::size_t>(i), data[i], 1.0, 1.0, {.absolute = noise_is_stated ? 1.0 : 0.0}});
         }
         test::Formula linear([matrix](const VectorXd& x, VectorXd& responses, MatrixXd& jacobian) {
             responses = matrix * x;

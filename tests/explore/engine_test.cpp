@@ -160,7 +160,7 @@ TEST(Minima, HaveTheErrorsThatTheStatedNoiseGivesThem) {
             const auto row = static_cast<Eigen::Index>(i);
             x.row(row) << 1.0, at[i];
             y[row] = 1.0 + 2.0 * at[i] + size * gaps[i];
-            terms.push_back({.response = i, .measured = y[row], .noise = sigma[row]});
+            terms.push_back({.response = i, .measured = y[row], .noise = {.absolute = sigma[row]}});
         }
         const problem::Problem problem{
             {{{"a", -5, 5, problem::Scale::linear, 0, 0}, {"b", -5, 5, problem::Scale::linear, 0, 0}}},

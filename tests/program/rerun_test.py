@@ -18,7 +18,9 @@ check(same["then"][0]["arguments"][0] == "map" and "Eigen" in same["now"]["libra
 
 # One bit of one response.
 database = sqlite3.connect(out / "run.sqlite")
-where = "run = (SELECT id FROM run WHERE command = 'fit') AND start = 1 AND number = 2"
+fits = "run = (SELECT id FROM run WHERE command = 'fit')"
+search, = database.execute(f"SELECT max(start) FROM evaluation WHERE {fits}").fetchone()
+where = f"{fits} AND start = {search} AND number = 2"
 responses, = database.execute(f"SELECT responses FROM evaluation WHERE {where}").fetchone()
 values = list(struct.unpack(f"{len(responses) // 8}d", responses))
 bits = bytearray(responses)
@@ -26,7 +28,7 @@ bits[8] ^= 1
 database.execute(f"UPDATE evaluation SET responses = ? WHERE {where}", (bytes(bits),))
 database.commit()
 done = run("rerun", out)
-check(done.returncode == 1 and "fit, search 1, evaluation 2: response fwd.deflection@300,0,0" in done.stdout, f"one bit: {done.stdout}")
+check(done.returncode == 1 and f"fit, search {search}, evaluation 2: response fwd.deflection@300,0,0" in done.stdout, f"one bit: {done.stdout}")
 database.execute(f"UPDATE evaluation SET responses = ? WHERE {where}", (responses,))
 
 # One evaluation more, and one less.

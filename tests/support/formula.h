@@ -53,7 +53,7 @@ inline explore::problem::Problem problem_of(int dimension, Formula formula, cons
     }
     std::vector<explore::problem::Misfit::Term> terms;
     for (std::size_t i = 0; i < measured.size(); ++i) {
-        terms.push_back({i, measured[i], sigma, 1.0, 1.0});
+        terms.push_back({i, measured[i], sigma, 1.0, {.absolute = sigma}});
     }
     return {space, std::make_shared<Formula>(std::move(formula)), {explore::problem::MisfitKind::weighted, terms}};
 }

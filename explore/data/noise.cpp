@@ -1,0 +1,34 @@
+#include "data/noise.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace explore::data {
+namespace {
+
+// The absolute part that h has at least, as a share of the relative part at the measured value.
+constexpr double least_absolute = 0.1;
+
+} // namespace
+
+double Noise::deviation(double value) const {
+    return std::hypot(absolute, relative * value);
+}
+
+double Noise::residual(double model, double measured) const {
+    if (relative == 0.0) {
+        return (model - measured) / absolute;
+    }
+    const double floor = std::max(absolute, least_absolute * relative * std::abs(measured));
+    const double bias = 0.5 * relative * relative * measured / std::hypot(floor, relative * measured);
+    return (std::asinh(relative * model / floor) - std::asinh(relative * measured / floor)) / relative - bias;
+}
+
+double Noise::slope(double model, double measured) const {
+    if (relative == 0.0) {
+        return 1.0 / absolute;
+    }
+    return 1.0 / std::hypot(std::max(absolute, least_absolute * relative * std::abs(measured)), relative * model);
+}
+
+} // namespace explore::data

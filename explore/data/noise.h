@@ -1,0 +1,26 @@
+// What a reading states of its error, and a residual in units of it.
+#pragma once
+
+namespace explore::data {
+
+// The stated error of a reading: its standard deviation is sqrt(absolute^2 + (relative v)^2), v the value without error.
+//
+// A residual in units of it has to have the variance 1 whatever v is, and v is not known: divided by the standard
+// deviation at the measured value, low readings weigh more and estimates are biased towards them. So readings are
+// compared on the scale on which their noise is the same everywhere (Bartlett 1947, Biometrics 3):
+//     h(v) = asinh(relative v / absolute) / relative,   dh/dv = 1 / standard deviation,
+// v / absolute without a relative part, and the logarithm over `relative` where the relative part is all there is (an
+// absolute part of a tenth of it keeps h finite through zero). The mean of h(measured) lies below h(v) by
+// relative^2 v / (2 standard deviation), to second order: that is added back.
+struct Noise {
+    double absolute = 0.0; // SI; both 0: not stated
+    double relative = 0.0;
+
+    bool is_stated() const { return absolute > 0.0 || relative > 0.0; }
+    double deviation(double value) const; // standard deviation [SI]
+    // The residual of a model's value against a measured one, and its derivative by the model's.
+    double residual(double model, double measured) const;
+    double slope(double model, double measured) const;
+};
+
+} // namespace explore::data
