@@ -5,9 +5,9 @@ import re
 from support import *
 
 SRC = ["base", "mechanics", "material", "mesh", "fe", "pavement", "reduced"]
-EXPLORE = ["data", "problem", "study", "search", "optimise", "run", "landscape", "diagnose", "report", "cli"]
+EXPLORE = ["data", "problem", "study", "search", "optimise", "run", "landscape", "diagnose", "analysis", "report", "cli"]
 # Above the forward model's own base/, these may include src/.
-KNOWS_PAVEMENTS = {"study", "report", "cli"}
+KNOWS_PAVEMENTS = {"study", "analysis", "report", "cli"}
 
 
 def includes(path):
