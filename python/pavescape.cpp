@@ -1,5 +1,5 @@
-// The Python module: studies, their forward model and their misfit as functions of NumPy arrays, and the analyses of the
-// command line as dictionaries equal to its JSON.
+// The Python module: studies, their forward model and their misfit as functions of NumPy arrays, and the analyses of
+// the command line as dictionaries equal to its JSON.
 #include "report/compare.h"
 #include "report/diagnose.h"
 #include "report/fit.h"
@@ -39,8 +39,8 @@ Enum one_of(const std::string& word, const std::string_view (&words)[N], const c
             return static_cast<Enum>(i);
         }
     }
-    throw py::value_error(std::string("unknown ") + what + " \"" + word + "\"; allowed: " +
-                          pave::join({std::begin(words), std::end(words)}));
+    throw py::value_error(std::string("unknown ") + what + " \"" + word +
+                          "\"; allowed: " + pave::join({std::begin(words), std::end(words)}));
 }
 
 explore::analysis::ModelOptions model_of(const std::string& name) {
@@ -159,23 +159,21 @@ public:
 
     py::object fit(int starts, int explore, const std::string& model, bool joint_only, const std::string& out,
                    int threads, std::uint64_t seed) const {
-        explore::analysis::FitOptions options{
-            .model = model_of(model), .explore = explore, .joint_only = joint_only};
+        explore::analysis::FitOptions options{.model = model_of(model), .explore = explore, .joint_only = joint_only};
         options.multistart.starts = starts;
         return analysed(
             run_options(out, threads, seed), "fit",
-            [&](auto& session) { return explore::analysis::fit(session, study_, options); },
-            explore::report::fit_json);
+            [&](auto& session) { return explore::analysis::fit(session, study_, options); }, explore::report::fit_json);
     }
 
     // With the points as arrays beside the JSON.
     py::object map(const std::string& design, int points, const std::string& model, const std::string& out, int threads,
                    std::uint64_t seed) const {
         static constexpr std::string_view designs[] = {"auto", "grid", "sobol", "adaptive"};
-        const explore::analysis::MapOptions options{
-            .model = model_of(model),
-            .design = one_of<explore::analysis::MapDesign>(design, designs, "design"),
-            .points = points};
+        const explore::analysis::MapOptions options{.model = model_of(model),
+                                                    .design =
+                                                        one_of<explore::analysis::MapDesign>(design, designs, "design"),
+                                                    .points = points};
         Eigen::MatrixXd parameters;
         Eigen::VectorXd misfit;
         py::object json = analysed(
@@ -356,8 +354,9 @@ PYBIND11_MODULE(pavescape, m) {
                "continues; empty: nothing is kept.";
     };
     py::class_<Study>(m, "Study", "A study file with its measurements. Raises ValueError for what is wrong in it.")
-        .def(py::init([](const std::string& file) { return std::make_unique<Study>(explore::study::load_study(file)); }),
-             py::arg("file"))
+        .def(
+            py::init([](const std::string& file) { return std::make_unique<Study>(explore::study::load_study(file)); }),
+            py::arg("file"))
         .def_static(
             "from_text",
             [](const std::string& text, const std::map<std::string, std::string>& files, const std::string& name) {

@@ -77,8 +77,7 @@ std::optional<double> left_out_rms(const problem::Problem& problem, run::Engine&
             const problem::Evaluation* nearest = &answer.minima[0].evaluation;
             double lowest = std::numeric_limits<double>::infinity();
             for (const auto& e : answer.explored) {
-                if (const double sum =
-                        e.converged() ? diagnose::counted_sum(problem.residuals(e), target) : lowest;
+                if (const double sum = e.converged() ? diagnose::counted_sum(problem.residuals(e), target) : lowest;
                     sum < lowest) {
                     lowest = sum;
                     nearest = &e;
@@ -173,8 +172,8 @@ std::optional<CompareResult> compare(Session& session, const study::Study& study
         result.laws.push_back(
             {.law = law, .study = study::with_law(study, layer, *law, {.file = study.file, .key = "--laws"})});
     }
-    const std::string settings = fmt::format("searches of {} evaluations, seed {}", options.settings.max_evaluations,
-                                             session.options().seed);
+    const std::string settings =
+        fmt::format("searches of {} evaluations, seed {}", options.settings.max_evaluations, session.options().seed);
     for (FittedLaw& f : result.laws) {
         if (!fit_law(session, f, options, settings)) {
             return std::nullopt;

@@ -45,7 +45,7 @@ DiagnosedModel model_of(const study::Study& study, const std::vector<study::Vari
 // Every explanation predicts what could be read; the best reading is the one whose least separation from the best
 // explanation is largest, in standard deviations of the reading and of what the fits leave open.
 std::vector<SeparatingReading> separating_readings(const study::Study& study, const std::vector<study::Variant>& all,
-                                            diagnose::Workbench& bench, const Diagnosis& d) {
+                                                   diagnose::Workbench& bench, const Diagnosis& d) {
     const study::Study list = study::candidates(study);
     struct Predicted {
         std::vector<double> values, variances;
@@ -221,8 +221,7 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& stu
     }
     for (std::size_t e = 0; e < d.explanations.size(); ++e) {
         const bool is_known = e == 0 || !result.before->held_out_rms; // the first is the extended model
-        result.held_out.push_back(is_known ? result.after->held_out_rms
-                                           : reported(d.explanations[e].fit).held_out_rms);
+        result.held_out.push_back(is_known ? result.after->held_out_rms : reported(d.explanations[e].fit).held_out_rms);
     }
     session.begin(study, "diagnose", settings); // the run of the study's own model is the one used last
     result.tally = bench.tally();

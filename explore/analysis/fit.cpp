@@ -82,8 +82,7 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
     result.joint = group_fit(study, predictor, "all", result.problem, best);
     result.local = result.joint->local;
     if (!options.joint_only && !options.model.alone()) {
-        auto alone =
-            fit_alone(session, study, predictor, result.design, result.searches, settings, options.multistart);
+        auto alone = fit_alone(session, study, predictor, result.design, result.searches, settings, options.multistart);
         if (!alone) {
             return std::nullopt;
         }

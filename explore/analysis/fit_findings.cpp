@@ -55,7 +55,8 @@ std::string noise_words(const landscape::LocalAnalysis& local) {
         figure(local.chi2),
         counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom"),
         local.p_value,
-        local.widened ? " The standard errors are those of a noise that much larger; diagnose looks for the cause." : "");
+        local.widened ? " The standard errors are those of a noise that much larger; diagnose looks for the cause."
+                      : "");
 }
 
 // What the data do not determine: too few readings, parameters on bounds, errors as wide as the range.
@@ -92,9 +93,9 @@ void unknown_parameters(const FitResult& result, std::vector<std::string>& text)
     }
 }
 
-// A reading whose residual noise does not explain: its studentised residual (Cook and Weisberg 1982), the largest of all
-// at a family-wise level of 5 %. By the stated noise, else by what the other readings leave over; then with too few of
-// them nothing can be said. "": none.
+// A reading whose residual noise does not explain: its studentised residual (Cook and Weisberg 1982), the largest of
+// all at a family-wise level of 5 %. By the stated noise, else by what the other readings leave over; then with too few
+// of them nothing can be said. "": none.
 std::string accused_reading(const FitResult& result) {
     const problem::Problem by_noise = result.problem.in_units_of_noise();
     const Eigen::VectorXd r = by_noise.residuals(result.best().evaluation);
@@ -129,12 +130,14 @@ std::string accused_reading(const FitResult& result) {
         return "";
     }
     const data::Reading& reading = result.study.readings[result.problem.response_of(static_cast<std::size_t>(worst))];
-    const double model = result.best().evaluation.responses[result.problem.response_of(static_cast<std::size_t>(worst))];
-    return fmt::format("One reading stands out ({:.0f} % of the sum of squares; p = {:.2g} among {}): {}, measured {:g}, "
-                       "model {}. Either it or the model is wrong there.",
-                       100.0 * largest * largest / r.squaredNorm(), std::min(1.0, n * least_p),
-                       counted(static_cast<std::size_t>(r.size()), "reading", "readings"), reading.label_with_unit(),
-                       reading.value, figure(reading.in_unit(model)));
+    const double model =
+        result.best().evaluation.responses[result.problem.response_of(static_cast<std::size_t>(worst))];
+    return fmt::format(
+        "One reading stands out ({:.0f} % of the sum of squares; p = {:.2g} among {}): {}, measured {:g}, "
+        "model {}. Either it or the model is wrong there.",
+        100.0 * largest * largest / r.squaredNorm(), std::min(1.0, n * least_p),
+        counted(static_cast<std::size_t>(r.size()), "reading", "readings"), reading.label_with_unit(), reading.value,
+        figure(reading.in_unit(model)));
 }
 
 } // namespace

@@ -33,11 +33,7 @@ std::vector<double> group_rms(const study::Study& study, const problem::Evaluati
 
 GroupFit group_fit(const study::Study& study, const Predictor& predictor, std::string fitted,
                    const problem::Problem& problem, landscape::Minimum minimum) {
-    GroupFit fit{.fitted = std::move(fitted),
-                 .minimum = std::move(minimum),
-                 .local = {},
-                 .best = {},
-                 .rms = {}};
+    GroupFit fit{.fitted = std::move(fitted), .minimum = std::move(minimum), .local = {}, .best = {}, .rms = {}};
     fit.local = landscape::analyse(fit.minimum, problem);
     fit.best = fit.minimum.evaluation;
     predictor.complete(fit.best);

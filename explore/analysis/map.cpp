@@ -12,8 +12,8 @@ constexpr std::int64_t most_points = 10'000'000;
 
 search::Design make_design(const MapOptions& options, const study::Study& study, std::uint64_t seed) {
     const auto grid_size = search::full_grid_size(study.space, options.points);
-    const bool grid =
-        options.design == MapDesign::automatic ? search::full_grid_size(study.space) > 0 : options.design == MapDesign::grid;
+    const bool grid = options.design == MapDesign::automatic ? search::full_grid_size(study.space) > 0
+                                                             : options.design == MapDesign::grid;
     if (!grid) {
         return search::sobol(study.space, options.points > 0 ? options.points : map_points, seed);
     }
@@ -33,7 +33,8 @@ bool confirm(Session& session, MapResult& map, const std::string& settings) {
         again.points.push_back(map.design.points[low.number]);
     }
     const problem::Problem full = study::make_problem(map.study);
-    run::Engine engine(full, session.store(), session.begin(map.study, "map", settings + ", its lowest by the full model"),
+    run::Engine engine(full, session.store(),
+                       session.begin(map.study, "map", settings + ", its lowest by the full model"),
                        {.threads = session.options().threads, .show_progress = false});
     auto confirmed = engine.evaluate(again);
     if (!confirmed) {

@@ -19,20 +19,22 @@ struct MapOptions {
 
 struct MapResult {
     struct Low {
-        std::size_t number = 0; // of the point
+        std::size_t number = 0;         // of the point
         problem::Evaluation evaluation; // by the full model where that confirms
     };
     study::Study study;
     MapOptions options;
     search::Design design;
     std::vector<problem::Evaluation> evaluations;
-    std::vector<Low> lowest; // by misfit; empty: not one point has an answer
+    std::vector<Low> lowest;                     // by misfit; empty: not one point has an answer
     std::optional<landscape::Explored> explored; // of an adaptive map
     std::optional<ReducedProblem> reduced;
     run::Tally tally;
 
     bool failed() const { return lowest.empty(); }
-    std::string reason() const { return "not one point of the map has an answer; the first says: " + evaluations.front().reason; }
+    std::string reason() const {
+        return "not one point of the map has an answer; the first says: " + evaluations.front().reason;
+    }
 };
 
 // Throws pave::Error for a grid without points or with too many. Nothing: interrupted.

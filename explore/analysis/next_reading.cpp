@@ -32,7 +32,8 @@ NextReading next_reading(const study::Study& study, const problem::Problem& prob
         data::Reading& candidate = next.candidates[i];
         candidate.value = candidate.in_unit(here.responses[i]);
         candidate.noise.absolute = study::candidate_noise(list.model.sensors[i].quantity, here.responses[i]);
-        rows.row(static_cast<Eigen::Index>(i)) = here.jacobian.row(static_cast<Eigen::Index>(i)) / candidate.noise.absolute;
+        rows.row(static_cast<Eigen::Index>(i)) =
+            here.jacobian.row(static_cast<Eigen::Index>(i)) / candidate.noise.absolute;
     }
     const auto outputs = study.outputs();
     Eigen::MatrixXd predictions(static_cast<Eigen::Index>(outputs.size()), d);

@@ -8,8 +8,8 @@
 namespace explore::analysis {
 
 struct NextReading {
-    std::vector<data::Reading> candidates;           // their value: at the best minimum; their noise: assumed
-    std::vector<double> separation;                  // of the valley's ends by each, in its standard deviations; or none
+    std::vector<data::Reading> candidates; // their value: at the best minimum; their noise: assumed
+    std::vector<double> separation;        // of the valley's ends by each, in its standard deviations; or none
     std::vector<landscape::CandidateEffect> effects; // best first
     double forward_cpu_seconds = 0.0;
     std::string failed; // why there are none

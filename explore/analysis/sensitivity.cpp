@@ -75,10 +75,10 @@ std::optional<SensitivityResult> sensitivity(Session& session, study::Study stud
     around.space = space_around(problem.space, options.range);
     const auto curves_design = search::one_at_a_time(dimension, curved, options.points);
     {
-        auto engine = session.engine(
-            around, session.begin(study, "sensitivity-curves",
-                                  fmt::format("{} over +-{:g} % of {}", curves_design.run_name(), options.range,
-                                              pave::join(names))));
+        auto engine =
+            session.engine(around, session.begin(study, "sensitivity-curves",
+                                                 fmt::format("{} over +-{:g} % of {}", curves_design.run_name(),
+                                                             options.range, pave::join(names))));
         s.own = engine.evaluate_one(std::vector<double>(names.size(), 0.5));
         if (s.failed()) {
             return s;
@@ -99,9 +99,9 @@ std::optional<SensitivityResult> sensitivity(Session& session, study::Study stud
     s.elasticity = landscape::elasticities(s.own);
     if (options.samples > 0) {
         const auto design = search::radial(dimension, options.samples, session.options().seed);
-        auto engine = session.engine(
-            problem, session.begin(study, "sensitivity",
-                                   fmt::format("{} of {}", design.run_name(), pave::join(names))));
+        auto engine =
+            session.engine(problem, session.begin(study, "sensitivity",
+                                                  fmt::format("{} of {}", design.run_name(), pave::join(names))));
         auto evaluations = engine.evaluate(design);
         if (!evaluations) {
             return std::nullopt;

@@ -6,7 +6,7 @@
 namespace explore::analysis {
 
 struct TwinOptions {
-    double noise = 0.0; // standard deviation as a share of each value
+    double noise = 0.0;                                    // standard deviation as a share of each value
     std::vector<std::pair<std::string, double>> effects{}; // name and size: what the data have and the study does not
     std::uint64_t seed = 1;
 };
@@ -15,7 +15,7 @@ struct TwinResult {
     study::Study study; // with the effects
     TwinOptions options;
     pave::Status status = pave::Status::converged;
-    std::string reason{};                // when not converged
+    std::string reason{};                  // when not converged
     std::vector<data::Reading> readings{}; // the synthetic ones
     std::vector<double> exact{};           // of each, without noise, in its unit
 };

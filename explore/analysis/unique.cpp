@@ -36,8 +36,7 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
     const int outputs_run = session.begin(study, "unique-outputs", settings);
     auto engine = session.engine(result.problem, session.begin(study, "unique", settings));
     auto everything_engine = session.engine(everything, outputs_run);
-    auto task =
-        uniqueness_task(study, result.problem, everything, engine, everything_engine, session.options().seed);
+    auto task = uniqueness_task(study, result.problem, everything, engine, everything_engine, session.options().seed);
     task.explorer = explorer ? &*explorer : nullptr;
     if (options.model.alone()) {
         task.outputs.clear(); // of loads that it may not have

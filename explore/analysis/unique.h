@@ -18,8 +18,8 @@ struct UniqueResult {
     landscape::Uniqueness answer;
     NextReading next;
     std::optional<ReducedProblem> reduced;
-    std::int64_t computed = 0;           // runs of this process
-    std::int64_t kept = 0;               // runs that were in the store
+    std::int64_t computed = 0; // runs of this process
+    std::int64_t kept = 0;     // runs that were in the store
     std::int64_t computed_by_reduced_model = 0;
     double seconds = 0.0;
     double forward_cpu_seconds = 0.0;

@@ -45,9 +45,10 @@ std::string unique_words(const problem::ParameterSpace& space, const Uniqueness&
     std::string text = "UNIQUE within what was searched: one set of parameters, with the ranges below, fits these data";
     const auto& bounds = u.minima[0].on_bound;
     if (u.acceptance->widened) {
-        text = fmt::format("UNIQUE, but the data contradict the model (p = {:.2g}): one set of parameters, with the ranges "
-                           "below, fits best",
-                           u.acceptance->p_value);
+        text = fmt::format(
+            "UNIQUE, but the data contradict the model (p = {:.2g}): one set of parameters, with the ranges "
+            "below, fits best",
+            u.acceptance->p_value);
     }
     if (!bounds.empty()) {
         text += fmt::format("; it is the box that ends it: {}", pave::join(bound_words(space, bounds)));
@@ -125,9 +126,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
     const auto outputs = study.outputs();
     const auto say = [&](std::string sentence) { text.push_back(std::move(sentence)); };
     switch (u.verdict) {
-    case Verdict::unique:
-        say(unique_words(space, u));
-        break;
+    case Verdict::unique: say(unique_words(space, u)); break;
     case Verdict::non_unique:
         say(u.alternatives && u.valley
                 ? "NON-UNIQUE: separate minima fit these data, and a continuous valley of parameter sets too."

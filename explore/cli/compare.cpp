@@ -1,6 +1,6 @@
 // pavescape compare: the same data, each law in the same layer, each fitted by the same search.
-#include "cli/commands.h"
 #include "report/compare.h"
+#include "cli/commands.h"
 #include "run/message.h"
 
 namespace explore::cli {
@@ -36,7 +36,9 @@ void add_compare(CLI::App& app, Action& action) {
     command->add_option("--layer", options->compare.layer,
                         "the layer in question (default: the one whose law depends on stress)");
     command->add_option("--laws", options->compare.laws, "laws to compare (default: all)")->delimiter(',');
-    command->add_option("--explore", options->compare.settings.explore, "points of each law's Sobol sample, with derivatives")
+    command
+        ->add_option("--explore", options->compare.settings.explore,
+                     "points of each law's Sobol sample, with derivatives")
         ->check(CLI::Range(1, 1'000'000))
         ->capture_default_str();
     command

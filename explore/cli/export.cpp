@@ -1,7 +1,7 @@
 // pavescape export: the evaluations of a run, one line each in run order.
+#include "base/text.h"
 #include "cli/commands.h"
 #include "data/csv.h"
-#include "base/text.h"
 #include "run/message.h"
 
 #include <algorithm>

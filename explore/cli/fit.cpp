@@ -1,6 +1,6 @@
 // pavescape fit: explore, then refine the best starts.
-#include "cli/commands.h"
 #include "report/fit.h"
+#include "cli/commands.h"
 
 namespace explore::cli {
 namespace {

@@ -1,6 +1,6 @@
 // pavescape forward: responses at the study's own parameter values.
-#include "cli/commands.h"
 #include "report/forward.h"
+#include "cli/commands.h"
 #include "report/vtu.h"
 #include "run/files.h"
 

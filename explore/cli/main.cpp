@@ -1,5 +1,5 @@
-#include "base/error.h"
 #include "analysis/build.h"
+#include "base/error.h"
 #include "cli/commands.h"
 #include "run/blas.h"
 #include "run/cluster.h"

@@ -1,6 +1,6 @@
 // pavescape report: one HTML file from a run.
-#include "cli/commands.h"
 #include "analysis/build.h"
+#include "cli/commands.h"
 #include "report/page.h"
 #include "run/files.h"
 

@@ -1,6 +1,6 @@
 // pavescape sensitivity: how much each parameter moves each response, near the study's own values and over the box.
-#include "cli/commands.h"
 #include "report/sensitivity.h"
+#include "cli/commands.h"
 #include "run/message.h"
 
 namespace explore::cli {

@@ -1,6 +1,6 @@
 // pavescape twin: synthetic data from the study, in the layout of its own measurements.
-#include "cli/commands.h"
 #include "report/twin.h"
+#include "cli/commands.h"
 #include "run/files.h"
 #include "run/message.h"
 

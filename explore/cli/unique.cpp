@@ -1,6 +1,6 @@
 // pavescape unique: is the answer unique, along what is it not, and what does that do to the outputs?
-#include "cli/commands.h"
 #include "report/unique.h"
+#include "cli/commands.h"
 
 namespace explore::cli {
 namespace {

@@ -14,7 +14,7 @@
 
 namespace explore::data {
 
-std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file) {
+std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file, char separator) {
     if (text.starts_with("\xef\xbb\xbf")) {
         text.remove_prefix(3);
     }
@@ -54,7 +54,7 @@ std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file) {
                 }
                 ++i;
                 row_is_blank = false;
-            } else if (c == ',') {
+            } else if (c == separator) {
                 row.cells.emplace_back();
                 row_is_blank = false;
                 ++i;
@@ -156,8 +156,16 @@ std::string read_file(const std::string& file, std::string_view what, Encoding e
     std::ostringstream stored;
     stored << stream.rdbuf();
     std::string text = stored.str();
-    if (encoding == Encoding::utf8_or_latin1) {
+    if (encoding == Encoding::of_instruments) {
+        text = pave::utf16_to_utf8(std::move(text));
+        std::replace(text.begin(), text.end(), '\0', ' ');
         text = pave::to_utf8(std::move(text));
+        if (text.starts_with("\xef\xbb\xbf")) {
+            text.erase(0, 3);
+        }
+        if (text.find('\n') == std::string::npos) {
+            std::replace(text.begin(), text.end(), '\r', '\n');
+        }
     }
     if (const std::size_t at = pave::first_not_utf8(text); at != std::string::npos) {
         const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');

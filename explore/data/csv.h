@@ -17,7 +17,7 @@ struct CsvRow {
 
 // Splits text into rows; quoted cells may hold separators, doubled quotes and line breaks. Blank lines and lines that
 // start with # are left out; a UTF-8 byte order mark is skipped. Throws pave::Error for a quote that never closes.
-std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file);
+std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file, char separator = ',');
 
 // A cell as RFC 4180 wants it: quoted when it holds a separator, a quote or a line break, or would be read as a
 // comment.
@@ -36,7 +36,11 @@ std::optional<double> number_or_nothing(std::string_view cell);
 
 // The whole of a file. Throws pave::Error when it cannot be read, when it is no regular file (a device, a pipe), and
 // when it is not text. what: "measurement file".
-enum class Encoding { utf8, utf8_or_latin1 }; // the second becomes the first
+enum class Encoding {
+    utf8,
+    of_instruments // UTF-8, UTF-16, else ISO 8859-1: all become UTF-8, zero bytes blanks, lone carriage returns line
+                   // ends
+};
 std::string read_file(const std::string& file, std::string_view what, Encoding encoding = Encoding::utf8);
 
 } // namespace explore::data

@@ -1,59 +1,372 @@
 #include "data/deflection_bowl.h"
 
+#include "data/plausibility.h"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
+#include <numbers>
 #include <set>
 
 namespace explore::data {
 namespace {
 
-constexpr double same_level = 0.9; // of the highest pressure
-constexpr double resolution_um = 2.0;
+constexpr double same_level = 0.9;       // of the highest pressure of a level
+constexpr double near_target = 0.15;     // of the target
+constexpr double seating_differs = 0.05; // deflection of a seating drop from the repeats
+constexpr double repeats_agree = 0.025;  // deflections of the repeats from each other
+constexpr double drops_disagree = 0.1;   // deflection of a drop from the median: worth a remark
+constexpr double sides_disagree = 0.1;   // deflections ahead of and behind the plate: worth a remark
+constexpr double dead_um = 1.0;          // half of what a sensor resolves
+constexpr double dead_share = 0.25;      // of the next sensor further out
+constexpr double accuracy_um = 2.0;      // of a sensor, and
+constexpr double accuracy_share = 0.02;  // of what it reads
+constexpr double centre_tolerance_mm = 0.5;
 
-// What is wrong with the station or with the load of a drop, or "".
-std::string complaint_of(const FwdStation& station) {
-    if (!station.unusable.empty()) {
-        return station.unusable;
-    }
-    std::set<int> numbers;
-    for (const FwdDrop& d : station.drops) {
-        if (!(d.pressure_kPa > 0.0 && std::isfinite(d.pressure_kPa))) {
-            return fmt::format("drop {}: a pressure of {:g} kPa", d.number, d.pressure_kPa);
-        }
-        if (!(d.radius_mm > 0.0 && std::isfinite(d.radius_mm))) {
-            return fmt::format("drop {}: a plate of radius {:g} mm", d.number, d.radius_mm);
-        }
-        if (d.radius_mm != station.drops[0].radius_mm) {
-            return fmt::format("plates of radius {:g} and {:g} mm", station.drops[0].radius_mm, d.radius_mm);
-        }
-        if (!numbers.insert(d.number).second) {
-            return fmt::format("drop {} stands twice", d.number);
-        }
-    }
-    return {};
+double accuracy(double deflection_um) {
+    return accuracy_um + accuracy_share * deflection_um;
 }
 
-void add_d250(DeflectionBowl& bowl) {
-    const auto& r = bowl.readings;
-    const auto above =
-        std::find_if(r.begin(), r.end(), [](const FwdReading& x) { return x.offset_mm >= ratio_offset_mm; });
-    if (above == r.end() || above == r.begin()) {
-        return;
-    }
-    if (above->offset_mm == ratio_offset_mm) {
-        bowl.d250_um = above->deflection_um;
-        return;
-    }
-    const FwdReading& below = *(above - 1);
-    if (below.offset_mm <= bowl.radius_mm) {
-        return;
-    }
-    const double t = (ratio_offset_mm - below.offset_mm) / (above->offset_mm - below.offset_mm);
-    bowl.d250_um = below.deflection_um * std::pow(above->deflection_um / below.deflection_um, t);
-    bowl.d250_is_interpolated = true;
+const FwdReading* centre_of(const FwdDrop& drop) {
+    const auto at = std::find_if(drop.readings.begin(), drop.readings.end(),
+                                 [](const FwdReading& r) { return std::abs(r.offset_mm) < centre_tolerance_mm; });
+    return at == drop.readings.end() ? nullptr : &*at;
 }
+
+// Deflection at the centre over pressure; not a number without one.
+double compliance(const FwdDrop& drop) {
+    const FwdReading* centre = centre_of(drop);
+    return centre == nullptr || centre->deflection_um <= 0.0 ? NAN : centre->deflection_um / drop.pressure_kPa;
+}
+
+bool are_one_level(double a, double b) {
+    return std::min(a, b) >= same_level * std::max(a, b);
+}
+
+// Whether the first of these drops seats the plate: see the head of the header.
+bool first_is_seating(const std::vector<const FwdDrop*>& drops, bool first_of_two_seats) {
+    if (drops.size() < 3) {
+        return drops.size() == 2 && first_of_two_seats &&
+               !are_one_level(drops[0]->pressure_kPa, drops[1]->pressure_kPa);
+    }
+    const double first = drops[0]->pressure_kPa;
+    const auto rest = std::vector<const FwdDrop*>(drops.begin() + 1, drops.end());
+    const bool alone =
+        std::none_of(rest.begin(), rest.end(), [&](const FwdDrop* d) { return are_one_level(first, d->pressure_kPa); });
+    if (alone) {
+        for (std::size_t i = 0; i < rest.size(); ++i) {
+            for (std::size_t k = i + 1; k < rest.size(); ++k) {
+                if (are_one_level(rest[i]->pressure_kPa, rest[k]->pressure_kPa)) {
+                    return true;
+                }
+            }
+        }
+        return false;
+    }
+    std::vector<double> repeats;
+    for (const FwdDrop* d : rest) {
+        if (are_one_level(first, d->pressure_kPa)) {
+            repeats.push_back(compliance(*d));
+        }
+    }
+    if (repeats.size() < 2 || std::any_of(repeats.begin(), repeats.end(), [](double c) { return std::isnan(c); })) {
+        return false;
+    }
+    const double middle = median(repeats);
+    const bool agree = std::all_of(repeats.begin(), repeats.end(),
+                                   [&](double c) { return std::abs(c / middle - 1.0) <= repeats_agree; });
+    return agree && std::abs(compliance(*drops[0]) / middle - 1.0) > seating_differs;
+}
+
+using Level = std::vector<const FwdDrop*>;
+
+// By rising pressure; the drops of a level in the order of the station.
+std::vector<Level> levels_of(std::vector<const FwdDrop*> drops) {
+    std::stable_sort(drops.begin(), drops.end(),
+                     [](const FwdDrop* a, const FwdDrop* b) { return a->pressure_kPa > b->pressure_kPa; });
+    std::vector<Level> levels;
+    for (const FwdDrop* d : drops) {
+        if (levels.empty() || d->pressure_kPa < same_level * levels.back()[0]->pressure_kPa) {
+            levels.emplace_back();
+        }
+        levels.back().push_back(d);
+    }
+    for (Level& level : levels) {
+        std::sort(level.begin(), level.end()); // addresses in one vector
+    }
+    std::reverse(levels.begin(), levels.end());
+    return levels;
+}
+
+// What is read off the drops of a station, step by step. Each step may find why nothing can be made of it.
+class Making {
+public:
+    Making(const FwdStation& station, const DropChoice& choice) : station_(station), choice_(choice) {}
+
+    pave::Outcome<StationBowls> bowls() && {
+        const auto rejected = [](std::string reason) { return pave::Failure{.reason = std::move(reason)}; };
+        if (std::string reason = choose_drops(); !reason.empty()) {
+            return rejected(std::move(reason));
+        }
+        for (std::size_t i = 0; i < levels_.size(); ++i) {
+            auto bowl = bowl_of(levels_[i]);
+            if (bowl) {
+                main_ = i == chosen_ ? std::optional(result_.levels.size()) : main_;
+                result_.levels.push_back(std::move(*bowl));
+            } else if (i == chosen_) {
+                return rejected(reason_);
+            } else {
+                for (const FwdDrop* d : levels_[i]) {
+                    result_.left_out.push_back({d->number, LeftOut::implausible, reason_});
+                }
+            }
+        }
+        result_.main = *main_;
+        return std::move(result_);
+    }
+
+private:
+    // Fills levels_ and chosen_. Returns why there is nothing to choose, or "".
+    std::string choose_drops() {
+        if (!station_.unusable.empty()) {
+            return station_.unusable;
+        }
+        std::vector<const FwdDrop*> drops;
+        std::set<int> numbers;
+        std::string first_reason;
+        for (const FwdDrop& d : station_.drops) {
+            if (!numbers.insert(d.number).second) {
+                return fmt::format("drop {} stands twice", d.number);
+            }
+            if (!choice_.numbers.empty() &&
+                std::find(choice_.numbers.begin(), choice_.numbers.end(), d.number) == choice_.numbers.end()) {
+                result_.left_out.push_back({d.number, LeftOut::not_chosen, {}});
+                continue;
+            }
+            const std::string doubt = implausible(d);
+            if (!d.flag.empty() || !doubt.empty()) {
+                const bool flagged = !d.flag.empty();
+                result_.left_out.push_back(
+                    {d.number, flagged ? LeftOut::flagged : LeftOut::implausible, flagged ? d.flag : doubt});
+                first_reason = first_reason.empty() ? fmt::format("drop {}: {}", d.number, flagged ? d.flag : doubt)
+                                                    : first_reason;
+                continue;
+            }
+            drops.push_back(&d);
+        }
+        if (drops.empty()) {
+            return !first_reason.empty()    ? first_reason
+                   : station_.drops.empty() ? "it has no drops"
+                                            : "it has none of the drops that are asked for";
+        }
+        for (const FwdDrop* d : drops) {
+            if (d->radius_mm != drops[0]->radius_mm) {
+                return fmt::format("plates of radius {:g} and {:g} mm", drops[0]->radius_mm, d->radius_mm);
+            }
+        }
+        if (choice_.numbers.empty() && first_is_seating(drops, choice_.first_of_two_seats)) {
+            result_.left_out.push_back({drops[0]->number, LeftOut::seating, {}});
+            drops.erase(drops.begin());
+        }
+        levels_ = levels_of(std::move(drops));
+        chosen_ = levels_.size() - 1;
+        return choose_level();
+    }
+
+    std::string choose_level() {
+        const double radius_mm = levels_[0][0]->radius_mm;
+        std::optional<double> target = choice_.target_pressure_kPa;
+        if (choice_.target_force_kN) {
+            target = *choice_.target_force_kN / (std::numbers::pi * radius_mm * radius_mm) * 1e6;
+        }
+        if (!target) {
+            return {};
+        }
+        double nearest = INFINITY;
+        double found = 0.0;
+        for (std::size_t i = 0; i < levels_.size(); ++i) {
+            const double pressure = pressure_of(levels_[i]);
+            const double distance = std::abs(std::log(pressure / *target));
+            if (distance < nearest) {
+                nearest = distance;
+                found = pressure;
+                chosen_ = i;
+            }
+        }
+        return std::abs(found / *target - 1.0) <= near_target
+                   ? ""
+                   : fmt::format("no drop near {:.0f} kPa: the nearest has {:.0f} kPa", *target, found);
+    }
+
+    static double pressure_of(const Level& level) {
+        std::vector<double> pressures;
+        for (const FwdDrop* d : level) {
+            pressures.push_back(d->pressure_kPa);
+        }
+        return median(pressures);
+    }
+
+    // Nothing: reason_ says why.
+    std::optional<DeflectionBowl> bowl_of(const Level& level) {
+        DeflectionBowl bowl;
+        bowl.radius_mm = level[0]->radius_mm;
+        bowl.pressure_kPa = pressure_of(level);
+        std::map<double, std::vector<double>> scaled; // by offset
+        for (const FwdDrop* d : level) {
+            bowl.drops.push_back(d->number);
+            for (const FwdReading& r : d->readings) {
+                if (std::isfinite(r.deflection_um)) {
+                    scaled[std::abs(r.offset_mm) < centre_tolerance_mm ? 0.0 : r.offset_mm].push_back(
+                        r.deflection_um * (bowl.pressure_kPa / d->pressure_kPa));
+                }
+            }
+        }
+        for (const auto& [offset, deflections] : scaled) {
+            if (deflections.size() < level.size()) {
+                remark(fmt::format("the sensor at {:g} mm was read in {} of {} drops", offset, deflections.size(),
+                                   level.size()));
+            }
+        }
+        std::map<double, BowlReading> ahead;
+        std::map<double, BowlReading> behind; // by distance
+        for (const auto& [offset, deflections] : scaled) {
+            (offset < 0.0 ? behind : ahead)[std::abs(offset)] = reading(offset, deflections);
+        }
+        take_out_dead(ahead, 1.0);
+        take_out_dead(behind, -1.0);
+        compare_sides(ahead, behind);
+        for (const auto& [offset, r] : ahead) {
+            bowl.readings.push_back(r);
+        }
+        if (bowl.readings.empty() || bowl.readings[0].offset_mm != 0.0) {
+            reason_ = "no reading at the centre of the load (D0)";
+            return std::nullopt;
+        }
+        if (!falls(bowl)) {
+            return std::nullopt;
+        }
+        remark_on_drops(level, bowl);
+        return bowl;
+    }
+
+    static BowlReading reading(double offset, const std::vector<double>& deflections) {
+        BowlReading r{.offset_mm = std::abs(offset),
+                      .deflection_um = median(deflections),
+                      .drops = static_cast<int>(deflections.size())};
+        if (deflections.size() > 1 &&
+            std::all_of(deflections.begin(), deflections.end(), [](double d) { return d > 0.0; })) {
+            double mean = 0.0;
+            double squares = 0.0;
+            for (const double d : deflections) {
+                mean += std::log(d) / static_cast<double>(deflections.size());
+            }
+            for (const double d : deflections) {
+                squares += std::pow(std::log(d) - mean, 2);
+            }
+            r.scatter = std::sqrt(squares / static_cast<double>(deflections.size() - 1));
+        }
+        return r;
+    }
+
+    // side: -1 behind the plate, for words.
+    void take_out_dead(std::map<double, BowlReading>& readings, double side) {
+        double outer = 0.0; // of the next live sensor further out
+        for (auto it = readings.end(); it != readings.begin();) {
+            --it;
+            const double um = it->second.deflection_um;
+            if (um < dead_um || um < dead_share * outer) {
+                remark(fmt::format("the sensor at {:g} mm reads {:.1f} um and is left out",
+                                   it->first == 0.0 ? 0.0 : side * it->first, um));
+                it = readings.erase(it);
+            } else {
+                outer = um;
+            }
+        }
+    }
+
+    void compare_sides(std::map<double, BowlReading>& ahead, const std::map<double, BowlReading>& behind) {
+        for (const auto& [distance, r] : behind) {
+            const auto same = ahead.find(distance);
+            if (same != ahead.end()) {
+                const double gap = std::abs(same->second.deflection_um - r.deflection_um);
+                if (gap > 2.0 * accuracy_um + sides_disagree * std::max(same->second.deflection_um, r.deflection_um)) {
+                    remark(fmt::format("the sensor at {:g} mm reads {:.1f} um, the one at {:g} mm {:.1f} um: the one "
+                                       "ahead of the plate is used",
+                                       -distance, r.deflection_um, distance, same->second.deflection_um));
+                }
+                continue;
+            }
+            const auto outer = ahead.upper_bound(distance);
+            const bool fits = outer != ahead.begin() && std::prev(outer)->second.deflection_um >= r.deflection_um &&
+                              (outer == ahead.end() || outer->second.deflection_um <= r.deflection_um);
+            remark(fmt::format("there is no reading at {:g} mm: the one at {:g} mm, {:.1f} um, {}", distance, -distance,
+                               r.deflection_um,
+                               fits ? "stands in" : "does not fit between its neighbours and is left out"));
+            if (fits) {
+                ahead.emplace(distance, r);
+            }
+        }
+    }
+
+    // Whether the deflections fall outwards, or may; else reason_ says where not.
+    bool falls(DeflectionBowl& bowl) {
+        for (std::size_t i = 1; i < bowl.readings.size(); ++i) {
+            const BowlReading& inner = bowl.readings[i - 1];
+            const BowlReading outer = bowl.readings[i];
+            if (outer.deflection_um <= inner.deflection_um) {
+                continue;
+            }
+            const std::string words = fmt::format(
+                "the deflection rises from {:.{}f} um at {:g} mm to {:.{}f} um at {:g} mm", inner.deflection_um,
+                digits(inner), inner.offset_mm, outer.deflection_um, digits(outer), outer.offset_mm);
+            const bool may_be = outer.deflection_um - inner.deflection_um <=
+                                accuracy(inner.deflection_um) + accuracy(outer.deflection_um);
+            if (may_be) {
+                remark(words + ", within what the sensors are good to");
+            } else if (i + 1 == bowl.readings.size() && i > 1) {
+                remark(words + ": the last sensor is left out");
+                bowl.readings.pop_back();
+            } else {
+                reason_ = words;
+                return false;
+            }
+        }
+        return true;
+    }
+    static int digits(const BowlReading& r) { return r.deflection_um < 100.0 ? 1 : 0; }
+
+    void remark_on_drops(const Level& level, const DeflectionBowl& bowl) {
+        std::vector<double> all;
+        for (const FwdDrop* d : level) {
+            if (const double c = compliance(*d); !std::isnan(c)) {
+                all.push_back(c);
+            }
+        }
+        const double middle = all.empty() ? NAN : median(all);
+        for (const FwdDrop* d : level) {
+            const double share = compliance(*d) / middle - 1.0;
+            if (std::abs(share) > drops_disagree && std::abs(share) * bowl.d0_um() > 2.0 * accuracy_um) {
+                remark(fmt::format("drop {} disagrees with its repeats: D0 over pressure {:+.0f} %", d->number,
+                                   100.0 * share));
+            }
+        }
+    }
+
+    void remark(std::string words) {
+        if (std::find(result_.remarks.begin(), result_.remarks.end(), words) == result_.remarks.end()) {
+            result_.remarks.push_back(std::move(words));
+        }
+    }
+
+    const FwdStation& station_;
+    const DropChoice& choice_;
+    std::vector<Level> levels_;
+    std::size_t chosen_ = 0;
+    std::optional<std::size_t> main_; // of result_.levels
+    std::string reason_;
+    StationBowls result_;
+};
 
 } // namespace
 
@@ -63,53 +376,53 @@ double median(std::vector<double> values) {
     return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2.0;
 }
 
-pave::Outcome<DeflectionBowl> bowl_of(const FwdStation& station) {
-    const auto rejected = [](std::string reason) { return pave::Failure{.reason = std::move(reason)}; };
-    if (const std::string complaint = complaint_of(station); !complaint.empty()) {
-        return rejected(complaint);
+bool DeflectionBowl::has_sensor_at(double offset_mm) const {
+    return std::any_of(readings.begin(), readings.end(),
+                       [&](const BowlReading& r) { return r.offset_mm == offset_mm; });
+}
+
+std::optional<double> DeflectionBowl::at(double offset_mm) const {
+    const auto above =
+        std::find_if(readings.begin(), readings.end(), [&](const BowlReading& r) { return r.offset_mm >= offset_mm; });
+    if (above == readings.end()) {
+        return std::nullopt;
     }
-    double highest = 0.0;
-    for (const FwdDrop& d : station.drops) {
-        highest = std::max(highest, d.pressure_kPa);
+    if (above->offset_mm == offset_mm) {
+        return above->deflection_um;
     }
-    std::vector<const FwdDrop*> counted;
-    std::vector<double> pressures;
-    DeflectionBowl bowl;
-    for (const FwdDrop& d : station.drops) {
-        if (d.pressure_kPa >= same_level * highest) {
-            counted.push_back(&d);
-            pressures.push_back(d.pressure_kPa);
-            bowl.drops.push_back(d.number);
-        }
+    if (above == readings.begin() || (above - 1)->offset_mm <= radius_mm) {
+        return std::nullopt;
     }
-    bowl.radius_mm = station.drops[0].radius_mm;
-    bowl.pressure_kPa = median(pressures);
-    std::map<double, std::vector<double>> scaled; // by offset
-    for (const FwdDrop* d : counted) {
-        for (const FwdReading& r : d->readings) {
-            if (!(r.deflection_um > 0.0 && std::isfinite(r.deflection_um))) {
-                return rejected(fmt::format("drop {}: a deflection of {:g} um at {:g} mm", d->number, r.deflection_um,
-                                            r.offset_mm));
+    const BowlReading& below = *(above - 1);
+    const double t = (offset_mm - below.offset_mm) / (above->offset_mm - below.offset_mm);
+    return below.deflection_um * std::pow(above->deflection_um / below.deflection_um, t);
+}
+
+std::optional<double> DeflectionBowl::deflection_ratio() const {
+    const auto d250 = at(ratio_offset_mm);
+    return d250 ? std::optional(*d250 / d0_um()) : std::nullopt;
+}
+
+double DeflectionBowl::force_kN() const {
+    return pressure_kPa * std::numbers::pi * radius_mm * radius_mm * 1e-6;
+}
+
+pave::Outcome<StationBowls> bowls_of(const FwdStation& station, const DropChoice& choice) {
+    return Making(station, choice).bowls();
+}
+
+std::optional<double> repeatability(const std::vector<const DeflectionBowl*>& bowls) {
+    double squares = 0.0;
+    double degrees = 0.0;
+    for (const DeflectionBowl* bowl : bowls) {
+        for (const BowlReading& r : bowl->readings) {
+            if (r.scatter) {
+                squares += *r.scatter * *r.scatter * (r.drops - 1);
+                degrees += r.drops - 1;
             }
-            scaled[r.offset_mm].push_back(r.deflection_um * (bowl.pressure_kPa / d->pressure_kPa));
         }
     }
-    for (const auto& [offset, deflections] : scaled) {
-        bowl.readings.push_back({offset, median(deflections)});
-    }
-    if (bowl.readings.empty() || bowl.readings[0].offset_mm != 0.0) {
-        return rejected("no reading at the centre of the load (D0)");
-    }
-    for (std::size_t i = 1; i < bowl.readings.size(); ++i) {
-        const FwdReading& inner = bowl.readings[i - 1];
-        const FwdReading& outer = bowl.readings[i];
-        if (outer.deflection_um > inner.deflection_um + resolution_um) {
-            return rejected(fmt::format("the deflection rises from {:.0f} um at {:g} mm to {:.0f} um at {:g} mm",
-                                        inner.deflection_um, inner.offset_mm, outer.deflection_um, outer.offset_mm));
-        }
-    }
-    add_d250(bowl);
-    return bowl;
+    return degrees > 0.0 ? std::optional(std::sqrt(squares / degrees)) : std::nullopt;
 }
 
 } // namespace explore::data

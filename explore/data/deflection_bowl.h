@@ -1,8 +1,17 @@
-// The deflection bowl of an FWD station, made of its drops, and what is read off it.
+// The deflection bowls of an FWD station, made of its drops, and what is read off them.
 //
-// Drops: those whose pressure is within 10 % of the station's highest count (the others, such as a seating drop, see a
-// stress-dependent pavement in another state). Each is scaled in proportion to the median pressure of those, and every
-// sensor's deflection is the median over them.
+// Drops. Left out are those that the file flags, those that cannot be (plausibility.h) and a seating drop: the first
+// one, when it stands alone at its pressure and the others repeat one (or, of two drops, when it does so at most
+// stations of the road), or when its deflection differs by more than 5 %
+// from repeats that agree within 2.5 %. The others make levels: a level holds the drops whose pressure is within 10 %
+// of its highest. The level that counts is the highest, or the one nearest to the target load. Drops of a level are
+// scaled in proportion to their median pressure, and every sensor's deflection is the median over them.
+//
+// Readings. Sensors are good to 2 um + 2 % each (what manufacturers state). A reading below 1 um, or below a quarter of
+// the next one further out, is of a dead sensor and left out. Deflections fall outwards; a rise within what both
+// sensors are good to stays, with a remark; beyond that the last sensor is left out, and anywhere else the station:
+// which of the two is wrong cannot be told. Sensors behind the plate count only where there is no reading ahead of it
+// at that distance; the two sides are compared.
 //
 // Deflection ratio: D250/D0, the deflection 250 mm from the centre of the load over the one at the centre. The
 // definition, and its reading (below 0.6 points to a weak pavement, 0.6 to 0.7 to a sound unbound one, above 0.8 to a
@@ -11,10 +20,10 @@
 // and Vignarajah. A station passes at 0.6 or more. The ratio hardly depends on the pressure, which scales both
 // deflections.
 //
-// Without a sensor at 250 mm, its deflection is interpolated linearly in ln(deflection) between the two nearest
-// sensors: outside the plate a bowl falls off about exponentially, and two positive, falling readings give a value
-// between them. The inner one must be outside the plate, where the bowl is no longer flat. Between 200 and 300 mm the
-// forward model's own bowls on grids/captif-p1-fwd.toml (k1 1200 to 9000, subgrade 30 to 100 MPa) are met within 1 %.
+// Between sensors a deflection is interpolated linearly in ln(deflection): outside the plate a bowl falls off about
+// exponentially, and two positive, falling readings give a value between them. The inner one must be outside the plate,
+// where the bowl is no longer flat. Between 200 and 300 mm the forward model's own bowls on grids/captif-p1-fwd.toml
+// (k1 1200 to 9000, subgrade 30 to 100 MPa) are met within 1 %.
 #pragma once
 
 #include "base/outcome.h"
@@ -25,22 +34,57 @@ namespace explore::data {
 inline constexpr double ratio_offset_mm = 250.0;
 inline constexpr double deflection_ratio_limit = 0.6;
 
-struct DeflectionBowl {
-    double radius_mm = 0.0;
-    double pressure_kPa = 0.0;        // that the deflections belong to
-    std::vector<int> drops;           // numbers of the drops it is made of
-    std::vector<FwdReading> readings; // by offset; the first is at 0, all are positive and fall (but for 2 um)
-    std::optional<double> d250_um;    // nothing: no sensors from which to tell
-    bool d250_is_interpolated = false;
-
-    double d0_um() const { return readings[0].deflection_um; }
-    std::optional<double> deflection_ratio() const {
-        return d250_um ? std::optional(*d250_um / d0_um()) : std::nullopt;
-    }
+struct BowlReading {
+    double offset_mm = 0.0;
+    double deflection_um = 0.0;      // median of the drops, at the pressure of the bowl
+    int drops = 1;                   // that it is the median of
+    std::optional<double> scatter{}; // standard deviation of ln(deflection / pressure) over them; nothing: one drop
 };
 
-// The bowl, or why the readings cannot be right.
-pave::Outcome<DeflectionBowl> bowl_of(const FwdStation& station);
+struct DeflectionBowl {
+    double radius_mm = 0.0;
+    double pressure_kPa = 0.0;         // that the deflections belong to
+    std::vector<int> drops;            // numbers of the drops it is made of
+    std::vector<BowlReading> readings; // by offset; the first is at 0, all are positive and fall (but for the accuracy)
+
+    double d0_um() const { return readings[0].deflection_um; }
+    // Deflection at a distance: a reading, or between two outside the plate; nothing: no sensors from which to tell.
+    std::optional<double> at(double offset_mm) const;
+    bool has_sensor_at(double offset_mm) const;
+    std::optional<double> deflection_ratio() const;
+    double force_kN() const;
+};
+
+// Which drops to use.
+struct DropChoice {
+    std::vector<int> numbers{};                  // these and no others; empty: chosen as above
+    std::optional<double> target_pressure_kPa{}; // the level nearest to it, within 15 %
+    std::optional<double> target_force_kN{};     // the same as a force on the plate
+    bool first_of_two_seats = false; // also the first of two drops of different pressure seats the plate, as elsewhere
+};
+
+enum class LeftOut { flagged, implausible, seating, another_level, not_chosen };
+struct DropLeftOut {
+    int number = 0;
+    LeftOut why = LeftOut::another_level;
+    std::string words; // for flagged and implausible: by what
+};
+
+struct StationBowls {
+    std::vector<DeflectionBowl> levels; // by rising pressure
+    std::size_t main = 0;               // the level that counts
+    std::vector<DropLeftOut> left_out;
+    std::vector<std::string> remarks; // on the readings
+
+    const DeflectionBowl& bowl() const { return levels[main]; }
+};
+
+// The bowls, or why the readings cannot be right.
+pave::Outcome<StationBowls> bowls_of(const FwdStation& station, const DropChoice& choice = {});
+
+// Root mean square scatter of a reading over repeated drops (its standard deviation as a share), over all levels and
+// sensors; nothing: no drop is repeated.
+std::optional<double> repeatability(const std::vector<const DeflectionBowl*>& bowls);
 
 // The middle value; of an even number the mean of the two in the middle. Not of none.
 double median(std::vector<double> values);

@@ -3,31 +3,68 @@
 #include "data/csv.h"
 #include "data/fwd_csv.h"
 #include "data/fwd_f25.h"
+#include "data/fwd_kuab.h"
 #include "data/fwd_ltpp.h"
 #include "data/fwd_pddx.h"
+#include "data/fwd_primax.h"
+#include "data/fwd_r80.h"
+
+#include <algorithm>
+#include <filesystem>
 
 namespace explore::data {
 
 std::span<const FwdFormat> fwd_formats() {
     static constexpr FwdFormat all[] = {
-        fwd_csv,
-        fwd_f25,
-        fwd_pddx,
-        fwd_ltpp,
+        fwd_f25, fwd_pddx, fwd_ltpp, fwd_primax, fwd_kuab, fwd_r80, fwd_csv,
     };
     return all;
 }
 
-std::vector<FwdStation> read_fwd(const std::string& file) {
-    const std::string text = read_file(file, "FWD file", Encoding::utf8_or_latin1);
+FwdFile read_fwd(const std::string& file, const ColumnMap& columns) {
+    const std::string text = read_file(file, "FWD file", Encoding::of_instruments);
     std::string signs;
     for (const FwdFormat& format : fwd_formats()) {
-        if (format.recognises(text)) {
-            return format.read(text, file);
+        if (format.recognises(text, columns)) {
+            return format.read(text, file, columns);
         }
         signs += (signs.empty() ? "" : "; ") + std::string(format.name) + ": " + std::string(format.sign);
     }
     throw pave::Error({.file = file}, "this is not an FWD file of a known format", {}, signs);
+}
+
+ColumnMap read_column_map(const std::string& list_or_file) {
+    std::error_code error;
+    const bool is_file = std::filesystem::exists(list_or_file, error) || list_or_file.find('=') == std::string::npos;
+    std::string text = is_file ? read_file(list_or_file, "list of columns", Encoding::of_instruments) : list_or_file;
+    if (!is_file) {
+        std::replace_if(
+            text.begin(), text.end(), [](char c) { return c == ',' || c == ';'; }, '\n');
+    }
+    ColumnMap map;
+    std::string_view rest = text;
+    for (int line = 1; !rest.empty(); ++line) {
+        const std::string_view whole = rest.substr(0, rest.find('\n'));
+        rest.remove_prefix(std::min(whole.size() + 1, rest.size()));
+        const std::string_view entry = trimmed(whole.substr(0, whole.find('\r')));
+        if (entry.empty() || entry[0] == '#') {
+            continue;
+        }
+        const pave::Place place =
+            is_file ? pave::Place{.file = list_or_file, .line = line} : pave::Place{.key = "--columns"};
+        const std::size_t equals = entry.find('=');
+        if (equals == std::string_view::npos || trimmed(entry.substr(0, equals)).empty() ||
+            trimmed(entry.substr(equals + 1)).empty()) {
+            throw pave::Error(place, "this is no entry of a list of columns", "\"" + std::string(entry) + "\"",
+                              "a column as this program names it = the file's own name of it, or a number: "
+                              "load_kN = Force, D0_um = D1, radius_mm = 150");
+        }
+        const std::string name(trimmed(entry.substr(0, equals)));
+        if (!map.try_emplace(name, trimmed(entry.substr(equals + 1))).second) {
+            throw pave::Error(place, "this column stands twice", "\"" + name + "\"", "each once");
+        }
+    }
+    return map;
 }
 
 } // namespace explore::data

@@ -1,6 +1,7 @@
 // What a falling weight deflectometer (FWD) measured along a road, whatever file it came from.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,39 +11,61 @@
 namespace explore::data {
 
 struct FwdReading {
-    double offset_mm = 0.0;     // from the centre of the plate
+    double offset_mm = 0.0;     // from the centre of the plate; negative: behind it, on the other side
     double deflection_um = 0.0; // peak, positive down
 };
 
 struct FwdDrop {
     int number = 0;
-    double radius_mm = 0.0;    // of the plate
-    double pressure_kPa = 0.0; // peak, uniform under the plate
-    std::vector<FwdReading> readings;
+    double radius_mm = 0.0;           // of the plate; not a number: not stated
+    double pressure_kPa = 0.0;        // peak, uniform under the plate; not a number: not measured
+    std::vector<FwdReading> readings; // those that were measured
+    std::optional<double> force_kN{}; // where the file states a force: pressure_kPa is made of it
+    std::string flag{};               // why the file itself warns of this drop; "": it does not
+    int line = 0;
 };
 
-// The drops at one place. Values are as the file states them, sensible or not: bowl_of (deflection_bowl.h) judges.
+// The drops at one place. Values are as the file states them, sensible or not: plausibility.h and deflection_bowl.h
+// judge. What a file does not state, or not as a number, is not there; remarks say what could not be read.
 struct FwdStation {
     std::string name;
-    std::string lane; // may be empty
-    double chainage_m = 0.0;
-    std::optional<double> air_C{}, surface_C{}; // temperatures
+    std::string profile{};              // what runs along the road on its own: a section and date of LTPP; may be empty
+    std::string lane;                   // may be empty
+    std::optional<double> chainage_m{}; // nothing: not to be read
+    std::string date{}, time{};         // as the file writes them
+    std::optional<double> air_C{}, surface_C{}, asphalt_C{}; // temperatures
+    std::optional<double> latitude{}, longitude{};           // degrees, north and east positive
+    std::string comment{};
     std::vector<FwdDrop> drops{};
     std::string file;
-    int line = 0;           // of its first drop
-    std::string unusable{}; // why nothing can be made of it; "": something can
+    int line = 0;                       // of its first drop
+    std::string unusable{};             // why nothing can be made of it; "": something can
+    std::vector<std::string> remarks{}; // of the reading, in words
 };
+
+struct FwdFile {
+    std::vector<FwdStation> stations; // in its order
+    std::vector<std::string> remarks; // of the file as a whole, in words
+};
+
+// For tables with names of their own: the name of a column as fwd_csv.h knows it -> the file's own name of it, or a
+// number that holds for every line ("radius_mm" -> "150").
+using ColumnMap = std::map<std::string, std::string>;
 
 // A file format. A new one is a file of its own and a line in fwd_formats().
 struct FwdFormat {
     std::string_view name;
     std::string_view sign; // by which it is known, in words
-    bool (*recognises)(std::string_view text);
-    std::vector<FwdStation> (*read)(std::string_view text, const std::string& file);
+    bool (*recognises)(std::string_view text, const ColumnMap& columns);
+    FwdFile (*read)(std::string_view text, const std::string& file, const ColumnMap& columns);
 };
 std::span<const FwdFormat> fwd_formats();
 
-// Stations of a file, in its order. Throws pave::Error for a file of no known format or one that cannot be read.
-std::vector<FwdStation> read_fwd(const std::string& file);
+// Throws pave::Error for a file of no known format or one that cannot be read.
+FwdFile read_fwd(const std::string& file, const ColumnMap& columns = {});
+
+// A column map from a list "load_kN = Force, D0_um = D1, radius_mm = 150" (comma or semicolon), or from a file with one
+// such entry a line and # comments. Throws pave::Error.
+ColumnMap read_column_map(const std::string& list_or_file);
 
 } // namespace explore::data

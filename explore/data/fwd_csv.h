@@ -1,27 +1,26 @@
-// The generic survey table, as a spreadsheet saves it: RFC 4180, UTF-8, # comments, one line a drop, one column a
-// sensor.
+// The generic survey table, as a spreadsheet saves it: one line a drop, one column a sensor; # comments.
 //
 //     station,lane,chainage_m,drop,radius_mm,pressure_kPa,surface_C,D0_um,D200_um,D300_um,D450_um
 //     P1,L1,0,1,150,566,21.5,612,455,351,233
 //
-// Columns in any order. Needed: chainage_m; radius_mm of the plate; pressure_kPa or load_kN (on the plate); deflections
-// D<offset in mm>_um or _mm. May be there: station (a name; when missing, the chainage), lane, drop (a number; when
-// missing, they are counted), air_C and surface_C. Lines of the same station, lane and chainage are drops of one
-// station. An empty deflection: that sensor was not read.
+// Separated by commas, semicolons or tabs; decimal points or commas; in UTF-8, UTF-16 or ISO 8859-1. Columns in any
+// order, with their units in their names (fwd_columns.h). Needed: a chainage; the radius or diameter of the plate; the
+// pressure or the load; deflections. Lines of the same station, lane and chainage are drops of one station. A cell that
+// holds no number costs what it would have said and nothing else.
 #pragma once
 
 #include "data/fwd.h"
 
 namespace explore::data {
 
-bool recognises_fwd_csv(std::string_view text);
+bool recognises_fwd_csv(std::string_view text, const ColumnMap& columns);
 
-// Throws pave::Error: file, line, column, found, allowed.
-std::vector<FwdStation> read_fwd_csv(std::string_view text, const std::string& file);
+// Throws pave::Error for a header that cannot be used: file, line, column, found, allowed.
+FwdFile read_fwd_csv(std::string_view text, const std::string& file, const ColumnMap& columns);
 
 inline constexpr FwdFormat fwd_csv = {"survey table (CSV)",
-                                      "a header, separated by commas, with the columns chainage_m, radius_mm, "
-                                      "pressure_kPa or load_kN, and deflections such as D0_um, D200_um",
+                                      "a header, separated by commas, semicolons or tabs, with the columns chainage_m, "
+                                      "radius_mm, pressure_kPa or load_kN, and deflections such as D0_um, D200_um",
                                       recognises_fwd_csv, read_fwd_csv};
 
 } // namespace explore::data

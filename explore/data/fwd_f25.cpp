@@ -1,6 +1,7 @@
 #include "data/fwd_f25.h"
 
 #include "data/csv.h"
+#include "data/fwd_values.h"
 
 #include <charconv>
 #include <cmath>
@@ -11,7 +12,9 @@ namespace {
 
 constexpr int plate_and_x = 5020;
 constexpr int diameter_and_y = 5021;
+constexpr int position_line = 5280;
 constexpr int station_line = 5301;
+constexpr int comment_line = 5302;
 constexpr int temperature_line = 5303;
 constexpr int last_drop = 999; // larger numbers are objects or samples of a time history
 
@@ -49,8 +52,9 @@ struct Line {
         return cells[i];
     }
     double value(std::size_t i, std::string_view what) const { return finite_number(cell(i, what), place(what)); }
-    // Of what was measured: no number is a reading that cannot be right, and stops nothing.
-    double reading(std::size_t i, std::string_view what) const { return any_number(cell(i, what), place(what)); }
+    // Of what was measured: nothing where the line is short, and for N0 and what else is no number.
+    std::optional<double> reading(std::size_t i) const { return i < cells.size() ? measured(cells[i]) : std::nullopt; }
+    std::string text(std::size_t i) const { return i < cells.size() ? cells[i] : std::string(); }
     std::optional<int> id() const {
         int id = 0;
         const std::string& first = cells[0];
@@ -59,22 +63,20 @@ struct Line {
     }
 };
 
-// Metres in the unit of a station.
-double station_unit(const Line& line) {
-    const double kind = line.value(3, "kind of station");
-    if (kind == 1.0) {
+// Metres in the unit of a station; nothing: unknown.
+std::optional<double> station_unit(const Line& line) {
+    if (line.reading(3) == 1.0) { // kind: metric, in metres
         return 1.0;
     }
     constexpr std::pair<double, double> units[] = {{2, 1.0},    {3, 1000.0},   {4, 1000.0},   {5, 0.3048},
                                                    {6, 0.9144}, {7, 1609.344}, {8, 1609.344}, {9, 1609.344}};
-    const double number = line.value(4, "unit of station");
+    const auto number = line.reading(4);
     for (const auto& [known, metres] : units) {
-        if (number == known) {
+        if (number && *number == known) {
             return metres;
         }
     }
-    throw pave::Error(line.place("unit of station"), "unknown unit", "\"" + line.cells[4] + "\"",
-                      "2 (m), 3 or 4 (km), 5 (feet), 6 (yards), 7 to 9 (miles)");
+    return std::nullopt;
 }
 
 struct Sensor {
@@ -95,23 +97,24 @@ public:
             take_plate(line);
         } else if (*id == diameter_and_y) {
             for (Sensor& sensor : sensors_) {
-                sensor.y_mm = line.value(sensor.at, "y of a sensor");
+                sensor.y_mm = line.reading(sensor.at).value_or(0.0); // what is placed along the road stands on its line
             }
+            if (const auto diameter = line.reading(1); diameter && !radius_mm_) {
+                radius_mm_ = *diameter / 2.0;
+            }
+        } else if (*id == position_line) {
+            position_ = {line.reading(3), line.reading(4)};
         } else if (*id == station_line) {
-            const double chainage = station_unit(line) * line.value(5, "station");
-            station_ = {.name = line.cell(5, "station"),
-                        .lane = line.cells.size() > 8 ? line.cells[8] : "",
-                        .chainage_m = chainage,
-                        .file = file_};
-            is_open_ = true;
-            is_new_ = true;
+            begin_station(line);
+        } else if (*id == comment_line && is_open_) {
+            station_.comment = line.text(line.cells.size() - 1);
         } else if (*id == temperature_line && is_open_) {
-            const bool fahrenheit = line.cell(1, "unit of temperatures") == "1";
-            // Nothing is computed with them: one that cannot be read is not there.
+            const bool fahrenheit = line.text(1) == "1";
             const auto temperature = [&](std::size_t i) -> std::optional<double> {
-                const auto value = i < line.cells.size() ? number_or_nothing(line.cells[i]) : std::nullopt;
-                return value && fahrenheit ? std::optional((*value - 32.0) / 1.8) : value;
+                const auto value = line.reading(i);
+                return value && fahrenheit ? std::optional(celsius(*value)) : value;
             };
+            station_.asphalt_C = temperature(2);
             station_.surface_C = temperature(3);
             station_.air_C = temperature(4);
         } else if (*id >= 1 && *id <= last_drop) {
@@ -119,17 +122,20 @@ public:
         }
     }
 
-    std::vector<FwdStation> stations() && {
+    FwdFile file() && {
         if (stations_.empty()) {
             throw pave::Error({.file = file_}, "the file holds no drops", {},
                               "after a line 5301 lines such as \"1, 574, 434, 396, ...\"");
         }
-        return std::move(stations_);
+        return {std::move(stations_), {}};
     }
 
 private:
     void take_plate(const Line& line) {
-        radius_mm_ = line.value(1, "plate radius");
+        radius_mm_ = line.reading(1);
+        if (!radius_mm_ && !is_nil(line.cell(1, "plate radius"))) {
+            line.value(1, "plate radius");
+        }
         sensors_.clear();
         for (std::size_t i = 2; i < line.cells.size(); ++i) {
             if (!line.cells[i].empty() && line.cells[i] != "N0") {
@@ -141,6 +147,29 @@ private:
         }
     }
 
+    void begin_station(const Line& line) {
+        const auto unit = station_unit(line);
+        station_ = {.name = line.text(5), .lane = line.text(8), .file = file_};
+        station_.chainage_m = unit ? chainage(line.text(5), *unit) : std::nullopt;
+        if (!station_.chainage_m) {
+            station_.remarks.push_back(unit ? fmt::format("line {}: \"{}\" is no chainage", line.number, line.text(5))
+                                            : fmt::format("line {}: \"{}\" is no unit of a station: 2 (m), 3 or 4 "
+                                                          "(km), 5 (feet), 6 (yards), 7 to 9 (miles)",
+                                                          line.number, line.text(4)));
+        }
+        if (line.cells.size() > 11) {
+            station_.date = fmt::format("{}-{}-{}", line.text(9), line.text(10), line.text(11));
+        }
+        if (line.cells.size() > 13) {
+            station_.time = fmt::format("{}:{}", line.text(12), line.text(13));
+        }
+        station_.latitude = position_.first;
+        station_.longitude = position_.second;
+        position_ = {};
+        is_open_ = true;
+        is_new_ = true;
+    }
+
     void take_drop(const Line& line, int number) {
         if (!is_open_) {
             throw pave::Error(line.place("drop"), "a drop before any station", {}, "a line 5301 before it");
@@ -149,11 +178,16 @@ private:
             throw pave::Error(line.place("drop"), "a drop before the places of the sensors", {},
                               "a line 5020 before it");
         }
-        FwdDrop drop{
-            .number = number, .radius_mm = radius_mm_, .pressure_kPa = line.reading(1, "pressure"), .readings = {}};
+        FwdDrop drop{.number = number,
+                     .radius_mm = radius_mm_.value_or(NAN),
+                     .pressure_kPa = line.reading(1).value_or(NAN),
+                     .readings = {}};
+        drop.line = line.number;
         for (const Sensor& sensor : sensors_) {
-            if (!line.cell(sensor.at, "deflection").empty()) {
-                drop.readings.push_back({std::hypot(sensor.x_mm, sensor.y_mm), line.reading(sensor.at, "deflection")});
+            if (const auto deflection = line.reading(sensor.at)) {
+                // Behind the plate is where x is negative.
+                const double distance = std::hypot(sensor.x_mm, sensor.y_mm);
+                drop.readings.push_back({sensor.x_mm < 0.0 ? -distance : distance, *deflection});
             }
         }
         if (is_new_) {
@@ -165,8 +199,9 @@ private:
     }
 
     std::string file_;
-    double radius_mm_ = 0.0;
+    std::optional<double> radius_mm_;
     std::vector<Sensor> sensors_;
+    std::pair<std::optional<double>, std::optional<double>> position_; // of the next station: latitude, longitude
     FwdStation station_;
     bool is_open_ = false; // there is a station
     bool is_new_ = false;  // without a drop so far
@@ -175,11 +210,11 @@ private:
 
 } // namespace
 
-bool recognises_fwd_f25(std::string_view text) {
+bool recognises_fwd_f25(std::string_view text, const ColumnMap& /*columns*/) {
     return trimmed(text.substr(0, text.find('\n'))).starts_with("5001,");
 }
 
-std::vector<FwdStation> read_fwd_f25(std::string_view text, const std::string& file) {
+FwdFile read_fwd_f25(std::string_view text, const std::string& file, const ColumnMap& /*columns*/) {
     constexpr char end_of_file = '\x1a'; // of old systems
     text = text.substr(0, text.find(end_of_file));
     Reader reader(file);
@@ -190,7 +225,7 @@ std::vector<FwdStation> read_fwd_f25(std::string_view text, const std::string& f
         }
         text.remove_prefix(std::min(line.size() + 1, text.size()));
     }
-    return std::move(reader).stations();
+    return std::move(reader).file();
 }
 
 } // namespace explore::data

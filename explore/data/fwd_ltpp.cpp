@@ -1,6 +1,7 @@
 #include "data/fwd_ltpp.h"
 
 #include "data/csv.h"
+#include "data/fwd_values.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,12 +29,6 @@ public:
         for (std::size_t i = 0; i < rows_[0].cells.size(); ++i) {
             columns_.try_emplace(lower_case(trimmed(rows_[0].cells[i])), i);
         }
-        for (std::size_t r = 1; r < rows_.size(); ++r) {
-            if (rows_[r].cells.size() != rows_[0].cells.size()) {
-                throw pave::Error({.file = file_, .line = rows_[r].line}, "wrong number of cells",
-                                  std::to_string(rows_[r].cells.size()), std::to_string(rows_[0].cells.size()));
-            }
-        }
     }
 
     std::size_t rows() const { return rows_.size() - 1; }
@@ -47,7 +42,13 @@ public:
             throw pave::Error({.file = file_, .line = rows_[0].line, .key = std::string(column)}, "column missing", {},
                               "the columns of the LTPP database under their own names");
         }
-        return trimmed(rows_[row + 1].cells[at->second]);
+        const auto& cells = rows_[row + 1].cells;
+        return at->second < cells.size() ? trimmed(cells[at->second]) : std::string_view{}; // a short line
+    }
+    int line(std::size_t row) const { return rows_[row + 1].line; }
+    // What was measured; nothing: the column is not there, or something else stands in it.
+    std::optional<double> reading(std::size_t row, std::string_view column) const {
+        return has(column) ? measured(cell(row, column)) : std::nullopt;
     }
     // A whole number from 1 on.
     int number(std::size_t row, std::string_view column) const {
@@ -95,16 +96,27 @@ Table table_beside(const std::string& file, std::string_view table) {
     for (const auto& entry : std::filesystem::directory_iterator(folder, unreadable)) {
         if (lower_case(entry.path().filename().string()) == name) {
             const std::string found = entry.path().string();
-            return {read_file(found, "LTPP table", Encoding::utf8_or_latin1), found};
+            return {read_file(found, "LTPP table", Encoding::of_instruments), found};
         }
     }
     throw pave::Error({.file = file}, fmt::format("the table {} is not beside it", table), {},
                       fmt::format("a file {} in the same folder", name));
 }
 
+// What the database's own checks say against a drop; "": nothing. Records pass levels A to E; what stopped before E
+// failed a check.
+std::string flag_of(const Table& drops, std::size_t r) {
+    const std::string_view status = drops.has("RECORD_STATUS") ? drops.cell(r, "RECORD_STATUS") : std::string_view{};
+    if (status.size() == 1 && status[0] >= 'A' && status[0] <= 'D') {
+        return fmt::format("RECORD_STATUS {}", status);
+    }
+    const auto rises = drops.reading(r, "NON_DECREASING_DEFL");
+    return rises && *rises != 0.0 ? fmt::format("NON_DECREASING_DEFL {:g}", *rises) : "";
+}
+
 struct Sensor {
     int number = 0;
-    double offset_mm = 0.0;
+    double offset_mm = 0.0; // negative: behind the plate
 };
 
 struct Configuration {
@@ -116,33 +128,35 @@ std::map<std::string, Configuration> read_configurations(const std::string& file
     std::map<std::string, Configuration> found;
     const Table devices = table_beside(file, "MON_DEFL_DEV_CONFIG");
     for (std::size_t r = 0; r < devices.rows(); ++r) {
-        found[devices.key(r, configuration_column)].radius_mm =
-            finite_number(devices.cell(r, "PLATE_RADIUS"), devices.place(r, "PLATE_RADIUS"));
+        devices.cell(r, "PLATE_RADIUS"); // the column must be there
+        found[devices.key(r, configuration_column)].radius_mm = devices.reading(r, "PLATE_RADIUS").value_or(NAN);
     }
     const Table sensors = table_beside(file, "MON_DEFL_DEV_SENSORS");
     for (std::size_t r = 0; r < sensors.rows(); ++r) {
-        const double offset = finite_number(sensors.cell(r, "CENTER_OFFSET"), sensors.place(r, "CENTER_OFFSET"));
-        found[sensors.key(r, configuration_column)].sensors.push_back(
-            {sensors.number(r, "SENSOR_NO"), std::abs(offset)});
+        sensors.cell(r, "CENTER_OFFSET");
+        if (const auto offset = sensors.reading(r, "CENTER_OFFSET")) {
+            found[sensors.key(r, configuration_column)].sensors.push_back({sensors.number(r, "SENSOR_NO"), *offset});
+        }
     }
     return found;
 }
 
 } // namespace
 
-bool recognises_fwd_ltpp(std::string_view text) {
+bool recognises_fwd_ltpp(std::string_view text, const ColumnMap& /*columns*/) {
     const std::string header = lower_case(text.substr(0, text.find('\n')));
     const auto holds = [&](std::string_view column) { return header.find(column) != std::string::npos; };
     return holds("point_loc") && holds("drop_load") && holds("peak_defl_1");
 }
 
-std::vector<FwdStation> read_fwd_ltpp(std::string_view text, const std::string& file) {
+FwdFile read_fwd_ltpp(std::string_view text, const std::string& file, const ColumnMap& /*columns*/) {
     const Table drops(text, file);
     const Table places = table_beside(file, "MON_DEFL_LOC_INFO");
     const auto place_of = places.index(station_columns);
     const auto configurations = read_configurations(file);
 
-    std::vector<FwdStation> stations;
+    FwdFile result;
+    auto& stations = result.stations;
     std::vector<const Configuration*> configuration_of; // null: not known
     std::unordered_map<std::string, std::size_t> known;
     for (std::size_t r = 0; r < drops.rows(); ++r) {
@@ -150,21 +164,23 @@ std::vector<FwdStation> read_fwd_ltpp(std::string_view text, const std::string& 
         const auto [at, is_new] = known.try_emplace(key, stations.size());
         if (is_new) {
             const std::string_view date = drops.cell(r, "TEST_DATE");
-            FwdStation station{.name = fmt::format("{}-{} {}", drops.cell(r, "STATE_CODE"), drops.cell(r, "SHRP_ID"),
-                                                   date.substr(0, date.find_first_of(" T"))),
-                               .lane = std::string(drops.cell(r, "LANE_NO")),
-                               .chainage_m = finite_number(drops.cell(r, "POINT_LOC"), drops.place(r, "POINT_LOC")),
-                               .file = file,
-                               .line = drops.place(r, "").line};
+            FwdStation station{.name = {}, .lane = std::string(drops.cell(r, "LANE_NO")), .file = file};
+            station.date = std::string(date.substr(0, date.find_first_of(" T")));
+            station.name = fmt::format("{}-{} {}", drops.cell(r, "STATE_CODE"), drops.cell(r, "SHRP_ID"), station.date);
+            station.profile = station.name;
+            station.time = drops.has("TEST_TIME") ? std::string(drops.cell(r, "TEST_TIME")) : "";
+            station.line = drops.line(r);
+            station.chainage_m = drops.reading(r, "POINT_LOC");
+            if (!station.chainage_m) {
+                station.remarks.push_back(
+                    fmt::format("line {}: POINT_LOC \"{}\" is no chainage", station.line, drops.cell(r, "POINT_LOC")));
+            }
             const Configuration* configuration = nullptr;
             if (const auto place = place_of.find(key); place == place_of.end()) {
                 station.unusable = "MON_DEFL_LOC_INFO does not know this station";
             } else {
-                const auto temperature = [&](std::string_view column) {
-                    return places.has(column) ? number_or_nothing(places.cell(place->second, column)) : std::nullopt;
-                };
-                station.air_C = temperature("AIR_TEMP_TEST");
-                station.surface_C = temperature("PVMT_SURF_TEMP");
+                station.air_C = places.reading(place->second, "AIR_TEMP_TEST");
+                station.surface_C = places.reading(place->second, "PVMT_SURF_TEMP");
                 const auto found = configurations.find(places.key(place->second, configuration_column));
                 if (found == configurations.end() || found->second.sensors.empty()) {
                     station.unusable =
@@ -178,16 +194,21 @@ std::vector<FwdStation> read_fwd_ltpp(std::string_view text, const std::string& 
             configuration_of.push_back(configuration);
         }
         FwdStation& station = stations[at->second];
-        const auto number_in = [&](std::string_view column) {
-            return any_number(drops.cell(r, column), drops.place(r, column));
-        };
-        FwdDrop drop{.number = drops.number(r, "DROP_NO"), .pressure_kPa = number_in("DROP_LOAD"), .readings = {}};
+        const int counted = static_cast<int>(station.drops.size()) + 1;
+        const auto number = drops.reading(r, "DROP_NO");
+        const bool is_whole = number && *number >= 1.0 && *number <= 1e6 && *number == std::floor(*number);
+        FwdDrop drop{.number = is_whole ? static_cast<int>(*number) : counted,
+                     .pressure_kPa = drops.reading(r, "DROP_LOAD").value_or(NAN),
+                     .readings = {}};
+        drop.line = drops.line(r);
+        if (const std::string flag = flag_of(drops, r); !flag.empty()) {
+            drop.flag = flag;
+        }
         if (const Configuration* configuration = configuration_of[at->second]) {
             drop.radius_mm = configuration->radius_mm;
             for (const Sensor& sensor : configuration->sensors) {
-                const std::string column = fmt::format("PEAK_DEFL_{}", sensor.number);
-                if (drops.has(column) && !drops.cell(r, column).empty()) {
-                    drop.readings.push_back({sensor.offset_mm, number_in(column)});
+                if (const auto deflection = drops.reading(r, fmt::format("PEAK_DEFL_{}", sensor.number))) {
+                    drop.readings.push_back({sensor.offset_mm, *deflection});
                 }
             }
         }
@@ -196,7 +217,7 @@ std::vector<FwdStation> read_fwd_ltpp(std::string_view text, const std::string& 
     if (stations.empty()) {
         throw pave::Error({.file = file}, "the file holds no drops", "a header and no rows", "at least one row");
     }
-    return stations;
+    return result;
 }
 
 } // namespace explore::data

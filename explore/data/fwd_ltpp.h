@@ -18,11 +18,11 @@
 
 namespace explore::data {
 
-bool recognises_fwd_ltpp(std::string_view text);
+bool recognises_fwd_ltpp(std::string_view text, const ColumnMap& columns);
 
 // Throws pave::Error: file, line, column, found, allowed. A station that the other tables do not know is returned as
 // unusable.
-std::vector<FwdStation> read_fwd_ltpp(std::string_view text, const std::string& file);
+FwdFile read_fwd_ltpp(std::string_view text, const std::string& file, const ColumnMap& columns);
 
 inline constexpr FwdFormat fwd_ltpp = {"LTPP tables (CSV)",
                                        "MON_DEFL_DROP_DATA with the columns POINT_LOC, DROP_LOAD, PEAK_DEFL_1, ...; "

@@ -1,6 +1,7 @@
 #include "data/fwd_pddx.h"
 
 #include "data/csv.h"
+#include "data/fwd_values.h"
 
 #include <algorithm>
 #include <charconv>
@@ -11,20 +12,6 @@
 
 namespace explore::data {
 namespace {
-
-// Lower case without blanks, hyphens and a plural s: "kilo-Newtons" and "kilonewton" are the same unit.
-std::string plain(std::string_view unit) {
-    std::string out;
-    for (const char c : lower_case(unit)) {
-        if (c != ' ' && c != '-' && c != '_') {
-            out += c;
-        }
-    }
-    if (out.size() > 3 && out.ends_with('s')) {
-        out.pop_back();
-    }
-    return out;
-}
 
 struct Entry {
     std::string value;
@@ -42,63 +29,17 @@ struct Section {
     }
 };
 
-struct Unit {
-    std::string_view name;
-    double factor;
-};
-constexpr Unit lengths[] = {{"millimeter", 1e-3}, {"mm", 1e-3},         {"centimeter", 1e-2}, {"cm", 1e-2},
-                            {"meter", 1.0},       {"m", 1.0},           {"kilometer", 1e3},   {"km", 1e3},
-                            {"inch", 0.0254},     {"inche", 0.0254},    {"in", 0.0254},       {"foot", 0.3048},
-                            {"feet", 0.3048},     {"ft", 0.3048},       {"yard", 0.9144},     {"mile", 1609.344},
-                            {"micron", 1e-6},     {"micrometer", 1e-6}, {"um", 1e-6},         {"mil", 25.4e-6}};
-constexpr Unit forces[] = {{"newton", 1.0},
-                           {"n", 1.0},
-                           {"kilonewton", 1e3},
-                           {"kn", 1e3},
-                           {"poundforce", 4.4482216152605},
-                           {"pound", 4.4482216152605},
-                           {"lbf", 4.4482216152605},
-                           {"lb", 4.4482216152605},
-                           {"kip", 4448.2216152605}};
-constexpr Unit pressures[] = {{"pascal", 1.0},
-                              {"pa", 1.0},
-                              {"kilopascal", 1e3},
-                              {"kpa", 1e3},
-                              {"megapascal", 1e6},
-                              {"mpa", 1e6},
-                              {"psi", 6894.757293168},
-                              {"poundspersquareinch", 6894.757293168},
-                              {"poundpersquareinch", 6894.757293168}};
-
-std::optional<double> factor_of(std::span<const Unit> units, std::string_view word) {
-    const std::string name = plain(word);
-    const auto at = std::find_if(units.begin(), units.end(), [&](const Unit& unit) { return unit.name == name; });
-    return at == units.end() ? std::nullopt : std::optional(at->factor);
-}
-
-std::string names_of(std::span<const Unit> units) {
-    std::vector<std::string> names;
-    for (const Unit& unit : units) {
-        names.emplace_back(unit.name);
-    }
-    return pave::join(names);
-}
-
 class Reader {
 public:
     Reader(std::string_view text, std::string file) : file_(std::move(file)) {
         for (int number = 1; !text.empty(); ++number) {
-            const std::string_view whole = text.substr(0, text.find('\n'));
-            std::string_view line = whole;
-            if (number == 1 && line.starts_with("\xef\xbb\xbf")) {
-                line.remove_prefix(3);
-            }
-            take(trimmed(line.ends_with('\r') ? line.substr(0, line.size() - 1) : line), number);
-            text.remove_prefix(std::min(whole.size() + 1, text.size()));
+            const std::string_view line = text.substr(0, text.find('\n'));
+            take(trimmed(line.substr(0, line.find('\r'))), number);
+            text.remove_prefix(std::min(line.size() + 1, text.size()));
         }
     }
 
-    std::vector<FwdStation> stations() {
+    FwdFile read() {
         const Section& device = section("device configuration");
         const Section& units = section("units");
         const Section& head = sections_.front();
@@ -108,22 +49,26 @@ public:
         to_um_ = length(units, "DeflectionUnits") * 1e6;
         set_load(units);
         set_sensors(units, device);
+        if (const auto at = std::find_if(sections_.begin(), sections_.end(),
+                                         [](const Section& s) { return s.name == "operations information"; });
+            at != sections_.end()) {
+            date_ = at->find("StartDate") != nullptr ? at->find("StartDate")->value : "";
+        }
         const Entry& place_units = entry(units, "TestLocationUnits");
-        to_m_ = unit(place_units, "TestLocationUnits", split(place_units.value)[0], lengths);
+        to_m_ = unit(place_units, "TestLocationUnits", split(place_units.value)[0], length_units());
         set_temperatures(units, device);
-        std::vector<FwdStation> stations;
         for (const Section& at : sections_) {
             if (at.name.starts_with("test location")) {
                 if (auto found = station(at); !found.drops.empty()) {
-                    stations.push_back(std::move(found));
+                    result_.stations.push_back(std::move(found));
                 }
             }
         }
-        if (stations.empty()) {
+        if (result_.stations.empty()) {
             throw pave::Error({.file = file_}, "the file holds no drops", {},
                               "sections [Test Location i] with DropData1 = load, deflections");
         }
-        return stations;
+        return std::move(result_);
     }
 
 private:
@@ -170,7 +115,7 @@ private:
         if (found == nullptr || found->value.empty()) {
             return otherwise;
         }
-        const std::string word = plain(found->value);
+        const std::string word = plain_word(found->value);
         if (word == "tab") {
             return '\t';
         }
@@ -206,18 +151,21 @@ private:
         const Entry& found = entry(s, key);
         return value(found, key, found.value);
     }
-    // number_of: finite_number, or any_number for what was measured, which stops nothing.
-    std::vector<double> numbers(const Entry& from, std::string_view key,
-                                double (*number_of)(std::string_view, const pave::Place&) = finite_number) const {
+    std::vector<double> numbers(const Entry& from, std::string_view key) const {
         std::vector<double> list;
         for (const std::string& part : split(from.value)) {
             if (!part.empty()) {
-                list.push_back(number_of(with_point(part), place(from, key)));
+                list.push_back(value(from, key, part));
             }
         }
         return list;
     }
-    double unit(const Entry& from, std::string_view key, std::string_view word, std::span<const Unit> known) const {
+    // What was measured; nothing: something else stands there, or the list ends before.
+    std::optional<double> measured_at(const std::vector<std::string>& parts, std::size_t i) const {
+        return i < parts.size() ? measured(with_point(parts[i])) : std::nullopt;
+    }
+    double unit(const Entry& from, std::string_view key, std::string_view word,
+                std::span<const NamedUnit> known) const {
         const auto factor = factor_of(known, word);
         if (!factor) {
             throw pave::Error(place(from, key), "unknown unit", "\"" + std::string(word) + "\"", names_of(known));
@@ -226,70 +174,77 @@ private:
     }
     double length(const Section& units, std::string_view key) const {
         const Entry& found = entry(units, key);
-        return unit(found, key, found.value, lengths);
+        return unit(found, key, found.value, length_units());
     }
 
     void set_load(const Section& units) {
         const Entry& found = entry(units, "LoadUnits");
-        if (const auto pressure = factor_of(pressures, found.value)) {
+        if (const auto pressure = factor_of(pressure_units(), found.value)) {
             to_kPa_ = *pressure / 1e3;
-        } else if (const auto force = factor_of(forces, found.value)) {
-            to_kPa_ = *force / (std::numbers::pi * radius_m_ * radius_m_) / 1e3;
+        } else if (const auto force = factor_of(force_units(), found.value)) {
+            to_kN_ = *force / 1e3;
+            to_kPa_ = *to_kN_ / (std::numbers::pi * radius_m_ * radius_m_);
         } else {
             throw pave::Error(place(found, "LoadUnits"), "unknown unit", "\"" + found.value + "\"",
-                              names_of(forces) + ", " + names_of(pressures));
+                              names_of(force_units()) + ", " + names_of(pressure_units()));
         }
     }
     void set_sensors(const Section& units, const Section& device) {
         const double to_mm = length(units, "SensorLocationUnits") * 1e3;
         const Entry& x = entry(device, "DeflectionSensorXAxisDistances");
-        const auto along = numbers(x, "DeflectionSensorXAxisDistances");
-        const double stated = number(device, "NumberOfDeflectionSensors");
-        if (stated != static_cast<double>(along.size())) {
-            throw pave::Error(place(x, "DeflectionSensorXAxisDistances"), "not one distance a sensor",
-                              fmt::format("{} distances, {:g} sensors", along.size(), stated));
-        }
+        auto along = numbers(x, "DeflectionSensorXAxisDistances");
         const Entry* y = device.find("DeflectionSensorYAxisDistances");
-        const auto across = y != nullptr ? numbers(*y, "DeflectionSensorYAxisDistances") : std::vector<double>{};
+        auto across = y != nullptr ? numbers(*y, "DeflectionSensorYAxisDistances") : std::vector<double>{};
+        const double stated = number(device, "NumberOfDeflectionSensors");
+        const std::size_t read = deflections_of_a_drop();
+        if (read > 0 && along.size() == read + 1 && along[0] == 0.0 && along[1] <= 0.0) {
+            // The load cell, which stands at the centre, is counted among the sensors.
+            along.erase(along.begin());
+            if (across.size() == read + 1) {
+                across.erase(across.begin());
+            }
+            result_.remarks.push_back(
+                fmt::format("line {} has {} distances, line {} states {:g} sensors and a drop has "
+                            "{} deflections: the first distance is taken for the load cell's",
+                            x.line, read + 1, entry(device, "NumberOfDeflectionSensors").line, stated, read));
+        } else if (stated != static_cast<double>(along.size())) {
+            const int line = entry(device, "NumberOfDeflectionSensors").line;
+            if (along.size() != read) {
+                throw pave::Error(place(x, "DeflectionSensorXAxisDistances"), "not one distance a sensor",
+                                  fmt::format("{} distances, {:g} sensors (line {}), {} deflections a drop",
+                                              along.size(), stated, line, read));
+            }
+            result_.remarks.push_back(
+                fmt::format("line {} states {:g} sensors; there are {} distances (line {}) and as "
+                            "many deflections a drop",
+                            line, stated, along.size(), x.line));
+        }
         for (std::size_t i = 0; i < along.size(); ++i) {
-            offsets_mm_.push_back(to_mm * std::hypot(along[i], i < across.size() ? across[i] : 0.0));
+            const double distance = to_mm * std::hypot(along[i], i < across.size() ? across[i] : 0.0);
+            offsets_mm_.push_back(along[i] < 0.0 ? -distance : distance); // behind the plate
         }
     }
-    void set_temperatures(const Section& units, const Section& device) {
-        const Entry* scale = units.find("TemperatureUnits");
-        is_fahrenheit_ = scale != nullptr && plain(scale->value).starts_with("f");
-        if (const Entry* use = device.find("TemperatureSensorUse")) {
-            for (const std::string& part : split(use->value)) {
-                temperature_of_.push_back(plain(part));
-            }
-        }
-    }
-
-    FwdStation station(const Section& at) const {
-        const Entry& where = entry(at, "TestLocation");
-        const std::vector<std::string> parts = split(where.value);
-        FwdStation s{.name = parts[0],
-                     .lane = at.find("TestLane") != nullptr ? at.find("TestLane")->value : "",
-                     .chainage_m = to_m_ * value(where, "TestLocation", parts[0]),
-                     .file = file_,
-                     .line = at.line};
-        if (const Entry* found = at.find("TestTemperatures")) {
-            const std::vector<std::string> read = split(found->value);
-            for (std::size_t i = 0; i < std::min(read.size(), temperature_of_.size()); ++i) {
-                auto* to = temperature_of_[i] == "air"       ? &s.air_C
-                           : temperature_of_[i] == "surface" ? &s.surface_C
-                                                             : nullptr;
-                // Nothing is computed with them: one that cannot be read is not there.
-                const auto degrees = number_or_nothing(with_point(read[i]));
-                if (to != nullptr && degrees) {
-                    *to = is_fahrenheit_ ? (*degrees - 32.0) / 1.8 : *degrees;
+    // Of the longest drop; 0: there is none.
+    std::size_t deflections_of_a_drop() const {
+        std::size_t most = 1;
+        for (const Section& at : sections_) {
+            for (const auto& [number, entry] : drops_of(at)) {
+                std::size_t values = 0;
+                const auto parts = split(entry->value);
+                for (std::size_t i = 0; i < parts.size(); ++i) {
+                    values = parts[i].empty() ? values : i + 1;
                 }
+                most = std::max(most, values);
             }
         }
-        std::map<int, const Entry*> drops; // by number
+        return most - 1;
+    }
+    // The drops of a section, by number.
+    std::map<int, const Entry*> drops_of(const Section& at) const {
+        std::map<int, const Entry*> drops;
         constexpr std::string_view key = "dropdata";
         for (const auto& [name, entry] : at.entries) {
-            if (!name.starts_with(key)) {
+            if (!at.name.starts_with("test location") || !name.starts_with(key)) {
                 continue;
             }
             std::string_view rest = std::string_view(name).substr(key.size());
@@ -300,18 +255,74 @@ private:
                 drops[number] = &entry;
             }
         }
-        for (const auto& [number, entry] : drops) {
-            const auto read = numbers(*entry, "DropData", any_number);
-            if (read.size() != offsets_mm_.size() + 1) {
-                throw pave::Error(
-                    place(*entry, fmt::format("DropData{}", number)), "wrong number of values",
-                    std::to_string(read.size()),
-                    fmt::format("{}: the load and {} deflections", offsets_mm_.size() + 1, offsets_mm_.size()));
+        return drops;
+    }
+    void set_temperatures(const Section& units, const Section& device) {
+        const Entry* scale = units.find("TemperatureUnits");
+        is_fahrenheit_ = scale != nullptr && plain_word(scale->value).starts_with("f");
+        if (const Entry* use = device.find("TemperatureSensorUse")) {
+            for (const std::string& part : split(use->value)) {
+                temperature_of_.push_back(plain_word(part));
             }
-            FwdDrop drop{
-                .number = number, .radius_mm = 1e3 * radius_m_, .pressure_kPa = to_kPa_ * read[0], .readings = {}};
+        }
+    }
+
+    FwdStation station(const Section& at) const {
+        const auto text = [&](std::string_view key) { return at.find(key) != nullptr ? at.find(key)->value : ""; };
+        const std::vector<std::string> parts = split(text("TestLocation"));
+        FwdStation s{.name = parts[0],
+                     .lane = text("TestLane"),
+                     .chainage_m = chainage(with_point(parts[0]), to_m_),
+                     .date = date_,
+                     .time = text("TestTime"),
+                     .comment = text("TestComment"),
+                     .file = file_};
+        s.line = at.line;
+        if (!s.chainage_m) {
+            s.name = s.name.empty() ? at.name : s.name;
+            s.remarks.push_back(
+                fmt::format("line {}: TestLocation \"{}\" is no chainage",
+                            at.find("TestLocation") != nullptr ? at.find("TestLocation")->line : at.line, parts[0]));
+        }
+        const std::vector<std::string> position = split(text("GPSLocation"));
+        s.latitude = measured_at(position, 0);
+        s.longitude = measured_at(position, 1);
+        const std::vector<std::string> read = split(text("TestTemperatures"));
+        for (std::size_t i = 0; i < temperature_of_.size(); ++i) {
+            const std::string& use = temperature_of_[i];
+            auto* to = use == "air"                          ? &s.air_C
+                       : use == "surface"                    ? &s.surface_C
+                       : use == "manual" || use == "asphalt" ? &s.asphalt_C
+                                                             : nullptr;
+            if (const auto degree = measured_at(read, i); to != nullptr && degree) {
+                *to = is_fahrenheit_ ? celsius(*degree) : *degree;
+            }
+        }
+        for (const auto& [number, entry] : drops_of(at)) {
+            const auto values = split(entry->value);
+            const auto load = measured_at(values, 0);
+            FwdDrop drop{.number = number,
+                         .radius_mm = 1e3 * radius_m_,
+                         .pressure_kPa = load ? to_kPa_ * *load : NAN,
+                         .readings = {}};
+            drop.line = entry->line;
+            if (load && to_kN_) {
+                drop.force_kN = *to_kN_ * *load;
+            }
+            const bool too_long = std::any_of(
+                values.begin() + static_cast<std::ptrdiff_t>(std::min(values.size(), offsets_mm_.size() + 1)),
+                values.end(), [](const std::string& value) { return !value.empty(); });
+            if (too_long) {
+                s.remarks.push_back(
+                    fmt::format("line {}: {} values, where a load and {} deflections belong; the drop is "
+                                "left out",
+                                entry->line, values.size(), offsets_mm_.size()));
+                drop.pressure_kPa = NAN;
+            }
             for (std::size_t i = 0; i < offsets_mm_.size(); ++i) {
-                drop.readings.push_back({offsets_mm_[i], to_um_ * read[i + 1]});
+                if (const auto deflection = measured_at(values, i + 1)) {
+                    drop.readings.push_back({offsets_mm_[i], to_um_ * *deflection});
+                }
             }
             s.drops.push_back(std::move(drop));
         }
@@ -324,8 +335,11 @@ private:
     char decimal_ = '.';
     double radius_m_ = 0.0;
     double to_um_ = 1.0;
-    double to_kPa_ = 1.0; // of a load
-    double to_m_ = 1.0;   // of a station
+    double to_kPa_ = 1.0;         // of a load
+    std::optional<double> to_kN_; // of a load that is a force
+    double to_m_ = 1.0;           // of a station
+    std::string date_;
+    FwdFile result_;
     bool is_fahrenheit_ = false;
     std::vector<double> offsets_mm_;
     std::vector<std::string> temperature_of_; // what each sensor of temperature reads
@@ -333,17 +347,14 @@ private:
 
 } // namespace
 
-bool recognises_fwd_pddx(std::string_view text) {
-    if (text.starts_with("\xef\xbb\xbf")) {
-        text.remove_prefix(3);
-    }
+bool recognises_fwd_pddx(std::string_view text, const ColumnMap& /*columns*/) {
     const std::size_t at = text.find_first_not_of(" \t\r\n");
     return at != std::string_view::npos &&
            lower_case(text.substr(at, 60)).starts_with("[pavement deflection data exchange file]");
 }
 
-std::vector<FwdStation> read_fwd_pddx(std::string_view text, const std::string& file) {
-    return Reader(text, file).stations();
+FwdFile read_fwd_pddx(std::string_view text, const std::string& file, const ColumnMap& /*columns*/) {
+    return Reader(text, file).read();
 }
 
 } // namespace explore::data

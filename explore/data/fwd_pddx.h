@@ -14,10 +14,10 @@
 
 namespace explore::data {
 
-bool recognises_fwd_pddx(std::string_view text);
+bool recognises_fwd_pddx(std::string_view text, const ColumnMap& columns);
 
 // Throws pave::Error: file, line, key, found, allowed.
-std::vector<FwdStation> read_fwd_pddx(std::string_view text, const std::string& file);
+FwdFile read_fwd_pddx(std::string_view text, const std::string& file, const ColumnMap& columns);
 
 inline constexpr FwdFormat fwd_pddx = {"PDDX", "the first section is [Pavement Deflection Data Exchange File]",
                                        recognises_fwd_pddx, read_fwd_pddx};

@@ -3,7 +3,8 @@
 
 namespace explore::data {
 
-// The stated error of a reading: its standard deviation is sqrt(absolute^2 + (relative v)^2), v the value without error.
+// The stated error of a reading: its standard deviation is sqrt(absolute^2 + (relative v)^2), v the value without
+// error.
 //
 // A residual in units of it has to have the variance 1 whatever v is, and v is not known: divided by the standard
 // deviation at the measured value, low readings weigh more and estimates are biased towards them. So readings are

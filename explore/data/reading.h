@@ -36,11 +36,11 @@ struct Reading {
     Noise noise{};
 
     bool is_measured() const { return output.empty(); }
-    double measured() const { return value * unit.to_si; }        // SI
-    double in_unit(double si) const { return si / unit.to_si; }   // what a report says of a response
-    std::string group() const { return load + "." + quantity; }   // "fwd.deflection"
-    std::string label() const;                                    // "fwd.deflection@200,0,0", or the output's name
-    std::string label_with_unit() const;                          // "fwd.deflection@200,0,0 [mm]"
+    double measured() const { return value * unit.to_si; }      // SI
+    double in_unit(double si) const { return si / unit.to_si; } // what a report says of a response
+    std::string group() const { return load + "." + quantity; } // "fwd.deflection"
+    std::string label() const;                                  // "fwd.deflection@200,0,0", or the output's name
+    std::string label_with_unit() const;                        // "fwd.deflection@200,0,0 [mm]"
     // Where it is read, without its load: "deflection at 300 mm", "strain_zz 112.5 mm deep at 170 mm". Readings of one
     // place have the same words, and only those.
     std::string place_words() const;

@@ -620,8 +620,7 @@ private:
         d_.bootstrap_above = static_cast<int>(
             std::count_if(gains.begin(), gains.end(), [&](double gain) { return gain >= leading.gain; }));
         if (gains.size() > 1) {
-            const double mean =
-                std::accumulate(gains.begin(), gains.end(), 0.0) / static_cast<double>(gains.size());
+            const double mean = std::accumulate(gains.begin(), gains.end(), 0.0) / static_cast<double>(gains.size());
             const double expected = screened.sense == 0 ? 1.0 : 0.5;
             d_.bartlett = std::max(1.0, mean / expected);
         }

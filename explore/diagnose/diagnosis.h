@@ -41,7 +41,8 @@ struct Judged {
 
 // Akaike's criterion, up to a constant of the data. sum: of the squared residuals. In units of their noise where it is
 // stated: chi2 + 2 k, for the optimism of chi2 is then 2 k exactly (Akaike 1973). Else the noise counts as one more
-// parameter, with the correction for few data (Hurvich and Tsai 1989), infinite where the parameters are too many for it.
+// parameter, with the correction for few data (Hurvich and Tsai 1989), infinite where the parameters are too many for
+// it.
 double aicc(double sum, std::size_t readings, std::size_t parameters, bool noise_is_stated);
 
 struct Interval {

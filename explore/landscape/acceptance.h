@@ -23,9 +23,9 @@ struct Acceptance {
 };
 
 // Where the readings state their noise, residuals are in units of it (variance 1, threshold the 95 % quantile of chi2
-// with one degree of freedom). Where chi2 contradicts that noise (p < 0.01) the variance is chi2 / degrees of freedom, as
-// without stated noise: s2 = f^2 / degrees of freedom and the threshold the 95 % quantile of F(1, degrees of freedom).
-// Nothing: without stated noise or degrees of freedom no error can be given.
+// with one degree of freedom). Where chi2 contradicts that noise (p < 0.01) the variance is chi2 / degrees of freedom,
+// as without stated noise: s2 = f^2 / degrees of freedom and the threshold the 95 % quantile of F(1, degrees of
+// freedom). Nothing: without stated noise or degrees of freedom no error can be given.
 std::optional<Acceptance> acceptance_of(const problem::Problem& problem, const Minimum& best);
 
 } // namespace explore::landscape

@@ -18,9 +18,9 @@ std::string bound_words(const problem::ParameterSpace& space, const BoundMet& bo
 std::vector<std::string> bound_words(const problem::ParameterSpace& space, const std::vector<BoundMet>& bounds);
 
 struct Minimum {
-    problem::Evaluation evaluation;      // of the best member, with jacobian
-    std::vector<double> unit;            // its unit coordinates
-    std::vector<int> members;            // numbers of the starts that ended here, best first
+    problem::Evaluation evaluation; // of the best member, with jacobian
+    std::vector<double> unit;       // its unit coordinates
+    std::vector<int> members;       // numbers of the starts that ended here, best first
     std::vector<BoundMet> on_bound;
     std::vector<double> lowest, highest; // of each parameter over the members, physical
     bool converged = false;              // the search of the best member met a tolerance
@@ -55,7 +55,8 @@ struct LocalAnalysis {
     std::vector<double> weakest;
     double weakest_growth = 0.0;
     double strongest_growth = 0.0;
-    Eigen::VectorXd leverage{}; // of each residual: the share of it that the parameters follow (diagonal of the hat matrix)
+    Eigen::VectorXd
+        leverage{}; // of each residual: the share of it that the parameters follow (diagonal of the hat matrix)
 };
 LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem);
 

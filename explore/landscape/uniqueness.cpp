@@ -99,9 +99,9 @@ private:
         std::vector<VectorXd> gradients;
         for (const auto& e : result_.explored) {
             misfit.push_back(e.misfit);
-            gradients.push_back(e.converged() ? VectorXd(task_.fitted.residual_jacobian(e).transpose() *
-                                                         task_.fitted.residuals(e))
-                                              : VectorXd());
+            gradients.push_back(
+                e.converged() ? VectorXd(task_.fitted.residual_jacobian(e).transpose() * task_.fitted.residuals(e))
+                              : VectorXd());
         }
         result_.tree = merge_tree(result_.sample.points, misfit, neighbours);
         auto from = unlinked_points(result_.sample.points, misfit, gradients, neighbours);

@@ -48,7 +48,7 @@ struct ClassifiedEnd {
     EndKind kind = EndKind::unfinished;
     std::vector<BoundMet> bounds; // that it lies on
     std::string unfinished;       // why it ended before a minimum
-    int minimum = -1; // index of the minimum it belongs to
+    int minimum = -1;             // index of the minimum it belongs to
     int evaluations = 0;
 };
 
@@ -57,8 +57,8 @@ struct Range {
     double low = 0.0, high = 0.0; // parameter: physical; output: SI
     std::vector<Branch> branches; // down and up from every distinct minimum the data accept
     WalkEnd low_end = WalkEnd::limit, high_end = WalkEnd::limit;
-    std::vector<BoundMet> low_bounds, high_bounds;    // parameters that lie on a bound at the ends
-    std::vector<double> low_set, high_set;            // parameters of the sets at the ends, physical
+    std::vector<BoundMet> low_bounds, high_bounds; // parameters that lie on a bound at the ends
+    std::vector<double> low_set, high_set;         // parameters of the sets at the ends, physical
 };
 
 enum class ProfileKind { bounded, one_sided, flat, incomplete };

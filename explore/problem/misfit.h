@@ -29,7 +29,7 @@ public:
         std::size_t response = 0; // index of the response
         double measured = 0.0;    // SI
         double scale = 1.0;       // s for log, |measured| for relative, sigma for weighted
-        double factor = 1.0;      // of the residual: the square root of its weight; shapes the fit, says nothing of noise
+        double factor = 1.0; // of the residual: the square root of its weight; shapes the fit, says nothing of noise
         data::Noise noise{};
     };
     Misfit(MisfitKind kind, std::vector<Term> terms) : kind_(kind), terms_(std::move(terms)) {}

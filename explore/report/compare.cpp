@@ -111,8 +111,7 @@ std::string comparison_text(const CompareResult& result) {
             const bool range = o < f.answer.outputs.size();
             values.add({output.output, figure(output.in_unit(f.best.responses[outputs[o]])),
                         range ? figure(output.in_unit(f.answer.outputs[o].low)) : "-",
-                        range ? figure(output.in_unit(f.answer.outputs[o].high)) : "-",
-                        std::string(output.unit.name)});
+                        range ? figure(output.in_unit(f.answer.outputs[o].high)) : "-", std::string(output.unit.name)});
         }
         text += values.text();
         for (std::size_t g = 0; g < study.groups.size() && study.groups.size() > 1; ++g) {

@@ -170,21 +170,21 @@ std::string fit_text(const FitResult& result, const analysis::RunOptions& run) {
     const int evaluations = search_evaluations(result);
     const run::Tally& tally = result.tally;
     std::string text =
-        fmt::format("{}\n  explored {}, then {} searches by {} ({} evaluations, {:.0f} a search)\n", study_summary(study),
-                    result.design.name, ends.size(), result.options.multistart.method, evaluations,
-                    static_cast<double>(evaluations) / static_cast<double>(ends.size()));
+        fmt::format("{}\n  explored {}, then {} searches by {} ({} evaluations, {:.0f} a search)\n",
+                    study_summary(study), result.design.name, ends.size(), result.options.multistart.method,
+                    evaluations, static_cast<double>(evaluations) / static_cast<double>(ends.size()));
     text += fmt::format("  {} computed in {} ({:.1f} runs/s), {} kept from before\n",
                         counted(static_cast<std::size_t>(tally.computed), "run", "runs"),
                         run::duration_words(tally.seconds),
                         tally.seconds > 0.0 ? static_cast<double>(tally.computed) / tally.seconds : 0.0, tally.kept);
     if (result.reduced) {
-        text += fmt::format(
-            "{}  {}\n", reduced_words(*result.reduced),
-            result.options.model.alone()
-                ? "the fit below is that of the reduced model; --model auto refines it with the full one"
-                : fmt::format("{} explored by the reduced model in {}, all below is the full model's",
-                              counted(result.design.points.size(), "point", "points"),
-                              run::duration_words(result.seconds_by_reduced_model)));
+        text +=
+            fmt::format("{}  {}\n", reduced_words(*result.reduced),
+                        result.options.model.alone()
+                            ? "the fit below is that of the reduced model; --model auto refines it with the full one"
+                            : fmt::format("{} explored by the reduced model in {}, all below is the full model's",
+                                          counted(result.design.points.size(), "point", "points"),
+                                          run::duration_words(result.seconds_by_reduced_model)));
     }
     const Json statuses = status_counts(result.searches.explored);
     for (const auto& [status, count] : statuses.items()) {
@@ -200,11 +200,10 @@ std::string fit_text(const FitResult& result, const analysis::RunOptions& run) {
         const problem::Axis& axis = problem.space.axes[k];
         const double error = local.standard_error[k] * axis.d_physical(best.unit[k]);
         parameters.add({axis.name, figure(best.evaluation.parameters[k]),
-                        landscape::is_at_bound(best.unit[k])  ? "at bound"
-                        : local.standard_error[k] > 1.0 ? "> range"
-                                                        : figure(error),
-                        figure(axis.low),
-                        figure(axis.high)});
+                        landscape::is_at_bound(best.unit[k]) ? "at bound"
+                        : local.standard_error[k] > 1.0      ? "> range"
+                                                             : figure(error),
+                        figure(axis.low), figure(axis.high)});
     }
     text += parameters.text() + "\n" + response_table(study, best.evaluation.responses);
     text += warning_lines(best.evaluation);
@@ -228,8 +227,8 @@ std::string fit_text(const FitResult& result, const analysis::RunOptions& run) {
         minima.add(std::move(row));
     }
     text += minima.text() + "\nWhat this means\n" + sentences(findings(result));
-    return text + fmt::format("\n  results: {0}/fit.json; every evaluation: pavescape export {0} --command fit\n",
-                              run.folder);
+    return text +
+           fmt::format("\n  results: {0}/fit.json; every evaluation: pavescape export {0} --command fit\n", run.folder);
 }
 
 } // namespace explore::report

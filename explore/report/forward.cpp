@@ -68,8 +68,7 @@ std::string jacobian_text(const study::Study& study, const Response& response) {
         const data::Reading& reading = study.readings[i];
         std::vector<std::string> row{reading.label_with_unit()};
         for (Eigen::Index k = 0; k < response.jacobian.cols(); ++k) {
-            row.push_back(
-                fmt::format("{:.5g}", reading.in_unit(response.jacobian(static_cast<Eigen::Index>(i), k))));
+            row.push_back(fmt::format("{:.5g}", reading.in_unit(response.jacobian(static_cast<Eigen::Index>(i), k))));
         }
         table.add(std::move(row));
     }

@@ -32,8 +32,8 @@ Json space_json(const problem::ParameterSpace& space) {
 }
 
 Json place_json(const data::Reading& r) {
-    return {{"load", r.load},     {"quantity", r.quantity}, {"x_mm", r.x_mm},
-            {"y_mm", r.y_mm},     {"depth_mm", r.depth_mm}, {"gauge_mm", r.gauge_mm}};
+    return {{"load", r.load}, {"quantity", r.quantity}, {"x_mm", r.x_mm},
+            {"y_mm", r.y_mm}, {"depth_mm", r.depth_mm}, {"gauge_mm", r.gauge_mm}};
 }
 
 Json responses_json(const study::Study& study, const std::vector<double>& responses) {

@@ -39,8 +39,8 @@ std::string axis_profiles(const MapResult& map) {
                 best_at = at;
             }
         }
-        table.add({study.space.axes[k].name, figure(lowest.begin()->first),
-                   figure(lowest.rbegin()->first), sparkline(values), figure(best_at)});
+        table.add({study.space.axes[k].name, figure(lowest.begin()->first), figure(lowest.rbegin()->first),
+                   sparkline(values), figure(best_at)});
     }
     return table.text();
 }
@@ -98,10 +98,10 @@ Json map_json(const MapResult& map, const analysis::RunOptions& run) {
 }
 
 std::string map_text(const MapResult& map, const analysis::RunOptions& run) {
-    std::string text = fmt::format(
-        "{}\n  {}: {} computed in {} ({:.1f} runs/s), {} kept from before\n", study_summary(map.study), map.design.name,
-        pave::counted(static_cast<std::size_t>(map.tally.computed), "point", "points"),
-        run::duration_words(map.tally.seconds), runs_per_second(map.tally), map.tally.kept);
+    std::string text =
+        fmt::format("{}\n  {}: {} computed in {} ({:.1f} runs/s), {} kept from before\n", study_summary(map.study),
+                    map.design.name, pave::counted(static_cast<std::size_t>(map.tally.computed), "point", "points"),
+                    run::duration_words(map.tally.seconds), runs_per_second(map.tally), map.tally.kept);
     if (map.reduced) {
         text += fmt::format(
             "{}  {} of the points by the full model, where the reduced one estimates an error above {:g} %\n{}",

@@ -100,8 +100,8 @@ std::string elasticities_text(const SensitivityResult& s) {
         }
         table.add(std::move(row));
     }
-    return fmt::format("\nAt the study's own values: % of the response for 1 % of the parameter\n  {}\n{}", sign_convention,
-               table.text());
+    return fmt::format("\nAt the study's own values: % of the response for 1 % of the parameter\n  {}\n{}",
+                       sign_convention, table.text());
 }
 
 std::string curves_text(const SensitivityResult& s) {
@@ -127,14 +127,14 @@ std::string curves_text(const SensitivityResult& s) {
     }
     std::string text =
         fmt::format("\nChange of the response in % when one parameter is changed by so much, the others held\n"
-               "  percentages of the study's own value: + takes a negative one further from zero\n{}",
-               table.text());
+                    "  percentages of the study's own value: + takes a negative one further from zero\n{}",
+                    table.text());
     for (const auto& curve : s.curves) {
         for (std::size_t p = 0; p < curve.points.size(); ++p) {
             const auto& e = curve.points[p];
             if (!e.converged()) {
-                text += fmt::format("  no answer at {} {:+.4g} % ({}): {}: {}\n", space.axes[curve.parameter].name, s.changes[p],
-                           figure(e.parameters[curve.parameter]), to_string(e.status), e.reason);
+                text += fmt::format("  no answer at {} {:+.4g} % ({}): {}: {}\n", space.axes[curve.parameter].name,
+                                    s.changes[p], figure(e.parameters[curve.parameter]), to_string(e.status), e.reason);
             }
         }
     }
@@ -185,15 +185,9 @@ Json sensitivity_json(const SensitivityResult& s, const analysis::RunOptions& ru
         return {{"status", std::string(to_string(s.own.status))}, {"reason", s.reason()}};
     }
     const problem::ParameterSpace& space = s.study.space;
-    Json json = {{"study", study_json(s.study)},
-                 {"version", analysis::version},
-                 {"seed", run.seed},
-                 {"computed", s.tally.computed},
-                 {"kept", s.tally.kept},
-                 {"run", run.folder},
-                 {"parameters", space_json(space)},
-                 {"responses", Json::array()},
-                 {"range_percent", s.options.range},
+    Json json = {{"study", study_json(s.study)},    {"version", analysis::version}, {"seed", run.seed},
+                 {"computed", s.tally.computed},    {"kept", s.tally.kept},         {"run", run.folder},
+                 {"parameters", space_json(space)}, {"responses", Json::array()},   {"range_percent", s.options.range},
                  {"curves", curves_json(s)}};
     for (std::size_t k = 0; k < space.axes.size(); ++k) {
         json["parameters"][k]["value"] = space.axes[k].start;
@@ -202,8 +196,7 @@ Json sensitivity_json(const SensitivityResult& s, const analysis::RunOptions& ru
         const data::Reading& r = s.study.readings[i];
         Json elasticity = Json::object();
         for (std::size_t k = 0; k < space.axes.size(); ++k) {
-            elasticity[space.axes[k].name] =
-                s.elasticity(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
+            elasticity[space.axes[k].name] = s.elasticity(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
         }
         json["responses"].push_back({{"name", r.label()},
                                      {"unit", std::string(r.unit.name)},
@@ -220,11 +213,10 @@ Json sensitivity_json(const SensitivityResult& s, const analysis::RunOptions& ru
 
 std::string sensitivity_text(const SensitivityResult& s, const analysis::RunOptions& run) {
     const run::Tally& tally = s.tally;
-    std::string text =
-        fmt::format("{}  {} computed in {} ({:.1f} runs/s), {} kept from before\n", study_summary(s.study),
-                    pave::counted(static_cast<std::size_t>(tally.computed), "run", "runs"),
-                    run::duration_words(tally.seconds),
-                    tally.seconds > 0.0 ? static_cast<double>(tally.computed) / tally.seconds : 0.0, tally.kept);
+    std::string text = fmt::format(
+        "{}  {} computed in {} ({:.1f} runs/s), {} kept from before\n", study_summary(s.study),
+        pave::counted(static_cast<std::size_t>(tally.computed), "run", "runs"), run::duration_words(tally.seconds),
+        tally.seconds > 0.0 ? static_cast<double>(tally.computed) / tally.seconds : 0.0, tally.kept);
     text += warning_lines(s.own) + elasticities_text(s);
     if (!s.curves.empty()) {
         text += curves_text(s);
@@ -237,9 +229,9 @@ std::string sensitivity_text(const SensitivityResult& s, const analysis::RunOpti
     if (s.options.samples > 0) {
         text += global_text(s);
     }
-    return text + fmt::format(
-                      "\n  results: {0}/sensitivity.json; every run: pavescape export {0} --command sensitivity{1}\n",
-                      run.folder, s.options.samples > 0 ? " (or sensitivity-curves)" : "-curves");
+    return text +
+           fmt::format("\n  results: {0}/sensitivity.json; every run: pavescape export {0} --command sensitivity{1}\n",
+                       run.folder, s.options.samples > 0 ? " (or sensitivity-curves)" : "-curves");
 }
 
 } // namespace explore::report

@@ -46,10 +46,10 @@ std::string reduced_words(const analysis::ReducedProblem& reduced) {
     std::string text;
     for (const auto& load : reduced.loads) {
         const auto& r = load.report;
-        text += fmt::format("  reduced model of load {}: {} modes, {} points, from {} full runs{}; errors at "
-                            "new points below {:.2g} % in 95 of 100\n",
-                            load.name, r.modes, r.points, r.full_runs, reduced.built ? "" : " before",
-                            100.0 * r.error_95);
+        text +=
+            fmt::format("  reduced model of load {}: {} modes, {} points, from {} full runs{}; errors at "
+                        "new points below {:.2g} % in 95 of 100\n",
+                        load.name, r.modes, r.points, r.full_runs, reduced.built ? "" : " before", 100.0 * r.error_95);
     }
     return text;
 }

@@ -9,10 +9,10 @@
 namespace explore::report {
 
 std::string twin_csv(const analysis::TwinResult& twin) {
-    std::string text = fmt::format("# Synthetic: {}, noise {:g} of each value, seed {}\n"
-                                   "# {}\n",
-                                   pave::printable(twin.study.title), twin.options.noise, twin.options.seed,
-                                   sign_convention);
+    std::string text =
+        fmt::format("# Synthetic: {}, noise {:g} of each value, seed {}\n"
+                    "# {}\n",
+                    pave::printable(twin.study.title), twin.options.noise, twin.options.seed, sign_convention);
     for (const auto& applied : twin.study.model.effects) {
         text += fmt::format("# effect: {} = {} [{}]\n", applied.effect->name, applied.size, applied.effect->unit);
     }

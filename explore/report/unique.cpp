@@ -341,7 +341,8 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
         for (std::size_t i = 0; i < std::min(shown, next.effects.size()); ++i) {
             const auto& e = next.effects[i];
             const data::Reading& reading = next.candidates[e.candidate];
-            std::vector<std::string> row{reading.words(), figure(reading.value), figure(reading.in_unit(reading.noise.absolute)),
+            std::vector<std::string> row{reading.words(), figure(reading.value),
+                                         figure(reading.in_unit(reading.noise.absolute)),
                                          std::string(reading.unit.name)};
             for (const auto* list : {&e.parameters, &e.predictions}) {
                 for (const double ratio : *list) {

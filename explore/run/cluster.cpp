@@ -41,9 +41,9 @@ std::string packed(const Json& json) {
 }
 
 Json told(const Prediction& p) {
-    return {p.responses, p.jacobian.rows(), p.jacobian.cols(),
-            std::vector<double>(p.jacobian.data(), p.jacobian.data() + p.jacobian.size()), p.warnings,
-            p.in_place_of_reduced};
+    return {p.responses,       p.jacobian.rows(),
+            p.jacobian.cols(), std::vector<double>(p.jacobian.data(), p.jacobian.data() + p.jacobian.size()),
+            p.warnings,        p.in_place_of_reduced};
 }
 
 Prediction prediction_of(const Json& json) {

@@ -5,6 +5,7 @@
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace explore::study {
@@ -39,22 +40,44 @@ Study load_survey_study(const std::string& file) {
     return study;
 }
 
-Study station_study(const Study& survey, const data::FwdStation& station, const data::DeflectionBowl& bowl) {
+namespace {
+
+constexpr double sensor_floor_um = 1.0;
+constexpr double sensor_share = 0.01;
+
+double sigma_um(const data::BowlReading& reading, double repeatability) {
+    return std::sqrt(std::pow(repeatability * reading.deflection_um, 2) / reading.drops + std::pow(sensor_floor_um, 2) +
+                     std::pow(sensor_share * reading.deflection_um, 2));
+}
+
+} // namespace
+
+Study station_study(const Study& survey, const data::FwdStation& station,
+                    const std::vector<const data::DeflectionBowl*>& bowls, std::optional<double> repeatability) {
     Study study = survey;
-    auto& plate = study.model.loads[0];
-    plate.radius = bowl.radius_mm * unit::mm;
-    plate.pressure = bowl.pressure_kPa * unit::kPa;
-    study.hash += fmt::format(" {} {}", bowl.radius_mm, bowl.pressure_kPa);
+    const auto plate = study.model.loads[0];
+    study.model.loads.clear();
+    const bool noise_is_stated = study.data.states_noise();
     std::vector<data::Reading> measurements;
-    for (const auto& reading : bowl.readings) {
-        measurements.push_back({.load = plate.name,
-                                .quantity = "deflection",
-                                .x_mm = reading.offset_mm,
-                                .value = reading.deflection_um,
-                                .unit = data::unit_named("um"),
-                                .sigma = std::nullopt,
-                                .file = station.file,
-                                .line = station.line});
+    for (const data::DeflectionBowl* bowl : bowls) {
+        auto load = plate;
+        load.radius = bowl->radius_mm * unit::mm;
+        load.pressure = bowl->pressure_kPa * unit::kPa;
+        load.name = bowls.size() == 1 ? plate.name : fmt::format("{} {:.0f} kPa", plate.name, bowl->pressure_kPa);
+        study.hash += fmt::format(" {} {}", bowl->radius_mm, bowl->pressure_kPa);
+        for (const auto& reading : bowl->readings) {
+            measurements.push_back({.load = load.name,
+                                    .quantity = "deflection",
+                                    .x_mm = reading.offset_mm,
+                                    .value = reading.deflection_um,
+                                    .unit = data::unit_named("um"),
+                                    .sigma = noise_is_stated
+                                                 ? std::nullopt
+                                                 : std::optional(sigma_um(reading, repeatability.value_or(0.0))),
+                                    .file = station.file,
+                                    .line = station.line});
+        }
+        study.model.loads.push_back(std::move(load));
     }
     return with_measurements(std::move(study), std::move(measurements));
 }

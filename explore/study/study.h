@@ -21,16 +21,18 @@ struct DataSettings {
     std::vector<std::string> files; // as written in the study
     problem::MisfitKind misfit = problem::MisfitKind::log;
     double log_floor = 0.01; // s of the log misfit as a share of the largest |measured| of that load and quantity
-    // Standard deviation of a reading without its own sigma: sqrt((noise_relative v)^2 + (noise_floor largest |value| of
-    // that load and quantity)^2 + noise_absolute^2), v the value without error.
+    // Standard deviation of a reading without its own sigma: sqrt((noise_relative v)^2 + (noise_floor largest |value|
+    // of that load and quantity)^2 + noise_absolute^2), v the value without error.
     std::optional<double> noise_relative;
     std::optional<double> noise_floor;
     std::array<double, 3> noise_absolute{}; // SI, of every data::Dimension
+
+    bool states_noise() const { return noise_relative || noise_floor || noise_absolute != std::array<double, 3>{}; }
 };
 
 // The readings of one quantity under one load: what is weighed, held out and judged together.
 struct Group {
-    std::string name; // "fwd.deflection"
+    std::string name;              // "fwd.deflection"
     std::vector<std::size_t> rows; // of the study's readings
     double weight = 1.0;           // of its squared residuals in the misfit
     bool held_out = false;         // predicted, never fitted
@@ -57,7 +59,7 @@ struct Study {
     // "stated", "partly stated" (some are assumed) or "estimated" (from what the fit leaves over).
     std::string_view noise_name() const;
     std::span<const data::Reading> measured() const;
-    std::vector<std::size_t> outputs() const; // which of the readings are outputs
+    std::vector<std::size_t> outputs() const;       // which of the readings are outputs
     std::vector<std::string> groups_fitted() const; // their names
     std::size_t held_out_readings() const;
 };

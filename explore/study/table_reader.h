@@ -86,7 +86,10 @@ public:
         const double value =
             node->is_integer() ? static_cast<double>(node->as_integer()->get()) : node->as_floating_point()->get();
         if (!((low_is_open ? value > low : value >= low) && value <= high)) {
-            throw pave::Error(place(key), "value out of range", fmt::format("{}", value), allowed);
+            // Design codes prescribe an incompressible layer, which has no stiffness matrix.
+            const bool is_incompressible = value == 0.5 && high < 0.5 && key.starts_with("poisson");
+            throw pave::Error(place(key), "value out of range", fmt::format("{}", value),
+                              is_incompressible ? fmt::format("{}; for 0.5 use {}", allowed, high) : allowed);
         }
         return value;
     }

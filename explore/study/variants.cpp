@@ -57,8 +57,7 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
         };
         if (effect->takes_reading) {
             for (const std::size_t i : readings) {
-                add({.reading = static_cast<int>(i)},
-                    fmt::format("reading {}: {}", i + 1, study.readings[i].words()));
+                add({.reading = static_cast<int>(i)}, fmt::format("reading {}: {}", i + 1, study.readings[i].words()));
             }
         } else if (effect->takes_quantity) {
             for (const auto& [load, quantity] : groups) {

@@ -61,6 +61,69 @@ std::string to_utf8(std::string text) {
     return converted;
 }
 
+namespace {
+
+// -1: not UTF-16; 0: little end first; 1: big end first.
+int utf16_order(std::string_view text) {
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+        return text[0] == '\xff' ? 0 : 1;
+    }
+    const std::size_t looked_at = std::min<std::size_t>(text.size() / 2, 32);
+    std::size_t zeros[2] = {0, 0};
+    for (std::size_t i = 0; i < 2 * looked_at; ++i) {
+        zeros[i % 2] += text[i] == '\0' ? 1 : 0;
+    }
+    const auto most = [&](std::size_t n) { return looked_at > 3 && 10 * n >= 9 * looked_at; };
+    return most(zeros[1]) && zeros[0] == 0 ? 0 : most(zeros[0]) && zeros[1] == 0 ? 1 : -1;
+}
+
+void append_utf8(std::string& text, unsigned code) {
+    const auto follow = [&](int shift) { text += static_cast<char>(0x80 | (code >> shift & 0x3f)); };
+    if (code < 0x80) {
+        text += static_cast<char>(code);
+    } else if (code < 0x800) {
+        text += static_cast<char>(0xc0 | code >> 6);
+        follow(0);
+    } else if (code < 0x10000) {
+        text += static_cast<char>(0xe0 | code >> 12);
+        follow(6);
+        follow(0);
+    } else {
+        text += static_cast<char>(0xf0 | code >> 18);
+        follow(12);
+        follow(6);
+        follow(0);
+    }
+}
+
+} // namespace
+
+std::string utf16_to_utf8(std::string text) {
+    const int order = utf16_order(text);
+    if (order < 0) {
+        return text;
+    }
+    const auto unit = [&](std::size_t i) {
+        const auto first = static_cast<unsigned char>(text[i]);
+        const auto second = static_cast<unsigned char>(text[i + 1]);
+        return order == 0 ? first | second << 8U : first << 8U | second;
+    };
+    std::string converted;
+    for (std::size_t i = 0; i + 1 < text.size(); i += 2) {
+        unsigned code = unit(i);
+        if (code >= 0xd800 && code < 0xdc00 && i + 3 < text.size() && (unit(i + 2) & 0xfc00) == 0xdc00) {
+            code = 0x10000 + ((code & 0x3ff) << 10U) + (unit(i + 2) & 0x3ff);
+            i += 2;
+        } else if (code >= 0xd800 && code < 0xe000) {
+            code = 0xfffd;
+        }
+        if (code != 0xfeff || i > 0) { // the byte order mark
+            append_utf8(converted, code);
+        }
+    }
+    return converted;
+}
+
 std::string printable(std::string_view text, std::size_t limit) {
     constexpr std::string_view digits = "0123456789abcdef";
     std::string shown;

@@ -34,15 +34,23 @@ ParameterInfo scale_info(std::string_view meaning) {
     return {"k1", 1.0, 0.0, 1e6, true, {}, meaning, {}, UsualRange{300, 12000, 1500, true}};
 }
 ParameterInfo confinement_info(UsualRange range) {
-    return {"k2", 1.0, -5.0, 5.0, false, {}, "exponent of confinement: stiffens when positive", {}, range, StressPower{"theta"}};
+    return {"k2",
+            1.0,
+            -5.0,
+            5.0,
+            false,
+            {},
+            "exponent of confinement: stiffens when positive",
+            {},
+            range,
+            StressPower{"theta"}};
 }
 ParameterInfo poisson_12_info() {
-    return {"poisson_12", 1.0, -0.99, 0.99, false, {}, "Poisson's ratio in the horizontal plane", {}, {}, {},
-            "poisson"};
+    return {"poisson_12", 1.0, -0.99, 0.99,     false, {}, "Poisson's ratio in the horizontal plane",
+            {},           {},  {},    "poisson"};
 }
 ParameterInfo poisson_31_info() {
-    return {"poisson_31", 1.0, -0.99, 2.0, false, {}, "horizontal strain from vertical load", {}, {}, {},
-            "poisson"};
+    return {"poisson_31", 1.0, -0.99, 2.0, false, {}, "horizontal strain from vertical load", {}, {}, {}, "poisson"};
 }
 ParameterInfo tension_smoothing_info() {
     return {"tension_smoothing_kPa", unit::kPa, 0.0, 1e3, true, 5.0, "delta, the smooth floor of theta", {}};

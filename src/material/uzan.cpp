@@ -38,8 +38,8 @@ private:
 } // namespace
 
 ParameterInfo distortion_info(std::string_view meaning) {
-    return {"k3", 1.0, -50.0, 50.0, false, {}, meaning, {}, UsualRange{-2.0, 0.0, -0.4, false},
-            StressPower{"tau", 1.0}};
+    return {
+        "k3", 1.0, -50.0, 50.0, false, {}, meaning, {}, UsualRange{-2.0, 0.0, -0.4, false}, StressPower{"tau", 1.0}};
 }
 
 const Law& uzan() {

@@ -57,7 +57,8 @@ struct World {
         }
         std::vector<problem::Misfit::Term> terms;
         for (Index i = 0; i < readings; ++i) {
-            terms.push_back({static_cast<std::size_t>(i), data[i], 1.0, 1.0, {.absolute = noise_is_stated ? 1.0 : 0.0}});
+            terms.push_back(
+                {static_cast<std::size_t>(i), data[i], 1.0, 1.0, {.absolute = noise_is_stated ? 1.0 : 0.0}});
         }
         test::Formula linear([matrix](const VectorXd& x, VectorXd& responses, MatrixXd& jacobian) {
             responses = matrix * x;
@@ -83,12 +84,8 @@ struct World {
 
     diagnose::Diagnosis diagnose(std::uint64_t seed) const {
         auto own = bench();
-        diagnose::DiagnosisTask task{.bench = own,
-                                     .candidates = candidates(),
-                                     .groups = {},
-                                     .places = {},
-                                     .loads = {},
-                                     .seed = seed};
+        diagnose::DiagnosisTask task{
+            .bench = own, .candidates = candidates(), .groups = {}, .places = {}, .loads = {}, .seed = seed};
         for (std::size_t g = 0; g < 2; ++g) {
             diagnose::ReadingGroup group{.name = fmt::format("group{}", g), .terms = {}};
             for (std::size_t i = 0; i < static_cast<std::size_t>(readings) / 2; ++i) {

@@ -16,109 +16,54 @@ using data::FwdStation;
 
 namespace {
 
-std::vector<FwdStation> read(const std::string& text) {
-    const std::string file = test::own_folder() + "survey.csv";
-    std::ofstream(file) << text;
-    return data::read_fwd(file);
+// The bowl of the level that counts.
+pave::Outcome<data::DeflectionBowl> main_bowl(const FwdStation& s, const data::DropChoice& choice = {}) {
+    const auto bowls = data::bowls_of(s, choice);
+    return bowls ? pave::Outcome(bowls->bowl()) : pave::Outcome<data::DeflectionBowl>(bowls.failure());
 }
 
-// The message of the complaint about a file.
-std::string complaint(const std::string& text) {
-    try {
-        read(text);
-    } catch (const pave::Error& error) {
-        return error.what();
-    }
-    return "none";
+std::vector<std::string> remarks(const FwdStation& s) {
+    const auto bowls = data::bowls_of(s);
+    return bowls ? bowls->remarks : std::vector<std::string>{};
 }
 
 // One drop at 600 kPa on a plate of 150 mm radius.
 FwdStation station(std::vector<data::FwdReading> readings) {
-    return {.name = "S", .lane = "", .drops = {{1, 150.0, 600.0, std::move(readings)}}, .file = ""};
+    data::FwdDrop drop;
+    drop.number = 1;
+    drop.radius_mm = 150.0;
+    drop.pressure_kPa = 600.0;
+    drop.readings = std::move(readings);
+    FwdStation s;
+    s.name = "S";
+    s.chainage_m = 0.0;
+    s.drops.push_back(std::move(drop));
+    return s;
 }
 
 std::string rejection(const FwdStation& s) {
-    const auto bowl = data::bowl_of(s);
+    const auto bowl = main_bowl(s);
     return bowl ? "none" : bowl.failure().reason;
 }
 
 } // namespace
 
-TEST(FwdCsv, ReadsStationsDropsAndUnits) {
-    const auto stations = read("\xef\xbb\xbf# a road\r\n"
-                               "D200_um,chainage_m,station,lane,load_kN,radius_mm,D0_mm,surface_C\r\n"
-                               "300,10.5,\"A, north\",L1,42.4115,150,0.5,21\r\n"
-                               "\r\n"
-                               ",20,B,L1,42.4115,150,0.6,\r\n"
-                               "330,10.5,\"A, north\",L1,42.4115,150,0.55,22\r\n");
-    ASSERT_EQ(stations.size(), 2U);
-    const FwdStation& a = stations[0];
-    EXPECT_EQ(a.name, "A, north");
-    EXPECT_EQ(a.lane, "L1");
-    EXPECT_EQ(a.chainage_m, 10.5);
-    EXPECT_EQ(a.line, 3);
-    EXPECT_EQ(a.surface_C, 21.0);
-    EXPECT_FALSE(a.air_C);
-    ASSERT_EQ(a.drops.size(), 2U); // not one after the other in the file
-    EXPECT_EQ(a.drops[1].number, 2);
-    // 42.4115 kN / (pi 0.15^2 m2) = 42.4115 / 0.0706858 kPa = 600.0 kPa
-    EXPECT_NEAR(a.drops[0].pressure_kPa, 600.0, 0.001);
-    ASSERT_EQ(a.drops[0].readings.size(), 2U);
-    EXPECT_EQ(a.drops[0].readings[0].offset_mm, 0.0); // by offset, whatever the order of the columns
-    EXPECT_EQ(a.drops[0].readings[0].deflection_um, 500.0);
-    EXPECT_EQ(a.drops[0].readings[1].deflection_um, 300.0);
-    EXPECT_EQ(stations[1].drops[0].readings.size(), 1U); // an empty cell: not read
-    EXPECT_EQ(stations[1].line, 5);
-}
-
-TEST(FwdCsv, SaysWhatIsWrongAndWhere) {
-    const std::string header = "chainage_m,radius_mm,pressure_kPa,D0_um\n";
-    const auto expect = [](const std::string& text, const std::vector<std::string>& words) {
-        const std::string message = complaint(text);
-        for (const std::string& word : words) {
-            EXPECT_NE(message.find(word), std::string::npos) << "'" << word << "' in: " << message;
-        }
-    };
-    expect("x,y\n1,2\n", {"known format", "chainage_m", "D0_um"});
-    expect("", {"known format"});
-    expect("chainage_m;radius_mm;pressure_kPa;D0_um\n0;150;600;500\n", {"known format", "commas"});
-    expect("chainage_m,radius_mm,pressure_kPa,D0\n0,150,600,500\n", {":1", "unknown column", "\"D0\"", "D0_um"});
-    expect("chainage_m,radius_mm,pressure_kPa,D0_um,D0_mm\n", {":1", "twice", "D0_mm"});
-    expect("chainage_m,pressure_kPa,D0_um\n", {":1", "radius_mm", "missing"});
-    expect("chainage_m,radius_mm,D0_um\n", {"load", "neither", "pressure_kPa and load_kN"});
-    expect("chainage_m,radius_mm,pressure_kPa,load_kN,D0_um\n", {"load", "once"});
-    expect("chainage_m,radius_mm,pressure_kPa\n", {"no column of deflections"});
-    expect(header, {"no stations"});
-    expect(header + "0,150,600,500\n10,150,600\n", {":3", "cells", "3", "4"});
-    expect(header + "0,150,600,about 500\n", {":2", "D0_um", "about 500", "finite"});
-    expect(header + "nan,150,600,500\n", {":2", "chainage_m", "nan"});
-    expect("chainage_m,drop,radius_mm,pressure_kPa,D0_um\n0,first,150,600,500\n", {":2", "drop", "first"});
-}
-
-TEST(FwdCsv, LeavesNonsenseToTheStation) {
-    const auto stations =
-        read("chainage_m,radius_mm,pressure_kPa,D0_um,D300_um\n0,150,0,500,200\n10,150,600,nan,200\n");
-    ASSERT_EQ(stations.size(), 2U);
-    EXPECT_EQ(rejection(stations[0]), "drop 1: a pressure of 0 kPa");
-    EXPECT_EQ(rejection(stations[1]), "drop 1: a deflection of nan um at 0 mm");
-}
-
 TEST(DeflectionBowl, RatioAtASensor) {
     // 300 um / 500 um: at the limit, which passes.
-    const auto bowl = data::bowl_of(station({{0, 500}, {250, 300}, {600, 100}}));
+    const auto bowl = main_bowl(station({{0, 500}, {250, 300}, {600, 100}}));
     ASSERT_TRUE(bowl) << bowl.failure().reason;
     EXPECT_EQ(bowl->deflection_ratio(), 0.6);
-    EXPECT_FALSE(bowl->d250_is_interpolated);
+    EXPECT_FALSE(!bowl->has_sensor_at(250));
     EXPECT_GE(*bowl->deflection_ratio(), data::deflection_ratio_limit);
 }
 
 TEST(DeflectionBowl, RatioBetweenSensors) {
     // CAPTIF pavement 1 (grids/captif-p1-fwd.csv): 738 um (282/738)^(50/250) = 738 um exp(-0.2 0.96208) = 608.83 um;
     // over 1062 um: 0.57328.
-    const auto bowl = data::bowl_of(station({{0, 1062}, {200, 738}, {450, 282}, {600, 165}}));
+    const auto bowl = main_bowl(station({{0, 1062}, {200, 738}, {450, 282}, {600, 165}}));
     ASSERT_TRUE(bowl) << bowl.failure().reason;
-    EXPECT_TRUE(bowl->d250_is_interpolated);
-    EXPECT_NEAR(*bowl->d250_um, 608.83, 0.01);
+    EXPECT_TRUE(!bowl->has_sensor_at(250));
+    EXPECT_NEAR(*bowl->at(250), 608.83, 0.01);
     EXPECT_NEAR(*bowl->deflection_ratio(), 0.57328, 1e-5);
 }
 
@@ -126,50 +71,215 @@ TEST(DeflectionBowl, NoRatioWithoutSensorsAroundTheOffset) {
     for (const auto& readings : {std::vector<data::FwdReading>{{0, 500}, {300, 200}},
                                  {{0, 500}, {150, 400}, {300, 200}}, // at the edge of the plate
                                  {{0, 500}, {200, 300}}}) {
-        const auto bowl = data::bowl_of(station(readings));
+        const auto bowl = main_bowl(station(readings));
         ASSERT_TRUE(bowl) << bowl.failure().reason;
         EXPECT_FALSE(bowl->deflection_ratio());
     }
 }
 
+namespace {
+
+data::FwdDrop drop(int number, double pressure_kPa, double d0_um, double d250_um) {
+    data::FwdDrop drop = station({{0, d0_um}, {250, d250_um}}).drops[0];
+    drop.number = number;
+    drop.pressure_kPa = pressure_kPa;
+    return drop;
+}
+
+} // namespace
+
 TEST(DeflectionBowl, CombinesTheDropsNearTheHighestPressure) {
     FwdStation s = station({});
-    s.drops = {{1, 150, 400, {{0, 999}, {250, 998}}}, // less than 0.9 x 600 kPa: does not count
-               {2, 150, 560, {{0, 448}, {250, 280}}},
-               {3, 150, 600, {{0, 492}, {250, 330}}}};
-    auto bowl = data::bowl_of(s);
+    s.drops = {drop(1, 400, 999, 998), // seats the plate
+               drop(2, 560, 448, 280), drop(3, 600, 492, 330)};
+    auto bowl = main_bowl(s);
     ASSERT_TRUE(bowl) << bowl.failure().reason;
     EXPECT_EQ(bowl->drops, (std::vector{2, 3}));
     EXPECT_EQ(bowl->pressure_kPa, 580.0);
     // (448 x 580/560 + 492 x 580/600) / 2 = (464 + 475.6) / 2; (290 + 319) / 2
     EXPECT_NEAR(bowl->d0_um(), 469.8, 1e-9);
-    EXPECT_NEAR(*bowl->d250_um, 304.5, 1e-9);
+    EXPECT_NEAR(*bowl->at(250), 304.5, 1e-9);
     // Of three, the middle one; drops 3 and 4 are at 580 kPa now.
     s.drops[1].pressure_kPa = s.drops[2].pressure_kPa = 580;
-    s.drops.push_back({4, 150, 580, {{0, 700}, {250, 290}}});
-    bowl = data::bowl_of(s);
+    s.drops.push_back(drop(4, 580, 700, 290));
+    bowl = main_bowl(s);
     ASSERT_TRUE(bowl) << bowl.failure().reason;
     EXPECT_EQ(bowl->d0_um(), 492.0);
-    EXPECT_EQ(*bowl->d250_um, 290.0);
+    EXPECT_EQ(*bowl->at(250), 290.0);
 }
 
 TEST(DeflectionBowl, SaysWhyReadingsCannotBeRight) {
-    EXPECT_EQ(rejection(station({{0, 500}, {200, 300}, {300, 310}, {600, 90}})),
-              "the deflection rises from 300 um at 200 mm to 310 um at 300 mm");
-    EXPECT_EQ(rejection(station({{0, 500}, {200, 300}, {300, 302}, {600, 90}})), "none"); // the sensors resolve 2 um
+    // Sensors are good to 2 um + 2 % each: 300 um and 312 um to 8 and 8.2 um; 50 um more are not.
+    EXPECT_EQ(rejection(station({{0, 500}, {200, 300}, {300, 350}, {600, 90}})),
+              "the deflection rises from 300 um at 200 mm to 350 um at 300 mm");
+    EXPECT_EQ(rejection(station({{0, 500}, {200, 300}, {300, 312}, {600, 90}})), "none");
     EXPECT_EQ(rejection(station({{200, 300}, {300, 200}})), "no reading at the centre of the load (D0)");
     EXPECT_EQ(rejection(station({})), "no reading at the centre of the load (D0)");
-    EXPECT_EQ(rejection(station({{0, 500}, {900, -1}})), "drop 1: a deflection of -1 um at 900 mm");
     FwdStation s = station({{0, 500}, {300, 200}});
     s.drops[0].pressure_kPa = -600;
     EXPECT_EQ(rejection(s), "drop 1: a pressure of -600 kPa");
     s.drops[0].pressure_kPa = NAN;
-    EXPECT_EQ(rejection(s), "drop 1: a pressure of nan kPa");
+    EXPECT_EQ(rejection(s), "drop 1: its load was not measured");
     s = station({{0, 500}, {300, 200}});
     s.drops.push_back(s.drops[0]);
     EXPECT_EQ(rejection(s), "drop 1 stands twice");
-    s.drops[1] = {2, 225, 600, s.drops[0].readings};
+    s.drops[1].number = 2;
+    s.drops[1].radius_mm = 225;
     EXPECT_EQ(rejection(s), "plates of radius 150 and 225 mm");
+}
+
+TEST(DeflectionBowl, WhatCannotBeOfOneSensorCostsThatSensor) {
+    const auto offsets = [](const FwdStation& s) {
+        std::vector<double> mm;
+        const auto bowl = main_bowl(s);
+        for (const auto& r : bowl->readings) {
+            mm.push_back(r.offset_mm);
+        }
+        return mm;
+    };
+    using Mm = std::vector<double>;
+    FwdStation s = station({{0, 110}, {900, 67}, {1800, 0}});
+    EXPECT_EQ(offsets(s), (Mm{0, 900}));
+    EXPECT_EQ(remarks(s), std::vector<std::string>{"the sensor at 1800 mm reads 0.0 um and is left out"});
+    EXPECT_EQ(offsets(station({{0, 110}, {300, 12}, {900, 67}, {1800, 20}})), (Mm{0, 900, 1800})); // 12 < 67 / 4
+    EXPECT_EQ(offsets(station({{0, 500}, {900, -1}})), (Mm{0}));
+    // A rise within what two sensors are good to stays: 36.2 to 39.7 um, 2.7 + 2.8 um.
+    s = station({{0, 56}, {450, 36.2}, {600, 39.7}, {900, 30}});
+    EXPECT_EQ(offsets(s), (Mm{0, 450, 600, 900}));
+    ASSERT_EQ(remarks(s).size(), 1U);
+    EXPECT_NE(remarks(s)[0].find("rises from 36.2 um at 450 mm to 39.7 um at 600 mm, within"), std::string::npos);
+    // Beyond that, at the end.
+    EXPECT_EQ(offsets(station({{0, 56}, {450, 36}, {600, 30}, {900, 45}})), (Mm{0, 450, 600}));
+}
+
+TEST(DeflectionBowl, TheSidesOfThePlateAreNotAveraged) {
+    FwdStation s = station({{-200, 0.1}, {0, 115}, {200, 71}, {300, 57}});
+    EXPECT_EQ(main_bowl(s)->at(200), 71.0);
+    EXPECT_EQ(remarks(s), std::vector<std::string>{"the sensor at -200 mm reads 0.1 um and is left out"});
+    s = station({{-200, 90}, {0, 115}, {200, 71}, {300, 57}});
+    EXPECT_EQ(main_bowl(s)->at(200), 71.0);
+    ASSERT_EQ(remarks(s).size(), 1U);
+    EXPECT_NE(remarks(s)[0].find("-200 mm reads 90.0 um, the one at 200 mm 71.0 um"), std::string::npos)
+        << remarks(s)[0];
+    EXPECT_TRUE(remarks(station({{-200, 73}, {0, 115}, {200, 71}, {300, 57}})).empty()); // they agree
+    // The one ahead is dead: the one behind stands in, when it may.
+    s = station({{-200, 70}, {0, 115}, {200, 0}, {300, 57}});
+    EXPECT_EQ(main_bowl(s)->at(200), 70.0);
+    EXPECT_EQ(remarks(s).size(), 2U);
+    EXPECT_FALSE(main_bowl(station({{-200, 40}, {0, 115}, {200, 0}, {300, 57}}))->has_sensor_at(200));
+}
+
+namespace {
+
+FwdStation with_drops(const std::vector<std::pair<double, double>>& pressure_and_d0) {
+    FwdStation s = station({});
+    s.drops.clear();
+    for (const auto& [pressure, d0] : pressure_and_d0) {
+        data::FwdDrop drop;
+        drop.number = static_cast<int>(s.drops.size()) + 1;
+        drop.radius_mm = 150;
+        drop.pressure_kPa = pressure;
+        drop.readings = {{0, d0}, {300, d0 / 2}};
+        s.drops.push_back(drop);
+    }
+    return s;
+}
+
+using Numbers = std::vector<int>;
+
+Numbers left_out(const FwdStation& s, data::LeftOut why, const data::DropChoice& choice = {}) {
+    Numbers numbers;
+    const auto bowls = data::bowls_of(s, choice);
+    for (const auto& drop : bowls->left_out) {
+        if (drop.why == why) {
+            numbers.push_back(drop.number);
+        }
+    }
+    return numbers;
+}
+
+} // namespace
+
+TEST(Drops, ASeatingDropIsLeftOut) {
+    using data::LeftOut;
+    for (const double seating : {993.0, 500.0}) { // higher or lower than the test
+        const FwdStation s = with_drops({{seating, 148}, {822, 114.5}, {820, 115.8}});
+        EXPECT_EQ(left_out(s, LeftOut::seating), Numbers{1});
+        EXPECT_EQ(main_bowl(s)->drops, (Numbers{2, 3}));
+    }
+    // At the pressure of the test: 8 % more than three that agree.
+    EXPECT_EQ(left_out(with_drops({{700, 540}, {700, 500}, {700, 502}}), LeftOut::seating), Numbers{1});
+    EXPECT_EQ(left_out(with_drops({{700, 510}, {700, 500}, {700, 502}}), LeftOut::seating), Numbers{});
+    EXPECT_EQ(left_out(with_drops({{700, 540}, {700, 500}, {700, 560}}), LeftOut::seating), Numbers{}); // none agree
+    EXPECT_EQ(left_out(with_drops({{500, 400}, {700, 560}, {900, 720}}), LeftOut::seating), Numbers{}); // three levels
+}
+
+TEST(Drops, OfTwoTheFirstSeatsWhereItDoesSoElsewhere) {
+    const FwdStation s = with_drops({{985, 177}, {821, 141}});
+    EXPECT_EQ(main_bowl(s)->drops, Numbers{1});
+    EXPECT_EQ(main_bowl(s, {.first_of_two_seats = true})->drops, Numbers{2});
+    EXPECT_EQ(main_bowl(with_drops({{830, 142}, {821, 141}}), {.first_of_two_seats = true})->drops, (Numbers{1, 2}));
+}
+
+TEST(Drops, LevelsAndWhichCounts) {
+    const FwdStation s = with_drops({{721, 66}, {982, 89}, {1258, 104}, {1555, 117}});
+    auto bowls = data::bowls_of(s);
+    ASSERT_EQ(bowls->levels.size(), 4U);
+    EXPECT_EQ(bowls->bowl().drops, Numbers{4});
+    EXPECT_EQ(main_bowl(s, {.target_pressure_kPa = 700})->drops, Numbers{1});
+    // 70 kN on 0.0706858 m2 = 990 kPa
+    EXPECT_EQ(main_bowl(s, {.target_force_kN = 70})->drops, Numbers{2});
+    EXPECT_EQ(main_bowl(s, {.target_pressure_kPa = 300}).failure().reason,
+              "no drop near 300 kPa: the nearest has 721 kPa");
+    EXPECT_EQ(main_bowl(s, {.numbers = {1, 3}})->drops, Numbers{3});
+    EXPECT_EQ(left_out(s, data::LeftOut::not_chosen, {.numbers = {1, 3}}), (Numbers{2, 4}));
+    EXPECT_NE(main_bowl(s, {.numbers = {7}}).failure().reason.find("none of the drops"), std::string::npos);
+}
+
+TEST(Drops, RepeatsGiveTheirScatter) {
+    // ln(510/490) = 0.0400: standard deviation of two 0.0400/sqrt(2) = 0.02829, at both sensors.
+    const auto bowls = data::bowls_of(with_drops({{700, 490}, {700, 510}}));
+    EXPECT_NEAR(*bowls->bowl().readings[0].scatter, std::log(510.0 / 490.0) / std::sqrt(2.0), 1e-12);
+    EXPECT_NEAR(*data::repeatability({&bowls->bowl()}), 0.02829, 1e-5);
+    const auto one = data::bowls_of(with_drops({{700, 490}}));
+    EXPECT_FALSE(data::repeatability({&one->bowl()}));
+    // A drop that disagrees is named: 600 against a median of 500.
+    const auto said = remarks(with_drops({{700, 500}, {700, 499}, {700, 600}}));
+    ASSERT_EQ(said.size(), 1U);
+    EXPECT_NE(said[0].find("drop 3 disagrees with its repeats: D0 over pressure +20 %"), std::string::npos) << said[0];
+}
+
+TEST(Plausibility, NamesTheSlip) {
+    const auto reason = [](double radius, double pressure, std::optional<double> force, double d0) {
+        FwdStation s = station({{0, d0}, {300, d0 / 2}, {600, d0 / 4}});
+        s.drops[0].radius_mm = radius;
+        s.drops[0].pressure_kPa = pressure;
+        s.drops[0].force_kN = force;
+        return rejection(s);
+    };
+    EXPECT_EQ(reason(150, 0.707, {}, 500), "drop 1: a pressure of 0.707 kPa: MPa in a kPa column?");
+    EXPECT_EQ(reason(150, 7.2, {}, 500), "drop 1: a pressure of 7.2 kPa: bar or kgf/cm2 in a kPa column?");
+    // 5000 kgf = 49 kN = 694 kPa; 5000 lbf = 22 kN = 315 kPa
+    EXPECT_EQ(reason(150, 70736, 5000.0, 500),
+              "drop 1: a pressure of 70736 kPa (5000 kN on this plate): kgf or lbf in a kN column?");
+    EXPECT_EQ(reason(150, 7e5, 49480.0, 500),
+              "drop 1: a pressure of 700000 kPa (49480 kN on this plate): N in a kN column?");
+    EXPECT_EQ(reason(150, 9903, 700.0, 500),
+              "drop 1: a pressure of 9903 kPa (700 kN on this plate): kPa in a kN column?");
+    EXPECT_EQ(reason(0.15, 700, {}, 500), "drop 1: a plate of radius 0.15 mm: radius in m?");
+    EXPECT_EQ(reason(0.3, 700, {}, 500), "drop 1: a plate of radius 0.3 mm: radius (or diameter) in m?");
+    EXPECT_EQ(reason(300, 700, {}, 500), "drop 1: a plate of radius 300 mm: the diameter in place of the radius?");
+    EXPECT_EQ(reason(150, 700, {}, 5e5),
+              "drop 1: a deflection of 500000 um at the centre: micrometres in a _mm column?");
+    EXPECT_EQ(reason(150, 700, {}, 2e4),
+              "drop 1: a deflection of 20000 um at the centre: mils or hundredths of a mm in a _mm column?");
+    EXPECT_EQ(reason(150, 700, {}, 0.5), "drop 1: a deflection of 0.5 um at the centre: millimetres in a _um column?");
+    FwdStation inches = station({{0, 500}, {12, 300}, {24, 200}, {60, 50}});
+    EXPECT_EQ(rejection(inches), "drop 1: the farthest sensor at 60 mm: offsets in inches or offsets in cm?");
+    // One drop out of two.
+    FwdStation two = with_drops({{700, 500}, {0.7, 500}});
+    EXPECT_EQ(main_bowl(two)->drops, Numbers{1});
+    EXPECT_EQ(left_out(two, data::LeftOut::implausible), Numbers{2});
 }
 
 // The study takes the station's plate, pressure, sensors and deflections; unless it states where the wall stands, the
@@ -202,9 +312,9 @@ max = 300
     FwdStation s = station({{0, 500}, {300, 200}, {2500, 20}});
     s.drops[0].radius_mm = 225;
     s.drops[0].pressure_kPa = 300;
-    const auto bowl = data::bowl_of(s);
+    const auto bowl = main_bowl(s);
     ASSERT_TRUE(bowl) << bowl.failure().reason;
-    const study::Study study = study::station_study(survey, s, *bowl);
+    const study::Study study = study::station_study(survey, s, {&*bowl}, 0.02);
     EXPECT_DOUBLE_EQ(study.model.loads[0].radius, 0.225);
     EXPECT_DOUBLE_EQ(study.model.loads[0].pressure, 300e3);
     EXPECT_DOUBLE_EQ(study.model.settings.extent, 5.0);
@@ -217,5 +327,14 @@ max = 300
     EXPECT_NEAR(problem.misfit(doubled), std::sqrt(3.0), 1e-12);
     // Another pressure is another study, for the run store.
     s.drops[0].pressure_kPa = 301;
-    EXPECT_NE(study::station_study(survey, s, *data::bowl_of(s)).hash, study.hash);
+    const auto other = main_bowl(s);
+    EXPECT_NE(study::station_study(survey, s, {&*other}, 0.02).hash, study.hash);
+    // Of 200 um by one drop: sqrt((0.02 x 200)^2 + 1 + 2^2) = 4.5826 um.
+    EXPECT_NEAR(study.readings[1].noise.deviation(study.readings[1].measured()), 4.5826e-6, 1e-10);
+    // Two levels: a load each.
+    const study::Study both = study::station_study(survey, s, {&*bowl, &*other}, 0.02);
+    ASSERT_EQ(both.model.loads.size(), 2U);
+    EXPECT_EQ(both.model.loads[1].name, "fwd 301 kPa");
+    EXPECT_EQ(both.measured().size(), 6U);
+    EXPECT_EQ(both.readings[3].load, "fwd 301 kPa");
 }

@@ -1,7 +1,7 @@
 // A file of a falling weight deflectometer, whatever its format, and the bowls of its stations. The tables of LTPP that
 // stand beside one another come in one input, each after a line that begins with a form feed.
 #include "data/fwd.h"
-#include "data/deflection_bowl.h"
+#include "data/bowl_indices.h"
 #include "target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -15,9 +15,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         text.remove_prefix(std::min(end + 1, text.size()));
     }
     fuzz::expect_message([&] {
-        for (const auto& station : explore::data::read_fwd(file)) {
-            if (const auto bowl = explore::data::bowl_of(station)) {
-                bowl->deflection_ratio();
+        for (const auto& station : explore::data::read_fwd(file).stations) {
+            if (const auto bowls = explore::data::bowls_of(station)) {
+                explore::data::indices_of(bowls->bowl(), 700.0);
             }
         }
     });

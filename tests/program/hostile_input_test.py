@@ -206,10 +206,14 @@ for name, content in (("road.csv", ROAD), ("road.f25", F25), ("road.ddx", PDDX))
     done = road(name, content)
     check(done.returncode == 0, f"survey of a sound {name}: {done.returncode} {done.stderr.strip()}")
 for word in ("nan", "inf"):
-    for name, content, old, new, line in (("road.csv", ROAD, "B,L,10,", f"B,L,{word},", 3), ("road.f25", F25, "0,200,", f"0,{word},", 2),
-                                          ("road.f25", F25, "2,2.0,", f"2,{word},", 6), ("road.ddx", PDDX, "0,200,", f"0,{word},", 5),
-                                          ("road.ddx", PDDX, "= 1.5", f"= {word}", 13)):
+    for name, content, old, new, line in (("road.f25", F25, "0,200,", f"0,{word},", 2), ("road.ddx", PDDX, "0,200,", f"0,{word},", 5)):
         refused(road(name, changed(old, new, content)), f"{name}, line {line} with {word}", file=f"{name}:{line}:")
+    # A station whose place is no number costs that place.
+    for name, content, old, new in (("road.csv", ROAD, "B,L,10,", f"B,L,{word},"), ("road.f25", F25, "2,2.0,", f"2,{word},"),
+                                    ("road.ddx", PDDX, "= 1.5", f"= {word}")):
+        done = road(name, changed(old, new, content), "--json")
+        check(done.returncode == 0, f"{name}, a chainage {word}: {done.returncode} {done.stderr.strip()}")
+        check([s["chainage_m"] for s in parsed(done, f"{name}, a chainage {word}")["stations"]][-1] is None, f"{name}, a chainage {word}")
 
 # Text that is not UTF-8. An instrument writes Latin-1, and its road is read; a study is not guessed at.
 done = road("road.csv", changed("A,L", "Aé,L", ROAD).encode("latin-1"), "--json")

@@ -66,7 +66,7 @@ def call(*arguments):
 result = call(road, "--out", folder / "ratios")
 stations = {s["station"]: s for s in result["stations"]}
 check(list(stations) == ["A", "nonsense", "B", "C"], "stations stand along the road")
-check(result["counts"] == {"stations": 4, "rejected": 1, "pass": 2, "fail": 1, "fitted": 0, "failed": 0}, f"counts: {result['counts']}")
+check(result["counts"] == {"stations": 4, "rejected": 1, "pass": 2, "fail": 1, "fitted": 0, "no_fit": 0, "failed": 0}, f"counts: {result['counts']}")
 check(stations["nonsense"]["status"] == "rejected" and "rises from 200 um at 300 mm" in stations["nonsense"]["reason"],
       "nonsense has its reason")
 for row in rows[:3]:
@@ -122,6 +122,59 @@ result = call(road, "--study", bounded, "--out", folder / "bounded")
 bounds = {s["station"]: s["fit"]["on_bound"] for s in result["stations"] if "fit" in s}
 check(bounds["B"] == ["subgrade.modulus_MPa at its upper bound"] and bounds["C"] == [], f"bounds: {bounds}")
 
+# A model that cannot be: no back-calculation, and it is said.
+stiff = write_study(folder, SURVEY.replace("min = 20\nmax = 300\n", "min = 2000\nmax = 3000\n"), None, "stiff")
+done = run("survey", road, "--study", stiff, "--out", folder / "stiff", "--json")
+check(done.returncode == 1, f"nothing back-calculated: exit status {done.returncode}")
+result = json.loads(done.stdout)
+check(result["counts"]["fitted"] == 0 and result["counts"]["no_fit"] == 3, f"no fit: {result['counts']}")
+check(all(s["reason"] and "fit" not in s and s["parameters"] == {} for s in result["stations"]), "no parameters of what is no fit")
+
+# Several load levels tell k2 of a stress-dependent base, and are fitted together unless one is asked for.
+text = [HEADER]
+for drop, pressure in enumerate((300, 600, 900), 1):
+    text.append(",".join(map(str, ["A", 0, drop, 150, pressure, *bowl(2500, 45, pressure)])))
+levels = folder / "levels.csv"
+levels.write_text("\n".join(text) + "\n")
+result = call(levels, "--study", study, "--out", folder / "levels")
+station = result["stations"][0]
+check(station["drops_used"] == [1, 2, 3] and len(station["levels"]) == 3 and result["fits_all_levels"], f"all levels: {station['drops_used']}")
+check(abs(station["parameters"]["base.k1"]["value"] / 2500 - 1) < 1e-4, f"k1 of all levels: {station['parameters']}")
+station = call(levels, "--study", study, "--target-load", "42kN", "--out", folder / "level")["stations"][0]
+check(station["drops_used"] == [2] and station["drops_left_out"] == [1, 3], f"42 kN on this plate are 594 kPa: {station['drops_used']}")
+check(any("drops 1, 3 left out" in r for r in station["remarks"]), f"what is left out is said: {station['remarks']}")
+station = call(levels, "--drops", "1,2", "--out", folder / "drops")["stations"][0]
+check(station["drops_used"] == [2] and station["drops_left_out"] == [1, 3], f"drops 1 and 2, the higher of them: {station['drops_used']}")
+check(station["normalised"]["pressure_kPa"] == 600, "normalised to the median pressure")
+station = call(levels, "--normalise", "566kPa", "--out", folder / "normalised")["stations"][0]
+check(abs(station["normalised"]["D0_um"] / (station["D0_um"] * 566 / 900) - 1) < 1e-12, "in proportion to the pressure")
+
+# Parameters have ranges around their values.
+for s in results[1]["stations"]:
+    for name, p in s["parameters"].items():
+        check(p["low"] < p["value"] < p["high"] and p["determined"], f"{s['station']}, {name}: {p}")
+
+# A folder holds one road.
+twin = folder / "elsewhere" / "road.csv"
+twin.parent.mkdir()
+twin.write_text(road.read_text().replace("500,300", "510,300"))
+done = run("survey", twin, "--out", folder / "ratios")
+check(done.returncode == 2 and "another road" in done.stderr, f"another road into the same folder: {done.returncode} {done.stderr}")
+done = run("survey", road, cwd=folder)
+check(done.returncode == 0 and (folder / "output" / "road" / "survey.json").exists(), "results go under the name of the file")
+check(run("survey", road, cwd=folder).returncode == 0, "the same road again")
+
+# Positions make a map, temperatures the asphalt's.
+places = folder / "places.csv"
+places.write_text("station,chainage_m,radius_mm,load_kN,D0_um,D200_um,D300_um,latitude,longitude,time,surface_C,air_C,crew\n"
+                  "A,0,150,50,500,400,330,48.97,2.58,13:15,25,15,us\nB,9,150,50,500,400,330,,,,,,us\n")
+result = call(places, "--asphalt-thickness", 200, "--air-before", 15, "--out", folder / "places")
+map_of = json.loads((folder / "places" / "survey.geojson").read_text())
+check([f["geometry"]["coordinates"] for f in map_of["features"]] == [[2.58, 48.97]], f"a map: {map_of}")
+check(abs(result["stations"][0]["asphalt_C"] - 20.774) < 0.001, "BELLS3 at half of 200 mm: see survey_analysis_test")
+check(result["stations"][1]["asphalt_C"] is None, "no temperature without a surface")
+check(any("crew" in f for f in result["findings"]), f"columns that are not used are named: {result['findings']}")
+
 # Cut off and continued: the same result, and what was computed is not computed again.
 out = folder / "interrupted"
 for least in (100, 262):  # while exploring, while searching
@@ -172,12 +225,18 @@ def file(name, text):
 
 expect("no such file", ["nowhere.csv", "FWD file"], folder / "nowhere.csv")
 expect("another format", ["known format", "chainage_m"], study)
-expect("not a number", ["letters.csv:2", "D0_um", "many"], file("letters.csv", HEADER + "\nA,0,1,150,600,many,1,1,1,1,1\n"))
+expect("no load", ["heavy"], road, "--target-load", "heavy")
+expect("columns without a table's name", ["load_kN", "no such column", "Kraft"], road, "--columns", "load_kN = Kraft")
 expect("no plate", ["plate", "0 loads"], road, "--study",
        write_study(folder, SURVEY.replace('type = "plate"\nradius_mm = 150', 'type = "wheel"\npatch = "circle"\nforce_kN = 40'), None, "wheel"))
 expect("a free load", ["fwd.pressure_kPa", "measured"], road, "--study",
        write_study(folder, SURVEY.replace('"base.k1"\nmin = 300', '"fwd.pressure_kPa"\nmin = 300'), None, "free-load"))
 expect("no parameters", ["parameters"], road, "--study", write_study(folder, SURVEY[:SURVEY.index("[[parameters]]")], None, "fixed"))
+letters = run("survey", file("letters.csv", HEADER + "\nA,0,1,150,600,many,1,1,1,1,1\nB,9,1,150,600,500,many,300,200,150,100\n"),
+                        "--out", folder / "letters", "--json")
+stations = json.loads(letters.stdout)["stations"]
+check([s["status"] for s in stations] == ["rejected", "ok"], "words cost readings, not the file")
+check('line 3, D200_um: "many" is no number' in stations[1]["remarks"], f"the word is remarked: {stations[1]['remarks']}")
 check(run("survey").returncode == 2, "no file")
 only = file("only.csv", HEADER + "\n" + ",".join(map(str, rows[3])) + "\n")
 check(run("survey", only, "--out", folder / "only").returncode == 1, "nothing but nonsense: exit status 1")

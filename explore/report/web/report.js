@@ -415,12 +415,15 @@
         const fitted = good.filter((s) => s.fit);
         const names = fitted.length ? Object.keys(fitted[0].fit.parameters) : [];
         section("The road", make("p", {}, `${r.counts.stations} stations, ${r.counts.rejected} rejected` +
-            (r.counts.fitted ? `, ${r.counts.fitted} back-calculated, ${r.counts.failed} without an answer.` : ".")),
+            (r.counts.fitted ? `, ${r.counts.fitted} back-calculated, ${r.counts.no_fit || 0} not described by the model, ${r.counts.failed} without an answer.` : ".")),
+        words(r.findings),
         strip(null, good.map((s) => s.D0_um_at_common_pressure), `D0 at ${figure(r.common_pressure_kPa)} kPa [µm]`, { rangemode: "tozero" }),
         strip(r.deflection_ratio.definition, good.map((s) => s.deflection_ratio), "deflection ratio", {}, [{ type: "line", xref: "paper", x0: 0, x1: 1,
             y0: r.deflection_ratio.limit, y1: r.deflection_ratio.limit, line: { dash: "dash", color: colours[1] } }]),
         names.map((n) => chart("strip", [{ type: "scatter", mode: "lines+markers", x: fitted.map((s) => s.chainage_m),
-            y: fitted.map((s) => s.fit.parameters[n]), text: fitted.map((s) => s.station), line: { width: 1 } }],
+            y: fitted.map((s) => s.fit.parameters[n]), text: fitted.map((s) => s.station), line: { width: 1 },
+            error_y: fitted.every((s) => s.parameters && s.parameters[n]) ? { type: "data", symmetric: false, thickness: 1, width: 2,
+                array: fitted.map((s) => s.parameters[n].high - s.parameters[n].value), arrayminus: fitted.map((s) => s.parameters[n].value - s.parameters[n].low) } : undefined }],
         { xaxis: axis("chainage [m]"), yaxis: axis(n), height: 260 })),
         fitted.length ? strip2(fitted) : [],
         bad.length ? [part("Stations without a result"), table(["station", "chainage [m]", "why"], bad.map((s) => [s.station, s.chainage_m, s.reason]), [2])] : [],

@@ -1,0 +1,150 @@
+// A road of FWD stations: what each bowl tells, the parameters of a study at each station, sections that are alike.
+#pragma once
+
+#include "analysis/session.h"
+#include "data/bowl_indices.h"
+#include "landscape/minima.h"
+#include "study/station.h"
+
+namespace explore::analysis {
+
+// A load, as pressure under the plate or as force on it.
+struct LoadLevel {
+    std::optional<double> pressure_kPa{};
+    std::optional<double> force_kN{};
+
+    double pressure_on(double radius_mm) const; // kPa
+};
+
+struct SurveyOptions {
+    data::DropChoice drops{};
+    std::optional<LoadLevel> normalise{};         // nothing: the median pressure of the stations
+    std::optional<double> asphalt_thickness_mm{}; // nothing: that of the study's top layer
+    std::optional<double> air_of_day_before_C{};  // mean; nothing: the station's air temperature stands in
+    std::optional<double> reference_C{};          // that the asphalt modulus is taken to; nothing: not at all
+};
+
+enum class StationState {
+    ok,
+    rejected, // its readings cannot be right
+    no_fit,   // the model does not describe them: no back-calculation
+    failed    // the model has no answer
+};
+constexpr std::string_view state_words[] = {"ok", "rejected", "no-fit", "failed"};
+constexpr std::string_view to_string(StationState state) {
+    return state_words[static_cast<int>(state)];
+}
+
+// Why a fit is none.
+enum class NoFit {
+    far_off, // root mean square of the relative differences beyond no_fit_percent
+    all_on_bounds
+};
+inline constexpr double no_fit_percent = 25.0;
+
+// A parameter with its 95 % range, by the curvature of the misfit at the best fit.
+struct ParameterRange {
+    double value = 0.0;
+    double low = 0.0, high = 0.0; // within the bounds of the study
+    bool determined = false;      // the range reaches neither bound and covers less than half of the box
+};
+
+struct StationFit {
+    landscape::Minimum best;
+    std::size_t minima = 0;
+    std::size_t starts = 0;
+    double rms_percent = 0.0;                  // of the relative differences
+    std::vector<std::vector<double>> model_um; // at the readings of each fitted level
+    std::vector<std::size_t> levels;           // of the station's bowls that were fitted together
+    std::vector<ParameterRange> parameters;    // in the order of the study's
+    landscape::LocalAnalysis local;
+};
+
+enum class TemperatureSource {
+    measured,
+    bells3,
+    bells3_of_the_hour
+}; // the last: the air of the hour, not of the day before
+struct AsphaltTemperature {
+    double celsius = 0.0;
+    TemperatureSource source = TemperatureSource::measured;
+};
+
+struct StationResult {
+    data::FwdStation station;
+    std::optional<data::StationBowls> bowls{};
+    StationState state = StationState::ok;
+    std::string reason{}; // of rejected and failed, in words
+    std::optional<NoFit> no_fit{};
+    std::optional<StationFit> fit{};
+    std::optional<data::BowlIndices> indices{}; // at normalised_kPa
+    double normalised_kPa = 0.0;
+    std::optional<AsphaltTemperature> asphalt{};
+    std::optional<double> asphalt_at_reference_MPa{};
+
+    bool has_bowl() const { return state != StationState::rejected; }
+    const data::DeflectionBowl& bowl() const { return bowls->bowl(); }
+    bool is_fitted() const { return fit.has_value() && state == StationState::ok; }
+    std::optional<double> ratio() const { return has_bowl() ? bowl().deflection_ratio() : std::nullopt; }
+    std::optional<bool> passes() const;
+    // Levels that were used: fitted, or the one that counts.
+    std::vector<std::size_t> used_levels() const;
+};
+
+// Values that 15, 50 and 85 % of the stations do not exceed.
+struct Percentiles {
+    double p15 = 0.0, p50 = 0.0, p85 = 0.0;
+    std::size_t stations = 0;
+};
+Percentiles percentiles_of(std::vector<double> values);
+
+// Neighbouring stations that are alike in D0: cumulative differences (AASHTO Guide 1993, appendix J). A part of the
+// road is parted where the cumulative difference of ln D0 from its mean is farthest from zero, if both sides keep five
+// stations and their means differ (Welch's t, p < 0.01).
+struct RoadSection {
+    std::string profile, lane;
+    std::size_t first = 0, last = 0;     // of the result's stations; both included
+    Percentiles d0_um;                   // normalised
+    std::vector<Percentiles> parameters; // of those fitted; stations = 0: none
+};
+inline constexpr std::size_t section_stations = 5;
+
+// A sensor whose residual repeats over the stations with one sign and differs from that of its neighbours.
+struct SuspectSensor {
+    double offset_mm = 0.0;
+    std::size_t stations = 0, same_sign = 0;
+    double p = 1.0;                   // that chance alone gives so many of one sign, times the number of sensors
+    double model_percent = 0.0;       // median of model over measured - 1
+    std::optional<double> fits_at_mm; // where the fitted bowls have that deflection (median)
+};
+
+struct SurveyResult {
+    std::vector<StationResult> stations; // along the road: by profile, lane and chainage
+    std::vector<std::string> remarks;    // of the files
+    std::optional<study::Study> study;
+    bool fits_all_levels = false;
+    double common_pressure_kPa = 0.0; // median of the stations
+    std::optional<LoadLevel> normalise;
+    std::optional<double> reference_C;
+    std::optional<double> repeatability; // of a reading, over the road
+    std::vector<RoadSection> sections;
+    std::optional<SuspectSensor> suspect; // the worst
+    std::int64_t computed = 0;            // model runs of this process
+    int stations_computed = 0;
+    double seconds = 0.0;
+
+    std::size_t count(const std::function<bool(const StationResult&)>& is) const;
+    std::vector<std::string> parameter_names() const;
+    double d0_at_common(const StationResult& s) const {
+        return s.bowl().d0_um() * common_pressure_kPa / s.bowl().pressure_kPa;
+    }
+};
+
+inline constexpr int survey_explored_points = 256; // once for the road
+
+// survey_study: as load_survey_study() gives it; nothing: no back-calculation. Nothing is returned when interrupted;
+// what was computed is in the store. Throws pave::Error where no station fits the model.
+std::optional<SurveyResult> survey(Session& session, std::vector<data::FwdFile> files,
+                                   std::optional<study::Study> survey_study, const SurveyOptions& options);
+
+} // namespace explore::analysis

@@ -1,0 +1,17 @@
+// What the result of a survey means, in words.
+#pragma once
+
+#include "analysis/survey.h"
+
+namespace explore::analysis {
+
+// Why a station is not "ok"; "": it is.
+std::string reason_of(const StationResult& station);
+
+// What a reader should know of a station besides its numbers: on its file, its readings, its drops, its fit.
+std::vector<std::string> remarks_of(const SurveyResult& result, const StationResult& station);
+
+// On the road as a whole, most important first.
+std::vector<std::string> findings_of(const SurveyResult& result);
+
+} // namespace explore::analysis

@@ -1,0 +1,381 @@
+#include "data/fwd_columns.h"
+
+#include "base/error.h"
+#include "data/csv.h"
+#include "data/fwd_values.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <set>
+
+namespace explore::data {
+namespace {
+
+struct Word {
+    std::string_view word; // compared by plain_word()
+    Meaning meaning;
+};
+constexpr Word words[] = {{"station", Meaning::station},
+                          {"point", Meaning::station},
+                          {"testpoint", Meaning::station},
+                          {"testlocation", Meaning::station},
+                          {"name", Meaning::station},
+                          {"id", Meaning::station},
+                          {"lane", Meaning::lane},
+                          {"chainage", Meaning::chainage},
+                          {"distance", Meaning::chainage},
+                          {"dist", Meaning::chainage},
+                          {"milepost", Meaning::chainage},
+                          {"drop", Meaning::drop},
+                          {"dropno", Meaning::drop},
+                          {"dropnumber", Meaning::drop},
+                          {"impact", Meaning::drop},
+                          {"imp", Meaning::drop},
+                          {"radius", Meaning::radius},
+                          {"plateradius", Meaning::radius},
+                          {"loadplateradius", Meaning::radius},
+                          {"diameter", Meaning::diameter},
+                          {"platediameter", Meaning::diameter},
+                          {"pressure", Meaning::pressure},
+                          {"stress", Meaning::pressure},
+                          {"contactpressure", Meaning::pressure},
+                          {"contactstress", Meaning::pressure},
+                          {"platepressure", Meaning::pressure},
+                          {"peakpressure", Meaning::pressure},
+                          {"load", Meaning::load},
+                          {"force", Meaning::load},
+                          {"peakload", Meaning::load},
+                          {"peakforce", Meaning::load},
+                          {"air", Meaning::air},
+                          {"airtemp", Meaning::air},
+                          {"airtemperature", Meaning::air},
+                          {"tair", Meaning::air},
+                          {"surface", Meaning::surface},
+                          {"surfacetemp", Meaning::surface},
+                          {"surfacetemperature", Meaning::surface},
+                          {"tsurf", Meaning::surface},
+                          {"pavementtemp", Meaning::surface},
+                          {"pavementtemperature", Meaning::surface},
+                          {"asphalt", Meaning::asphalt},
+                          {"asphalttemp", Meaning::asphalt},
+                          {"asphalttemperature", Meaning::asphalt},
+                          {"tasphalt", Meaning::asphalt},
+                          {"latitude", Meaning::latitude},
+                          {"lat", Meaning::latitude},
+                          {"gpslat", Meaning::latitude},
+                          {"gpslatitude", Meaning::latitude},
+                          {"longitude", Meaning::longitude},
+                          {"long", Meaning::longitude},
+                          {"lon", Meaning::longitude},
+                          {"lng", Meaning::longitude},
+                          {"gpslon", Meaning::longitude},
+                          {"gpslong", Meaning::longitude},
+                          {"gpslongitude", Meaning::longitude},
+                          {"date", Meaning::date},
+                          {"testdate", Meaning::date},
+                          {"time", Meaning::time},
+                          {"testtime", Meaning::time},
+                          {"remark", Meaning::comment},
+                          {"comment", Meaning::comment},
+                          {"note", Meaning::comment}};
+
+constexpr std::string_view deflection_words[] = {"deflection", "defl", "def", "df", "d", "w"};
+
+// "d300", "d(300)", "d-200", "d12in": where the sensor stands, in mm.
+std::optional<double> sensor_offset_mm(std::string_view base) {
+    std::string text;
+    for (const char c : lower_case(base)) {
+        if (c != ' ' && c != '_' && c != '(' && c != ')') {
+            text += c;
+        }
+    }
+    for (const std::string_view word : deflection_words) {
+        if (!text.starts_with(word)) {
+            continue;
+        }
+        const std::string_view rest = std::string_view(text).substr(word.size());
+        const std::size_t digits = rest.find_first_not_of("-.0123456789");
+        const auto number = number_or_nothing(rest.substr(0, digits));
+        if (!number) {
+            continue;
+        }
+        if (digits == std::string_view::npos) {
+            return number;
+        }
+        const auto unit = factor_of(length_units(), rest.substr(digits));
+        return unit ? std::optional(*number * *unit * 1e3) : std::nullopt;
+    }
+    return std::nullopt;
+}
+
+// A column of this word and unit ("": none).
+std::optional<FwdColumn> column_of(std::string_view base, std::string_view unit) {
+    std::string word = plain_word(base);
+    FwdColumn column{.meaning = Meaning::station, .name = {}};
+    if (const auto offset = sensor_offset_mm(base)) {
+        column.meaning = Meaning::deflection;
+        column.offset_mm = *offset;
+        column.to_si = deflection_unit(unit);
+        return unit.empty() || column.to_si ? std::optional(column) : std::nullopt;
+    }
+    if (word == "km" && unit.empty()) {
+        return FwdColumn{.meaning = Meaning::chainage, .name = {}, .to_si = 1e3};
+    }
+    const auto known =
+        std::find_if(std::begin(words), std::end(words), [&](const Word& w) { return plain_word(w.word) == word; });
+    if (known == std::end(words)) {
+        return std::nullopt;
+    }
+    column.meaning = known->meaning;
+    const auto with = [&](std::span<const NamedUnit> units) {
+        column.to_si = factor_of(units, unit);
+        return unit.empty() || column.to_si ? std::optional(column) : std::nullopt;
+    };
+    switch (column.meaning) {
+    case Meaning::station:
+        if (!unit.empty() && word == "station") { // American: the place itself
+            column.meaning = Meaning::chainage;
+            return with(length_units());
+        }
+        break;
+    case Meaning::chainage:
+    case Meaning::radius:
+    case Meaning::diameter: return with(length_units());
+    case Meaning::pressure: return with(pressure_units());
+    case Meaning::load:
+        if (!unit.empty() && factor_of(pressure_units(), unit)) {
+            column.meaning = Meaning::pressure;
+            return with(pressure_units());
+        }
+        return with(force_units());
+    case Meaning::air:
+    case Meaning::surface:
+    case Meaning::asphalt: {
+        std::string scale = plain_word(unit);
+        for (const std::string_view sign : {"°", "º", "deg"}) {
+            scale = scale.starts_with(sign) ? scale.substr(sign.size()) : scale;
+        }
+        column.is_fahrenheit = scale.starts_with('f');
+        return scale.empty() || scale.starts_with('c') || column.is_fahrenheit || scale == "℃" || scale == "℉"
+                   ? std::optional(column)
+                   : std::nullopt;
+    }
+    default: break;
+    }
+    return unit.empty() ? std::optional(column) : std::nullopt;
+}
+
+// Sensors that are numbered, not placed: 0, 1, 2, ... or 1, 2, 3, ...
+bool are_numbered(const std::vector<FwdColumn*>& deflections) {
+    if (deflections.size() < 3) {
+        return false;
+    }
+    const double first = deflections[0]->offset_mm;
+    for (std::size_t i = 0; i < deflections.size(); ++i) {
+        if (deflections[i]->offset_mm != first + static_cast<double>(i)) {
+            return false;
+        }
+    }
+    return first == 0.0 || first == 1.0;
+}
+
+// The cell of a row; "": the row ends before.
+std::string_view cell_of(const std::vector<std::string>& row, std::size_t at) {
+    return at < row.size() ? trimmed(row[at]) : std::string_view{};
+}
+
+// Millimetres in the unit that a row of offsets states beside them: "Offset (cm)".
+double offset_unit_mm(const std::vector<std::string>& row) {
+    for (const std::string& cell : row) {
+        const std::string_view text = trimmed(cell);
+        const std::size_t open = text.find_first_of("([_");
+        if (open != std::string_view::npos && text.size() > open + 1) {
+            std::string_view word = text.substr(open + 1);
+            word = word.substr(0, word.find_first_of(")]"));
+            if (const auto unit = factor_of(length_units(), word)) {
+                return *unit * 1e3;
+            }
+        }
+    }
+    return 1.0;
+}
+
+constexpr std::string_view columns_hint =
+    "--columns \"D0_um = D1, D200_um = D2\", or a second row of the header with the offsets in mm";
+
+} // namespace
+
+std::optional<double> deflection_unit(std::string_view word) {
+    return word.empty() ? std::nullopt : factor_of(length_units(), word);
+}
+
+std::optional<FwdColumn> column_named(std::string_view name) {
+    name = trimmed(name);
+    std::optional<FwdColumn> column;
+    const std::size_t open = name.find_last_of("([");
+    if (open != std::string_view::npos && open > 0 && (name.back() == ')' || name.back() == ']')) {
+        column = column_of(trimmed(name.substr(0, open)), trimmed(name.substr(open + 1, name.size() - open - 2)));
+    }
+    for (const char separator : {'_', ' ', '.', '/'}) {
+        if (const std::size_t at = name.rfind(separator); !column && at != std::string_view::npos && at > 0) {
+            const std::string_view unit = trimmed(name.substr(at + 1));
+            column = unit.empty() ? std::nullopt : column_of(trimmed(name.substr(0, at)), unit);
+        }
+    }
+    if (!column) {
+        column = column_of(name, {});
+    }
+    if (column) {
+        column->name = std::string(name);
+    }
+    return column;
+}
+
+const FwdColumn* FwdHeader::find(Meaning meaning) const {
+    const auto at =
+        std::find_if(columns.begin(), columns.end(), [&](const FwdColumn& c) { return c.meaning == meaning; });
+    return at == columns.end() ? nullptr : &*at;
+}
+
+std::vector<const FwdColumn*> FwdHeader::deflections() const {
+    std::vector<const FwdColumn*> found;
+    for (const FwdColumn& column : columns) {
+        if (column.meaning == Meaning::deflection) {
+            found.push_back(&column);
+        }
+    }
+    return found;
+}
+
+std::string known_columns() {
+    return "chainage_m, radius_mm, pressure_kPa or load_kN, deflections such as D0_um or D200_mm; and station, lane, "
+           "drop, air_C, surface_C, asphalt_C, latitude, longitude, date, time, remark";
+}
+
+FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const std::vector<int>& lines,
+                      const std::string& file, const ColumnMap& map) {
+    const pave::Place place{.file = file, .line = lines[0]};
+    std::vector<std::string> names(rows[0].size());
+    std::transform(rows[0].begin(), rows[0].end(), names.begin(),
+                   [](const std::string& c) { return std::string(trimmed(c)); });
+    FwdHeader header;
+    for (const auto& [ours, theirs] : map) {
+        auto column = column_named(ours);
+        if (!column) {
+            throw pave::Error({.key = "--columns"}, "unknown column", "\"" + ours + "\"", known_columns());
+        }
+        const auto at = std::find_if(names.begin(), names.end(), [&, theirs = theirs](const std::string& n) {
+            return lower_case(n) == lower_case(theirs);
+        });
+        if (at != names.end()) {
+            *at = ours;
+        } else if (const auto constant = measured(theirs)) {
+            column->constant = *constant;
+            header.columns.push_back(*column);
+        } else {
+            throw pave::Error(place, "there is no such column", "\"" + theirs + "\"", pave::join(names));
+        }
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        if (names[i].empty()) {
+            continue; // of a comma at the end of the line
+        }
+        auto column = column_named(names[i]);
+        if (!column) {
+            header.unknown.push_back(names[i]);
+            continue;
+        }
+        column->at = i;
+        const auto same = std::find_if(header.columns.begin(), header.columns.end(), [&](const FwdColumn& c) {
+            return c.meaning == column->meaning && c.offset_mm == column->offset_mm;
+        });
+        if (same != header.columns.end()) {
+            throw pave::Error(place, "this column stands twice", "\"" + names[i] + "\"", "each once");
+        }
+        header.columns.push_back(*column);
+    }
+
+    std::vector<FwdColumn*> deflections;
+    for (FwdColumn& column : header.columns) {
+        if (column.meaning == Meaning::deflection && !column.constant) {
+            deflections.push_back(&column);
+        }
+    }
+    if (deflections.empty()) {
+        throw pave::Error(place, "there is no column of deflections", {}, known_columns());
+    }
+    bool numbered = are_numbered(deflections);
+    // Further rows of the header: no load in them, and all deflections numbers (offsets) or units.
+    const FwdColumn* load =
+        header.find(Meaning::load) != nullptr ? header.find(Meaning::load) : header.find(Meaning::pressure);
+    while (header.rows < rows.size() && load != nullptr && !load->constant) {
+        const auto& row = rows[header.rows];
+        if (measured(cell_of(row, load->at))) {
+            break;
+        }
+        const auto all = [&](const auto& is) {
+            return std::all_of(deflections.begin(), deflections.end(),
+                               [&](const FwdColumn* c) { return is(cell_of(row, c->at)); });
+        };
+        if (numbered && all([](std::string_view cell) { return measured(cell).has_value(); })) {
+            const double unit = offset_unit_mm(row);
+            for (FwdColumn* column : deflections) {
+                column->offset_mm = unit * *measured(cell_of(row, column->at));
+            }
+            numbered = false;
+        } else if (all([](std::string_view cell) { return deflection_unit(cell).has_value(); })) {
+            for (FwdColumn& column : header.columns) {
+                const std::string_view unit = cell_of(row, column.at);
+                if (const auto with_unit = column_of(column.name, unit);
+                    with_unit && !column.to_si && !column.constant) {
+                    column.to_si = with_unit->to_si;
+                    column.is_fahrenheit = with_unit->is_fahrenheit;
+                    column.meaning = with_unit->meaning;
+                }
+            }
+        } else {
+            break;
+        }
+        ++header.rows;
+    }
+    if (numbered) {
+        throw pave::Error(place, "the sensors are numbered, and nothing says where they stand",
+                          fmt::format("\"{}\" to \"{}\"", deflections.front()->name, deflections.back()->name),
+                          columns_hint);
+    }
+    std::set<double> offsets;
+    for (const FwdColumn* column : deflections) {
+        if (!offsets.insert(column->offset_mm).second) {
+            throw pave::Error(place, "two sensors stand at one place", fmt::format("{:g} mm", column->offset_mm),
+                              "each once");
+        }
+    }
+    for (const FwdColumn& column : header.columns) {
+        const bool needs_unit = column.meaning == Meaning::deflection || column.meaning == Meaning::radius ||
+                                column.meaning == Meaning::diameter || column.meaning == Meaning::pressure ||
+                                column.meaning == Meaning::load;
+        if (needs_unit && !column.to_si) {
+            throw pave::Error(place, "this column states no unit", "\"" + column.name + "\"",
+                              "a unit in its name, as in load_kN, pressure_kPa, radius_mm, D0_um, \"D300 (mils)\"");
+        }
+    }
+    const bool station_is_place = header.find(Meaning::chainage) == nullptr && header.find(Meaning::station) != nullptr;
+    if (header.find(Meaning::chainage) == nullptr && !station_is_place) {
+        throw pave::Error({.file = file, .line = lines[0], .key = "chainage_m"}, "column missing", {}, known_columns());
+    }
+    if (header.find(Meaning::radius) == nullptr && header.find(Meaning::diameter) == nullptr) {
+        throw pave::Error({.file = file, .line = lines[0], .key = "radius_mm"}, "column missing", {},
+                          known_columns() + "; of a plate that is the same everywhere: --columns \"radius_mm = 150\"");
+    }
+    if (header.find(Meaning::pressure) == nullptr && header.find(Meaning::load) == nullptr) {
+        throw pave::Error(place, "the load of a drop is not stated", "neither pressure_kPa nor load_kN",
+                          "one of the columns pressure_kPa and load_kN");
+    }
+    std::stable_sort(header.columns.begin(), header.columns.end(),
+                     [](const FwdColumn& a, const FwdColumn& b) { return a.offset_mm < b.offset_mm; });
+    return header;
+}
+
+} // namespace explore::data

@@ -1,0 +1,382 @@
+#include "report/survey.h"
+
+#include "analysis/survey_findings.h"
+#include "base/units.h"
+#include "data/csv.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <set>
+
+namespace explore::report {
+namespace {
+
+using analysis::StationResult;
+using analysis::StationState;
+using analysis::SurveyResult;
+
+constexpr const char* ratio_words =
+    "deflection ratio: D250/D0, the deflection 250 mm from the load centre over the one "
+    "at the centre (as cited from the Austroads Guide to Pavement Technology Part 5)";
+constexpr const char* interpolation_words = "interpolated linearly in ln(deflection) between the nearest sensors";
+constexpr std::string_view temperature_sources[] = {"measured", "BELLS3", "BELLS3, with the air of the hour"};
+
+std::string verdict(const StationResult& s) {
+    const auto passes = s.passes();
+    return !passes ? "" : *passes ? "pass" : "fail";
+}
+
+bool d250_is_interpolated(const StationResult& s) {
+    return !s.bowl().has_sensor_at(data::ratio_offset_mm);
+}
+
+std::vector<int> drops_used(const StationResult& s) {
+    std::vector<int> drops;
+    for (const std::size_t level : s.used_levels()) {
+        drops.insert(drops.end(), s.bowls->levels[level].drops.begin(), s.bowls->levels[level].drops.end());
+    }
+    std::sort(drops.begin(), drops.end());
+    return drops;
+}
+
+std::vector<int> drops_left_out(const StationResult& s) {
+    const auto used = drops_used(s);
+    std::vector<int> drops;
+    for (const data::FwdDrop& drop : s.station.drops) {
+        if (std::find(used.begin(), used.end(), drop.number) == used.end()) {
+            drops.push_back(drop.number);
+        }
+    }
+    return drops;
+}
+
+Json indices_json(const StationResult& s) {
+    const data::BowlIndices& indices = *s.indices;
+    Json json = {{"pressure_kPa", s.normalised_kPa},
+                 {"D0_um", indices.d0_um},
+                 {"SCI_um", optional_json(indices.sci_um)},
+                 {"BDI_um", optional_json(indices.bdi_um)},
+                 {"BCI_um", optional_json(indices.bci_um)},
+                 {"AREA_mm", optional_json(indices.area_mm)},
+                 {"curvature_radius_m", optional_json(indices.curvature_radius_m)},
+                 {"surface_moduli", Json::array()}};
+    for (const auto& m : indices.surface_moduli) {
+        json["surface_moduli"].push_back({{"offset_mm", m.offset_mm}, {"modulus_MPa", m.modulus_MPa}});
+    }
+    return json;
+}
+
+Json readings_json(const StationResult& s, std::size_t level, const std::vector<double>* model_um) {
+    Json readings = Json::array();
+    const auto& bowl = s.bowls->levels[level];
+    for (std::size_t i = 0; i < bowl.readings.size(); ++i) {
+        Json reading = {{"offset_mm", bowl.readings[i].offset_mm}, {"measured_um", bowl.readings[i].deflection_um}};
+        if (bowl.readings[i].scatter) {
+            reading["scatter"] = *bowl.readings[i].scatter;
+        }
+        if (model_um != nullptr) {
+            reading["model_um"] = (*model_um)[i];
+        }
+        readings.push_back(std::move(reading));
+    }
+    return readings;
+}
+
+void add_fit(const SurveyResult& result, const StationResult& s, Json& json) {
+    const analysis::StationFit& fit = *s.fit;
+    const landscape::Minimum& best = fit.best;
+    // What is no back-calculation must not be read as one.
+    json[s.is_fitted() ? "fit" : "attempt"] = {
+        {"parameters", parameters_json(result.study->space, best.evaluation.parameters)},
+        {"misfit", best.evaluation.misfit},
+        {"rms_percent", fit.rms_percent},
+        {"status", std::string(to_string(best.evaluation.status))},
+        {"converged", best.converged},
+        {"on_bound", bound_words(result.study->space, best.on_bound)},
+        {"starts", fit.starts},
+        {"starts_in_best", best.members.size()},
+        {"minima", fit.minima},
+        {"chi2", fit.local.chi2},
+        {"degrees_of_freedom", fit.local.degrees_of_freedom},
+        {"p_value", fit.local.p_value},
+        {"warnings", warnings_json(best.evaluation)}};
+    if (s.is_fitted()) {
+        const auto names = result.parameter_names();
+        for (std::size_t k = 0; k < names.size(); ++k) {
+            const auto& p = fit.parameters[k];
+            json["parameters"][names[k]] = {
+                {"value", p.value}, {"low", p.low}, {"high", p.high}, {"determined", p.determined}};
+        }
+    }
+}
+
+Json station_json(const SurveyResult& result, const StationResult& s) {
+    const auto& f = s.station;
+    Json json = {{"station", f.name},
+                 {"profile", f.profile},
+                 {"lane", f.lane},
+                 {"chainage_m", optional_json(f.chainage_m)},
+                 {"file", f.file},
+                 {"line", f.line},
+                 {"date", f.date},
+                 {"time", f.time},
+                 {"latitude", optional_json(f.latitude)},
+                 {"longitude", optional_json(f.longitude)},
+                 {"comment", f.comment},
+                 {"air_C", optional_json(f.air_C)},
+                 {"surface_C", optional_json(f.surface_C)},
+                 {"asphalt_C", s.asphalt ? Json(s.asphalt->celsius) : Json(nullptr)},
+                 {"drops", f.drops.size()},
+                 {"status", std::string(to_string(s.state))},
+                 {"reason", analysis::reason_of(s)},
+                 {"remarks", analysis::remarks_of(result, s)},
+                 {"drops_used", drops_used(s)},
+                 {"drops_left_out", drops_left_out(s)},
+                 {"parameters", Json::object()}};
+    if (s.asphalt) {
+        json["asphalt_C_source"] = std::string(temperature_sources[static_cast<int>(s.asphalt->source)]);
+    }
+    if (!s.has_bowl()) {
+        return json;
+    }
+    const auto& bowl = s.bowl();
+    json["radius_mm"] = bowl.radius_mm;
+    json["pressure_kPa"] = bowl.pressure_kPa;
+    json["D0_um"] = bowl.d0_um();
+    json["D0_um_at_common_pressure"] = result.d0_at_common(s);
+    json["D250_um"] = optional_json(bowl.at(data::ratio_offset_mm));
+    json["D250_is_interpolated"] = d250_is_interpolated(s);
+    json["deflection_ratio"] = optional_json(s.ratio());
+    json["pass"] = s.passes() ? Json(*s.passes()) : Json(nullptr);
+    json["normalised"] = indices_json(s);
+    const auto levels = s.used_levels();
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+        const auto* model = s.fit ? &s.fit->model_um[i] : nullptr;
+        if (levels[i] == s.bowls->main) {
+            json["readings"] = readings_json(s, levels[i], model);
+        }
+        json["levels"].push_back({{"pressure_kPa", s.bowls->levels[levels[i]].pressure_kPa},
+                                  {"drops", s.bowls->levels[levels[i]].drops},
+                                  {"readings", readings_json(s, levels[i], model)}});
+    }
+    if (s.fit) {
+        add_fit(result, s, json);
+    }
+    if (s.asphalt_at_reference_MPa) {
+        json["asphalt_modulus_at_reference_MPa"] = *s.asphalt_at_reference_MPa;
+    }
+    return json;
+}
+
+Json percentiles_json(const analysis::Percentiles& p) {
+    return p.stations == 0 ? Json(nullptr)
+                           : Json{{"p15", p.p15}, {"p50", p.p50}, {"p85", p.p85}, {"stations", p.stations}};
+}
+
+Json sections_json(const SurveyResult& result) {
+    Json sections = Json::array();
+    const auto names = result.parameter_names();
+    for (const auto& section : result.sections) {
+        Json json = {{"profile", section.profile},
+                     {"lane", section.lane},
+                     {"from_m", *result.stations[section.first].station.chainage_m},
+                     {"to_m", *result.stations[section.last].station.chainage_m},
+                     {"from_station", result.stations[section.first].station.name},
+                     {"to_station", result.stations[section.last].station.name},
+                     {"stations", section.d0_um.stations},
+                     {"D0_um", percentiles_json(section.d0_um)}};
+        for (std::size_t k = 0; k < names.size(); ++k) {
+            json["parameters"][names[k]] = percentiles_json(section.parameters[k]);
+        }
+        sections.push_back(std::move(json));
+    }
+    return sections;
+}
+
+// Distances of all sensors that were read, of the level that counts.
+std::set<double> all_offsets(const SurveyResult& result) {
+    std::set<double> offsets;
+    for (const StationResult& s : result.stations) {
+        for (std::size_t i = 0; s.has_bowl() && i < s.bowl().readings.size(); ++i) {
+            offsets.insert(s.bowl().readings[i].offset_mm);
+        }
+    }
+    return offsets;
+}
+
+std::string number(const std::optional<double>& value) {
+    return value ? fmt::format("{}", *value) : "";
+}
+
+std::string in_one_cell(const std::vector<int>& numbers) {
+    std::string text;
+    for (const int n : numbers) {
+        text += (text.empty() ? "" : " ") + std::to_string(n);
+    }
+    return text;
+}
+
+} // namespace
+
+Json survey_json(const SurveyResult& result) {
+    const auto count = [&](const auto& is) { return result.count(is); };
+    Json json = {{"stations", Json::array()},
+                 {"counts",
+                  {{"stations", result.stations.size()},
+                   {"rejected", count([](const StationResult& s) { return s.state == StationState::rejected; })},
+                   {"pass", count([](const StationResult& s) { return s.passes().value_or(false); })},
+                   {"fail", count([](const StationResult& s) { return !s.passes().value_or(true); })},
+                   {"fitted", count([](const StationResult& s) { return s.is_fitted(); })},
+                   {"no_fit", count([](const StationResult& s) { return s.state == StationState::no_fit; })},
+                   {"failed", count([](const StationResult& s) { return s.state == StationState::failed; })}}},
+                 {"findings", analysis::findings_of(result)},
+                 {"deflection_ratio",
+                  {{"definition", ratio_words},
+                   {"limit", data::deflection_ratio_limit},
+                   {"interpolation", interpolation_words}}},
+                 {"common_pressure_kPa", result.common_pressure_kPa},
+                 {"repeatability", optional_json(result.repeatability)},
+                 {"sections", sections_json(result)}};
+    for (const StationResult& s : result.stations) {
+        json["stations"].push_back(station_json(result, s));
+    }
+    json["suspect_sensor"] = nullptr;
+    if (result.suspect) {
+        const auto& s = *result.suspect;
+        json["suspect_sensor"] = {{"offset_mm", s.offset_mm},         {"stations", s.stations},
+                                  {"same_sign", s.same_sign},         {"p", s.p},
+                                  {"model_percent", s.model_percent}, {"fits_at_mm", optional_json(s.fits_at_mm)}};
+    }
+    if (result.study) {
+        const study::Study& study = *result.study;
+        json["study"] = {{"file", study.file}, {"title", study.title}, {"hash", study.hash}};
+        json["misfit_kind"] = std::string(to_string(study.data.misfit));
+        json["explored_points"] = analysis::survey_explored_points;
+        json["fits_all_levels"] = result.fits_all_levels;
+    }
+    return json;
+}
+
+std::string survey_csv(const SurveyResult& result) {
+    std::vector<std::string> header = {"station",
+                                       "profile",
+                                       "lane",
+                                       "chainage_m",
+                                       "status",
+                                       "reason",
+                                       "radius_mm",
+                                       "pressure_kPa",
+                                       "D0_um",
+                                       "D0_um_at_common_pressure",
+                                       "D250_um",
+                                       "D250_is_interpolated",
+                                       "deflection_ratio",
+                                       "verdict",
+                                       "normalised_to_kPa",
+                                       "normalised_D0_um",
+                                       "SCI_um",
+                                       "BDI_um",
+                                       "BCI_um",
+                                       "AREA_mm",
+                                       "curvature_radius_m",
+                                       "surface_modulus_MPa"};
+    const auto offsets = all_offsets(result);
+    for (const double offset : offsets) {
+        header.push_back(fmt::format("measured_D{:g}_um", offset));
+    }
+    const auto names = result.parameter_names();
+    for (const std::string& name : names) {
+        header.insert(header.end(), {name, name + " low", name + " high", name + " determined"});
+    }
+    if (result.study) {
+        header.insert(header.end(),
+                      {"misfit", "rms_percent", "converged", "on_bound", "asphalt_modulus_at_reference_MPa"});
+    }
+    header.insert(header.end(), {"air_C", "surface_C", "asphalt_C", "asphalt_C_source", "latitude", "longitude", "date",
+                                 "time", "comment", "drops_used", "drops_left_out", "remarks", "file", "line"});
+    std::string text;
+    const auto add = [&](const std::vector<std::string>& cells) {
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            text += (i > 0 ? "," : "") + data::csv_cell(cells[i]);
+        }
+        text += "\n";
+    };
+    add(header);
+    for (const StationResult& s : result.stations) {
+        const auto& f = s.station;
+        std::vector<std::string> cells = {
+            f.name, f.profile, f.lane, number(f.chainage_m), std::string(to_string(s.state)), analysis::reason_of(s)};
+        if (s.has_bowl()) {
+            const auto& bowl = s.bowl();
+            const auto& indices = *s.indices;
+            cells.insert(cells.end(),
+                         {number(bowl.radius_mm), number(bowl.pressure_kPa), number(bowl.d0_um()),
+                          number(result.d0_at_common(s)), number(bowl.at(data::ratio_offset_mm)),
+                          d250_is_interpolated(s) ? "true" : "false", number(s.ratio()), verdict(s),
+                          number(s.normalised_kPa), number(indices.d0_um), number(indices.sci_um),
+                          number(indices.bdi_um), number(indices.bci_um), number(indices.area_mm),
+                          number(indices.curvature_radius_m), number(indices.surface_moduli[0].modulus_MPa)});
+            for (const double offset : offsets) {
+                cells.push_back(bowl.has_sensor_at(offset) ? number(bowl.at(offset)) : "");
+            }
+        } else {
+            cells.resize(cells.size() + 16 + offsets.size());
+        }
+        if (s.is_fitted()) {
+            for (const auto& p : s.fit->parameters) {
+                cells.insert(cells.end(),
+                             {number(p.value), number(p.low), number(p.high), p.determined ? "true" : "false"});
+            }
+        } else {
+            cells.resize(cells.size() + 4 * names.size());
+        }
+        if (result.study && s.fit) {
+            const landscape::Minimum& best = s.fit->best;
+            cells.insert(cells.end(),
+                         {number(best.evaluation.misfit), number(s.fit->rms_percent), best.converged ? "true" : "false",
+                          pave::join(bound_words(result.study->space, best.on_bound)),
+                          number(s.asphalt_at_reference_MPa)});
+        } else if (result.study) {
+            cells.resize(cells.size() + 5);
+        }
+        cells.insert(cells.end(),
+                     {number(f.air_C), number(f.surface_C), s.asphalt ? number(s.asphalt->celsius) : "",
+                      s.asphalt ? std::string(temperature_sources[static_cast<int>(s.asphalt->source)]) : "",
+                      number(f.latitude), number(f.longitude), f.date, f.time, f.comment, in_one_cell(drops_used(s)),
+                      in_one_cell(drops_left_out(s)), pave::join(analysis::remarks_of(result, s), "; "), f.file,
+                      std::to_string(f.line)});
+        add(cells);
+    }
+    return text;
+}
+
+std::optional<Json> survey_geojson(const SurveyResult& result) {
+    Json features = Json::array();
+    for (const StationResult& s : result.stations) {
+        const auto& f = s.station;
+        if (!f.latitude || !f.longitude) {
+            continue;
+        }
+        Json properties = {{"station", f.name},
+                           {"lane", f.lane},
+                           {"chainage_m", optional_json(f.chainage_m)},
+                           {"status", std::string(to_string(s.state))},
+                           {"reason", analysis::reason_of(s)}};
+        if (s.has_bowl()) {
+            properties["normalised_D0_um"] = s.indices->d0_um;
+            properties["deflection_ratio"] = optional_json(s.ratio());
+        }
+        const auto names = result.parameter_names();
+        for (std::size_t k = 0; s.is_fitted() && k < names.size(); ++k) {
+            properties[names[k]] = s.fit->parameters[k].value;
+            properties[names[k] + " determined"] = s.fit->parameters[k].determined;
+        }
+        features.push_back({{"type", "Feature"},
+                            {"geometry", {{"type", "Point"}, {"coordinates", {*f.longitude, *f.latitude}}}},
+                            {"properties", std::move(properties)}});
+    }
+    return features.empty() ? std::nullopt
+                            : std::optional(Json{{"type", "FeatureCollection"}, {"features", std::move(features)}});
+}
+
+} // namespace explore::report

@@ -1,0 +1,20 @@
+// A survey's result as JSON, as tables for spreadsheets and maps, and as text.
+#pragma once
+
+#include "analysis/survey.h"
+#include "report/json.h"
+
+namespace explore::report {
+
+Json survey_json(const analysis::SurveyResult& result);
+
+// A line a station with everything: place, time, temperatures, drops, deflections, indices, parameters, remarks.
+std::string survey_csv(const analysis::SurveyResult& result);
+
+// The stations with a position, as points; nothing: none has one.
+std::optional<Json> survey_geojson(const analysis::SurveyResult& result);
+
+// For people: counts, definitions, the table of stations, remarks, charts along the road, sections, findings.
+std::string survey_text(const analysis::SurveyResult& result);
+
+} // namespace explore::report
