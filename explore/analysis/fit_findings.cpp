@@ -84,7 +84,7 @@ void unknown_parameters(const FitResult& result, std::vector<std::string>& text)
     }
     if (!best.on_bound.empty()) {
         text.push_back(
-            fmt::format("{}: the data ask for more than the study allows there, or do not see it.{}",
+            fmt::format("{}: the data call for a value beyond the bound, or are not sensitive to it.{}",
                         pave::join(bound_words(space, best.on_bound)),
                         result.local.degrees_of_freedom > 0
                             ? fmt::format(" The degrees of freedom count {} as known.",
@@ -201,7 +201,7 @@ std::vector<std::string> findings(const FitResult& result) {
     const std::string change = direction_words(problem.space, best.unit, local.weakest);
     if (local.noise > 0.0 && local.weakest_growth < 3.0 * local.noise && !change.empty()) {
         text.push_back(
-            fmt::format("The data hardly see this change: {}. It changes the residuals by {}, where their noise is {}.",
+            fmt::format("The data are hardly sensitive to this change: {}. It changes the residuals by {}, where their noise is {}.",
                         change, figure(local.weakest_growth), figure(local.noise)));
     }
     if (const std::string accused = accused_reading(result); !accused.empty()) {
