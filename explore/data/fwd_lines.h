@@ -1,6 +1,7 @@
 // Going through a text line by line.
 #pragma once
 
+#include <algorithm>
 #include <string_view>
 #include <vector>
 
