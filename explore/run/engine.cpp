@@ -146,7 +146,8 @@ public:
         for (auto& [number, e] : store->get(run, {start, 0}, {start, std::numeric_limits<int>::max()})) {
             next_ = number.number + 1;
             if (!with_jacobian || !e.converged() || e.jacobian.size() > 0) {
-                known_.try_emplace(e.parameters, Known{std::move(e), true});
+                std::vector<double> parameters = e.parameters;
+                known_.try_emplace(std::move(parameters), Known{std::move(e), true});
             }
         }
     }

@@ -20,7 +20,7 @@ void handle(int) {
     if (flag.exchange(true)) {
         std::_Exit(130);
     }
-    say("\nwaiting for the evaluations that are running, to keep them; a second Ctrl-C ends at once\n");
+    say("\nwaiting for the evaluations that are running; a second Ctrl-C ends at once\n");
 }
 
 void end(int) {

@@ -404,7 +404,7 @@ for send, number in ((os.kill, signal.SIGTERM), (os.killpg, signal.SIGINT)):
         time.sleep(0.01)
     send(process.pid, number)
     done = ended(process, patience)
-    done.stderr = "".join(line for line in done.stderr.splitlines(keepends=True) if not line.startswith("repeating: "))
+    done.stderr = "".join(line for line in done.stderr.splitlines(keepends=True) if line.strip() and not line.startswith(("repeating: ", "waiting for ")))
     message = one_line(done, [130], f"rerun, {number.name}")
     check("the same command continues" not in message, f"rerun, {number.name}: nothing of it is kept: {message}")
     left = [rest.name for rest in scratch.glob("pavescape-rerun-*")]
