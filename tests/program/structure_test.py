@@ -4,7 +4,7 @@ import re
 
 from support import *
 
-SRC = ["base", "mechanics", "material", "mesh", "fe", "pavement", "reduced"]
+SRC = ["base", "mechanics", "material", "layered", "mesh", "fe", "pavement", "reduced"]
 EXPLORE = ["data", "problem", "study", "search", "optimise", "run", "landscape", "diagnose", "analysis", "report", "cli"]
 # Above the forward model's own base/, these may include src/.
 KNOWS_PAVEMENTS = {"study", "analysis", "report", "cli"}
