@@ -200,9 +200,12 @@ void read_effect(const toml::table& table, Study& study) {
             applied.quantity = find_quantity(quantity, reader.place(keys::effect_quantity));
         }
     }
-    if (effect.takes_reading) {
+    if (effect.takes_reading && reader.has(keys::effect_reading)) {
         const int last = std::max(1, static_cast<int>(study.measurements.size()));
         applied.reading = reader.integer(keys::effect_reading, 1, last, 1) - 1;
+    }
+    if (effect.takes_thickness && reader.has(keys::effect_thickness)) {
+        applied.thickness = unit::mm * reader.number(keys::effect_thickness);
     }
     reader.done();
     for (const AppliedEffect& other : model.effects) {
@@ -580,8 +583,8 @@ Study load_study(const std::string& file, Readings readings) {
         study.outputs.push_back(read_output(*output, file, study.model));
         study.model.sensors.push_back(study.outputs.back().sensor);
     }
-    study.extent_is_stated = study.model.settings.extent != not_stated;
-    if (!study.extent_is_stated) {
+    study.model.settings.wall_follows = study.model.settings.extent == not_stated;
+    if (study.model.settings.wall_follows) {
         study.model.settings.extent = study.model.default_extent();
     }
     for (const auto* effect : reader.tables("effects")) {
@@ -603,7 +606,7 @@ Study with_measurements(Study study, std::vector<data::Measurement> measurements
     study.model.sensors.clear();
     study.outputs.clear();
     study.sigma.clear();
-    if (!study.extent_is_stated) {
+    if (study.model.settings.wall_follows) {
         study.model.settings.extent = not_stated;
     }
     for (const auto& m : measurements) {
@@ -612,7 +615,7 @@ Study with_measurements(Study study, std::vector<data::Measurement> measurements
     study.measurements = std::move(measurements);
     set_groups(study, {}, {}, nullptr);
     set_noise(study);
-    if (!study.extent_is_stated) {
+    if (study.model.settings.wall_follows) {
         study.model.settings.extent = study.model.default_extent();
     }
     study.hash = hash_of(study.hash, study.measurements);
