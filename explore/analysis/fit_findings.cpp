@@ -200,9 +200,9 @@ std::vector<std::string> findings(const FitResult& result) {
     }
     const std::string change = direction_words(problem.space, best.unit, local.weakest);
     if (local.noise > 0.0 && local.weakest_growth < 3.0 * local.noise && !change.empty()) {
-        text.push_back(
-            fmt::format("The data are hardly sensitive to this change: {}. It changes the residuals by {}, where their noise is {}.",
-                        change, figure(local.weakest_growth), figure(local.noise)));
+        text.push_back(fmt::format("The data are hardly sensitive to this change: {}. It changes the residuals by {}, "
+                                   "where their noise is {}.",
+                                   change, figure(local.weakest_growth), figure(local.noise)));
     }
     if (const std::string accused = accused_reading(result); !accused.empty()) {
         text.push_back(accused);

@@ -41,6 +41,7 @@ std::span<const Key> study_keys() {
         effect_load,
         effect_quantity,
         effect_reading,
+        effect_thickness,
         parameter_name,
         parameter_scale,
         parameter_min,

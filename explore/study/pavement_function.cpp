@@ -129,17 +129,17 @@ void members(Archive& archive, T& value) {
         auto& [load, quantity, x, y, depth, gauge, measured, gain, shares] = value;
         archive(load, quantity, x, y, depth, gauge, measured, gain, shares);
     } else if constexpr (std::is_same_v<Own, Sensor::Share>) {
-        auto& [dx, dz, weight] = value;
-        archive(dx, dz, weight);
+        auto& [dx, gauge, weight] = value;
+        archive(dx, gauge, weight);
     } else if constexpr (std::is_same_v<Own, pave::fe::SolverSettings>) {
         auto& [path, equilibrium, linear] = value;
         archive(path, equilibrium, linear);
     } else if constexpr (std::is_same_v<Own, Settings>) {
-        auto& [integration, extent, refine, solver] = value;
-        archive(integration, extent, refine, solver);
+        auto& [integration, extent, wall_follows, refine, solver] = value;
+        archive(integration, extent, wall_follows, refine, solver);
     } else if constexpr (std::is_same_v<Own, AppliedEffect>) {
-        auto& [effect, size, present, layer, load, quantity, reading] = value;
-        archive(effect, size, present, layer, load, quantity, reading);
+        auto& [effect, size, present, layer, load, quantity, reading, thickness] = value;
+        archive(effect, size, present, layer, load, quantity, reading, thickness);
     } else {
         static_assert(std::is_same_v<Own, Case>);
         auto& [layers, loads, sensors, settings, effects] = value;

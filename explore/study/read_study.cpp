@@ -129,9 +129,12 @@ void read_effect(const toml::table& table, Study& study) {
             applied.quantity = find_quantity(quantity, reader.place(keys::effect_quantity));
         }
     }
-    if (effect.takes_reading) {
+    if (effect.takes_reading && reader.has(keys::effect_reading)) {
         const int last = std::max(1, static_cast<int>(study.measured().size()));
         applied.reading = reader.integer(keys::effect_reading, 1, last, 1) - 1;
+    }
+    if (effect.takes_thickness && reader.has(keys::effect_thickness)) {
+        applied.thickness = unit::mm * reader.number(keys::effect_thickness);
     }
     reader.done();
     for (const AppliedEffect& other : model.effects) {
@@ -346,7 +349,7 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
     for (const auto* output : reader.tables("outputs")) {
         read_output(*output, study);
     }
-    study.extent_is_stated = study.model.settings.extent != extent_not_stated;
+    study.model.settings.wall_follows = study.model.settings.extent == extent_not_stated;
     settle_extent(study);
     for (const auto* effect : reader.tables("effects")) {
         read_effect(*effect, study);

@@ -1,5 +1,6 @@
 #include "study/variants.h"
 
+#include "base/units.h"
 #include "pavement/effects/catalog.h"
 #include "pavement/effects/effect.h"
 #include "study/table_reader.h"
@@ -225,6 +226,9 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
         }
         if (applied.reading) {
             result += fmt::format("reading = {}\n", *applied.reading + 1);
+        }
+        if (applied.thickness) {
+            result += fmt::format("thickness_mm = {}\n", *applied.thickness / pave::unit::mm);
         }
         const problem::Axis& axis = extended.space.axes[known + v];
         result += fmt::format("\n[[parameters]]\nname = \"{}\"\nmin = {}\nmax = {}\nscale = \"{}\"\n", axis.name,

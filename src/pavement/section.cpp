@@ -44,8 +44,8 @@ bool Case::turns() const {
     return std::any_of(layers.begin(), layers.end(), [](const Layer& l) { return l.law->turns(); });
 }
 
-double Case::default_extent() const {
-    double extent = std::max(4.0, 2.0 * depth());
+double Case::default_extent(double depth) const {
+    double extent = std::max(4.0, 2.0 * depth);
     for (const Sensor& sensor : sensors) {
         extent = std::max(extent, 2.0 * std::hypot(sensor.x, sensor.y));
     }

@@ -95,9 +95,11 @@ struct Sensor {
     double gauge = 0.0;                   // m
     bool measured = true;                 // by an instrument, which may err; false: an asked-for response
     double gain = 1.0;                    // of the instrument
-    // Places that the reading averages over, relative to the sensor; none: the sensor's own.
+    // What the reading is the weighted sum of: readings at places beside the sensor, over gauge lengths of their own.
+    // None: that of the sensor itself.
     struct Share {
-        double dx = 0.0, dz = 0.0; // m
+        double dx = 0.0;    // m
+        double gauge = 0.0; // m
         double weight = 1.0;
         bool operator==(const Share&) const = default;
     };
@@ -110,7 +112,8 @@ enum class Integration { incremental, secant };
 
 struct Settings {
     Integration integration = Integration::incremental;
-    double extent = 4.0; // m: the smooth wall; see default_extent()
+    double extent = 4.0;       // m: the smooth wall
+    bool wall_follows = false; // effects and thicknesses move it to default_extent()
     double refine = 1.0;
     fe::SolverSettings solver;
 };
@@ -126,7 +129,8 @@ struct AppliedEffect {
     std::string layer{};
     std::optional<int> load{};
     std::optional<Quantity> quantity{};
-    std::optional<int> reading{}; // index of a sensor
+    std::optional<int> reading{};      // index of a sensor
+    std::optional<double> thickness{}; // m, of a sublayer
 };
 
 // Everything a forward run is a function of.
@@ -144,7 +148,9 @@ struct Case {
     bool turns() const;
     // Where the wall stands unless a study says otherwise: 4 m, or twice the depth of the section, or twice the
     // distance of the farthest sensor. Nearer than twice the depth, the wall shows in the far deflections.
-    double default_extent() const;
+    double default_extent() const { return default_extent(depth()); }
+    // Of another depth [m].
+    double default_extent(double depth) const;
 };
 
 } // namespace pave::pavement

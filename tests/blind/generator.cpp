@@ -130,6 +130,7 @@ Case draw_case(Draw& draw) {
         }
     }
     c.settings.extent = c.default_extent();
+    c.settings.wall_follows = true; // as in the study that is written, which states none
     return c;
 }
 
@@ -356,13 +357,17 @@ void add_ceiling(Json& truth, const Case& c, const Hidden& hidden, const VectorX
             continue;
         }
         std::vector<AppliedEffect> ways{{}};
-        if (effect->takes_reading) {
+        if (effect == find_effect("outlier")) {
             for (Eigen::Index i = 0; i < sigma.size(); ++i) {
                 compare(std::string(effect->name), beyond(base, VectorXd::Unit(sigma.size(), i)), true);
             }
             continue;
         }
-        if (effect->takes_quantity) {
+        if (effect->takes_reading) {
+            for (int reading = 0; reading < static_cast<int>(c.sensors.size()); ++reading) {
+                ways.push_back({.reading = reading});
+            }
+        } else if (effect->takes_quantity) {
             std::set<std::pair<int, Quantity>> groups;
             for (const Sensor& s : c.sensors) {
                 groups.emplace(s.load, s.quantity);

@@ -1,5 +1,5 @@
-// Residuals in units of stated noise: variance 1 and no bias, whatever the value is. Reference: draws of the noise as it
-// is stated, and what dividing by the measured value does with the same draws.
+// Residuals in units of stated noise: variance 1 and no bias, whatever the value is. Reference: draws of the noise as
+// it is stated, and what dividing by the measured value does with the same draws.
 #include "data/noise.h"
 
 #include "base/random.h"
@@ -36,7 +36,8 @@ Estimate fitted(const std::vector<double>& measured, const Noise& noise) {
 } // namespace
 
 TEST(Noise, HasTheSlopeOfItsResidual) {
-    for (const Noise noise : {Noise{.absolute = 0.02}, Noise{.relative = 0.1}, Noise{.absolute = 0.02, .relative = 0.1}}) {
+    for (const Noise noise :
+         {Noise{.absolute = 0.02}, Noise{.relative = 0.1}, Noise{.absolute = 0.02, .relative = 0.1}}) {
         for (const double measured : {0.5, -0.3, 0.01}) {
             for (const double model : {0.4, 0.7, -0.2, 0.0}) {
                 constexpr double h = 1e-6;
