@@ -48,13 +48,10 @@ for layers, top in ((SRC, "src"), (EXPLORE, "explore")):
 MOST_LINES = 500
 # Longer files, each with the reason why it is one file.
 LONGER = {
-    "explore/cli/survey.cpp": "command, analysis and report of a road in one: to be divided as the other commands are",
     "explore/diagnose/diagnosis.cpp": "one class: the steps of the diagnosis share the models that it has fitted",
     "explore/landscape/uniqueness.cpp": "one class: the steps of the analysis share its minima, walks and chain numbers",
     "explore/run/cluster.cpp": "both ends of one protocol stand side by side",
     "src/fe/solver_work.h": "what the integrations share for both kinds of element, in one template",
-    "src/reduced/build.cpp": "one class: sampling, modes, cubature and correction share the snapshots",
-    "src/reduced/reduced_load.cpp": "one class: the reduced load path with its derivatives and its error estimate",
 }
 
 
