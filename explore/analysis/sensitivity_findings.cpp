@@ -23,6 +23,7 @@ std::vector<std::string> findings(const SensitivityResult& s) {
     std::vector<std::string> words;
     std::vector<bool> matters(space.axes.size(), false);
     double widest = 0.0;
+    bool beyond = false; // an estimate above all of the variance
     for (std::size_t i = 0; i < s.global.responses.size(); ++i) {
         const auto& g = s.global.responses[i];
         const std::string name = s.study.readings[s.responses[i]].label();
@@ -36,8 +37,12 @@ std::vector<std::string> findings(const SensitivityResult& s) {
             widest = std::max(widest, (g.total[k].high - g.total[k].low) / 2.0);
             matters[k] = matters[k] || g.total[k].high >= negligible;
             if (parts.empty() || (parts.size() < 3 && g.total[k].value >= negligible)) {
-                parts.push_back(fmt::format("{} ({:.0f} %{})", space.axes[k].name, 100.0 * g.total[k].value,
-                                            parts.empty() ? " of its variance" : ""));
+                const double share = g.total[k].value;
+                beyond = beyond || share > 1.0;
+                parts.push_back(
+                    fmt::format("{} ({}{})", space.axes[k].name,
+                                share > 1.0 ? std::string("nearly all") : fmt::format("{:.0f} %", 100.0 * share),
+                                parts.empty() ? " of its variance" : ""));
             }
         }
         std::string sentence = name + " is governed by " + pave::join(parts, ", then ");
@@ -69,6 +74,12 @@ std::vector<std::string> findings(const SensitivityResult& s) {
             "describe the part of the box that has answers, where the parameters are no longer independent.",
             s.global.rows - s.global.complete, s.global.rows,
             100.0 * static_cast<double>(s.global.rows - s.global.complete) / static_cast<double>(s.global.rows)));
+    }
+    if (beyond) {
+        words.push_back(
+            fmt::format("{} rows are too few for these shares: an estimate lies above 100 %, where no share "
+                        "can be, and its interval is not to be relied on. More --samples mend it.",
+                        s.global.complete));
     }
     if (s.global.complete < 2) {
         words.emplace_back("Too few rows are left for global indices.");

@@ -12,15 +12,19 @@ namespace {
 std::atomic<bool> flag{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
+void say(std::string_view words) {
+    [[maybe_unused]] const auto written = write(STDERR_FILENO, words.data(), words.size());
+}
+
 void handle(int) {
     if (flag.exchange(true)) {
         std::_Exit(130);
     }
+    say("\nwaiting for the evaluations that are running, to keep them; a second Ctrl-C ends at once\n");
 }
 
 void end(int) {
-    constexpr std::string_view word = "interrupted\n";
-    [[maybe_unused]] const auto written = write(STDERR_FILENO, word.data(), word.size());
+    say("interrupted\n");
     std::_Exit(130);
 }
 
