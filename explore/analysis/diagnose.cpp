@@ -134,7 +134,7 @@ std::vector<diagnose::Candidate> candidates_of(const std::vector<study::Variant>
                                       .null = axis.unit(effect.null),
                                       .typical = axis.unit(effect.typical),
                                       .reading = {}};
-        if (variant.applied.reading) {
+        if (effect.is_error_of_reading) {
             candidate.reading =
                 std::find(layout.rows.begin(), layout.rows.end(), static_cast<std::size_t>(*variant.applied.reading)) -
                 layout.rows.begin();

@@ -357,7 +357,7 @@ void add_ceiling(Json& truth, const Case& c, const Hidden& hidden, const VectorX
             continue;
         }
         std::vector<AppliedEffect> ways{{}};
-        if (effect == find_effect("outlier")) {
+        if (effect->is_error_of_reading) {
             for (Eigen::Index i = 0; i < sigma.size(); ++i) {
                 compare(std::string(effect->name), beyond(base, VectorXd::Unit(sigma.size(), i)), true);
             }
