@@ -58,7 +58,15 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
         };
         if (effect->takes_reading) {
             for (const std::size_t i : readings) {
-                add({.reading = static_cast<int>(i)}, fmt::format("reading {}: {}", i + 1, study.readings[i].words()));
+                // What one place reads under one load alone could as well be an error of that reading.
+                const std::string place = study.readings[i].place_words();
+                const auto same = [&](std::size_t other) { return study.readings[other].place_words() == place; };
+                const bool stands_for_place = std::count_if(readings.begin(), readings.end(), same) > 1 &&
+                                              *std::find_if(readings.begin(), readings.end(), same) == i;
+                if (effect->is_error_of_reading || stands_for_place) {
+                    add({.reading = static_cast<int>(i)},
+                        fmt::format("reading {}: {}", i + 1, study.readings[i].words()));
+                }
             }
         } else if (effect->takes_quantity) {
             for (const auto& [load, quantity] : groups) {
