@@ -147,7 +147,9 @@ std::vector<Separating> separating_readings(const study::Study& study, const std
 
 int diagnose_study(const DiagnoseOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
-    const study::Study study = study::load_study(options.common.study);
+    study::Study own = study::load_study(options.common.study);
+    own.model.settings.layered = false; // most effects are beyond that engine, and models are compared by one engine
+    const study::Study& study = own;
     const problem::Problem baseline = study::make_noise_problem(study, study::Scope::fitted);
     for (const std::string& name : options.without) {
         study::effect_named(name, {.key = "--without"});

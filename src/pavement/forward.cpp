@@ -134,7 +134,7 @@ void check_sensor(const Case& c, const Sensor& s, const Place& place) {
         throw Error(place, "the sensor lies outside the mesh", fmt::format("{:g} m from the load", distance),
                     fmt::format("up to the wall at [mesh] extent_m = {}", c.settings.extent));
     }
-    if (top < -1e-9 || bottom > depth * (1.0 + 1e-9)) {
+    if (top < -1e-9 || (!c.half_space && bottom > depth * (1.0 + 1e-9))) {
         throw Error(place, "the sensor lies outside the mesh",
                     fmt::format("it reads from {:g} to {:g} mm depth", top / unit::mm, bottom / unit::mm),
                     fmt::format("0 to {:g} mm, the depth of the section", depth / unit::mm));
@@ -309,10 +309,10 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
             return Failure{Status::invalid_parameters, why};
         }
         for (const Sensor& sensor : c.sensors) {
-            if (is_below(sensor, c.depth())) {
+            if (is_below(sensor, models_[l]->reach(c))) {
                 return Failure{Status::failed,
-                               fmt::format("a sensor at {:g} mm depth lies below the floor of this section",
-                                           sensor.depth / unit::mm)};
+                               fmt::format("a sensor at {:g} mm depth lies below the {} of this section",
+                                           sensor.depth / unit::mm, c.half_space ? "mesh" : "floor")};
             }
         }
         const auto layers = materials_of(c);
@@ -382,7 +382,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
     response.statistics.tension_share = tension;
     response.statistics.unstable_share = unstable;
     response.statistics.limited_share = limited;
-    if (values.settings.extent < 1.99 * values.depth()) {
+    if (!values.half_space && values.settings.extent < 1.99 * values.depth()) {
         response.warnings.push_back(
             fmt::format("the wall ([mesh] extent_m = {:g}) stands nearer than twice the depth of "
                         "the section ({:g} m): far deflections feel it",
