@@ -213,7 +213,8 @@ TEST(LayeredResponse, EveryPlaneCarriesTheLoad) {
             for (std::size_t i = 0; i < found.size(); ++i) {
                 force -= weights[i] * found[i].stress_zz;
             }
-            EXPECT_NEAR(force, pi * radius * radius, 2e-5 * pi * radius * radius) << z; // to 100 m, where rounding is 1e-9
+            EXPECT_NEAR(force, pi * radius * radius, 2e-5 * pi * radius * radius)
+                << z; // to 100 m, where rounding is 1e-9
         }
     }
 }
