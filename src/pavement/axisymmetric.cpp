@@ -26,7 +26,11 @@ mesh::AxisymmetricMesh Axisymmetric::nominal_mesh(const Case& c, int load) {
             demand.gauge_radii.push_back(r);
         }
     }
-    return mesh::axisymmetric_mesh(demand);
+    auto mesh = mesh::axisymmetric_mesh(demand);
+    return c.half_space
+               ? mesh_of({with_endless_cell(std::move(mesh.r_lines), c), with_endless_cell(std::move(mesh.z_lines), c)},
+                         c)
+               : mesh;
 }
 
 Lines Axisymmetric::lines_of(const Mesh& mesh) {
@@ -36,11 +40,14 @@ Lines Axisymmetric::lines_of(const Mesh& mesh) {
 Lines Axisymmetric::breaks(const Case& c, int load) {
     std::vector<double> bottoms = bottoms_of(c);
     bottoms.insert(bottoms.begin(), 0.0);
-    return {{0.0, c.loads[load].footprint().half_x, c.settings.extent}, bottoms};
+    return {with_endless_cell({0.0, c.loads[load].footprint().half_x, c.settings.extent}, c),
+            with_endless_cell(std::move(bottoms), c)};
 }
 
-mesh::AxisymmetricMesh Axisymmetric::mesh_of(Lines lines, const std::vector<double>& layer_bottoms) {
-    return mesh::axisymmetric_mesh(std::move(lines[0]), std::move(lines[1]), layer_bottoms);
+mesh::AxisymmetricMesh Axisymmetric::mesh_of(Lines lines, const Case& c) {
+    auto mesh = mesh::axisymmetric_mesh(std::move(lines[0]), std::move(lines[1]), bottoms_of(c));
+    mesh.endless = c.half_space;
+    return mesh;
 }
 
 // The edge of the circle is a line of the mesh.

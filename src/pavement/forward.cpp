@@ -135,7 +135,7 @@ void check_sensor(const Case& c, const Sensor& s, const Place& place) {
         throw Error(place, "the sensor lies outside the mesh", fmt::format("{:g} m from the load", distance),
                     fmt::format("up to the wall at [mesh] extent_m = {}", c.settings.extent));
     }
-    if (top < -1e-9 || bottom > depth * (1.0 + 1e-9)) {
+    if (top < -1e-9 || (!c.half_space && bottom > depth * (1.0 + 1e-9))) {
         throw Error(place, "the sensor lies outside the mesh",
                     fmt::format("it reads from {:g} to {:g} mm depth", top / unit::mm, bottom / unit::mm),
                     fmt::format("0 to {:g} mm, the depth of the section", depth / unit::mm));
@@ -311,10 +311,10 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
             return Failure{Status::invalid_parameters, why};
         }
         for (const Sensor& sensor : c.sensors) {
-            if (is_below(sensor, c.depth())) {
+            if (is_below(sensor, models_[l]->reach(c))) {
                 return Failure{Status::failed,
-                               fmt::format("a sensor at {:g} mm depth lies below the floor of this section",
-                                           sensor.depth / unit::mm)};
+                               fmt::format("a sensor at {:g} mm depth lies below the {} of this section",
+                                           sensor.depth / unit::mm, c.half_space ? "mesh" : "floor")};
             }
         }
         const auto layers = materials_of(c);
@@ -380,7 +380,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         tension = std::max(tension, s.tension_share);
         unstable = std::max(unstable, s.unstable_share);
         limited = std::max(limited, s.limited_share);
-        if (!wall_is_near && c.settings.extent < 1.99 * c.depth()) {
+        if (!wall_is_near && !c.half_space && c.settings.extent < 1.99 * c.depth()) {
             wall_is_near = true;
             response.warnings.push_back(
                 fmt::format("the wall ([mesh] extent_m = {:g}) stands nearer than twice the depth of "

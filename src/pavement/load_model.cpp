@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "pavement/layered.h"
 
 #include <algorithm>
 #include <cmath>
@@ -324,7 +325,7 @@ private:
             const bool moves = wanted != lines;
             if (moves) {
                 lines = wanted;
-                mesh = Kind::mesh_of(std::move(wanted), bottoms_of(values));
+                mesh = Kind::mesh_of(std::move(wanted), values);
                 auto moved =
                     std::make_unique<fe::Model<Element>>(fe::make_model(mesh, of.model_, springs_of(values, of.load_)));
                 if (solver == nullptr) {
@@ -370,7 +371,7 @@ private:
         motion.load = Eigen::VectorXd::Zero(model_.free_unknowns());
         std::vector<Observation<Element>> rates(values.sensors.size());
         for (const auto& [weight, there] : near) {
-            const auto mesh = Kind::mesh_of(lines_for(Kind::breaks(there, load_)), bottoms_of(there));
+            const auto mesh = Kind::mesh_of(lines_for(Kind::breaks(there, load_)), there);
             const auto model = fe::make_model(mesh, model_);
             const auto layers = materials_of(there);
             for (std::size_t q = 0; q < model.points.size(); ++q) {
@@ -404,6 +405,13 @@ private:
 };
 
 } // namespace
+
+std::vector<double> with_endless_cell(std::vector<double> lines, const Case& c) {
+    if (c.half_space) {
+        lines.push_back(3.0 * lines.back());
+    }
+    return lines;
+}
 
 std::vector<double> bottoms_of(const Case& c) {
     std::vector<double> bottoms;
@@ -461,6 +469,19 @@ std::vector<bool> linear_layers(const Case& c) {
 }
 
 std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int number) {
+    const Load& load = nominal.loads[number];
+    const std::string why_not = why_not_layered(nominal, number);
+    if (load.type == LoadType::gear && !why_not.empty()) {
+        throw Error({.key = load.name + ".type"}, "a gear stands on linear layers only", why_not,
+                    "law = \"linear\" in every layer, or one of its wheels as a load");
+    }
+    if ((nominal.settings.layered || load.type == LoadType::gear) && why_not.empty()) {
+        return make_layered_model(nominal, number);
+    }
+    return make_finite_element_model(nominal, number);
+}
+
+std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, int number) {
     const Load& load = nominal.loads[number];
     const auto footprint = load.footprint();
     const double reach = std::max(footprint.outer(), footprint.half_y);
