@@ -41,6 +41,20 @@ bool first_drops_seat(const std::vector<StationResult>& stations) {
     return 2 * seating > told;
 }
 
+// Temperatures that no road has are not there; Fahrenheit under Celsius is the likely slip.
+void check_temperatures(data::FwdStation& station) {
+    constexpr double coldest = -50.0;
+    constexpr double hottest = 75.0;
+    for (auto [name, celsius] : {std::pair{"air", &station.air_C}, std::pair{"surface", &station.surface_C},
+                                 std::pair{"asphalt", &station.asphalt_C}}) {
+        if (*celsius && !(**celsius >= coldest && **celsius <= hottest)) {
+            station.remarks.push_back(fmt::format("the {} temperature of {:g} C is not used{}", name, **celsius,
+                                                  **celsius > hottest ? ": Fahrenheit in a Celsius column?" : ""));
+            celsius->reset();
+        }
+    }
+}
+
 void make_bowls(StationResult& s, const data::DropChoice& choice) {
     auto bowls = data::bowls_of(s.station, choice);
     if (bowls) {
@@ -58,6 +72,7 @@ SurveyResult read_stations(std::vector<data::FwdFile> files, data::DropChoice ch
             result.remarks.push_back(std::move(remark));
         }
         for (data::FwdStation& station : file.stations) {
+            check_temperatures(station);
             result.stations.push_back({.station = std::move(station)});
             make_bowls(result.stations.back(), choice);
         }

@@ -140,6 +140,7 @@ void add_survey(CLI::App& app, Action& action) {
         "lines");
     sub->add_option("--drops", options.drops.numbers, "use these drops and no others: 2,3")
         ->delimiter(',')
+        ->allow_extra_args(false)
         ->check(CLI::Range(0, 1000000));
     sub->add_option("--target-load", command->target, "use the drops nearest to this load: 40kN, 566kPa")
         ->check(a_load());

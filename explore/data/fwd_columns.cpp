@@ -9,6 +9,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <set>
+#include <utility>
 
 namespace explore::data {
 namespace {
@@ -87,7 +88,7 @@ constexpr std::string_view deflection_words[] = {"deflection", "defl", "def", "d
 std::optional<double> sensor_offset_mm(std::string_view base) {
     std::string text;
     for (const char c : lower_case(base)) {
-        if (c != ' ' && c != '_' && c != '(' && c != ')') {
+        if (std::string_view(" _(),:").find(c) == std::string_view::npos) {
             text += c;
         }
     }
@@ -121,7 +122,7 @@ std::optional<FwdColumn> column_of(std::string_view base, std::string_view unit)
         return unit.empty() || column.to_si ? std::optional(column) : std::nullopt;
     }
     if (word == "km" && unit.empty()) {
-        return FwdColumn{.meaning = Meaning::chainage, .name = {}, .to_si = 1e3};
+        return FwdColumn{.meaning = Meaning::chainage, .name = {}, .to_si = 1e3, .rank = std::size(words)};
     }
     const auto known =
         std::find_if(std::begin(words), std::end(words), [&](const Word& w) { return plain_word(w.word) == word; });
@@ -129,6 +130,7 @@ std::optional<FwdColumn> column_of(std::string_view base, std::string_view unit)
         return std::nullopt;
     }
     column.meaning = known->meaning;
+    column.rank = static_cast<std::size_t>(known - std::begin(words));
     const auto with = [&](std::span<const NamedUnit> units) {
         column.to_si = factor_of(units, unit);
         return unit.empty() || column.to_si ? std::optional(column) : std::nullopt;
@@ -292,7 +294,18 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
             return c.meaning == column->meaning && c.offset_mm == column->offset_mm;
         });
         if (same != header.columns.end()) {
-            throw pave::Error(place, "this column stands twice", "\"" + names[i] + "\"", "each once");
+            // "ID" beside "station" is another column, "load_lbf" beside "load_kN" the same one.
+            const bool is_load = column->meaning == Meaning::load || column->meaning == Meaning::pressure ||
+                                 column->meaning == Meaning::radius || column->meaning == Meaning::diameter ||
+                                 column->meaning == Meaning::deflection;
+            if (is_load || column->rank == same->rank) {
+                throw pave::Error(place, "this column stands twice", "\"" + names[i] + "\"", "each once");
+            }
+            if (column->rank < same->rank && !same->constant) {
+                std::swap(*same, *column);
+            }
+            header.unknown.push_back(column->name);
+            continue;
         }
         header.columns.push_back(*column);
     }
@@ -303,8 +316,10 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
             deflections.push_back(&column);
         }
     }
+    // What a table lacks may stand there under a name that is not known.
+    const std::string unknown = header.unknown.empty() ? "" : "columns not known: " + pave::join(header.unknown);
     if (deflections.empty()) {
-        throw pave::Error(place, "there is no column of deflections", {}, known_columns());
+        throw pave::Error(place, "there is no column of deflections", unknown, known_columns());
     }
     bool numbered = are_numbered(deflections);
     // Further rows of the header: no load in them, and all deflections numbers (offsets) or units.
@@ -363,14 +378,16 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
     }
     const bool station_is_place = header.find(Meaning::chainage) == nullptr && header.find(Meaning::station) != nullptr;
     if (header.find(Meaning::chainage) == nullptr && !station_is_place) {
-        throw pave::Error({.file = file, .line = lines[0], .key = "chainage_m"}, "column missing", {}, known_columns());
+        throw pave::Error({.file = file, .line = lines[0], .key = "chainage_m"}, "column missing", unknown,
+                          known_columns());
     }
     if (header.find(Meaning::radius) == nullptr && header.find(Meaning::diameter) == nullptr) {
-        throw pave::Error({.file = file, .line = lines[0], .key = "radius_mm"}, "column missing", {},
+        throw pave::Error({.file = file, .line = lines[0], .key = "radius_mm"}, "column missing", unknown,
                           known_columns() + "; of a plate that is the same everywhere: --columns \"radius_mm = 150\"");
     }
     if (header.find(Meaning::pressure) == nullptr && header.find(Meaning::load) == nullptr) {
-        throw pave::Error(place, "the load of a drop is not stated", "neither pressure_kPa nor load_kN",
+        throw pave::Error(place, "the load of a drop is not stated",
+                          "neither pressure_kPa nor load_kN" + (unknown.empty() ? "" : "; " + unknown),
                           "one of the columns pressure_kPa and load_kN");
     }
     std::stable_sort(header.columns.begin(), header.columns.end(),

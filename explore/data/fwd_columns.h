@@ -39,6 +39,7 @@ struct FwdColumn {
     std::size_t at = 0;            // its cell in a line
     std::optional<double> to_si{}; // factor of its unit; nothing: no unit is stated, or none is needed
     bool is_fahrenheit = false;
+    std::size_t rank = 0;             // of its word among those of one meaning; the lowest is meant where several stand
     double offset_mm = 0.0;           // of a deflection
     std::optional<double> constant{}; // in place of cells; in the unit of the column
 };

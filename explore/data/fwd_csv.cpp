@@ -185,8 +185,11 @@ std::string with_point(std::string_view cell, char decimal) {
     return text;
 }
 
-bool is_number_column(Meaning meaning) {
+// Whether its cells tell the decimal sign. Positions keep their points where the spreadsheet knows commas.
+bool tells_decimals(Meaning meaning) {
     switch (meaning) {
+    case Meaning::latitude:
+    case Meaning::longitude:
     case Meaning::station:
     case Meaning::lane:
     case Meaning::date:
@@ -208,7 +211,7 @@ public:
         Decimals decimals(table_.separator);
         for (std::size_t r = header_.rows; r < table_.rows.size(); ++r) {
             for (const FwdColumn& column : header_.columns) {
-                if (is_number_column(column.meaning) && column.at < table_.rows[r].size() && !column.constant) {
+                if (tells_decimals(column.meaning) && column.at < table_.rows[r].size() && !column.constant) {
                     decimals.look_at(trimmed(table_.rows[r][column.at]), table_.lines[r], column.name);
                 }
             }
@@ -220,8 +223,14 @@ public:
         if (!header_.unknown.empty()) {
             result_.remarks.push_back("columns not used: " + pave::join(header_.unknown));
         }
+        if (const FwdColumn* place = header_.find(Meaning::chainage); place != nullptr && !place->to_si) {
+            result_.remarks.push_back(
+                fmt::format("the column \"{}\" states no unit: it is taken for metres", place->name));
+        }
         for (std::size_t r = header_.rows; r < table_.rows.size(); ++r) {
-            take(r);
+            if (table_.rows[r] != table_.rows[0]) { // tables one after the other repeat it
+                take(r);
+            }
         }
         if (result_.stations.empty()) {
             throw pave::Error({.file = file_}, "the file holds no stations", "a header and no rows",
@@ -300,7 +309,7 @@ private:
         keep(s.asphalt_C, temperature(r, Meaning::asphalt));
         const auto position = [&](Meaning meaning) {
             std::string found = text(r, meaning);
-            std::replace(found.begin(), found.end(), decimal_, '.');
+            std::replace(found.begin(), found.end(), ',', '.');
             return degrees(found);
         };
         keep(s.latitude, position(Meaning::latitude));
@@ -395,23 +404,27 @@ bool recognises_fwd_csv(std::string_view text, const ColumnMap& columns) {
     }
     // Any two words of such a table.
     int known = 0;
-    for (std::string_view rest = line;;) {
-        std::string_view name = trimmed(rest.substr(0, rest.find(separator)));
-        if (name.size() > 1 && name.front() == '"' && name.back() == '"') {
-            name = name.substr(1, name.size() - 2);
-        }
+    std::string name;
+    bool is_quoted = false;
+    const auto take_name = [&] {
         const auto column = column_named(name);
         known += column && (column->meaning == Meaning::chainage || column->meaning == Meaning::deflection ||
                             column->meaning == Meaning::radius || column->meaning == Meaning::diameter ||
                             column->meaning == Meaning::pressure || column->meaning == Meaning::load)
                      ? 1
                      : 0;
-        const std::size_t at = rest.find(separator);
-        if (at == npos) {
-            return known >= 2;
+        name.clear();
+    };
+    for (const char c : line) {
+        is_quoted = is_quoted != (c == '"');
+        if (c == separator && !is_quoted) {
+            take_name();
+        } else if (c != '"') {
+            name += c;
         }
-        rest.remove_prefix(at + 1);
     }
+    take_name();
+    return known >= 2;
 }
 
 FwdFile read_fwd_csv(std::string_view text, const std::string& file, const ColumnMap& columns) {

@@ -135,7 +135,7 @@ std::optional<double> hour_of_day(std::string_view time) {
 std::string plain_word(std::string_view text) {
     std::string out;
     for (const char c : lower_case(text)) {
-        if (c != ' ' && c != '-' && c != '_' && c != '.') {
+        if (std::string_view(" -_.,:").find(c) == std::string_view::npos) {
             out += c;
         }
     }

@@ -41,7 +41,8 @@ std::span<const NamedUnit> pressure_units();
 std::optional<double> factor_of(std::span<const NamedUnit> units, std::string_view word);
 std::string names_of(std::span<const NamedUnit> units);
 
-// Lower case without blanks, hyphens, dots, underscores and a plural s: "kilo-Newtons" and "kilonewton" are one word.
+// Lower case without blanks, hyphens, dots, commas, colons, underscores and a plural s: "kilo-Newtons" and "kilonewton"
+// are one word.
 std::string plain_word(std::string_view text);
 
 } // namespace explore::data

@@ -148,6 +148,7 @@ TEST(FwdCsv, ReadsHeadersInOtherWords) {
     check("Station (ft),Plate Radius (in),Pressure (psi),D0 (mils),D12in (mils)", "0,5.905512,101.526,20,8");
     check("Distance_ft,Plate diameter_mm,Load (lbf),D0_mils,D12in_mils", "0,300,11124,20,8");
     check("km,radius_mm,Load (kip),D0_\xc2\xb5m,D304.8_\xc2\xb5m", "0,150,11.124,508,200");
+    check("\"Chainage, m\",\"Radius, mm\",\"Pressure, kPa\",\"D0, um\",\"D304.8, um\"", "0,150,700,508,200");
     check("km,radius_mm,Load (kPa),D(0) [mm],D(304.8) [mm]", "0,150,700,0.508,0.2");
 }
 
@@ -205,6 +206,23 @@ TEST(FwdCsv, KeepsPlaceTimeAndRemarkAndNamesWhatItDoesNotUse) {
     EXPECT_NEAR(*read("chainage_m,radius_mm,load_kN,D0_um,surface_F\n0,150,50,500,77\n")[0].surface_C, 25.0, 1e-12);
 }
 
+TEST(FwdCsv, OneOfSeveralNamesIsMeant) {
+    const data::FwdFile file =
+        read_file("ID,Distance_m,Station,Chainage_m,radius_mm,load_kN,D0_um\n7,3,A,0,150,50,500\n");
+    EXPECT_EQ(file.stations[0].name, "A");
+    EXPECT_EQ(file.stations[0].chainage_m, 0.0);
+    EXPECT_EQ(file.remarks, std::vector<std::string>{"columns not used: ID, Distance_m"});
+    expect_complaint("chainage_m,radius_mm,load_kN,load_lbf,D0_um\n", {":1", "twice", "load_lbf"});
+    expect_complaint("chainage_m,radius_mm,Load (stone),D0_um\n", {":1", "not stated", "Load (stone)"});
+    // A table behind a table.
+    EXPECT_EQ(read(plain + plain).size(), 2U);
+    EXPECT_EQ(read(plain + plain)[0].drops.size(), 2U);
+    // Points in positions, commas elsewhere.
+    const auto s = read("chainage_m;radius_mm;load_kN;D0_um;lat\n0;150;50,2;500;48.97\n")[0];
+    EXPECT_EQ(s.latitude, 48.97);
+    EXPECT_NEAR(*s.drops[0].force_kN, 50.2, 1e-12);
+}
+
 TEST(FwdCsv, NumberedSensorsNeedTheirPlaces) {
     const std::string header = "chainage_m,radius_mm,load_kN,D1_um,D2_um,D3_um\n";
     const auto third = [](const std::vector<data::FwdStation>& stations) {
@@ -219,6 +237,8 @@ TEST(FwdCsv, NumberedSensorsNeedTheirPlaces) {
     // Units in a row of their own.
     const auto stations = read("chainage,radius,load,D0,D200\nm,mm,kN,mils,mils\n0,150,50,20,16\n");
     EXPECT_NEAR(deflections(stations[0].drops[0])[0], 508.0, 1e-9);
+    EXPECT_EQ(read_file("chainage,radius_mm,load_kN,D0_um\n7,150,50,500\n").remarks,
+              std::vector<std::string>{"the column \"chainage\" states no unit: it is taken for metres"});
 }
 
 TEST(FwdCsv, TakesAListOfColumns) {

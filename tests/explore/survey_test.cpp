@@ -258,7 +258,7 @@ TEST(Plausibility, NamesTheSlip) {
         return rejection(s);
     };
     EXPECT_EQ(reason(150, 0.707, {}, 500), "drop 1: a pressure of 0.707 kPa: MPa in a kPa column?");
-    EXPECT_EQ(reason(150, 7.2, {}, 500), "drop 1: a pressure of 7.2 kPa: bar or kgf/cm2 in a kPa column?");
+    EXPECT_EQ(reason(150, 7.2, {}, 500), "drop 1: a pressure of 7.2 kPa: kgf/cm2 or bar in a kPa column?");
     // 5000 kgf = 49 kN = 694 kPa; 5000 lbf = 22 kN = 315 kPa
     EXPECT_EQ(reason(150, 70736, 5000.0, 500),
               "drop 1: a pressure of 70736 kPa (5000 kN on this plate): kgf or lbf in a kN column?");

@@ -117,10 +117,13 @@ for words in ("D250/D0", "Austroads", "~0.", "pass", "fail", "rejected: the defl
 check("\x1b" not in text, "no terminal codes when piped")
 
 # A bound between the truth and the data is named.
-bounded = write_study(folder, SURVEY.replace("max = 300\n", "max = 100\n"), None, "bounded")
+bounded = write_study(folder, SURVEY.replace("max = 300\n", "max = 170\n"), None, "bounded")
 result = call(road, "--study", bounded, "--out", folder / "bounded")
 bounds = {s["station"]: s["fit"]["on_bound"] for s in result["stations"] if "fit" in s}
 check(bounds["B"] == ["subgrade.modulus_MPa at its upper bound"] and bounds["C"] == [], f"bounds: {bounds}")
+far_off = write_study(folder, SURVEY.replace("max = 300\n", "max = 60\n"), None, "far-off")
+station = {s["station"]: s for s in call(road, "--study", far_off, "--out", folder / "far-off")["stations"]}["B"]
+check(station["status"] == "no-fit" and "RMS" in station["reason"] and "attempt" in station, f"a third of the stiffness is no fit: {station['reason']}")
 
 # A model that cannot be: no back-calculation, and it is said.
 stiff = write_study(folder, SURVEY.replace("min = 20\nmax = 300\n", "min = 2000\nmax = 3000\n"), None, "stiff")
@@ -173,6 +176,7 @@ map_of = json.loads((folder / "places" / "survey.geojson").read_text())
 check([f["geometry"]["coordinates"] for f in map_of["features"]] == [[2.58, 48.97]], f"a map: {map_of}")
 check(abs(result["stations"][0]["asphalt_C"] - 20.774) < 0.001, "BELLS3 at half of 200 mm: see survey_analysis_test")
 check(result["stations"][1]["asphalt_C"] is None, "no temperature without a surface")
+check(any("Fahrenheit" in r for r in result["stations"][1]["remarks"]), f"95 C: {result['stations'][1]['remarks']}")
 check(any("crew" in f for f in result["findings"]), f"columns that are not used are named: {result['findings']}")
 
 # Cut off and continued: the same result, and what was computed is not computed again.
@@ -225,8 +229,9 @@ def file(name, text):
 
 expect("no such file", ["nowhere.csv", "FWD file"], folder / "nowhere.csv")
 expect("another format", ["known format", "chainage_m"], study)
-expect("no load", ["heavy"], road, "--target-load", "heavy")
-expect("columns without a table's name", ["load_kN", "no such column", "Kraft"], road, "--columns", "load_kN = Kraft")
+done = run("survey", road, "--target-load", "heavy", "--out", folder / "wrong")
+check(done.returncode == 2 and "heavy is no load" in done.stderr, f"no load: {done.returncode} {done.stderr}")
+expect("columns without a table's name", ["no such column", "Kraft"], road, "--columns", "load_kN = Kraft")
 expect("no plate", ["plate", "0 loads"], road, "--study",
        write_study(folder, SURVEY.replace('type = "plate"\nradius_mm = 150', 'type = "wheel"\npatch = "circle"\nforce_kN = 40'), None, "wheel"))
 expect("a free load", ["fwd.pressure_kPa", "measured"], road, "--study",
