@@ -63,14 +63,14 @@ public:
             if (sensor.load != load) {
                 continue;
             }
-            const std::vector<Sensor::Share> whole{{}};
+            const std::vector<Sensor::Share> whole{{.gauge = sensor.gauge}};
             for (const Sensor::Share& share : sensor.shares.empty() ? whole : sensor.shares) {
                 const double x = sensor.x + share.dx;
-                const double z = sensor.depth + share.dz;
-                if (sensor.quantity == Quantity::strain_zz && sensor.gauge > 0.0) {
-                    const double half = sensor.gauge / 2.0;
-                    add(i, {x, sensor.y, false}, z - half, Quantity::deflection, share.weight / sensor.gauge);
-                    add(i, {x, sensor.y, false}, z + half, Quantity::deflection, -share.weight / sensor.gauge);
+                const double z = sensor.depth;
+                if (sensor.quantity == Quantity::strain_zz && share.gauge > 0.0) {
+                    const double half = share.gauge / 2.0;
+                    add(i, {x, sensor.y, false}, z - half, Quantity::deflection, share.weight / share.gauge);
+                    add(i, {x, sensor.y, false}, z + half, Quantity::deflection, -share.weight / share.gauge);
                 } else {
                     add(i, {x, sensor.y, sensor.quantity != Quantity::deflection}, z, sensor.quantity, share.weight);
                 }
