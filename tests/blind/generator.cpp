@@ -189,13 +189,17 @@ void apply_form(Case& c, const Hidden& hidden, int load) {
     const std::size_t subgrade = c.layers.size() - 1;
     if (name == "anisotropy-distribution") {
         const auto patch = c.loads[static_cast<std::size_t>(load)].footprint();
-        c.layers[base].fields.push_back(
-            {c.layers[base].law->index_of("n"), 1.0, hidden.size, rational_distance, {patch.centre, patch.half_x}});
+        c.layers[base].fields.push_back({c.layers[base].law->index_of("n"),
+                                         false,
+                                         1.0,
+                                         hidden.size,
+                                         rational_distance,
+                                         {patch.centre, patch.half_x}});
     } else if (name == "subgrade-depth-gradient") {
-        c.layers[subgrade].fields.push_back({{}, 0.0, hidden.size, root_of_depth, {top_of(c, subgrade)}});
+        c.layers[subgrade].fields.push_back({{}, false, 0.0, hidden.size, root_of_depth, {top_of(c, subgrade)}});
     } else if (name == "weak-subgrade-top") {
         c.layers[subgrade].fields.push_back(
-            {{}, 0.0, 1.0 - std::exp(-hidden.size), fading_with_depth, {top_of(c, subgrade)}});
+            {{}, false, 0.0, 1.0 - std::exp(-hidden.size), fading_with_depth, {top_of(c, subgrade)}});
     } else if (name == "base-residual-stress") {
         Layer upper = c.layers[base];
         upper.thickness /= 2.0;
