@@ -1,5 +1,5 @@
 // A file of measurements.
-#include "data/measurement.h"
+#include "data/reading.h"
 #include "target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
