@@ -132,9 +132,9 @@ public:
     // (no motion among them). Linear about that end, with the modulus reached there as stiffness, consistent mass
     // (density = unit weight / g), damping in proportion to the stiffness and, on the smooth wall, dashpots that absorb
     // shear waves (Lysmer and Kuhlemeyer 1969); the floor reflects. Integrated by Newmark's average acceleration in the
-    // steps of the history; derivatives are those of its steps. It is followed to a third of the history beyond its
-    // end, and as long after that as a shear wave takes to inertia.reach at the slowest pace from the surface down:
-    // that of the mean of 1/Vs over all layers above one depth or another.
+    // steps of the history; derivatives are those of its steps. It is followed for twice the time of the history, and
+    // then for twice the time that a shear wave takes to inertia.reach at the slowest pace from the surface down, that
+    // of the mean of 1/Vs over all layers above one depth or another: what the floor throws back may be the largest.
     Outcome<InertialCourse> inertial(const Solution<Element>& end, const Eigen::VectorXd& load, const History& history,
                                      const Inertia& inertia, const std::vector<Functional<Element>>& readings);
 

@@ -384,7 +384,7 @@ Outcome<InertialCourse> Solver<Element>::inertial(const Solution<Element>& end, 
     }
     const double wait = inertia.reach * dynamics.slowest() * std::sqrt(inertia.factor);
     const std::size_t acting = history.factors.size();
-    const auto steps = acting + acting / 3 + static_cast<std::size_t>(std::ceil(wait / step));
+    const auto steps = 2 * acting + static_cast<std::size_t>(std::ceil(2.0 * wait / step));
     InertialCourse result;
     result.moving = Course(n, steps, count, true);
     Course& course = result.moving;

@@ -195,11 +195,11 @@ TEST(ContactPressureShape, IsASumOfUniformPlates) {
 TEST(InterfaceSlipBaseSubgrade, IsAThinSoftFilm) {
     Case c = three_layers();
     c.sensors = {deflection(0.0), deflection(0.3), {0, Quantity::strain_xx, 0.0, 0.0, 0.4, 0.0}};
-    const double size = 0.9, thickness = 0.002;
+    const double size = 0.9, thickness = 0.001;
     const double k = 1e9 * (1.0 - size) / size;
     Case film = c;
-    Layer soft = uzan_layer("film", thickness, {.k1 = 3000e6 / 1e5, .k2 = 0.0, .k3 = 0.0, .n = 1.0});
-    soft.parameters[7] = k * thickness / 3000e6;
+    Layer soft = uzan_layer("film", thickness, {.k1 = 200e6 / 1e5, .k2 = 0.0, .k3 = 0.0, .n = 1.0});
+    soft.parameters[7] = k * thickness / 200e6;
     film.layers.insert(film.layers.begin() + 2, soft);
     film.layers[1].thickness -= thickness / 2.0;
     film.layers[3].thickness -= thickness / 2.0;
@@ -229,7 +229,7 @@ TEST(SensorsThatErr, AreReadWhereTheyAreAndTimesTheirGain) {
     ASSERT_TRUE(by_hand);
     EXPECT_LT(largest_change(longer, by_hand->values), 1e-9);
     moved = c;
-    for (const std::size_t i : {2U, 3U, 4U, 5U, 6U, 7U}) {
+    for (const std::size_t i : {2U, 3U, 4U, 5U, 6U, 7U, 8U}) {
         moved.sensors[i].x -= 0.03;
     }
     EXPECT_EQ(values_of(with(c, "load-offset", 30.0)), values_of(moved));
@@ -305,8 +305,7 @@ TEST(SensorPosition, IsTheSensorsElsewhere) {
         by_effect.effects[0].reading = reading;
         Case by_hand = c;
         change(by_hand.sensors);
-        const ForwardModel model(c);
-        EXPECT_EQ(values_of(by_effect), model.run(by_hand, {}, *model.make_workspace())->values);
+        EXPECT_EQ(values_of(by_effect), values_of(by_hand));
     };
     const auto both = [](std::vector<Sensor>& s) { s[1].x = s[4].x = 0.325; };
     moved(std::nullopt, 25.0, both);
