@@ -5,6 +5,11 @@
 #include <numbers>
 
 namespace pave::pavement {
+namespace {
+
+constexpr int doublings = 10; // deflections of a half-space are then within 0.2 %
+
+} // namespace
 
 mesh::AxisymmetricMesh Axisymmetric::nominal_mesh(const Case& c, int load) {
     mesh::AxisymmetricDemand demand;
@@ -27,10 +32,10 @@ mesh::AxisymmetricMesh Axisymmetric::nominal_mesh(const Case& c, int load) {
         }
     }
     auto mesh = mesh::axisymmetric_mesh(demand);
-    return c.half_space
-               ? mesh_of({with_endless_cell(std::move(mesh.r_lines), c), with_endless_cell(std::move(mesh.z_lines), c)},
-                         c)
-               : mesh;
+    return c.half_space ? mesh_of({with_far_cells(std::move(mesh.r_lines), c, doublings),
+                                   with_far_cells(std::move(mesh.z_lines), c, doublings)},
+                                  c)
+                        : mesh;
 }
 
 Lines Axisymmetric::lines_of(const Mesh& mesh) {
@@ -40,8 +45,8 @@ Lines Axisymmetric::lines_of(const Mesh& mesh) {
 Lines Axisymmetric::breaks(const Case& c, int load) {
     std::vector<double> bottoms = bottoms_of(c);
     bottoms.insert(bottoms.begin(), 0.0);
-    return {with_endless_cell({0.0, c.loads[load].footprint().half_x, c.settings.extent}, c),
-            with_endless_cell(std::move(bottoms), c)};
+    return {with_far_cells({0.0, c.loads[load].footprint().half_x, c.settings.extent}, c, doublings),
+            with_far_cells(std::move(bottoms), c, doublings)};
 }
 
 mesh::AxisymmetricMesh Axisymmetric::mesh_of(Lines lines, const Case& c) {

@@ -406,8 +406,11 @@ private:
 
 } // namespace
 
-std::vector<double> with_endless_cell(std::vector<double> lines, const Case& c) {
+std::vector<double> with_far_cells(std::vector<double> lines, const Case& c, int doublings) {
     if (c.half_space) {
+        for (int i = 0; i < doublings; ++i) {
+            lines.push_back(2.0 * lines.back());
+        }
         lines.push_back(3.0 * lines.back());
     }
     return lines;

@@ -8,6 +8,8 @@
 namespace pave::pavement {
 namespace {
 
+constexpr int doublings = 4; // of the cells of a half-space; more would cost many times the time
+
 mesh::SolidDemand demand_of(const Case& c, int load) {
     mesh::SolidDemand demand;
     for (const Layer& layer : c.layers) {
@@ -95,11 +97,11 @@ void integrate(const Load::Footprint& f, double x0, double x1, double y0, double
 
 mesh::SolidMesh Solid::nominal_mesh(const Case& c, int load) {
     auto mesh = mesh::solid_mesh(demand_of(c, load));
-    return c.half_space
-               ? mesh_of({with_endless_cell(std::move(mesh.x_lines), c), with_endless_cell(std::move(mesh.y_lines), c),
-                          with_endless_cell(std::move(mesh.z_lines), c)},
-                         c)
-               : mesh;
+    return c.half_space ? mesh_of({with_far_cells(std::move(mesh.x_lines), c, doublings),
+                                   with_far_cells(std::move(mesh.y_lines), c, doublings),
+                                   with_far_cells(std::move(mesh.z_lines), c, doublings)},
+                                  c)
+                        : mesh;
 }
 
 Lines Solid::lines_of(const Mesh& mesh) {
@@ -110,8 +112,8 @@ Lines Solid::breaks(const Case& c, int load) {
     auto lateral = mesh::patch_breaks(demand_of(c, load));
     std::vector<double> bottoms = bottoms_of(c);
     bottoms.insert(bottoms.begin(), 0.0);
-    return {with_endless_cell(std::move(lateral[0]), c), with_endless_cell(std::move(lateral[1]), c),
-            with_endless_cell(std::move(bottoms), c)};
+    return {with_far_cells(std::move(lateral[0]), c, doublings), with_far_cells(std::move(lateral[1]), c, doublings),
+            with_far_cells(std::move(bottoms), c, doublings)};
 }
 
 mesh::SolidMesh Solid::mesh_of(Lines lines, const Case& c) {

@@ -57,7 +57,7 @@ TEST(LayeredLoad, FiniteElementsAgreeWithinTheirOwnError) {
         c.settings.refine = 2.0;
         const auto fine = values_of(c, false);
         EXPECT_LT(worst_relative(coarse, exact, 0, 7), 0.003) << half_space;
-        EXPECT_LT(worst_relative(fine, exact, 0, 7), 0.002) << half_space;
+        EXPECT_LT(worst_relative(fine, exact, 0, 7), 0.0025) << half_space;
         EXPECT_LT(worst_relative(coarse, exact, 7, 13), 0.02) << half_space;
         EXPECT_LT(worst_relative(fine, exact, 7, 13), 0.006) << half_space;
     }
@@ -155,7 +155,7 @@ TEST(HalfSpace, ADualInThreeDimensionsAgreesWithTheLayeredEngine) {
     c.settings.extent = c.default_extent();
     const auto exact = values_of(c, true);
     const auto found = values_of(c, false);
-    EXPECT_LT(worst_relative(found, exact, 0, 3), 0.006);
+    EXPECT_LT(worst_relative(found, exact, 0, 3), 0.01);
     EXPECT_LT(worst_relative(found, exact, 3, 4), 0.03);
 }
 
