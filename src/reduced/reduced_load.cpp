@@ -163,7 +163,9 @@ public:
           breaks_(Kind::breaks(nominal_, load)),
           unit_load_(basis_.modes.transpose() * Kind::unit_load(mesh_, model_, nominal_.loads[load])) {
         for (const Sensor& sensor : nominal_.sensors) {
-            observations_.push_back(sensor.load == load ? project(observe(sensor, mesh_, model_, mesh_)) : Reduced{});
+            observations_.push_back(
+                sensor.load == load ? project(observe(sensor, mesh_, model_, mesh_, incompressible_layers(nominal_)))
+                                    : Reduced{});
         }
         project_linear_layers();
         project_points();
