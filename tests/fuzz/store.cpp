@@ -48,7 +48,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         }
         session.exec();
         for (int number = 0; cells.more() && number < 4; ++number) {
-            SQLite::Statement row(database, "INSERT INTO evaluation VALUES (1, -1, ?, ?, ?, ?, ?, ?, ?, ?)");
+            SQLite::Statement row(database, "INSERT INTO evaluation VALUES (1, -1, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
             row.bind(1, number);
             const std::string status = cells.next();
             row.bind(2, status.empty() ? 0 : static_cast<signed char>(status[0]));
@@ -59,6 +59,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             }
             row.bind(7, cells.next());
             row.bind(8, 1.0);
+            row.bind(9, number % 2); // the model in place of the reduced one
             row.exec();
         }
     }
