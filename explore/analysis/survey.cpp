@@ -126,6 +126,7 @@ std::vector<ParameterRange> ranges_of(const landscape::Minimum& best, const land
 
 std::vector<const data::DeflectionBowl*> fitted_bowls(const StationResult& s, const std::vector<std::size_t>& levels) {
     std::vector<const data::DeflectionBowl*> bowls;
+    bowls.reserve(levels.size());
     for (const std::size_t level : levels) {
         bowls.push_back(&s.bowls->levels[level]);
     }
@@ -171,6 +172,7 @@ public:
                 continue;
             }
             std::vector<double> responses;
+            responses.reserve(from.size());
             for (const auto& [index, factor] : from) {
                 responses.push_back(factor * e.responses[index]);
             }

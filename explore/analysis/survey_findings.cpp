@@ -14,6 +14,7 @@ constexpr double noisy_share = 0.03; // repeatability that is remarked; sensors 
 
 std::string numbers_in_words(const std::vector<int>& numbers) {
     std::vector<std::string> words;
+    words.reserve(numbers.size());
     for (const int number : numbers) {
         words.push_back(std::to_string(number));
     }

@@ -37,6 +37,7 @@ std::string question(double value, std::vector<Slip> slips, Range common, std::s
     std::stable_sort(slips.begin(), slips.end(),
                      [&](const Slip& a, const Slip& b) { return distance(a) < distance(b); });
     std::vector<std::string> words;
+    words.reserve(slips.size());
     for (const Slip& slip : slips) {
         words.emplace_back(slip.words);
     }
@@ -107,10 +108,10 @@ std::string implausible_deflection(double um, std::string_view where) {
 } // namespace
 
 std::string implausible(const FwdDrop& drop) {
-    if (const auto words = implausible_plate(drop); !words.empty()) {
+    if (auto words = implausible_plate(drop); !words.empty()) {
         return words;
     }
-    if (const auto words = implausible_pressure(drop); !words.empty()) {
+    if (auto words = implausible_pressure(drop); !words.empty()) {
         return words;
     }
     double farthest = 0.0;
@@ -126,7 +127,7 @@ std::string implausible(const FwdDrop& drop) {
     for (const FwdReading& r : drop.readings) {
         // A sensor that reads nothing is dead, which costs that reading alone: deflection_bowl.h.
         if (r.offset_mm == 0.0 && r.deflection_um >= 0.1) {
-            if (const auto words = implausible_deflection(r.deflection_um, "at the centre"); !words.empty()) {
+            if (auto words = implausible_deflection(r.deflection_um, "at the centre"); !words.empty()) {
                 return words;
             }
             const double modulus_MPa = 2.0 * (1.0 - 0.35 * 0.35) * drop.pressure_kPa * drop.radius_mm / r.deflection_um;

@@ -37,6 +37,7 @@ std::optional<Conflict> conflict_of(run::Engine& engine, const problem::Problem&
     Conflict c;
     c.p_value = std::numeric_limits<double>::quiet_NaN();
     std::vector<problem::Problem> problems;
+    problems.reserve(groups.size());
     for (const auto& rows : groups) {
         problems.push_back(problem.with_readings(rows));
     }

@@ -53,6 +53,7 @@ std::string bound_words(const problem::ParameterSpace& space, const BoundMet& bo
 
 std::vector<std::string> bound_words(const problem::ParameterSpace& space, const std::vector<BoundMet>& bounds) {
     std::vector<std::string> words;
+    words.reserve(bounds.size());
     for (const BoundMet& bound : bounds) {
         words.push_back(bound_words(space, bound));
     }

@@ -87,7 +87,7 @@ std::string remark_list(const SurveyResult& result) {
             const auto same =
                 std::find_if(remarks.begin(), remarks.end(), [&](const auto& r) { return r.first == words; });
             if (same == remarks.end()) {
-                remarks.push_back({std::move(words), {s.station.name}});
+                remarks.emplace_back(std::move(words), std::vector<std::string>{s.station.name});
             } else {
                 same->second.push_back(s.station.name);
             }

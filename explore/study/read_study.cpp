@@ -386,6 +386,7 @@ Study study_of(std::string text, const std::string& name, const std::map<std::st
         const auto found = files.find(file);
         if (found == files.end()) {
             std::vector<std::string> names;
+            names.reserve(files.size());
             for (const auto& [known, content] : files) {
                 names.push_back(known);
             }
