@@ -16,7 +16,6 @@
 #include <gsl/gsl_cdf.h>
 #include <map>
 #include <mutex>
-#include <numbers>
 #include <tuple>
 
 namespace explore::analysis {
@@ -403,7 +402,7 @@ void add_temperature(StationResult& s, const SurveyOptions& options, std::option
 } // namespace
 
 double LoadLevel::pressure_on(double radius_mm) const {
-    return pressure_kPa ? *pressure_kPa : *force_kN / (std::numbers::pi * radius_mm * radius_mm) * 1e6;
+    return pressure_kPa ? *pressure_kPa : data::plate_pressure_kPa(*force_kN, radius_mm);
 }
 
 std::optional<bool> StationResult::passes() const {

@@ -1,5 +1,6 @@
 #include "data/deflection_bowl.h"
 
+#include "data/fwd_values.h"
 #include "data/plausibility.h"
 
 #include <algorithm>
@@ -178,7 +179,7 @@ private:
         const double radius_mm = levels_[0][0]->radius_mm;
         std::optional<double> target = choice_.target_pressure_kPa;
         if (choice_.target_force_kN) {
-            target = *choice_.target_force_kN / (std::numbers::pi * radius_mm * radius_mm) * 1e6;
+            target = plate_pressure_kPa(*choice_.target_force_kN, radius_mm);
         }
         if (!target) {
             return {};

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
-#include <numbers>
 #include <tuple>
 
 namespace explore::data {
@@ -361,8 +360,7 @@ private:
         const FwdColumn* force = header_.find(Meaning::load);
         if (const auto newtons = number(r, force, s)) {
             d.force_kN = *newtons * *force->to_si / 1e3;
-            const double area_mm2 = std::numbers::pi * d.radius_mm * d.radius_mm;
-            d.pressure_kPa = *d.force_kN / area_mm2 * 1e6; // kN over mm2 is GPa
+            d.pressure_kPa = plate_pressure_kPa(*d.force_kN, d.radius_mm);
         }
         const FwdColumn* pressure = header_.find(Meaning::pressure);
         if (const auto stated = number(r, pressure, s)) {

@@ -1,6 +1,7 @@
 #include "data/fwd_f25.h"
 
 #include "data/csv.h"
+#include "data/fwd_lines.h"
 #include "data/fwd_values.h"
 
 #include <charconv>
@@ -218,13 +219,11 @@ FwdFile read_fwd_f25(std::string_view text, const std::string& file, const Colum
     constexpr char end_of_file = '\x1a'; // of old systems
     text = text.substr(0, text.find(end_of_file));
     Reader reader(file);
-    for (int number = 1; !text.empty(); ++number) {
-        const std::string_view line = text.substr(0, text.find('\n'));
+    for_each_line(text, [&](std::string_view line, int number) {
         if (!trimmed(line).empty()) {
             reader.take({cells_of(line), file, number});
         }
-        text.remove_prefix(std::min(line.size() + 1, text.size()));
-    }
+    });
     return std::move(reader).file();
 }
 

@@ -7,16 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 
 namespace explore::data {
 namespace {
-
-std::optional<double> number_of(std::string_view word) {
-    std::string text(word);
-    std::replace(text.begin(), text.end(), ',', '.');
-    return measured(text);
-}
 
 // ddmm.mmm (digits_of_degrees = 2) or dddmm.mmm (3) of a satellite receiver, in degrees; nothing: another form.
 std::optional<double> receiver_degrees(std::string_view word, std::size_t digits_of_degrees) {
@@ -90,7 +83,7 @@ private:
             }
             std::vector<double> numbers;
             for (const std::string_view word : words) {
-                const auto number = number_of(word);
+                const auto number = measured_with_comma(word);
                 if (!number) {
                     throw pave::Error(place, "not a number", "\"" + std::string(word) + "\"",
                                       "a finite decimal number");
@@ -133,7 +126,9 @@ private:
                               "lines \"IPlate Radius\" and \"ISensor Distance\" before it");
         }
         constexpr std::size_t first_deflection = 3; // behind distance, number of the drop, load
-        const auto number = [&](std::size_t i) { return i < words.size() ? number_of(words[i]) : std::nullopt; };
+        const auto number = [&](std::size_t i) {
+            return i < words.size() ? measured_with_comma(words[i]) : std::nullopt;
+        };
         const std::string_view where = words.empty() ? std::string_view{} : words[0];
         const auto place_m = chainage(where, unit(0, length_units(), 1.0, line));
         const auto drop_number = number(1);
@@ -180,7 +175,7 @@ private:
                 drop.pressure_kPa = *load * *factor_of(pressure_units(), units_[2]) / 1e3;
             } else {
                 drop.force_kN = *load * unit(2, force_units(), 1e3, line) / 1e3;
-                drop.pressure_kPa = *drop.force_kN / (std::numbers::pi * *radius_mm_ * *radius_mm_) * 1e6;
+                drop.pressure_kPa = plate_pressure_kPa(*drop.force_kN, *radius_mm_);
             }
         }
         for (std::size_t i = 0; i < n; ++i) {

@@ -1,5 +1,7 @@
-// Going through a text line by line.
+// Going through a text line by line, and through a line.
 #pragma once
+
+#include "data/csv.h"
 
 #include <algorithm>
 #include <string_view>
@@ -18,6 +20,19 @@ void for_each_line(std::string_view text, const Take& take) {
             line.remove_suffix(1);
         }
         take(line, number);
+    }
+}
+
+// Cells between separators, without the blanks around them; one more than there are separators.
+inline std::vector<std::string_view> cells_between(char separator, std::string_view line) {
+    std::vector<std::string_view> cells;
+    for (;;) {
+        const std::size_t end = line.find(separator);
+        cells.push_back(trimmed(line.substr(0, end)));
+        if (end == std::string_view::npos) {
+            return cells;
+        }
+        line.remove_prefix(end + 1);
     }
 }
 

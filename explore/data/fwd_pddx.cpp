@@ -1,6 +1,7 @@
 #include "data/fwd_pddx.h"
 
 #include "data/csv.h"
+#include "data/fwd_lines.h"
 #include "data/fwd_values.h"
 
 #include <algorithm>
@@ -32,11 +33,7 @@ struct Section {
 class Reader {
 public:
     Reader(std::string_view text, std::string file) : file_(std::move(file)) {
-        for (int number = 1; !text.empty(); ++number) {
-            const std::string_view line = text.substr(0, text.find('\n'));
-            take(trimmed(line.substr(0, line.find('\r'))), number);
-            text.remove_prefix(std::min(line.size() + 1, text.size()));
-        }
+        for_each_line(text, [&](std::string_view line, int number) { take(trimmed(line), number); });
     }
 
     FwdFile read() {
@@ -128,15 +125,8 @@ private:
         return found->value[0];
     }
     std::vector<std::string> split(std::string_view text) const {
-        std::vector<std::string> parts;
-        for (;;) {
-            const std::size_t at = text.find(delimiter_);
-            parts.emplace_back(trimmed(text.substr(0, at)));
-            if (at == std::string_view::npos) {
-                return parts;
-            }
-            text.remove_prefix(at + 1);
-        }
+        const auto cells = cells_between(delimiter_, text);
+        return {cells.begin(), cells.end()};
     }
     std::string with_point(std::string text) const {
         if (decimal_ != '.') {

@@ -7,36 +7,16 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 
 namespace explore::data {
 namespace {
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-    std::vector<std::string_view> cells;
-    for (;;) {
-        const std::size_t tab = line.find('\t');
-        cells.push_back(trimmed(line.substr(0, tab)));
-        if (tab == std::string_view::npos) {
-            return cells;
-        }
-        line.remove_prefix(tab + 1);
-    }
-}
-
-// A number with a decimal point or comma.
-std::optional<double> number_of(std::string_view cell) {
-    std::string text(cell);
-    std::replace(text.begin(), text.end(), ',', '.');
-    return measured(text);
-}
 
 class Reader {
 public:
     explicit Reader(std::string file) : file_(std::move(file)) {}
 
     void take(std::string_view line, int number) {
-        const auto cells = cells_of(line);
+        const auto cells = cells_between('\t', line);
         // Names are filled up with dots: "Chainage [m]...........".
         const std::string name = lower_case(cells[0].substr(0, cells[0].find_last_not_of('.') + 1));
         const std::string_view value = cells.size() > 1 ? cells[1] : std::string_view{};
@@ -65,7 +45,7 @@ public:
             }
         } else if (name == "drop" && cells.size() > 1) {
             columns_.assign(cells.begin(), cells.end());
-        } else if (!columns_.empty() && number_of(cells[0])) {
+        } else if (!columns_.empty() && measured_with_comma(cells[0])) {
             take_drop(cells, number);
         } else if (name.starts_with("$")) {
             columns_.clear();
@@ -96,7 +76,7 @@ private:
         if (!factor) {
             throw pave::Error(place, "unknown unit", "\"" + std::string(unit) + "\"", names_of(length_units()));
         }
-        const auto number = number_of(value);
+        const auto number = measured_with_comma(value);
         if (!number) {
             throw pave::Error(place, "not a number", "\"" + std::string(value) + "\"", "a finite decimal number");
         }
@@ -145,7 +125,7 @@ private:
         const auto column = [&](std::string_view name) -> std::optional<double> {
             for (std::size_t i = 0; i < std::min(columns_.size(), cells.size()); ++i) {
                 if (lower_case(columns_[i]) == name) {
-                    return number_of(cells[i]);
+                    return measured_with_comma(cells[i]);
                 }
             }
             return std::nullopt;
@@ -159,7 +139,7 @@ private:
             is_new_ = false;
         }
         FwdStation& station = result_.stations.back();
-        const double number = *number_of(cells[0]);
+        const double number = *measured_with_comma(cells[0]);
         FwdDrop drop{.number = number >= 0.0 && number < 1e6 ? static_cast<int>(number)
                                                              : static_cast<int>(station.drops.size()) + 1,
                      .radius_mm = *radius_mm_,
@@ -168,7 +148,7 @@ private:
         drop.line = line;
         if (const auto force = column("kn"); force && *force != 0.0) {
             drop.force_kN = force;
-            drop.pressure_kPa = *force / (std::numbers::pi * *radius_mm_ * *radius_mm_) * 1e6;
+            drop.pressure_kPa = plate_pressure_kPa(*force, *radius_mm_);
         }
         if (const auto pressure = column("kpa"); pressure && *pressure != 0.0) {
             drop.pressure_kPa = *pressure;

@@ -7,6 +7,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace explore::data {
@@ -40,6 +41,16 @@ std::optional<double> measured(std::string_view cell) {
         cell.remove_prefix(1);
     }
     return number_or_nothing(cell);
+}
+
+std::optional<double> measured_with_comma(std::string_view cell) {
+    std::string text(cell);
+    std::replace(text.begin(), text.end(), ',', '.');
+    return measured(text);
+}
+
+double plate_pressure_kPa(double force_kN, double radius_mm) {
+    return force_kN / (std::numbers::pi * radius_mm * radius_mm) * 1e6;
 }
 
 std::optional<double> chainage(std::string_view cell, double to_m) {

@@ -14,6 +14,8 @@ bool is_nil(std::string_view cell);
 
 // A finite number; nothing for everything else. A plus sign may lead.
 std::optional<double> measured(std::string_view cell);
+// The same with a decimal point or comma.
+std::optional<double> measured_with_comma(std::string_view cell);
 
 // Metres along the road from "340", "12+340" (kilometres + metres), "ZK0+160", "K12+340.5"; where the unit is the foot,
 // "12+34" are stations of 100 ft: 1234 ft. to_m: metres in the unit of a plain number.
@@ -29,6 +31,9 @@ std::optional<double> hour_of_day(std::string_view time);
 constexpr double celsius(double fahrenheit) {
     return (fahrenheit - 32.0) / 1.8;
 }
+
+// kPa of a force in kN that spreads evenly under a plate, radius in mm.
+double plate_pressure_kPa(double force_kN, double radius_mm);
 
 // Factors to SI. Words in any case, with hyphens, blanks and a plural s.
 struct NamedUnit {
