@@ -4,6 +4,7 @@
 #include "data/fwd_csv.h"
 #include "data/fwd_f25.h"
 #include "data/fwd_kuab.h"
+#include "data/fwd_lines.h"
 #include "data/fwd_ltpp.h"
 #include "data/fwd_pddx.h"
 #include "data/fwd_primax.h"
@@ -19,6 +20,13 @@ std::span<const FwdFormat> fwd_formats() {
         fwd_f25, fwd_pddx, fwd_ltpp, fwd_primax, fwd_kuab, fwd_r80, fwd_csv,
     };
     return all;
+}
+
+FwdFile with_drops(FwdFile read, const std::string& file, std::string_view allowed) {
+    if (read.stations.empty()) {
+        throw pave::Error({.file = file}, "the file holds no drops", {}, std::string(allowed));
+    }
+    return read;
 }
 
 FwdFile read_fwd(const std::string& file, const ColumnMap& columns) {
@@ -42,16 +50,13 @@ ColumnMap read_column_map(const std::string& list_or_file) {
             text.begin(), text.end(), [](char c) { return c == ',' || c == ';'; }, '\n');
     }
     ColumnMap map;
-    std::string_view rest = text;
-    for (int line = 1; !rest.empty(); ++line) {
-        const std::string_view whole = rest.substr(0, rest.find('\n'));
-        rest.remove_prefix(std::min(whole.size() + 1, rest.size()));
-        const std::string_view entry = trimmed(whole.substr(0, whole.find('\r')));
+    for_each_line(text, [&](std::string_view line, int number) {
+        const std::string_view entry = trimmed(line);
         if (entry.empty() || entry[0] == '#') {
-            continue;
+            return;
         }
         const pave::Place place =
-            is_file ? pave::Place{.file = list_or_file, .line = line} : pave::Place{.key = "--columns"};
+            is_file ? pave::Place{.file = list_or_file, .line = number} : pave::Place{.key = "--columns"};
         const std::size_t equals = entry.find('=');
         if (equals == std::string_view::npos || trimmed(entry.substr(0, equals)).empty() ||
             trimmed(entry.substr(equals + 1)).empty()) {
@@ -63,7 +68,7 @@ ColumnMap read_column_map(const std::string& list_or_file) {
         if (!map.try_emplace(name, trimmed(entry.substr(equals + 1))).second) {
             throw pave::Error(place, "this column stands twice", "\"" + name + "\"", "each once");
         }
-    }
+    });
     return map;
 }
 

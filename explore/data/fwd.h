@@ -48,6 +48,9 @@ struct FwdFile {
     std::vector<std::string> remarks; // of the file as a whole, in words
 };
 
+// The file itself. Throws pave::Error where it holds no drops; allowed: what holds drops in its format, in words.
+FwdFile with_drops(FwdFile read, const std::string& file, std::string_view allowed);
+
 // For tables with names of their own: the name of a column as fwd_csv.h knows it -> the file's own name of it, or a
 // number that holds for every line ("radius_mm" -> "150").
 using ColumnMap = std::map<std::string, std::string>;

@@ -124,11 +124,8 @@ public:
     }
 
     FwdFile file() && {
-        if (stations_.empty()) {
-            throw pave::Error({.file = file_}, "the file holds no drops", {},
-                              "after a line 5301 lines such as \"1, 574, 434, 396, ...\"");
-        }
-        return {std::move(stations_), {}};
+        return with_drops({std::move(stations_), {}}, file_,
+                          "after a line 5301 lines such as \"1, 574, 434, 396, ...\"");
     }
 
 private:

@@ -43,13 +43,7 @@ public:
         }
     }
 
-    FwdFile file() && {
-        if (result_.stations.empty()) {
-            throw pave::Error({.file = file_}, "the file holds no drops", {},
-                              "lines such as \"D 200 2 41.5 388 184 ...\"");
-        }
-        return std::move(result_);
-    }
+    FwdFile file() && { return with_drops(std::move(result_), file_, "lines such as \"D 200 2 41.5 388 184 ...\""); }
 
 private:
     static std::vector<std::string> lower_words(std::string_view line) {

@@ -61,11 +61,7 @@ public:
                 }
             }
         }
-        if (result_.stations.empty()) {
-            throw pave::Error({.file = file_}, "the file holds no drops", {},
-                              "sections [Test Location i] with DropData1 = load, deflections");
-        }
-        return std::move(result_);
+        return with_drops(std::move(result_), file_, "sections [Test Location i] with DropData1 = load, deflections");
     }
 
 private:

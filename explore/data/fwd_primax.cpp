@@ -53,11 +53,8 @@ public:
     }
 
     FwdFile file() && {
-        if (result_.stations.empty()) {
-            throw pave::Error({.file = file_}, "the file holds no drops", {},
-                              "after a line \"Chainage\" a line \"Drop D(1) ...\" and lines of numbers");
-        }
-        return std::move(result_);
+        return with_drops(std::move(result_), file_,
+                          "after a line \"Chainage\" a line \"Drop D(1) ...\" and lines of numbers");
     }
 
 private:

@@ -64,11 +64,8 @@ public:
     }
 
     FwdFile file() && {
-        if (result_.stations.empty()) {
-            throw pave::Error({.file = file_}, "the file holds no drops", {},
-                              "after the header, lines S with a station and lines of pressure and deflections");
-        }
-        return std::move(result_);
+        return with_drops(std::move(result_), file_,
+                          "after the header, lines S with a station and lines of pressure and deflections");
     }
 
 private:
