@@ -121,8 +121,7 @@ bool fit_law(Session& session, FittedLaw& f, const CompareOptions& options, cons
     }
     f.answer = std::move(*answer);
     if (f.answer.minima.empty()) {
-        f.failed = "not one explored point has an answer" +
-                   (f.answer.explored.empty() ? "" : "; the first says: " + f.answer.explored.front().reason);
+        f.failed = run::why_no_start(f.answer.explored);
         return true;
     }
     f.best = f.answer.minima[0].evaluation;

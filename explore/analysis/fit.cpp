@@ -28,7 +28,7 @@ search::Design make_design(FitOptions& options, const study::Study& study, std::
 } // namespace
 
 std::string FitResult::reason() const {
-    return "not one explored point has an answer; the first says: " + searches.explored.front().reason;
+    return run::why_no_start(searches.explored);
 }
 
 std::optional<FitResult> fit(Session& session, const study::Study& study, const FitOptions& asked) {

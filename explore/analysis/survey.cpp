@@ -16,6 +16,7 @@
 #include <gsl/gsl_cdf.h>
 #include <map>
 #include <mutex>
+#include <span>
 #include <tuple>
 
 namespace explore::analysis {
@@ -183,7 +184,7 @@ public:
             starts.points.push_back(design_.points[i]);
         }
         if (starts.points.empty()) {
-            starts.why_none = "not one explored point has an answer; the first says: " + explored->front().reason;
+            starts.why_none = run::why_no_start(*explored);
         }
         return starts;
     }
@@ -245,17 +246,9 @@ std::vector<std::size_t> levels_to_fit(const StationResult& s, bool all) {
     return levels;
 }
 
-std::optional<double> repeatability_of(const StationResult& s) {
+std::optional<double> repeatability_of(std::span<const StationResult> stations) {
     std::vector<const data::DeflectionBowl*> bowls;
-    for (const data::DeflectionBowl& bowl : s.bowls->levels) {
-        bowls.push_back(&bowl);
-    }
-    return data::repeatability(bowls);
-}
-
-std::optional<double> repeatability_of(const SurveyResult& result) {
-    std::vector<const data::DeflectionBowl*> bowls;
-    for (const StationResult& s : result.stations) {
+    for (const StationResult& s : stations) {
         for (std::size_t i = 0; s.has_bowl() && i < s.bowls->levels.size(); ++i) {
             bowls.push_back(&s.bowls->levels[i]);
         }
@@ -308,7 +301,7 @@ bool fit_stations(Session& session, SurveyResult& result) {
             continue;
         }
         try {
-            const auto own = repeatability_of(s);
+            const auto own = repeatability_of({&s, 1});
             auto study = study::station_study(*result.study, s.station, bowls, own ? own : result.repeatability);
             items.push_back({.problem = study::make_problem(study), .run = 0, .starts = {}});
             studies.push_back(std::move(study));
@@ -418,6 +411,30 @@ std::size_t SurveyResult::count(const std::function<bool(const StationResult&)>&
     return static_cast<std::size_t>(std::count_if(stations.begin(), stations.end(), is));
 }
 
+SurveyCounts SurveyResult::counts() const {
+    SurveyCounts counts;
+    for (const StationResult& s : stations) {
+        const auto passes = s.passes();
+        counts.pass += passes && *passes ? 1 : 0;
+        counts.fail += passes && !*passes ? 1 : 0;
+        counts.rejected += s.state == StationState::rejected ? 1 : 0;
+        counts.fitted += s.is_fitted() ? 1 : 0;
+        counts.no_fit += s.state == StationState::no_fit ? 1 : 0;
+        counts.failed += s.state == StationState::failed ? 1 : 0;
+    }
+    return counts;
+}
+
+std::size_t SurveyResult::end_of_lane(std::size_t begin) const {
+    const data::FwdStation& first = stations[begin].station;
+    std::size_t end = begin + 1;
+    while (end < stations.size() && stations[end].station.profile == first.profile &&
+           stations[end].station.lane == first.lane) {
+        ++end;
+    }
+    return end;
+}
+
 std::vector<std::string> SurveyResult::parameter_names() const {
     std::vector<std::string> names;
     if (study) {
@@ -441,7 +458,7 @@ std::optional<SurveyResult> survey(Session& session, std::vector<data::FwdFile> 
         }
     }
     result.common_pressure_kPa = pressures.empty() ? 0.0 : data::median(pressures);
-    result.repeatability = repeatability_of(result);
+    result.repeatability = repeatability_of(result.stations);
     const bool is_targeted = options.drops.target_pressure_kPa || options.drops.target_force_kN;
     result.fits_all_levels = result.study && !is_targeted && !study::stress_dependent_layers(*result.study).empty();
     if (result.study && !fit_stations(session, result)) {

@@ -118,6 +118,11 @@ struct SuspectSensor {
     std::optional<double> fits_at_mm; // where the fitted bowls have that deflection (median)
 };
 
+struct SurveyCounts {
+    std::size_t pass = 0, fail = 0; // by the deflection ratio
+    std::size_t rejected = 0, fitted = 0, no_fit = 0, failed = 0;
+};
+
 struct SurveyResult {
     std::vector<StationResult> stations; // along the road: by profile, lane and chainage
     std::vector<std::string> remarks;    // of the files
@@ -134,6 +139,9 @@ struct SurveyResult {
     double seconds = 0.0;
 
     std::size_t count(const std::function<bool(const StationResult&)>& is) const;
+    SurveyCounts counts() const;
+    // Behind the last of the stations from `begin` on that lie in one profile and lane.
+    std::size_t end_of_lane(std::size_t begin) const;
     std::vector<std::string> parameter_names() const;
     double d0_at_common(const StationResult& s) const {
         return s.bowl().d0_um() * common_pressure_kPa / s.bowl().pressure_kPa;

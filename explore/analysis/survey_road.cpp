@@ -104,12 +104,9 @@ Percentiles percentiles_of(std::vector<double> values) {
 std::vector<RoadSection> road_sections(const SurveyResult& result) {
     std::vector<RoadSection> sections;
     for (std::size_t i = 0; i < result.stations.size();) {
-        const data::FwdStation& first = result.stations[i].station;
         std::vector<std::size_t> stations;
         std::vector<double> d0;
-        for (; i < result.stations.size() && result.stations[i].station.profile == first.profile &&
-               result.stations[i].station.lane == first.lane;
-             ++i) {
+        for (const std::size_t lane_end = result.end_of_lane(i); i < lane_end; ++i) {
             if (result.stations[i].has_bowl() && result.stations[i].station.chainage_m) {
                 stations.push_back(i);
                 d0.push_back(std::log(result.stations[i].indices->d0_um));

@@ -8,8 +8,7 @@
 namespace explore::analysis {
 
 std::string UniqueResult::reason() const {
-    return "not one explored point has an answer; the first says: " +
-           (answer.explored.empty() ? std::string() : answer.explored.front().reason);
+    return run::why_no_start(answer.explored);
 }
 
 std::optional<UniqueResult> unique(Session& session, const study::Study& study, const UniqueOptions& options) {

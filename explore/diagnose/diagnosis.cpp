@@ -158,7 +158,7 @@ private:
             return false;
         }
         if (result->minima.empty()) {
-            d_.failed = "not one explored point has an answer; the first says: " + result->explored.front().reason;
+            d_.failed = run::why_no_start(result->explored);
             return true;
         }
         for (std::size_t i = 0; i < result->explored.size(); ++i) {

@@ -15,10 +15,6 @@ using analysis::StationResult;
 using analysis::StationState;
 using analysis::SurveyResult;
 
-constexpr const char* ratio_words =
-    "deflection ratio: D250/D0, the deflection 250 mm from the load centre over the one "
-    "at the centre (as cited from the Austroads Guide to Pavement Technology Part 5)";
-constexpr const char* interpolation_words = "interpolated linearly in ln(deflection) between the nearest sensors";
 constexpr std::string_view temperature_sources[] = {"measured", "BELLS3", "BELLS3, with the air of the hour"};
 
 bool d250_is_interpolated(const StationResult& s) {
@@ -214,16 +210,16 @@ std::string in_one_cell(const std::vector<int>& numbers) {
 } // namespace
 
 Json survey_json(const SurveyResult& result) {
-    const auto count = [&](const auto& is) { return result.count(is); };
+    const analysis::SurveyCounts counts = result.counts();
     Json json = {{"stations", Json::array()},
                  {"counts",
                   {{"stations", result.stations.size()},
-                   {"rejected", count([](const StationResult& s) { return s.state == StationState::rejected; })},
-                   {"pass", count([](const StationResult& s) { return s.passes().value_or(false); })},
-                   {"fail", count([](const StationResult& s) { return !s.passes().value_or(true); })},
-                   {"fitted", count([](const StationResult& s) { return s.is_fitted(); })},
-                   {"no_fit", count([](const StationResult& s) { return s.state == StationState::no_fit; })},
-                   {"failed", count([](const StationResult& s) { return s.state == StationState::failed; })}}},
+                   {"rejected", counts.rejected},
+                   {"pass", counts.pass},
+                   {"fail", counts.fail},
+                   {"fitted", counts.fitted},
+                   {"no_fit", counts.no_fit},
+                   {"failed", counts.failed}}},
                  {"findings", analysis::findings_of(result)},
                  {"deflection_ratio",
                   {{"definition", ratio_words},

@@ -6,6 +6,13 @@
 
 namespace explore::report {
 
+// What a deflection ratio is, and how D250 is read where no sensor stands there.
+inline constexpr const char* ratio_words =
+    "deflection ratio: D250/D0, the deflection 250 mm from the load centre over the one "
+    "at the centre (as cited from the Austroads Guide to Pavement Technology Part 5)";
+inline constexpr const char* interpolation_words =
+    "interpolated linearly in ln(deflection) between the nearest sensors";
+
 Json survey_json(const analysis::SurveyResult& result);
 
 // A line a station with everything: place, time, temperatures, drops, deflections, indices, parameters, remarks.

@@ -159,11 +159,7 @@ std::string strip_charts(const SurveyResult& result) {
     std::string text;
     for (std::size_t begin = 0; begin < result.stations.size();) {
         const auto& first = result.stations[begin].station;
-        std::size_t end = begin;
-        while (end < result.stations.size() && result.stations[end].station.profile == first.profile &&
-               result.stations[end].station.lane == first.lane) {
-            ++end;
-        }
+        const std::size_t end = result.end_of_lane(begin);
         const bool is_whole = begin == 0 && end == result.stations.size();
         std::vector<std::string> names{first.profile, first.lane.empty() ? "" : "lane " + first.lane};
         names.erase(std::remove(names.begin(), names.end(), ""), names.end());
@@ -211,16 +207,14 @@ std::string section_table(const SurveyResult& result) {
 } // namespace
 
 std::string survey_text(const SurveyResult& result) {
-    const Json json = survey_json(result);
-    const auto& counts = json["counts"];
+    const analysis::SurveyCounts counts = result.counts();
     std::string text =
         fmt::format("{}: {} pass, {} fail, {} rejected", counted(result.stations.size(), "station", "stations"),
-                    counts["pass"].get<int>(), counts["fail"].get<int>(), counts["rejected"].get<int>());
+                    counts.pass, counts.fail, counts.rejected);
     if (result.study) {
-        const int no_fit = counts["no_fit"].get<int>();
         text += fmt::format(
-            "; {} back-calculated, {} failed{}\n  {} in {}", counts["fitted"].get<int>(), counts["failed"].get<int>(),
-            no_fit > 0 ? fmt::format(", {} that the model does not describe", no_fit) : "",
+            "; {} back-calculated, {} failed{}\n  {} in {}", counts.fitted, counts.failed,
+            counts.no_fit > 0 ? fmt::format(", {} that the model does not describe", counts.no_fit) : "",
             counted(static_cast<std::size_t>(result.computed), "run", "runs"), run::duration_words(result.seconds));
         if (result.stations_computed > 0) {
             text += fmt::format(" ({:.1f} stations per minute)", 60.0 * result.stations_computed / result.seconds);
@@ -228,8 +222,7 @@ std::string survey_text(const SurveyResult& result) {
     }
     text += fmt::format("\n\n  {}\n  pass: {:g} or more; ~: D250 {}\n  deflections: um, positive down; pressure: under "
                         "the plate, median of the drops used\n",
-                        json["deflection_ratio"]["definition"].get<std::string>(), data::deflection_ratio_limit,
-                        json["deflection_ratio"]["interpolation"].get<std::string>());
+                        ratio_words, data::deflection_ratio_limit, interpolation_words);
     if (result.study) {
         text +=
             fmt::format("  misfit: {} residuals; RMS: of the relative differences of the deflections; starts: searches "

@@ -310,4 +310,9 @@ std::vector<std::size_t> distinct_starts(const search::Design& design, const std
     return taken;
 }
 
+std::string why_no_start(const std::vector<Evaluation>& evaluations) {
+    return "not one explored point has an answer" +
+           (evaluations.empty() ? "" : "; the first says: " + evaluations.front().reason);
+}
+
 } // namespace explore::run
