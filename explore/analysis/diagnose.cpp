@@ -134,7 +134,7 @@ std::vector<diagnose::Candidate> candidates_of(const std::vector<study::Variant>
                                       .null = axis.unit(effect.null),
                                       .typical = axis.unit(effect.typical),
                                       .reading = {}};
-        if (variant.applied.reading) {
+        if (effect.is_error_of_reading) {
             candidate.reading =
                 std::find(layout.rows.begin(), layout.rows.end(), static_cast<std::size_t>(*variant.applied.reading)) -
                 layout.rows.begin();
@@ -152,8 +152,10 @@ std::string DiagnoseResult::extended_study(const std::string& folder) const {
                                 folder);
 }
 
-std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& study, const DiagnoseOptions& options) {
+std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& asked, const DiagnoseOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
+    study::Study study = asked;
+    study.model.settings.layered = false; // most effects are beyond that engine, and models are compared by one engine
     const problem::Problem baseline = study::make_noise_problem(study, study::Scope::fitted);
     for (const std::string& name : options.without) {
         study::effect_named(name, {.key = "--without"});

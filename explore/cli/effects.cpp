@@ -13,7 +13,8 @@ std::string options_of(const pave::pavement::Effect& effect) {
     for (const auto& [takes, name] : {std::pair{effect.layer != pave::pavement::LayerRole::none, "layer"},
                                       {effect.takes_load, "load"},
                                       {effect.takes_quantity, "quantity"},
-                                      {effect.takes_reading, "reading"}}) {
+                                      {effect.takes_reading, "reading"},
+                                      {effect.takes_thickness, "thickness_mm"}}) {
         if (takes) {
             names.emplace_back(name);
         }

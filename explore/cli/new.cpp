@@ -16,7 +16,12 @@ constexpr std::string_view study_template =
 schema = 1
 title = "{0}"
 
-# Layers from the top down, on a rigid rough floor: the last one reaches down to it.
+# What the last layer stands on. "half-space": it goes on for ever. "rigid": on rock at the bottom of its thickness_mm,
+# which may be a parameter: a floor where there is none makes the subgrade look too soft.
+[section]
+bottom = "half-space"
+
+# Layers from the top down.
 [[layers]]
 name = "asphalt"
 thickness_mm = 50
@@ -42,7 +47,6 @@ poisson_31 = 0.35
 
 [[layers]]
 name = "subgrade"
-thickness_mm = 4700           # to rock, or deep enough
 density_kg_m3 = 1900
 k0 = 0.5
 law = "linear"

@@ -16,7 +16,7 @@ std::string study_summary(const study::Study& study) {
     for (const auto& layer : study.model.layers) {
         text += fmt::format("{} {:g} mm ({}) / ", layer.name, layer.thickness / pave::unit::mm, layer.law->name());
     }
-    text += "rigid floor\n";
+    text += study.model.half_space ? "half-space\n" : "rigid floor\n";
     for (const auto& applied : study.model.effects) {
         text += fmt::format("  with {} = {:g} [{}]\n", applied.effect->name, applied.size, applied.effect->unit);
     }

@@ -33,7 +33,8 @@ namespace keys {
 
 using enum Key::Kind;
 
-inline constexpr std::string_view load_types[] = {"plate", "wheel", "dual-wheel"};
+inline constexpr std::string_view load_types[] = {"plate", "wheel", "dual-wheel", "gear"};
+inline constexpr std::string_view bottoms[] = {"rigid", "half-space"};
 inline constexpr std::string_view patches[] = {"circle", "rectangle"};
 inline constexpr std::string_view integrations[] = {"incremental", "secant"};
 inline constexpr std::string_view scales[] = {"linear", "log"};
@@ -42,6 +43,16 @@ inline constexpr Key schema{
     .table = "", .key = "schema", .kind = whole_number, .low = 1, .high = 1, .meaning = "version of this format"};
 inline constexpr Key title{
     .table = "", .key = "title", .allowed = "a text", .without = "the name of the file", .meaning = "heads reports"};
+
+inline constexpr Key section_bottom{
+    .table = "[section]",
+    .key = "bottom",
+    .kind = word,
+    .default_value = 0,
+    .choices = bottoms,
+    .meaning =
+        "what the last layer stands on; of a half-space it goes on for ever, and its `thickness_mm`, which may be "
+        "missing, is how deep it is meshed where a mesh is needed"};
 
 inline constexpr Key layer_name{.table = "[[layers]]",
                                 .key = "name",
@@ -61,7 +72,24 @@ inline constexpr Key load_patch{.table = "[[loads]]",
                                 .kind = word,
                                 .default_value = 1,
                                 .choices = patches,
-                                .meaning = "shape of a tyre's contact; a plate is a circle"};
+                                .meaning = "shape of a tyre's contact; those of a plate and of a gear are circles"};
+inline constexpr Key load_wheels{.table = "[[loads]]",
+                                 .key = "wheels",
+                                 .kind = Key::Kind::table,
+                                 .allowed = "a list of `{ x_mm, y_mm, force_kN }`",
+                                 .without = "of a gear: must be given",
+                                 .meaning = "of a gear: its wheels, each a circle at the pressure"};
+inline constexpr Key wheel_x{
+    .table = "wheels of a gear", .key = "x_mm", .kind = number, .low = -1e5, .high = 1e5, .meaning = "across the road"};
+inline constexpr Key wheel_y{
+    .table = "wheels of a gear", .key = "y_mm", .kind = number, .low = -1e5, .high = 1e5, .meaning = "along the road"};
+inline constexpr Key wheel_force{.table = "wheels of a gear",
+                                 .key = "force_kN",
+                                 .kind = number,
+                                 .low = 0.0,
+                                 .high = 1e4,
+                                 .low_is_open = true,
+                                 .meaning = "on this wheel"};
 
 inline constexpr Key solver_integration{.table = "[solver]",
                                         .key = "integration",
@@ -89,8 +117,10 @@ inline constexpr Key mesh_extent{.table = "[mesh]",
                                  .kind = number,
                                  .low = 0.1,
                                  .high = 1000.0,
-                                 .without = "4, twice the depth or twice the farthest sensor, whichever is largest",
-                                 .meaning = "distance of the smooth wall; nearer than twice the depth gives a warning"};
+                                 .without = "4, twice the depth or twice the farthest sensor, whichever is largest; "
+                                            "linear layers under circles: no wall",
+                                 .meaning = "distance of the smooth wall; nearer than twice the depth gives a warning; "
+                                            "of a half-space: where the infinite elements begin"};
 inline constexpr Key mesh_refine{.table = "[mesh]",
                                  .key = "refine",
                                  .kind = number,
@@ -239,9 +269,17 @@ inline constexpr Key effect_quantity{.table = "[[effects]]",
 inline constexpr Key effect_reading{.table = "[[effects]]",
                                     .key = "reading",
                                     .kind = whole_number,
-                                    .default_value = 1,
                                     .allowed = "from 1, up to the number of readings",
+                                    .without = "by effect",
                                     .meaning = "of an effect that takes one: which reading"};
+inline constexpr Key effect_thickness{.table = "[[effects]]",
+                                      .key = "thickness_mm",
+                                      .kind = number,
+                                      .low = 0.0,
+                                      .high = 1e5,
+                                      .low_is_open = true,
+                                      .without = "by effect",
+                                      .meaning = "of an effect that takes one: of the sublayer it makes"};
 
 inline constexpr Key parameter_name{.table = "[[parameters]]",
                                     .key = "name",

@@ -49,6 +49,7 @@ Study with_law(Study study, std::size_t number, const Law& law, const pave::Plac
         return study;
     }
     layer.parameters = translated(old, layer.parameters, law);
+    study.model.settings.layered = false; // laws are compared by the same engine
     layer.law = &law;
     const auto axes = std::move(study.space.axes);
     const auto parameters = std::move(study.parameters);

@@ -121,29 +121,32 @@ void members(Archive& archive, T& value) {
         auto& [name, thickness, density, k0, residual_stress, law, parameters, fields, compliance] = value;
         archive(name, thickness, density, k0, residual_stress, law, parameters, fields, compliance);
     } else if constexpr (std::is_same_v<Own, Load>) {
-        auto& [name, type, pressure, radius, force, spacing, patch, width, factor, shape, duration, stiffness,
+        auto& [name, type, pressure, radius, force, spacing, wheels, patch, width, factor, shape, duration, stiffness,
                inertia] = value;
-        archive(name, type, pressure, radius, force, spacing, patch, width, factor, shape, duration, stiffness,
+        archive(name, type, pressure, radius, force, spacing, wheels, patch, width, factor, shape, duration, stiffness,
                 inertia);
+    } else if constexpr (std::is_same_v<Own, Load::Wheel>) {
+        auto& [x, y, force] = value;
+        archive(x, y, force);
     } else if constexpr (std::is_same_v<Own, Sensor>) {
         auto& [load, quantity, x, y, depth, gauge, measured, gain, shares] = value;
         archive(load, quantity, x, y, depth, gauge, measured, gain, shares);
     } else if constexpr (std::is_same_v<Own, Sensor::Share>) {
-        auto& [dx, dz, weight] = value;
-        archive(dx, dz, weight);
+        auto& [dx, gauge, weight] = value;
+        archive(dx, gauge, weight);
     } else if constexpr (std::is_same_v<Own, pave::fe::SolverSettings>) {
         auto& [path, equilibrium, linear] = value;
         archive(path, equilibrium, linear);
     } else if constexpr (std::is_same_v<Own, Settings>) {
-        auto& [integration, extent, refine, solver] = value;
-        archive(integration, extent, refine, solver);
+        auto& [integration, extent, wall_follows, refine, solver, layered] = value;
+        archive(integration, extent, wall_follows, refine, solver, layered);
     } else if constexpr (std::is_same_v<Own, AppliedEffect>) {
-        auto& [effect, size, present, layer, load, quantity, reading] = value;
-        archive(effect, size, present, layer, load, quantity, reading);
+        auto& [effect, size, present, layer, load, quantity, reading, thickness] = value;
+        archive(effect, size, present, layer, load, quantity, reading, thickness);
     } else {
         static_assert(std::is_same_v<Own, Case>);
-        auto& [layers, loads, sensors, settings, effects] = value;
-        archive(layers, loads, sensors, settings, effects);
+        auto& [layers, loads, sensors, settings, effects, half_space] = value;
+        archive(layers, loads, sensors, settings, effects, half_space);
     }
 }
 

@@ -17,7 +17,8 @@ namespace {
 using namespace pave::pavement;
 namespace unit = pave::unit;
 
-Layer read_layer(const toml::table& table, const std::string& file) {
+// endless_from: of the lowest layer of a half-space, the depth of its top [m]; none: of any other layer.
+Layer read_layer(const toml::table& table, const std::string& file, std::optional<double> endless_from) {
     TableReader reader(table, file, "[[layers]]");
     Layer layer;
     layer.name = reader.text(keys::layer_name);
@@ -30,7 +31,11 @@ Layer read_layer(const toml::table& table, const std::string& file) {
     reader.expect(layer_keys());
     reader.expect(layer.law->parameters());
     for (const KeyInfo& key : layer_keys()) {
-        key.of(layer) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, key.default_value);
+        auto fallback = key.default_value;
+        if (endless_from && key.changes_geometry) { // how deep it is meshed
+            fallback = std::max(3.0, 2.0 * *endless_from) / key.to_si;
+        }
+        key.of(layer) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, fallback);
     }
     for (const auto& info : layer.law->parameters()) {
         if (!info.choices.empty()) {
@@ -66,13 +71,29 @@ Load read_load(const toml::table& table, const std::string& file) {
     load.name = reader.text(keys::load_name);
     reader.rename("load \"" + load.name + "\"");
     load.type = static_cast<LoadType>(reader.choice(keys::load_type));
-    if (load.type == LoadType::plate) {
+    if (load.type == LoadType::plate || load.type == LoadType::gear) {
         load.patch = Patch::circle;
     } else {
         load.patch = static_cast<Patch>(reader.choice(keys::load_patch));
     }
     for (const KeyInfo& key : load_keys(load.type, load.patch)) {
         key.of_load(load) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, key.default_value);
+    }
+    if (load.type == LoadType::gear) {
+        for (const auto* wheel : reader.tables(keys::load_wheels)) {
+            TableReader r(*wheel, file, "load \"" + load.name + "\" wheels");
+            load.wheels.push_back({unit::mm * r.number(keys::wheel_x), unit::mm * r.number(keys::wheel_y),
+                                   unit::kN * r.number(keys::wheel_force)});
+            r.done();
+        }
+        if (load.wheels.empty()) {
+            throw pave::Error(reader.place(keys::load_wheels), "a gear needs wheels", {},
+                              std::string(keys::load_wheels.allowed));
+        }
+        if (load.circles_overlap()) {
+            throw pave::Error(reader.place(keys::load_wheels), "two wheels of the gear overlap", {},
+                              "wheels farther apart, or a higher pressure");
+        }
     }
     reader.done();
     return load;
@@ -129,9 +150,12 @@ void read_effect(const toml::table& table, Study& study) {
             applied.quantity = find_quantity(quantity, reader.place(keys::effect_quantity));
         }
     }
-    if (effect.takes_reading) {
+    if (effect.takes_reading && reader.has(keys::effect_reading)) {
         const int last = std::max(1, static_cast<int>(study.measured().size()));
         applied.reading = reader.integer(keys::effect_reading, 1, last, 1) - 1;
+    }
+    if (effect.takes_thickness && reader.has(keys::effect_thickness)) {
+        applied.thickness = unit::mm * reader.number(keys::effect_thickness);
     }
     reader.done();
     for (const AppliedEffect& other : model.effects) {
@@ -149,6 +173,11 @@ void read_parameter(const toml::table& table, Study& study) {
     problem::Axis axis;
     axis.name = reader.text(keys::parameter_name);
     const Parameter parameter = find_parameter(study.model, axis.name, reader.place("name"));
+    if (study.model.half_space && !parameter.in_load && parameter.changes_geometry() &&
+        parameter.owner + 1 == static_cast<int>(study.model.layers.size())) {
+        throw pave::Error(reader.place("name"), "the lowest layer of a half-space has no bottom to move",
+                          "\"" + axis.name + "\"", "bottom = \"rigid\" in [section]");
+    }
     reader.rename("parameter \"" + axis.name + "\"");
     axis.scale = static_cast<problem::Scale>(reader.choice(keys::parameter_scale));
     const bool is_log = axis.scale == problem::Scale::log;
@@ -309,8 +338,16 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
                               "each name once, not empty, without a full stop or a control character");
         }
     };
-    for (const auto* layer : reader.tables("layers")) {
-        study.model.layers.push_back(read_layer(*layer, file));
+    if (const auto* section = reader.table("section")) {
+        TableReader r(*section, file, "[section]");
+        study.model.half_space = r.choice(keys::section_bottom) == 1;
+        r.done();
+    }
+    const auto layers = reader.tables("layers");
+    for (const auto* layer : layers) {
+        const bool endless = study.model.half_space && layer == layers.back();
+        study.model.layers.push_back(
+            read_layer(*layer, file, endless ? std::optional(study.model.depth()) : std::nullopt));
         check_name(study.model.layers.back().name, *layer);
     }
     for (const auto* load : reader.tables("loads")) {
@@ -346,7 +383,9 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
     for (const auto* output : reader.tables("outputs")) {
         read_output(*output, study);
     }
-    study.extent_is_stated = study.model.settings.extent != extent_not_stated;
+    study.model.settings.wall_follows = study.model.settings.extent == extent_not_stated;
+    // A wall that is stated is meant to be there.
+    study.model.settings.layered = study.model.settings.wall_follows || study.model.half_space;
     settle_extent(study);
     for (const auto* effect : reader.tables("effects")) {
         read_effect(*effect, study);

@@ -192,7 +192,7 @@ std::string hash_with_readings(std::string text, std::span<const data::Reading> 
 }
 
 void settle_extent(Study& study) {
-    if (!study.extent_is_stated) {
+    if (study.model.settings.wall_follows) {
         study.model.settings.extent = study.model.default_extent();
     }
 }

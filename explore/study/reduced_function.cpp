@@ -16,7 +16,7 @@ using namespace pave::pavement;
 using Json = nlohmann::json;
 
 // Of this layout of the file, and of the algorithm that builds.
-constexpr int format_version = 3;
+constexpr int format_version = 5;
 
 class ReducedFunction final : public problem::ForwardFunction {
 public:
@@ -41,7 +41,7 @@ public:
         if (outcome.status() == pave::Status::invalid_parameters) {
             return outcome.failure();
         }
-        if (outcome && largest_error(*outcome) <= limit_) {
+        if (outcome && is_sure(*outcome)) {
             return prediction_of(std::move(outcome).value(), with_jacobian);
         }
         if (own.full == nullptr) {
@@ -72,21 +72,21 @@ private:
         return list;
     }
 
-    double largest_error(const Response& response) const {
+    // Whether the errors of all fitted readings are estimated within the limit; an estimate that is no number is none.
+    bool is_sure(const Response& response) const {
         const Case& c = model_.nominal(); // whose sensors every point shares
-        double largest = 0.0;
         for (std::size_t l = 0; l < loads_.size(); ++l) {
             if (!loads_[l]) {
                 continue;
             }
             const auto scale = pave::reduced::scales(c, static_cast<int>(l), response.values);
             for (std::size_t i = 0; i < scale.size(); ++i) {
-                if (c.sensors[i].load == static_cast<int>(l)) {
-                    largest = std::max(largest, response.errors[i] / scale[i]);
+                if (c.sensors[i].load == static_cast<int>(l) && !(response.errors[i] <= limit_ * scale[i])) {
+                    return false;
                 }
             }
         }
-        return largest;
+        return true;
     }
 
     std::shared_ptr<const problem::ForwardFunction> full_;
@@ -97,34 +97,6 @@ private:
 };
 
 constexpr std::ptrdiff_t hash_length = 32;
-template <class T>
-Json packed(const T* data, std::size_t count) {
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(data);
-    return Json::binary({bytes, bytes + count * sizeof(T)});
-}
-
-Json packed(const Eigen::MatrixXd& matrix) {
-    return packed(matrix.data(), static_cast<std::size_t>(matrix.size()));
-}
-
-template <class T>
-std::vector<T> unpacked(const Json& json) {
-    const auto& bytes = json.get_binary();
-    std::vector<T> values(bytes.size() / sizeof(T));
-    std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::uint8_t*>(values.data()));
-    return values;
-}
-
-Eigen::MatrixXd unpacked(const Json& json, Eigen::Index rows) {
-    const auto numbers = unpacked<double>(json);
-    return Eigen::MatrixXd::Map(numbers.data(), rows,
-                                static_cast<Eigen::Index>(numbers.size()) / std::max<Eigen::Index>(rows, 1));
-}
-
-Eigen::VectorXd unpacked_vector(const Json& json) {
-    const auto numbers = unpacked<double>(json);
-    return Eigen::VectorXd::Map(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
-}
 
 } // namespace
 
@@ -187,45 +159,8 @@ void save_reduced(const std::string& file, const std::string& key, const Reduced
             list.push_back(nullptr);
             continue;
         }
-        const auto& basis = load->basis;
-        std::vector<int> places;
-        std::vector<double> weights;
-        for (const auto& point : basis.points) {
-            places.push_back(point.gauss);
-            weights.push_back(point.weight);
-        }
-        std::vector<int> kinds, layers, indices, logarithmic;
-        std::vector<double> lows, highs;
-        for (const auto& c : basis.coordinates) {
-            kinds.push_back(static_cast<int>(c.kind));
-            layers.push_back(c.layer);
-            indices.push_back(static_cast<int>(c.index));
-            logarithmic.push_back(c.logarithmic ? 1 : 0);
-            lows.push_back(c.low);
-            highs.push_back(c.high);
-        }
-        Json corrections = Json::array();
-        for (const pave::reduced::Kriging& c : basis.correction) {
-            corrections.push_back({{"lengths", packed(c.lengths)},
-                                   {"places", packed(c.places)},
-                                   {"factors", packed(c.factors)},
-                                   {"mean", packed(&c.mean, 1)}});
-        }
-        list.push_back({{"free_unknowns", basis.modes.rows()},
-                        {"modes", packed(basis.modes.data(), static_cast<std::size_t>(basis.modes.size()))},
-                        {"coarse", basis.coarse},
-                        {"points", packed(places.data(), places.size())},
-                        {"weights", packed(weights.data(), weights.size())},
-                        {"coordinates",
-                         {{"kind", kinds},
-                          {"layer", layers},
-                          {"index", indices},
-                          {"logarithmic", logarithmic},
-                          {"low", packed(lows.data(), lows.size())},
-                          {"high", packed(highs.data(), highs.size())}}},
-                        {"correction", corrections},
-                        {"factor", packed(basis.factor.data(), basis.factor.size())},
-                        {"floor", packed(basis.floor.data(), basis.floor.size())},
+        const std::string basis = pave::reduced::packed(load->basis);
+        list.push_back({{"basis", Json::binary({basis.begin(), basis.end()})},
                         {"full_runs", load->report.full_runs},
                         {"error_95", load->report.error_95}});
     }
@@ -258,40 +193,17 @@ std::optional<ReducedLoads> load_reduced(const std::string& file, const std::str
         if (load.is_null()) {
             continue;
         }
+        const auto& bytes_of_basis = load.at("basis").get_binary();
+        auto basis = pave::reduced::unpacked({bytes_of_basis.begin(), bytes_of_basis.end()});
+        if (!basis) {
+            return std::nullopt;
+        }
         reduced.emplace();
-        auto& basis = reduced->basis;
-        const auto free_unknowns = load.at("free_unknowns").get<Eigen::Index>();
-        basis.modes = unpacked(load.at("modes"), free_unknowns);
-        load.at("coarse").get_to(basis.coarse);
-        const auto places = unpacked<int>(load.at("points"));
-        const auto weights = unpacked<double>(load.at("weights"));
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            basis.points.push_back({places[i], weights[i]});
-        }
-        const Json& by = load.at("coordinates");
-        const auto lows = unpacked<double>(by.at("low"));
-        const auto highs = unpacked<double>(by.at("high"));
-        for (std::size_t c = 0; c < lows.size(); ++c) {
-            basis.coordinates.push_back({.kind = static_cast<pave::fe::Variation::Kind>(by.at("kind")[c].get<int>()),
-                                         .layer = by.at("layer")[c].get<int>(),
-                                         .index = by.at("index")[c].get<std::size_t>(),
-                                         .logarithmic = by.at("logarithmic")[c].get<int>() != 0,
-                                         .low = lows[c],
-                                         .high = highs[c]});
-        }
-        for (const Json& correction : load.at("correction")) {
-            basis.correction.push_back(
-                {.lengths = unpacked_vector(correction.at("lengths")),
-                 .places = unpacked(correction.at("places"), static_cast<Eigen::Index>(basis.coordinates.size())),
-                 .factors = unpacked_vector(correction.at("factors")),
-                 .mean = unpacked<double>(correction.at("mean")).at(0)});
-        }
-        basis.factor = unpacked<double>(load.at("factor"));
-        basis.floor = unpacked<double>(load.at("floor"));
         reduced->report = {.full_runs = load.at("full_runs"),
-                           .modes = static_cast<int>(basis.modes.cols()),
-                           .points = static_cast<int>(basis.points.size()),
+                           .modes = static_cast<int>(basis->modes.cols()),
+                           .points = static_cast<int>(basis->points.size()),
                            .error_95 = load.at("error_95")};
+        reduced->basis = std::move(*basis);
     }
     return loads;
 }

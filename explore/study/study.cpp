@@ -66,7 +66,7 @@ bool leaves_folder(const std::filesystem::path& folder, const std::filesystem::p
 Study with_measurements(Study study, std::vector<data::Reading> measurements) {
     study.model.sensors.clear();
     study.readings.clear();
-    if (!study.extent_is_stated) {
+    if (study.model.settings.wall_follows) {
         study.model.settings.extent = extent_not_stated;
     }
     for (auto& m : measurements) {

@@ -51,8 +51,7 @@ struct Study {
     NoiseSource noise = NoiseSource::estimated;
     // Of the measured readings, how many took their noise from the others: their median share of a reading.
     std::size_t noise_assumed = 0;
-    bool extent_is_stated = false; // else the wall stands at the model's default_extent()
-    std::string hash;              // of everything that changes a result: model, parameters, data
+    std::string hash; // of everything that changes a result: model, parameters, data
 
     // Name without folder and ending: the default folder of its results.
     std::string stem() const;

@@ -1,5 +1,6 @@
 #include "study/variants.h"
 
+#include "base/units.h"
 #include "pavement/effects/catalog.h"
 #include "pavement/effects/effect.h"
 #include "study/table_reader.h"
@@ -57,7 +58,15 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
         };
         if (effect->takes_reading) {
             for (const std::size_t i : readings) {
-                add({.reading = static_cast<int>(i)}, fmt::format("reading {}: {}", i + 1, study.readings[i].words()));
+                // What one place reads under one load alone could as well be an error of that reading.
+                const std::string place = study.readings[i].place_words();
+                const auto same = [&](std::size_t other) { return study.readings[other].place_words() == place; };
+                const bool stands_for_place = std::count_if(readings.begin(), readings.end(), same) > 1 &&
+                                              *std::find_if(readings.begin(), readings.end(), same) == i;
+                if (effect->is_error_of_reading || stands_for_place) {
+                    add({.reading = static_cast<int>(i)},
+                        fmt::format("reading {}: {}", i + 1, study.readings[i].words()));
+                }
             }
         } else if (effect->takes_quantity) {
             for (const auto& [load, quantity] : groups) {
@@ -225,6 +234,9 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
         }
         if (applied.reading) {
             result += fmt::format("reading = {}\n", *applied.reading + 1);
+        }
+        if (applied.thickness) {
+            result += fmt::format("thickness_mm = {}\n", *applied.thickness / pave::unit::mm);
         }
         const problem::Axis& axis = extended.space.axes[known + v];
         result += fmt::format("\n[[parameters]]\nname = \"{}\"\nmin = {}\nmax = {}\nscale = \"{}\"\n", axis.name,

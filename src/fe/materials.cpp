@@ -1,5 +1,7 @@
 #include "fe/materials.h"
 
+#include <cmath>
+
 namespace pave::fe {
 namespace {
 
@@ -17,7 +19,7 @@ Local local_of(const LayerMaterial& layer, const Eigen::Vector3d& at) {
             double& p = local.parameters[*field.parameter];
             p += share * (field.target - p);
         } else {
-            local.factor *= 1.0 + share;
+            local.factor *= field.is_power ? std::exp(share) : 1.0 + share;
         }
     }
     return local;
@@ -64,7 +66,8 @@ mechanics::Stiffness<6> local_stiffness_rate(const LayerMaterial& layer, int at_
     const Field& field = layer.fields[variation.index];
     const double weight = field.weight(field.shape, at);
     if (!field.parameter) {
-        return local.factor * weight / (1.0 + field.size * weight) * layer.law->unit_stiffness(local.parameters, state);
+        const double rate = field.is_power ? weight : weight / (1.0 + field.size * weight); // of the logarithm
+        return local.factor * rate * layer.law->unit_stiffness(local.parameters, state);
     }
     double before = layer.parameters[*field.parameter];
     for (std::size_t i = 0; i < variation.index; ++i) {

@@ -9,11 +9,12 @@
 namespace pave::fe {
 
 // What varies within a layer: its unit stiffness at a point is that of the law with p[parameter] replaced by
-// p + size (target - p) w, or without a parameter the law's own times 1 + size w, w the weight at that point.
-// parameter: one that the law's modulus does not depend on.
+// p + size (target - p) w, or without a parameter the law's own times 1 + size w or, as a power, exp(size w); w is the
+// weight at that point. parameter: one that the law's modulus does not depend on.
 struct Field {
     using Shape = std::array<double, 3>; // numbers of the weight function
     std::optional<std::size_t> parameter;
+    bool is_power = false;
     double target = 0.0; // SI
     double size = 0.0;
     double (*weight)(const Shape& shape, const Eigen::Vector3d& at) = nullptr; // at: x, y, z [m]

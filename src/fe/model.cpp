@@ -280,14 +280,68 @@ std::vector<Eigen::Matrix<double, Element::dim, 1>> positions_of(const Mesh& mes
     return nodes;
 }
 
+// The directions of every element that have no end.
+template <class Element, class Mesh>
+std::vector<unsigned> endless_of(const Mesh& mesh, const std::vector<std::vector<double>>& lines) {
+    std::vector<unsigned> endless;
+    const auto nodes = positions_of<Element>(mesh);
+    for (const auto& element : mesh.elements) {
+        unsigned bits = 0;
+        for (int d = 0; d < Element::dim; ++d) {
+            for (const int node : element) {
+                if (nodes[static_cast<std::size_t>(node)][d] == lines[static_cast<std::size_t>(d)].back()) {
+                    bits |= 1U << d;
+                }
+            }
+        }
+        endless.push_back(bits);
+    }
+    return endless;
+}
+
+// A place in an element that is a box whose sides follow the axes: x = (x0 + x1)/2 + (x1 - x0)/2 xi, or in a direction
+// without end 2 x0/(1 - xi); and dx/dxi.
+template <class Element>
+struct InBox {
+    Eigen::Matrix<double, Element::dim, 1> at, slope;
+
+    InBox(const typename Element::Coordinates& x, const typename Element::Position& position, unsigned endless) {
+        for (int d = 0; d < Element::dim; ++d) {
+            const double low = x.row(d).minCoeff();
+            const double half = (x.row(d).maxCoeff() - low) / 2.0;
+            const bool ends = (endless >> d & 1U) == 0;
+            at[d] = ends ? low + half * (1.0 + position[d]) : 2.0 * low / (1.0 - position[d]);
+            slope[d] = ends ? half : at[d] / (1.0 - position[d]);
+        }
+    }
+};
+
+// Element::point() of an element without end.
+template <class Element>
+typename Element::Point endless_point(const InBox<Element>& box, const typename Element::Position& position) {
+    typename Element::Point point;
+    point.weight = box.slope.prod();
+    point.rows.template topRows<Element::dim>() =
+        box.slope.cwiseInverse().asDiagonal() * Element::shape_gradient(position);
+    if constexpr (Element::dim == 2) {
+        point.weight *= 2.0 * std::numbers::pi * box.at[0];
+        point.rows.row(2) = Element::shape(position).transpose() / box.at[0];
+    }
+    return point;
+}
+
 template <class Element, class Mesh>
 std::shared_ptr<const Topology<Element>>
 make_topology(const Mesh& mesh, const std::vector<bool>& linear,
-              const std::function<bool(std::size_t node, int direction)>& is_held, const Springs& springs) {
+              const std::function<bool(std::size_t node, int direction)>& is_held, const Springs& springs,
+              const std::vector<std::vector<double>>& lines) {
     auto topology = std::make_shared<Topology<Element>>();
     topology->layers = mesh.layers;
     topology->layer = mesh.layer;
     topology->linear = linear;
+    if (mesh.endless) {
+        topology->endless = endless_of<Element>(mesh, lines);
+    }
     std::vector<std::array<int, Element::dim>> number(mesh.nodes.size()); // the unknown of each displacement, or -1
     for (std::size_t k = 0; k < number.size(); ++k) {
         for (int d = 0; d < Element::dim; ++d) {
@@ -320,8 +374,16 @@ Model<Element> build(const Mesh& mesh, std::shared_ptr<const Topology<Element>> 
         for (int i = 0; i < Element::nodes; ++i) {
             x.col(i) = nodes[element[i]];
         }
+        const std::size_t e = model.coordinates.size();
+        const unsigned endless = model.topology->endless.empty() ? 0U : model.topology->endless[e];
         model.coordinates.push_back(x);
         for (const auto& position : positions) {
+            if (endless != 0) {
+                const InBox<Element> box(x, position, endless);
+                model.points.push_back(endless_point<Element>(box, position));
+                model.depth.push_back(box.at[Element::down]);
+                continue;
+            }
             model.points.push_back(Element::point(x, position));
             model.depth.push_back(Element::depth(x, position));
         }
@@ -339,8 +401,12 @@ Model<Element> build(const Mesh& mesh, std::shared_ptr<const Topology<Element>> 
 
 template <class Element>
 Eigen::Vector3d position_of(const Model<Element>& model, int element, int gauss) {
-    Eigen::Matrix<double, Element::dim, 1> at =
-        model.coordinates[element] * Element::shape(Element::gauss_positions()[gauss]);
+    const auto position = Element::gauss_positions()[gauss];
+    Eigen::Matrix<double, Element::dim, 1> at = model.coordinates[element] * Element::shape(position);
+    const auto& endless = model.topology->endless;
+    if (!endless.empty() && endless[static_cast<std::size_t>(element)] != 0) {
+        at = InBox<Element>(model.coordinates[element], position, endless[static_cast<std::size_t>(element)]).at;
+    }
     if constexpr (Element::dim == 2) {
         return {at[0], 0.0, at[1]};
     } else {
@@ -352,18 +418,22 @@ Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const std::
                                  const Springs& springs) {
     const auto is_held = [&](std::size_t k, int d) {
         const auto [r, z] = mesh.nodes[k];
-        return z == mesh.z_lines.back() || (d == 0 && (r == 0.0 || r == mesh.r_lines.back()));
+        return z == mesh.z_lines.back() || (d == 0 && r == 0.0) ||
+               ((d == 0 || mesh.endless) && r == mesh.r_lines.back());
     };
-    return build(mesh, make_topology<AxisymmetricQ8>(mesh, linear, is_held, springs), springs);
+    return build(mesh, make_topology<AxisymmetricQ8>(mesh, linear, is_held, springs, {mesh.r_lines, mesh.z_lines}),
+                 springs);
 }
 
 Model<Hex20> make_model(const mesh::SolidMesh& mesh, const std::vector<bool>& linear, const Springs& springs) {
     const auto is_held = [&](std::size_t k, int d) {
         const auto [x, y, z] = mesh.nodes[k];
-        return z == mesh.z_lines.back() || (d == 0 && (x == 0.0 || x == mesh.x_lines.back())) ||
-               (d == 1 && (y == 0.0 || y == mesh.y_lines.back()));
+        return z == mesh.z_lines.back() || (d == 0 && x == 0.0) || (d == 1 && y == 0.0) ||
+               ((d == 0 || mesh.endless) && x == mesh.x_lines.back()) ||
+               ((d == 1 || mesh.endless) && y == mesh.y_lines.back());
     };
-    return build(mesh, make_topology<Hex20>(mesh, linear, is_held, springs), springs);
+    return build(mesh, make_topology<Hex20>(mesh, linear, is_held, springs, {mesh.x_lines, mesh.y_lines, mesh.z_lines}),
+                 springs);
 }
 
 Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const Model<AxisymmetricQ8>& like,

@@ -130,7 +130,7 @@ std::vector<Memory> memories_of(const std::vector<LayerMaterial>& layers, const 
 } // namespace
 
 template <class Element>
-Outcome<Course<Element>>
+Outcome<Relaxed<Element>>
 Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                            const History& history, const std::vector<Functional<Element>>& readings,
                            const std::vector<Variation>& variations, const SolverSettings& settings,
@@ -238,9 +238,10 @@ Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen
     }
     const auto n = static_cast<Eigen::Index>(readings.size());
     const std::size_t steps = history.factors.size();
-    Course<Element> course;
-    course.values.resize(n, static_cast<Eigen::Index>(steps));
-    course.d_values.assign(steps, Eigen::MatrixXd::Zero(n, count));
+    const std::size_t largest = history.largest();
+    Relaxed<Element> result;
+    result.course = Course(n, steps, count, false);
+    Course& course = result.course;
 
     double before = 0.0;
     for (std::size_t i = 0; i < steps; ++i) {
@@ -301,8 +302,8 @@ Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen
                 }
             }
         }
-        if (i == history.shown) {
-            Solution<Element>& shown = course.shown = w.empty_solution();
+        if (i == largest) {
+            Solution<Element>& shown = result.at_largest = w.empty_solution();
             shown.displacement = now.u;
             shown.d_displacement = now.du;
             w.set_moduli(now.stress, now.d_stress);
@@ -310,20 +311,20 @@ Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen
             w.finish(factor * load, by, shown);
         }
     }
-    Statistics& statistics = course.shown.statistics;
+    Statistics& statistics = result.at_largest.statistics;
     statistics.load_steps = static_cast<int>(steps);
     statistics.factorizations = w.system.factorizations();
     statistics.iterations = w.system.iterations();
-    return course;
+    return result;
 }
 
-template Outcome<Course<AxisymmetricQ8>>
+template Outcome<Relaxed<AxisymmetricQ8>>
 Solver<AxisymmetricQ8>::over_time(const std::vector<LayerMaterial>&, const Eigen::VectorXd&, const History&,
                                   const std::vector<Functional<AxisymmetricQ8>>&, const std::vector<Variation>&,
                                   const SolverSettings&, const std::vector<double>&);
-template Outcome<Course<Hex20>> Solver<Hex20>::over_time(const std::vector<LayerMaterial>&, const Eigen::VectorXd&,
-                                                         const History&, const std::vector<Functional<Hex20>>&,
-                                                         const std::vector<Variation>&, const SolverSettings&,
-                                                         const std::vector<double>&);
+template Outcome<Relaxed<Hex20>> Solver<Hex20>::over_time(const std::vector<LayerMaterial>&, const Eigen::VectorXd&,
+                                                          const History&, const std::vector<Functional<Hex20>>&,
+                                                          const std::vector<Variation>&, const SolverSettings&,
+                                                          const std::vector<double>&);
 
 } // namespace pave::fe

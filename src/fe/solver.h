@@ -4,12 +4,15 @@
 //                 tolerance by an embedded Runge-Kutta pair; every stage is one symmetric positive definite solve.
 //   secant        sigma - sigma0 = D(E(sigma)) strain at the full load, solved by Newton with the consistent tangent.
 //   over time     the incremental law in steps of time, for layers that relax.
+//   inertial      the answer of mass and damping to a load in time, linear about the end of one of the first two.
 //
+// The first two end in a Solution, the state under the load; the others give the Course of readings over time.
 // Derivatives are those of the discrete algorithm: the tangent linear of the load path with its steps held, and the
 // implicit function theorem at the secant equilibrium.
 #pragma once
 
 #include "base/outcome.h"
+#include "fe/course.h"
 #include "fe/functional.h"
 #include "fe/materials.h"
 #include "fe/model.h"
@@ -62,33 +65,25 @@ struct Solution {
     Statistics statistics;
 };
 
-// How a load acts in time: what it is multiplied by at equal steps of time, before the first of which nothing acts.
-struct History {
-    double step = 0.0; // s
-    std::vector<double> factors;
-    std::size_t shown = 0; // the step whose solution is wanted
-};
-
-// What a section does under a history.
+// What layers that relax leave: the readings at the end of every step, and the state where the load is largest.
 template <class Element>
-struct Course {
-    Solution<Element> shown;
-    Eigen::MatrixXd values;                // a row a reading, a column a step
-    std::vector<Eigen::MatrixXd> d_values; // of every step: a row a reading, a column a variation
+struct Relaxed {
+    Course course;
+    Solution<Element> at_largest;
 };
 
-// A load that rises and falls as sin^2(pi t / duration), 0 <= t <= duration.
-struct Pulse {
-    double duration = 0.03; // s
-    double damping = 0.05;  // ratio to the critical one of the material at the frequency 1/duration
-    double inertia = 1.0;   // on mass and damping; 0: the static answer
-    bool absorbs = true;    // the wall absorbs; else it is smooth, as for a load at rest
+// How inertia is modelled.
+struct Inertia {
+    double factor = 1.0; // on mass and damping; 0: the answer of a section without
+    double delay = 0.0;  // s, of damping in proportion to the stiffness: stress = E C (strain + delay d(strain)/dt)
+    bool absorbs = true; // the wall absorbs; else it is smooth, as for a load at rest
+    double reach = 0.0;  // m, the distance that waves are given the time to come
 };
 
-// What inertia adds to readings, and its derivatives: a row a reading, a column a variation.
-struct PulseExcess {
-    std::vector<double> values;
-    Eigen::MatrixXd derivatives;
+// Readings of the section linear about a state, under a load in time and under the same load at rest.
+struct InertialCourse {
+    Course moving;
+    Course at_rest; // one instant, at a factor of 1 on the load
 };
 
 // Solves on one model; keeps its factors and buffers between calls (same input, same bits, whatever came before).
@@ -118,10 +113,10 @@ public:
     // Layers that relax: quasi-static. A step of time is one of the midpoint rule for stress-dependent layers, at rates
     // of displacement that are constant in it, for which what a relaxing layer remembers is exact; second order in the
     // step. Stress-dependent layers follow the incremental law. What is out of balance after a step is in the next one.
-    Outcome<Course<Element>> over_time(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
-                                       const History& history, const std::vector<Functional<Element>>& readings,
-                                       const std::vector<Variation>& variations, const SolverSettings& settings,
-                                       const std::vector<double>& springs = {});
+    Outcome<Relaxed<Element>> over_time(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
+                                        const History& history, const std::vector<Functional<Element>>& readings,
+                                        const std::vector<Variation>& variations, const SolverSettings& settings,
+                                        const std::vector<double>& springs = {});
 
     // Called by `incremental` at the start of a stress-dependent load path and after every step, with the load factor,
     // the rate of the displacement by it and the modulus at the Gauss points of the stress-dependent elements, in the
@@ -133,14 +128,15 @@ public:
     // False: it is not definite.
     bool solve_at_end(Eigen::MatrixXd& right);
 
-    // What inertia adds to readings at the end of the run before this call, whose layers, springs and variations must
-    // still exist (no motion among them): the extreme of each over time (that of the larger magnitude) under a pulse of
-    // the load, less its value under the same load at rest. Linear about that end, with the modulus reached there as
-    // stiffness, consistent mass (density = unit weight / g), damping in proportion to the stiffness and, on the smooth
-    // wall, dashpots that absorb shear waves (Lysmer and Kuhlemeyer 1969); the floor reflects. Integrated by Newmark's
-    // average acceleration; derivatives are those of its steps.
-    Outcome<PulseExcess> inertial_excess(const Solution<Element>& end, const Eigen::VectorXd& load, const Pulse& pulse,
-                                         const std::vector<Functional<Element>>& readings);
+    // Readings over time at the end of the run before this call, whose layers, springs and variations must still exist
+    // (no motion among them). Linear about that end, with the modulus reached there as stiffness, consistent mass
+    // (density = unit weight / g), damping in proportion to the stiffness and, on the smooth wall, dashpots that absorb
+    // shear waves (Lysmer and Kuhlemeyer 1969); the floor reflects. Integrated by Newmark's average acceleration in the
+    // steps of the history; derivatives are those of its steps. It is followed for twice the time of the history, and
+    // then for twice the time that a shear wave takes to inertia.reach at the slowest pace from the surface down, that
+    // of the mean of 1/Vs over all layers above one depth or another: what the floor throws back may be the largest.
+    Outcome<InertialCourse> inertial(const Solution<Element>& end, const Eigen::VectorXd& load, const History& history,
+                                     const Inertia& inertia, const std::vector<Functional<Element>>& readings);
 
 private:
     struct Work;

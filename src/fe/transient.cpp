@@ -25,39 +25,6 @@ void integrate(F at) {
     }
 }
 
-// Weights on the values and slopes of a cubic at the ends of a unit interval.
-using CubicWeights = std::array<double, 4>; // value, slope; value, slope
-
-CubicWeights weights_at(double x) {
-    const double y = 1.0 - x;
-    return {y * y * (1.0 + 2.0 * x), x * y * y, x * x * (3.0 - 2.0 * x), -x * x * y};
-}
-
-// Where such a cubic, with value a and slope da to value b and slope db, has its extreme of larger magnitude.
-double place_of_extreme(double a, double da, double b, double db) {
-    double place = std::abs(a) > std::abs(b) ? 0.0 : 1.0;
-    double best = std::max(std::abs(a), std::abs(b));
-    // Its derivative: c0 + c1 x + c2 x^2
-    const double c0 = da;
-    const double c1 = 6.0 * (b - a) - 4.0 * da - 2.0 * db;
-    const double c2 = 3.0 * (da + db) - 6.0 * (b - a);
-    const double root = c1 * c1 - 4.0 * c0 * c2;
-    if (root < 0.0) {
-        return place;
-    }
-    const double q = -(c1 + std::copysign(std::sqrt(root), c1)) / 2.0;
-    for (const double x : {q / c2, c0 / q}) {
-        if (x > 0.0 && x < 1.0) {
-            const double value = std::abs(a + x * (c0 + x * (c1 / 2.0 + x * c2 / 3.0)));
-            if (value > best) {
-                best = value;
-                place = x;
-            }
-        }
-    }
-    return place;
-}
-
 // One number a row and variation: of every unknown, or of every reading.
 using Rates = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -102,10 +69,10 @@ struct Matrices {
 template <class Element, class Work>
 class Dynamics {
 public:
-    Dynamics(const Work& work, const Eigen::VectorXd& modulus, const Pulse& pulse)
+    Dynamics(const Work& work, const Eigen::VectorXd& modulus, bool absorbs)
         : w_(work),
           modulus_(modulus),
-          absorbs_(pulse.absorbs),
+          absorbs_(absorbs),
           entries_(w_.topology->lower.row.size()) {
         for (const auto& x : w_.model->coordinates) {
             wall_ = std::max(wall_, x.row(0).maxCoeff());
@@ -154,6 +121,32 @@ public:
             }
         }
         return m;
+    }
+
+    // The mean of 1/Vs over the layers from the surface down to the bottom of one of them, of that which makes it
+    // largest [s/m].
+    double slowest() const {
+        const std::vector<LayerMaterial>& layers = *w_.layers;
+        std::vector<double> volume(layers.size(), 0.0);
+        std::vector<double> slowness(layers.size(), 0.0);
+        for (int e = 0; e < w_.model->elements(); ++e) {
+            const auto layer = static_cast<std::size_t>(w_.topology->layer[e]);
+            double own = 0.0;
+            for (int g = 0; g < Element::gauss; ++g) {
+                own += w_.point(e, g).weight;
+            }
+            volume[layer] += own;
+            slowness[layer] += own * std::sqrt(density(e) / shear(e));
+        }
+        double most = 0.0;
+        double depth = 0.0;
+        double time = 0.0; // from the surface down
+        for (std::size_t l = 0; l < layers.size(); ++l) {
+            depth += layers[l].thickness;
+            time += layers[l].thickness * slowness[l] / volume[l];
+            most = std::max(most, time / depth);
+        }
+        return most;
     }
 
     // d(E C) at a point
@@ -241,9 +234,9 @@ private:
 } // namespace
 
 template <class Element>
-Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& end, const Eigen::VectorXd& load,
-                                                      const Pulse& pulse,
-                                                      const std::vector<Functional<Element>>& readings) {
+Outcome<InertialCourse> Solver<Element>::inertial(const Solution<Element>& end, const Eigen::VectorXd& load,
+                                                  const History& history, const Inertia& inertia,
+                                                  const std::vector<Functional<Element>>& readings) {
     Work& w = *work_;
     const int count = w.count();
     const Pattern& lower = w.topology->lower;
@@ -276,7 +269,7 @@ Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& e
         }
     }
     w.assemble(active_modulus);
-    const Dynamics<Element, Work> dynamics(w, end.modulus, pulse);
+    const Dynamics<Element, Work> dynamics(w, end.modulus, inertia.absorbs);
     const Matrices matrices = dynamics.matrices();
     std::vector<Matrices> matrix_rates;
     matrix_rates.reserve(static_cast<std::size_t>(count));
@@ -311,9 +304,11 @@ Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& e
             }
         }
     }
-    const auto read_rates = [&](const Eigen::VectorXd& u, const Rates& du, double factor, Rates& to) {
-        to.setZero();
+    const auto read = [&](const Eigen::VectorXd& u, const Rates& du, double factor, auto&& values,
+                          Eigen::MatrixXd& to) {
+        to.setZero(n, count);
         for (Eigen::Index i = 0; i < n; ++i) {
+            values[i] = factor * weighted(weights[static_cast<std::size_t>(i)], u.data());
             for (const auto& [unknown, weight] : weights[static_cast<std::size_t>(i)]) {
                 to.row(i) += (factor * weight) * du.row(unknown);
             }
@@ -324,15 +319,14 @@ Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& e
         }
     };
 
-    constexpr int steps_of_pulse = 80;
-    const double step = pulse.duration / steps_of_pulse;
-    const double delay = pulse.damping * pulse.duration / std::numbers::pi;
+    const double step = history.step;
+    const double delay = inertia.delay;
     const std::vector<double>& stiffness = matrices.stiffness;
     std::vector<double> damping(stiffness.size()); // at inertia 1
     std::vector<double> effective = stiffness;
     for (std::size_t k = 0; k < effective.size(); ++k) {
         damping[k] = delay * stiffness[k] + matrices.dashpots[k];
-        effective[k] += pulse.inertia * (2.0 / step * damping[k] + 4.0 / (step * step) * matrices.mass[k]);
+        effective[k] += inertia.factor * (2.0 / step * damping[k] + 4.0 / (step * step) * matrices.mass[k]);
     }
     const Failure not_definite{Status::failed,
                                "the section has lost its stiffness at the end of the load path: no pulse "
@@ -342,7 +336,7 @@ Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& e
     // right(:, k) -= d(M) a + d(C) v + d(K) u by variation k
     const auto subtract_rates = [&](const Eigen::VectorXd& u, const Eigen::VectorXd& v, const Eigen::VectorXd& a,
                                     Rates& right) {
-        const Eigen::VectorXd delayed = u + pulse.inertia * delay * v;
+        const Eigen::VectorXd delayed = u + inertia.factor * delay * v;
         Eigen::VectorXd force(u.size());
         for (int k = 0; k < count; ++k) {
             const Matrices& rates = matrix_rates[static_cast<std::size_t>(k)];
@@ -352,10 +346,10 @@ Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& e
             }
             force.setZero();
             if (!rates.dashpots.empty()) {
-                add_product(lower, rates.dashpots, pulse.inertia, v, force);
+                add_product(lower, rates.dashpots, inertia.factor, v, force);
             }
             if (!rates.mass.empty()) {
-                add_product(lower, rates.mass, pulse.inertia, a, force);
+                add_product(lower, rates.mass, inertia.factor, a, force);
             }
             if (!rates.stiffness.empty()) {
                 add_product(lower, rates.stiffness, 1.0, delayed, force);
@@ -388,73 +382,53 @@ Outcome<PulseExcess> Solver<Element>::inertial_excess(const Solution<Element>& e
     if (!factor.factorize(effective, true)) {
         return not_definite;
     }
-    struct Followed {
-        double peak = 0.0;
-        double value = 0.0;
-        double slope = 0.0; // per step
-    };
-    std::vector<Followed> followed(readings.size());
-    Rates peak_rate = Rates::Zero(n, count);
-    Rates value_rate = peak_rate;
-    Rates slope_rate = peak_rate;
-    Rates value_rate_now = peak_rate;
-    Rates slope_rate_now = peak_rate;
+    const double wait = inertia.reach * dynamics.slowest() * std::sqrt(inertia.factor);
+    const std::size_t acting = history.factors.size();
+    const auto steps = 2 * acting + static_cast<std::size_t>(std::ceil(2.0 * wait / step));
+    InertialCourse result;
+    result.moving = Course(n, steps, count, true);
+    Course& course = result.moving;
     Rates next_rate;
-    for (int i = 1; i <= 4 * steps_of_pulse / 3; ++i) { // the farthest sensors lag by some milliseconds
-        const double sine = i < steps_of_pulse ? std::sin(std::numbers::pi * i / steps_of_pulse) : 0.0;
-        Block<1> next = sine * sine * load;
-        add_product(lower, matrices.mass, pulse.inertia, 4.0 / (step * step) * u + 4.0 / step * v + acceleration, next);
-        add_product(lower, damping, pulse.inertia, 2.0 / step * u + v, next);
+    for (std::size_t i = 0; i < steps; ++i) {
+        const double acts = i < acting ? history.factors[i] : 0.0;
+        Block<1> next = acts * load;
+        add_product(lower, matrices.mass, inertia.factor, 4.0 / (step * step) * u + 4.0 / step * v + acceleration,
+                    next);
+        add_product(lower, damping, inertia.factor, 2.0 / step * u + v, next);
         factor.solve<1>(next);
         const Eigen::VectorXd change = next - u;
         acceleration = 4.0 / (step * step) * change - 4.0 / step * v - acceleration;
         v = 2.0 / step * change - v;
         u = next;
         if (count > 0) {
-            next_rate = sine * sine * load_rate;
+            next_rate = acts * load_rate;
             add_product(lower, matrices.mass,
-                        Rates(pulse.inertia * (4.0 / (step * step) * du + 4.0 / step * dv + d_acceleration)),
+                        Rates(inertia.factor * (4.0 / (step * step) * du + 4.0 / step * dv + d_acceleration)),
                         next_rate);
-            add_product(lower, damping, Rates(pulse.inertia * (2.0 / step * du + dv)), next_rate);
+            add_product(lower, damping, Rates(inertia.factor * (2.0 / step * du + dv)), next_rate);
             subtract_rates(u, v, acceleration, next_rate);
             solve(factor, next_rate);
             du = next_rate - du; // the change
             d_acceleration = 4.0 / (step * step) * du - 4.0 / step * dv - d_acceleration;
             dv = 2.0 / step * du - dv;
             du.swap(next_rate);
-            read_rates(u, du, 1.0, value_rate_now);
-            read_rates(v, dv, step, slope_rate_now);
         }
-        for (Eigen::Index r = 0; r < n; ++r) {
-            Followed& f = followed[static_cast<std::size_t>(r)];
-            const double now = weighted(weights[static_cast<std::size_t>(r)], u.data());
-            const double now_slope = step * weighted(weights[static_cast<std::size_t>(r)], v.data());
-            const auto share = weights_at(place_of_extreme(f.value, f.slope, now, now_slope));
-            const double most = share[0] * f.value + share[1] * f.slope + share[2] * now + share[3] * now_slope;
-            if (std::abs(most) > std::abs(f.peak)) {
-                f.peak = most; // its place is stationary: it moves without changing it
-                peak_rate.row(r) = share[0] * value_rate.row(r) + share[1] * slope_rate.row(r) +
-                                   share[2] * value_rate_now.row(r) + share[3] * slope_rate_now.row(r);
-            }
-            f.value = now;
-            f.slope = now_slope;
-        }
-        value_rate.swap(value_rate_now);
-        slope_rate.swap(slope_rate_now);
+        const auto at = static_cast<Eigen::Index>(i);
+        read(u, du, 1.0, course.values.col(at), course.d_values[i]);
+        read(v, dv, step, course.slopes.col(at), course.d_slopes[i]);
     }
-    PulseExcess excess;
-    for (std::size_t i = 0; i < readings.size(); ++i) {
-        excess.values.push_back(followed[i].peak - weighted(weights[i], at_rest.data()));
-    }
-    read_rates(at_rest, d_at_rest, 1.0, value_rate);
-    excess.derivatives = peak_rate - value_rate;
-    return excess;
+    Eigen::VectorXd rest(n);
+    Eigen::MatrixXd rest_rate;
+    read(at_rest, d_at_rest, 1.0, rest, rest_rate);
+    result.at_rest = Course(rest, rest_rate);
+    return result;
 }
 
-template Outcome<PulseExcess> Solver<AxisymmetricQ8>::inertial_excess(const Solution<AxisymmetricQ8>&,
-                                                                      const Eigen::VectorXd&, const Pulse&,
-                                                                      const std::vector<Functional<AxisymmetricQ8>>&);
-template Outcome<PulseExcess> Solver<Hex20>::inertial_excess(const Solution<Hex20>&, const Eigen::VectorXd&,
-                                                             const Pulse&, const std::vector<Functional<Hex20>>&);
+template Outcome<InertialCourse> Solver<AxisymmetricQ8>::inertial(const Solution<AxisymmetricQ8>&,
+                                                                  const Eigen::VectorXd&, const History&,
+                                                                  const Inertia&,
+                                                                  const std::vector<Functional<AxisymmetricQ8>>&);
+template Outcome<InertialCourse> Solver<Hex20>::inertial(const Solution<Hex20>&, const Eigen::VectorXd&, const History&,
+                                                         const Inertia&, const std::vector<Functional<Hex20>>&);
 
 } // namespace pave::fe

@@ -20,6 +20,8 @@ struct AxisymmetricMesh {
     std::vector<std::array<int, 8>> elements;
     std::vector<int> layer; // of each element
     int layers = 0;
+    // The last cells outwards and downwards have no end: one from x to 3 x stands for x to infinity, its middle is 2 x.
+    bool endless = false;
 
     int r_cells() const { return static_cast<int>(r_lines.size()) - 1; }
     int z_cells() const { return static_cast<int>(z_lines.size()) - 1; }

@@ -5,6 +5,11 @@
 #include <numbers>
 
 namespace pave::pavement {
+namespace {
+
+constexpr int doublings = 10; // deflections of a half-space are then within 0.2 %
+
+} // namespace
 
 mesh::AxisymmetricMesh Axisymmetric::nominal_mesh(const Case& c, int load) {
     mesh::AxisymmetricDemand demand;
@@ -26,7 +31,11 @@ mesh::AxisymmetricMesh Axisymmetric::nominal_mesh(const Case& c, int load) {
             demand.gauge_radii.push_back(r);
         }
     }
-    return mesh::axisymmetric_mesh(demand);
+    auto mesh = mesh::axisymmetric_mesh(demand);
+    return c.half_space ? mesh_of({with_far_cells(std::move(mesh.r_lines), c, doublings),
+                                   with_far_cells(std::move(mesh.z_lines), c, doublings)},
+                                  c)
+                        : mesh;
 }
 
 Lines Axisymmetric::lines_of(const Mesh& mesh) {
@@ -36,11 +45,14 @@ Lines Axisymmetric::lines_of(const Mesh& mesh) {
 Lines Axisymmetric::breaks(const Case& c, int load) {
     std::vector<double> bottoms = bottoms_of(c);
     bottoms.insert(bottoms.begin(), 0.0);
-    return {{0.0, c.loads[load].footprint().half_x, c.settings.extent}, bottoms};
+    return {with_far_cells({0.0, c.loads[load].footprint().half_x, c.settings.extent}, c, doublings),
+            with_far_cells(std::move(bottoms), c, doublings)};
 }
 
-mesh::AxisymmetricMesh Axisymmetric::mesh_of(Lines lines, const std::vector<double>& layer_bottoms) {
-    return mesh::axisymmetric_mesh(std::move(lines[0]), std::move(lines[1]), layer_bottoms);
+mesh::AxisymmetricMesh Axisymmetric::mesh_of(Lines lines, const Case& c) {
+    auto mesh = mesh::axisymmetric_mesh(std::move(lines[0]), std::move(lines[1]), bottoms_of(c));
+    mesh.endless = c.half_space;
+    return mesh;
 }
 
 // The edge of the circle is a line of the mesh.

@@ -34,10 +34,17 @@ Fields fields_of(const fe::Model<Element>& model, const std::vector<fe::LayerMat
                  const fe::Solution<Element>& solution) {
     constexpr int N = Element::voigt;
     const auto at_nodes = extrapolation<Element>();
-    const Eigen::Index points = static_cast<Eigen::Index>(model.elements()) * Element::nodes;
+    std::vector<int> elements; // those that end
     Fields f;
     f.nodes = Element::nodes;
-    f.layer = model.topology->layer;
+    for (int e = 0; e < model.elements(); ++e) {
+        const auto& endless = model.topology->endless;
+        if (endless.empty() || endless[static_cast<std::size_t>(e)] == 0) {
+            elements.push_back(e);
+            f.layer.push_back(model.topology->layer[static_cast<std::size_t>(e)]);
+        }
+    }
+    const Eigen::Index points = static_cast<Eigen::Index>(elements.size()) * Element::nodes;
     f.position.resize(3, points);
     f.displacement.resize(3, points);
     f.strain.setZero(6, points);
@@ -45,8 +52,9 @@ Fields fields_of(const fe::Model<Element>& model, const std::vector<fe::LayerMat
     for (auto* numbers : {&f.theta, &f.tau, &f.horizontal_modulus, &f.vertical_modulus}) {
         numbers->resize(points);
     }
-    for (int e = 0; e < model.elements(); ++e) {
-        const auto& layer = layers[static_cast<std::size_t>(f.layer[static_cast<std::size_t>(e)])];
+    for (std::size_t n = 0; n < elements.size(); ++n) {
+        const int e = elements[n];
+        const auto& layer = layers[static_cast<std::size_t>(f.layer[n])];
         const auto moved = model.gather(e, solution.displacement.data());
         Eigen::Matrix<double, N, Element::gauss> strain;
         for (int g = 0; g < Element::gauss; ++g) {
@@ -58,7 +66,7 @@ Fields fields_of(const fe::Model<Element>& model, const std::vector<fe::LayerMat
             solution.stress.middleCols(static_cast<Eigen::Index>(e) * Element::gauss, Element::gauss) *
             at_nodes.transpose();
         for (int i = 0; i < Element::nodes; ++i) {
-            const Eigen::Index k = static_cast<Eigen::Index>(e) * Element::nodes + i;
+            const Eigen::Index k = static_cast<Eigen::Index>(n) * Element::nodes + i;
             const Eigen::Vector3d at = in_space(model.coordinates[static_cast<std::size_t>(e)].col(i).eval());
             f.position.col(k) = at;
             f.displacement.col(k) = in_space(moved.template segment<Element::dim>(Element::dim * i).eval());

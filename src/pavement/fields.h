@@ -10,7 +10,7 @@ namespace pave::pavement {
 // shear. An axisymmetric model is the half plane y = 0, x > 0.
 struct Fields {
     int nodes = 0;          // of an element: 8, a quadrilateral, or 20, a hexahedron
-    std::vector<int> layer; // of each element
+    std::vector<int> layer; // of each element; those without end are left out
     Eigen::Matrix3Xd position;
     Eigen::Matrix3Xd displacement;                   // m
     Eigen::Matrix<double, 6, Eigen::Dynamic> strain; // of the load

@@ -43,12 +43,13 @@ std::string why_impossible(const Case& c, int load) {
         if (sensor.load != load) {
             continue;
         }
-        double shallowest = sensor.depth - sensor.gauge / 2.0;
+        double longest = sensor.gauge;
         double farthest = std::hypot(sensor.x, sensor.y);
         for (const Sensor::Share& share : sensor.shares) {
-            shallowest = std::min(shallowest, sensor.depth + share.dz - sensor.gauge / 2.0);
+            longest = std::max(longest, share.gauge);
             farthest = std::max(farthest, std::hypot(sensor.x + share.dx, sensor.y));
         }
+        const double shallowest = sensor.depth - longest / 2.0;
         if (shallowest < -1e-9) {
             return fmt::format("a sensor at {:g} mm depth reaches above the surface", sensor.depth / unit::mm);
         }
@@ -61,11 +62,11 @@ std::string why_impossible(const Case& c, int load) {
 
 // Below the floor of the case.
 bool is_below(const Sensor& sensor, double depth) {
-    double deepest = sensor.depth + sensor.gauge / 2.0;
+    double longest = sensor.gauge;
     for (const Sensor::Share& share : sensor.shares) {
-        deepest = std::max(deepest, sensor.depth + share.dz + sensor.gauge / 2.0);
+        longest = std::max(longest, share.gauge);
     }
-    return deepest > depth * (1.0 + 1e-9);
+    return sensor.depth + longest / 2.0 > depth * (1.0 + 1e-9);
 }
 
 // A difference quotient of fourth order: values at value + offset * step, their weights over the step.
@@ -134,7 +135,7 @@ void check_sensor(const Case& c, const Sensor& s, const Place& place) {
         throw Error(place, "the sensor lies outside the mesh", fmt::format("{:g} m from the load", distance),
                     fmt::format("up to the wall at [mesh] extent_m = {}", c.settings.extent));
     }
-    if (top < -1e-9 || bottom > depth * (1.0 + 1e-9)) {
+    if (top < -1e-9 || (!c.half_space && bottom > depth * (1.0 + 1e-9))) {
         throw Error(place, "the sensor lies outside the mesh",
                     fmt::format("it reads from {:g} to {:g} mm depth", top / unit::mm, bottom / unit::mm),
                     fmt::format("0 to {:g} mm, the depth of the section", depth / unit::mm));
@@ -289,6 +290,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
     double tension = 0.0;
     double unstable = 0.0;
     double limited = 0.0;
+    bool wall_is_near = false;
     for (std::size_t l = 0; l < values.loads.size(); ++l) {
         if (!models_[l] || (!loads.empty() && !loads[l])) {
             continue;
@@ -309,10 +311,10 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
             return Failure{Status::invalid_parameters, why};
         }
         for (const Sensor& sensor : c.sensors) {
-            if (is_below(sensor, c.depth())) {
+            if (is_below(sensor, models_[l]->reach(c))) {
                 return Failure{Status::failed,
-                               fmt::format("a sensor at {:g} mm depth lies below the floor of this section",
-                                           sensor.depth / unit::mm)};
+                               fmt::format("a sensor at {:g} mm depth lies below the {} of this section",
+                                           sensor.depth / unit::mm, c.half_space ? "mesh" : "floor")};
             }
         }
         const auto layers = materials_of(c);
@@ -378,16 +380,17 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         tension = std::max(tension, s.tension_share);
         unstable = std::max(unstable, s.unstable_share);
         limited = std::max(limited, s.limited_share);
+        if (!wall_is_near && !c.half_space && c.settings.extent < 1.99 * c.depth()) {
+            wall_is_near = true;
+            response.warnings.push_back(
+                fmt::format("the wall ([mesh] extent_m = {:g}) stands nearer than twice the depth of "
+                            "the section ({:g} m): far deflections feel it",
+                            c.settings.extent, c.depth()));
+        }
     }
     response.statistics.tension_share = tension;
     response.statistics.unstable_share = unstable;
     response.statistics.limited_share = limited;
-    if (values.settings.extent < 1.99 * values.depth()) {
-        response.warnings.push_back(
-            fmt::format("the wall ([mesh] extent_m = {:g}) stands nearer than twice the depth of "
-                        "the section ({:g} m): far deflections feel it",
-                        values.settings.extent, values.depth()));
-    }
     // Shares are weighted by the energy of the load stress: what is far away and hardly loaded does not count.
     if (tension > 0.05) {
         response.warnings.push_back(percent(tension) + " of the stress-dependent material is in tension (theta < 0)");

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "pavement/layered.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,34 +31,51 @@ const Failure does_not_fit{Status::invalid_parameters,
 
 const Failure not_finite{Status::failed, "the solution is not a finite number"};
 
-// sin^2(pi t / duration); shown at its peak.
-fe::History history_of(const Load& load) {
-    constexpr std::size_t steps = 40;
-    fe::History history{.step = load.duration / steps, .factors = {}, .shown = steps / 2 - 1};
-    for (std::size_t i = 1; i <= steps; ++i) {
-        const double sine = std::sin(std::numbers::pi * static_cast<double>(i) / steps);
-        history.factors.push_back(sine * sine);
-    }
-    return history;
+// Steps of the pulse: of what relaxes, and of what moves.
+constexpr int relaxing_steps = 40;
+constexpr int moving_steps = 80;
+
+// Under a pulse damping in proportion to the stiffness has this ratio to the critical one at the frequency 1/duration.
+constexpr double damping_ratio = 0.05;
+
+// The direction in which the extreme of a reading is looked for: deflections downwards, for that is the peak that a
+// deflectometer keeps; strains and stresses as they point under the load at rest.
+double direction_of(const Sensor& sensor, double at_rest) {
+    return sensor.quantity == Quantity::deflection || at_rest >= 0.0 ? 1.0 : -1.0;
 }
 
-// Weights on the steps of a course that make its extreme: that of the parabola through the step of largest magnitude
-// and the two beside it. Its place is stationary: the weights are, for derivatives.
-std::vector<std::pair<Eigen::Index, double>> at_extreme(const Eigen::RowVectorXd& values) {
-    Eigen::Index i = 0;
-    values.cwiseAbs().maxCoeff(&i);
-    const Eigen::Index last = values.size() - 1;
-    const double before = i > 0 ? values[i - 1] : 0.0;
-    const double curvature = i < last ? before - 2.0 * values[i] + values[i + 1] : 0.0;
-    if (curvature == 0.0) {
-        return {{i, 1.0}};
+// What sensors read over the time of a load, a row a sensor. All ways of modelling it end here; a load at rest is the
+// course of one instant.
+struct Responses {
+    fe::Course at_rest; // one instant: the load at rest, or where it is largest
+    fe::Course moving;  // over time
+    fe::Course slow;    // what that would come to if the load acted slowly: one instant
+    fe::Statistics statistics;
+};
+
+// The reading that stands for a course: what it is at rest, and by how much its extreme over time is beyond that of a
+// load that acts slowly. Slowly applied, a reading reaches what it is at rest, but nothing where that points against
+// its direction (the heave beside a plate): so a section that hardly moves or relaxes reads as one at rest there too.
+fe::Followed reading_of(const Sensor& sensor, const Responses& responses, Eigen::Index row) {
+    fe::Followed reading = fe::at_instant(responses.at_rest, row, 0);
+    const double direction = direction_of(sensor, reading.value);
+    const fe::Followed extreme = fe::peak(responses.moving, row, direction);
+    const fe::Followed slowly = fe::peak(responses.slow, row, direction);
+    reading.value += extreme.value - slowly.value;
+    reading.rates += extreme.rates - slowly.rates;
+    return reading;
+}
+
+void keep_at_rest(fe::Course& course, Eigen::Index row) {
+    course.values.row(row).setZero();
+    if (course.slopes.size() > 0) {
+        course.slopes.row(row).setZero();
     }
-    const double x = (before - values[i + 1]) / (2.0 * curvature); // in steps from i
-    std::vector<std::pair<Eigen::Index, double>> weights{{i, 1.0 - x * x}, {i + 1, x * (x + 1.0) / 2.0}};
-    if (i > 0) {
-        weights.emplace_back(i - 1, x * (x - 1.0) / 2.0);
+    for (auto* rates : {&course.d_values, &course.d_slopes}) {
+        for (Eigen::MatrixXd& at_instant : *rates) {
+            at_instant.row(row).setZero();
+        }
     }
-    return weights;
 }
 
 template <class Kind>
@@ -97,44 +115,21 @@ public:
             motions.push_back(std::move(motion));
             observation_rates.push_back(std::move(rates));
         }
-        if (values.relaxes()) {
-            return over_time(values, layers, force, by, own);
+        const auto followed = follow(values, layers, force, by, motions, observation_rates, own);
+        if (!followed) {
+            return followed.failure();
         }
-        const auto solved = solve(values, layers, force, by, motions, own);
-        if (!solved) {
-            return solved.failure();
-        }
-        const auto count = static_cast<Eigen::Index>(variations.size());
+        const std::vector<std::size_t> sensors = sensors_of(values);
         Reading reading;
         reading.values.resize(values.sensors.size());
-        reading.derivatives.setZero(static_cast<Eigen::Index>(values.sensors.size()), count);
-        reading.statistics = solved->statistics;
-        for (std::size_t i = 0; i < values.sensors.size(); ++i) {
-            if (values.sensors[i].load != load_) {
-                continue;
-            }
-            const auto& o = own.observations[i];
-            const bool stress = !o.on_stress.empty();
-            reading.values[i] =
-                stress ? o.of_stress(solved->stress, 1, 0) : o.of_displacement(solved->displacement.data());
-            for (Eigen::Index k = 0; k < count; ++k) {
-                reading.derivatives(static_cast<Eigen::Index>(i), k) =
-                    stress ? o.of_stress(solved->d_stress, count, k)
-                           : o.of_displacement(solved->d_displacement.col(k).data());
-                const fe::Variation& v = variations[static_cast<std::size_t>(k)];
-                if (v.kind == fe::Variation::Kind::motion) { // the place in the mesh that is read moves too
-                    const auto& rate = observation_rates[v.index][i];
-                    reading.derivatives(static_cast<Eigen::Index>(i), k) +=
-                        stress ? rate.of_stress(solved->stress, 1, 0)
-                               : rate.of_displacement(solved->displacement.data());
-                }
-            }
-            if (!std::isfinite(reading.values[i])) {
-                return not_finite;
-            }
-        }
-        if (load.inertia) {
-            return with_inertia(std::move(reading), values, solved.value(), force, own);
+        reading.derivatives.setZero(static_cast<Eigen::Index>(values.sensors.size()),
+                                    static_cast<Eigen::Index>(by.size()));
+        reading.statistics = followed->statistics;
+        for (std::size_t r = 0; r < sensors.size(); ++r) {
+            const std::size_t i = sensors[r];
+            const auto read = reading_of(values.sensors[i], *followed, static_cast<Eigen::Index>(r));
+            reading.values[i] = read.value;
+            reading.derivatives.row(static_cast<Eigen::Index>(i)) = read.rates;
         }
         return reading;
     }
@@ -148,9 +143,9 @@ public:
         }
         const Eigen::VectorXd force = load.pressure * load.factor * own.unit_load;
         if (values.relaxes()) {
-            const auto course = own.solver->over_time(layers, force, history_of(load), {}, {}, values.settings.solver,
-                                                      spring_stiffness(values));
-            return course ? Outcome<Fields>(fields_of(*own.model, layers, course->shown)) : course.failure();
+            const auto relaxed = own.solver->over_time(layers, force, fe::haversine(load.duration, relaxing_steps), {},
+                                                       {}, values.settings.solver, spring_stiffness(values));
+            return relaxed ? Outcome<Fields>(fields_of(*own.model, layers, relaxed->at_largest)) : relaxed.failure();
         }
         const auto solved = solve(values, layers, force, {}, {}, own);
         if (!solved) {
@@ -172,39 +167,119 @@ private:
                    : own.solver->incremental(layers, force, by, settings, springs, motions);
     }
 
-    // Of a section with layers that relax: the extreme of every reading over the time of the load.
-    Outcome<Reading> over_time(const Case& values, const std::vector<fe::LayerMaterial>& layers,
-                               const Eigen::VectorXd& force, const std::vector<fe::Variation>& by, Own& own) const {
-        std::vector<Eigen::Index> rows;
-        std::vector<fe::Functional<Element>> functionals;
+    // The sensors that this model reads.
+    std::vector<std::size_t> sensors_of(const Case& values) const {
+        std::vector<std::size_t> own;
         for (std::size_t i = 0; i < values.sensors.size(); ++i) {
             if (values.sensors[i].load == load_) {
-                rows.push_back(static_cast<Eigen::Index>(i));
-                functionals.push_back(own.observations[i]);
+                own.push_back(i);
             }
         }
-        const auto course = own.solver->over_time(layers, force, history_of(values.loads[load_]), functionals, by,
-                                                  values.settings.solver, spring_stiffness(values));
-        if (!course) {
-            return course.failure();
+        return own;
+    }
+
+    std::vector<fe::Functional<Element>> functionals(const Case& values, const Own& own) const {
+        std::vector<fe::Functional<Element>> list;
+        for (const std::size_t i : sensors_of(values)) {
+            list.push_back(own.observations[i]);
         }
-        Reading reading;
-        reading.values.resize(values.sensors.size());
-        reading.derivatives.setZero(static_cast<Eigen::Index>(values.sensors.size()),
-                                    static_cast<Eigen::Index>(by.size()));
-        reading.statistics = course->shown.statistics;
-        for (std::size_t r = 0; r < rows.size(); ++r) {
+        return list;
+    }
+
+    // The sensors over the time of the load, as the section and the load ask for. Fails where one reads no number.
+    Outcome<Responses> follow(const Case& values, const std::vector<fe::LayerMaterial>& layers,
+                              const Eigen::VectorXd& force, const std::vector<fe::Variation>& by,
+                              const std::vector<fe::Motion<Element>>& motions,
+                              const std::vector<std::vector<Observation<Element>>>& observation_rates, Own& own) const {
+        Responses responses;
+        if (values.relaxes()) {
+            const fe::History history = fe::haversine(values.loads[load_].duration, relaxing_steps);
+            auto relaxed = own.solver->over_time(layers, force, history, functionals(values, own), by,
+                                                 values.settings.solver, spring_stiffness(values));
+            if (!relaxed) {
+                return relaxed.failure();
+            }
+            const std::size_t largest = history.largest();
+            responses.statistics = relaxed->at_largest.statistics;
+            responses.moving = std::move(relaxed->course);
+            responses.at_rest = fe::Course(responses.moving.values.col(static_cast<Eigen::Index>(largest)),
+                                           responses.moving.d_values[largest]);
+            responses.slow = responses.at_rest;
+        } else {
+            const auto solved = solve(values, layers, force, by, motions, own);
+            if (!solved) {
+                return solved.failure();
+            }
+            responses.statistics = solved->statistics;
+            responses.at_rest = course_at_rest(values, solved.value(), by, observation_rates, own);
+            responses.moving = responses.slow = responses.at_rest;
+            if (values.loads[load_].inertia) {
+                if (const auto failure = move_with_inertia(values, solved.value(), force, own, responses)) {
+                    return *failure;
+                }
+            }
+        }
+        const bool finite = responses.at_rest.values.allFinite() && responses.moving.values.allFinite();
+        return finite ? Outcome<Responses>(std::move(responses)) : not_finite;
+    }
+
+    // One instant: the sensors under the load at rest.
+    fe::Course course_at_rest(const Case& values, const fe::Solution<Element>& solved,
+                              const std::vector<fe::Variation>& by,
+                              const std::vector<std::vector<Observation<Element>>>& observation_rates,
+                              const Own& own) const {
+        const std::vector<std::size_t> sensors = sensors_of(values);
+        const auto count = static_cast<Eigen::Index>(by.size());
+        fe::Course course(static_cast<Eigen::Index>(sensors.size()), 1, count, false);
+        for (std::size_t r = 0; r < sensors.size(); ++r) {
             const auto row = static_cast<Eigen::Index>(r);
-            double& value = reading.values[static_cast<std::size_t>(rows[r])];
-            for (const auto& [step, weight] : at_extreme(course->values.row(row))) {
-                value += weight * course->values(row, step);
-                reading.derivatives.row(rows[r]) += weight * course->d_values[static_cast<std::size_t>(step)].row(row);
-            }
-            if (!std::isfinite(value)) {
-                return not_finite;
+            const auto& o = own.observations[sensors[r]];
+            const bool stress = !o.on_stress.empty();
+            course.values(row, 0) =
+                stress ? o.of_stress(solved.stress, 1, 0) : o.of_displacement(solved.displacement.data());
+            for (Eigen::Index k = 0; k < count; ++k) {
+                double& rate = course.d_values[0](row, k);
+                rate = stress ? o.of_stress(solved.d_stress, count, k)
+                              : o.of_displacement(solved.d_displacement.col(k).data());
+                const fe::Variation& v = by[static_cast<std::size_t>(k)];
+                if (v.kind == fe::Variation::Kind::motion) { // the place in the mesh that is read moves too
+                    const auto& moved = observation_rates[v.index][sensors[r]];
+                    rate += stress ? moved.of_stress(solved.stress, 1, 0)
+                                   : moved.of_displacement(solved.displacement.data());
+                }
             }
         }
-        return reading;
+        return course;
+    }
+
+    // The answer of mass and damping to a pulse, about the end of a load path. What no instrument measures is read at
+    // rest.
+    std::optional<Failure> move_with_inertia(const Case& values, const fe::Solution<Element>& solved,
+                                             const Eigen::VectorXd& force, Own& own, Responses& responses) const {
+        const Load& load = values.loads[load_];
+        const std::vector<std::size_t> sensors = sensors_of(values);
+        fe::Inertia inertia;
+        inertia.factor = *load.inertia;
+        inertia.delay = damping_ratio * load.duration / std::numbers::pi;
+        for (const std::size_t i : sensors) {
+            if (values.sensors[i].measured) {
+                inertia.reach = std::max(inertia.reach, std::hypot(values.sensors[i].x, values.sensors[i].y));
+            }
+        }
+        auto followed = own.solver->inertial(solved, force, fe::haversine(load.duration, moving_steps), inertia,
+                                             functionals(values, own));
+        if (!followed) {
+            return followed.failure();
+        }
+        responses.moving = std::move(followed->moving);
+        responses.slow = std::move(followed->at_rest);
+        for (std::size_t r = 0; r < sensors.size(); ++r) {
+            if (!values.sensors[sensors[r]].measured) {
+                keep_at_rest(responses.moving, static_cast<Eigen::Index>(r));
+                keep_at_rest(responses.slow, static_cast<Eigen::Index>(r));
+            }
+        }
+        return std::nullopt;
     }
 
     // Of every spring of the model [Pa/m].
@@ -219,32 +294,6 @@ private:
             stiffness.push_back(*plate);
         }
         return stiffness;
-    }
-
-    // What a pulse of the load adds to what is measured under it.
-    Outcome<Reading> with_inertia(Reading reading, const Case& values, const fe::Solution<Element>& solved,
-                                  const Eigen::VectorXd& force, Own& own) const {
-        std::vector<std::size_t> rows;
-        std::vector<fe::Functional<Element>> functionals;
-        for (std::size_t i = 0; i < values.sensors.size(); ++i) {
-            if (values.sensors[i].load == load_ && values.sensors[i].measured) {
-                rows.push_back(i);
-                functionals.push_back(own.observations[i]);
-            }
-        }
-        fe::Pulse pulse;
-        pulse.duration = values.loads[load_].duration;
-        pulse.inertia = *values.loads[load_].inertia;
-        const auto excess = own.solver->inertial_excess(solved, force, pulse, functionals);
-        if (!excess) {
-            return excess.failure();
-        }
-        for (std::size_t k = 0; k < rows.size(); ++k) {
-            reading.values[rows[k]] += excess->values[k];
-            reading.derivatives.row(static_cast<Eigen::Index>(rows[k])) +=
-                excess->derivatives.row(static_cast<Eigen::Index>(k));
-        }
-        return reading;
     }
 
     struct Own : Workspace {
@@ -276,7 +325,7 @@ private:
             const bool moves = wanted != lines;
             if (moves) {
                 lines = wanted;
-                mesh = Kind::mesh_of(std::move(wanted), bottoms_of(values));
+                mesh = Kind::mesh_of(std::move(wanted), values);
                 auto moved =
                     std::make_unique<fe::Model<Element>>(fe::make_model(mesh, of.model_, springs_of(values, of.load_)));
                 if (solver == nullptr) {
@@ -322,7 +371,7 @@ private:
         motion.load = Eigen::VectorXd::Zero(model_.free_unknowns());
         std::vector<Observation<Element>> rates(values.sensors.size());
         for (const auto& [weight, there] : near) {
-            const auto mesh = Kind::mesh_of(lines_for(Kind::breaks(there, load_)), bottoms_of(there));
+            const auto mesh = Kind::mesh_of(lines_for(Kind::breaks(there, load_)), there);
             const auto model = fe::make_model(mesh, model_);
             const auto layers = materials_of(there);
             for (std::size_t q = 0; q < model.points.size(); ++q) {
@@ -356,6 +405,16 @@ private:
 };
 
 } // namespace
+
+std::vector<double> with_far_cells(std::vector<double> lines, const Case& c, int doublings) {
+    if (c.half_space) {
+        for (int i = 0; i < doublings; ++i) {
+            lines.push_back(2.0 * lines.back());
+        }
+        lines.push_back(3.0 * lines.back());
+    }
+    return lines;
+}
 
 std::vector<double> bottoms_of(const Case& c) {
     std::vector<double> bottoms;
@@ -413,6 +472,19 @@ std::vector<bool> linear_layers(const Case& c) {
 }
 
 std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int number) {
+    const Load& load = nominal.loads[number];
+    const std::string why_not = why_not_layered(nominal, number);
+    if (load.type == LoadType::gear && !why_not.empty()) {
+        throw Error({.key = load.name + ".type"}, "a gear stands on linear layers only", why_not,
+                    "law = \"linear\" in every layer, or one of its wheels as a load");
+    }
+    if ((nominal.settings.layered || load.type == LoadType::gear) && why_not.empty()) {
+        return make_layered_model(nominal, number);
+    }
+    return make_finite_element_model(nominal, number);
+}
+
+std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, int number) {
     const Load& load = nominal.loads[number];
     const auto footprint = load.footprint();
     const double reach = std::max(footprint.outer(), footprint.half_y);

@@ -1,4 +1,4 @@
-// The finite element model of one load on a section: the cheapest one that serves it.
+// The model of one load on a section: the cheapest one that serves it.
 #pragma once
 
 #include "base/outcome.h"
@@ -21,7 +21,7 @@ struct Axisymmetric { // one circle on the axis
     static Mesh nominal_mesh(const Case& c, int load);
     static Lines lines_of(const Mesh& mesh);
     static Lines breaks(const Case& c, int load);
-    static Mesh mesh_of(Lines lines, const std::vector<double>& layer_bottoms);
+    static Mesh mesh_of(Lines lines, const Case& c);
     // Force of a mean pressure of 1 Pa on the footprint, on every free unknown [N].
     static Eigen::VectorXd unit_load(const Mesh& mesh, const fe::Model<Element>& model, const Load& load);
 };
@@ -32,9 +32,13 @@ struct Solid {
     static Mesh nominal_mesh(const Case& c, int load);
     static Lines lines_of(const Mesh& mesh);
     static Lines breaks(const Case& c, int load);
-    static Mesh mesh_of(Lines lines, const std::vector<double>& layer_bottoms);
+    static Mesh mesh_of(Lines lines, const Case& c);
     static Eigen::VectorXd unit_load(const Mesh& mesh, const fe::Model<Element>& model, const Load& load);
 };
+
+// The lines; of a half-space with cells after the last that double its distance each, then one without end. A cell
+// without end alone would be too stiff: far below, what falls off to the side does so from a distance like the depth.
+std::vector<double> with_far_cells(std::vector<double> lines, const Case& c, int doublings);
 
 // Depth of the bottom of every layer [m].
 std::vector<double> bottoms_of(const Case& c);
@@ -62,7 +66,10 @@ public:
         virtual ~Workspace() = default;
     };
     virtual std::unique_ptr<Workspace> make_workspace() const = 0;
+    // Of the finite element system; 0: there is none.
     virtual int unknowns() const = 0;
+    // How deep a section can be read [m].
+    virtual double reach(const Case& values) const { return values.depth(); }
 
     struct Reading {
         std::vector<double> values;  // of every sensor of the case, SI; 0 for those of other loads
@@ -80,9 +87,11 @@ public:
                                    Workspace& workspace) const = 0;
 };
 
+// The layered engine where the settings allow it and it serves; else finite elements.
+std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int load);
 // The geometry of the nominal case fixes the structure of the mesh; other geometries move its lines. Throws Error when
 // the load does not fit into the mesh.
-std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int load);
+std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, int load);
 
 // The parts of such a model with the load vector at the load's own pressure, for tests and benchmarks that look inside.
 template <class Kind>

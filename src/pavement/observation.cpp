@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace pave::pavement {
 namespace {
@@ -194,18 +195,26 @@ Observation<Element> observe_shares(const Sensor& sensor, const Mesh& mesh, cons
     if (sensor.shares.empty()) {
         return observe_place(sensor, mesh, model, chosen);
     }
-    Observation<Element> sum;
+    // Shares beside each other read the same cells: each is weighed once.
+    std::map<int, double> on_displacement;
+    std::map<int, typename Element::Stress> on_stress;
     for (const Sensor::Share& share : sensor.shares) {
         Sensor there = sensor;
         there.x += share.dx;
-        there.depth += share.dz;
+        there.gauge = share.gauge;
         const auto o = observe_place(there, mesh, model, chosen);
         for (const auto& [unknown, weight] : o.on_displacement) {
-            sum.on_displacement.emplace_back(unknown, share.weight * weight);
+            on_displacement[unknown] += share.weight * weight;
         }
         for (const auto& [point, weight, direction] : o.on_stress) {
-            sum.on_stress.push_back({point, share.weight * weight, direction});
+            auto& sum = on_stress.try_emplace(point, Element::Stress::Zero()).first->second;
+            sum += share.weight * weight * direction;
         }
+    }
+    Observation<Element> sum;
+    sum.on_displacement.assign(on_displacement.begin(), on_displacement.end());
+    for (const auto& [point, direction] : on_stress) {
+        sum.on_stress.push_back({point, 1.0, direction});
     }
     return sum;
 }

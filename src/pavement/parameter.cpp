@@ -108,8 +108,10 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch) {
     static const KeyInfo wheel[] = {force, tyre_pressure, width, duration};
     static const KeyInfo dual_circle[] = {force, tyre_pressure, spacing, duration};
     static const KeyInfo dual[] = {force, tyre_pressure, spacing, width, duration};
+    static const KeyInfo gear[] = {tyre_pressure};
     switch (type) {
     case LoadType::plate: return plate;
+    case LoadType::gear: return gear;
     case LoadType::wheel: return patch == Patch::circle ? std::span<const KeyInfo>(wheel_circle) : wheel;
     case LoadType::dual_wheel: break;
     }

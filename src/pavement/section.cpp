@@ -24,7 +24,41 @@ Load::Footprint Load::footprint() const {
     return f;
 }
 
+std::vector<Load::Circle> Load::circles() const {
+    if (type == LoadType::gear) {
+        std::vector<Circle> circles;
+        for (const Wheel& wheel : wheels) {
+            circles.push_back({wheel.x, wheel.y, std::sqrt(wheel.force / pressure / std::numbers::pi)});
+        }
+        return circles;
+    }
+    const Footprint f = footprint();
+    if (f.centre > 0.0) {
+        return {{f.centre, 0.0, f.half_x}, {-f.centre, 0.0, f.half_x}};
+    }
+    return {{0.0, 0.0, f.half_x}};
+}
+
+bool Load::circles_overlap() const {
+    const auto all = circles();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            if (std::hypot(all[i].x - all[j].x, all[i].y - all[j].y) < all[i].radius + all[j].radius) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 double Load::total_force() const {
+    if (type == LoadType::gear) {
+        double sum = 0.0;
+        for (const Wheel& wheel : wheels) {
+            sum += wheel.force;
+        }
+        return sum;
+    }
     return type == LoadType::plate ? pressure * std::numbers::pi * radius * radius : force;
 }
 
@@ -44,8 +78,8 @@ bool Case::turns() const {
     return std::any_of(layers.begin(), layers.end(), [](const Layer& l) { return l.law->turns(); });
 }
 
-double Case::default_extent() const {
-    double extent = std::max(4.0, 2.0 * depth());
+double Case::default_extent(double depth) const {
+    double extent = std::max(4.0, 2.0 * depth);
     for (const Sensor& sensor : sensors) {
         extent = std::max(extent, 2.0 * std::hypot(sensor.x, sensor.y));
     }

@@ -25,7 +25,7 @@ struct Layer {
     bool operator==(const Layer&) const = default;
 };
 
-enum class LoadType { plate, wheel, dual_wheel };
+enum class LoadType { plate, wheel, dual_wheel, gear };
 enum class Patch { circle, rectangle };
 
 struct Load {
@@ -35,6 +35,12 @@ struct Load {
     double radius = 0.0;   // m, plate
     double force = 0.0;    // N, wheel and dual wheel: of the whole assembly
     double spacing = 0.0;  // m, dual wheel: between patch centres
+    struct Wheel {
+        double x = 0.0, y = 0.0; // m
+        double force = 0.0;      // N, carried by a circle at the pressure
+        bool operator==(const Wheel&) const = default;
+    };
+    std::vector<Wheel> wheels{}; // of a gear, at least one
     Patch patch = Patch::rectangle;
     double patch_width = 0.16; // m, rectangle
     double factor = 1.0;       // on the pressure, at the same area of contact
@@ -54,7 +60,7 @@ struct Load {
     bool is_axisymmetric() const {
         return type == LoadType::plate || (type == LoadType::wheel && patch == Patch::circle);
     }
-    // Where the pressure acts: one patch on the z axis, or two at x = +- centre.
+    // Where the pressure acts, of all but a gear: one patch on the z axis, or two at x = +- centre.
     struct Footprint {
         Patch shape = Patch::circle;
         double centre = 0.0; // m, x of the patch at x >= 0
@@ -64,6 +70,13 @@ struct Load {
         double outer() const { return centre + half_x; }
     };
     Footprint footprint() const;
+    struct Circle {
+        double x = 0.0, y = 0.0, radius = 0.0; // m
+    };
+    // The patches of a load on circles.
+    std::vector<Circle> circles() const;
+    // Whether two of them overlap.
+    bool circles_overlap() const;
     double total_force() const; // N
 };
 
@@ -95,9 +108,11 @@ struct Sensor {
     double gauge = 0.0;                   // m
     bool measured = true;                 // by an instrument, which may err; false: an asked-for response
     double gain = 1.0;                    // of the instrument
-    // Places that the reading averages over, relative to the sensor; none: the sensor's own.
+    // What the reading is the weighted sum of: readings at places beside the sensor, over gauge lengths of their own.
+    // None: that of the sensor itself.
     struct Share {
-        double dx = 0.0, dz = 0.0; // m
+        double dx = 0.0;    // m
+        double gauge = 0.0; // m
         double weight = 1.0;
         bool operator==(const Share&) const = default;
     };
@@ -110,9 +125,12 @@ enum class Integration { incremental, secant };
 
 struct Settings {
     Integration integration = Integration::incremental;
-    double extent = 4.0; // m: the smooth wall; see default_extent()
+    double extent = 4.0;       // m: the smooth wall
+    bool wall_follows = false; // effects and thicknesses move it to default_extent()
     double refine = 1.0;
     fe::SolverSettings solver;
+    // Linear layers under circles are computed without a mesh and a wall.
+    bool layered = false;
 };
 
 struct Effect; // effects/effect.h
@@ -126,16 +144,19 @@ struct AppliedEffect {
     std::string layer{};
     std::optional<int> load{};
     std::optional<Quantity> quantity{};
-    std::optional<int> reading{}; // index of a sensor
+    std::optional<int> reading{};      // index of a sensor
+    std::optional<double> thickness{}; // m, of a sublayer
 };
 
 // Everything a forward run is a function of.
 struct Case {
-    std::vector<Layer> layers; // top to bottom, on a rigid rough floor
+    std::vector<Layer> layers; // top to bottom, on a rigid rough floor unless half_space
     std::vector<Load> loads;
     std::vector<Sensor> sensors;
     Settings settings;
     std::vector<AppliedEffect> effects; // what the above does not say; applied in this order
+    // The last layer goes on for ever: its thickness is how deep finite elements reach before those without end.
+    bool half_space = false;
 
     double depth() const;
     // Whether the response depends on the duration of the load.
@@ -144,7 +165,9 @@ struct Case {
     bool turns() const;
     // Where the wall stands unless a study says otherwise: 4 m, or twice the depth of the section, or twice the
     // distance of the farthest sensor. Nearer than twice the depth, the wall shows in the far deflections.
-    double default_extent() const;
+    double default_extent() const { return default_extent(depth()); }
+    // Of another depth [m].
+    double default_extent(double depth) const;
 };
 
 } // namespace pave::pavement

@@ -1,3 +1,4 @@
+#include "base/gauss_legendre.h"
 #include "pavement/load_model.h"
 
 #include <algorithm>
@@ -6,6 +7,8 @@
 
 namespace pave::pavement {
 namespace {
+
+constexpr int doublings = 4; // of the cells of a half-space; more would cost many times the time
 
 mesh::SolidDemand demand_of(const Case& c, int load) {
     mesh::SolidDemand demand;
@@ -39,28 +42,6 @@ mesh::SolidDemand demand_of(const Case& c, int load) {
         }
     }
     return demand;
-}
-
-// Gauss-Legendre nodes and weights on [-1, 1], by Newton's method on the Legendre polynomial.
-std::vector<std::pair<double, double>> gauss_legendre(int n) {
-    std::vector<std::pair<double, double>> rule;
-    for (int i = 0; i < n; ++i) {
-        double x = std::cos(std::numbers::pi * (i + 0.75) / (n + 0.5));
-        double slope = 1.0;
-        for (int iteration = 0; iteration < 8; ++iteration) {
-            double p = 1.0;
-            double before = 0.0;
-            for (int k = 1; k <= n; ++k) {
-                const double next = ((2 * k - 1) * x * p - (k - 1) * before) / k;
-                before = p;
-                p = next;
-            }
-            slope = n * (x * p - before) / (x * x - 1.0);
-            x -= p / slope;
-        }
-        rule.emplace_back(x, 2.0 / ((1.0 - x * x) * slope * slope));
-    }
-    return rule;
 }
 
 // Calls at(x, y, weight) for points that integrate polynomials of the degree of the shape functions over the part of
@@ -115,7 +96,12 @@ void integrate(const Load::Footprint& f, double x0, double x1, double y0, double
 } // namespace
 
 mesh::SolidMesh Solid::nominal_mesh(const Case& c, int load) {
-    return mesh::solid_mesh(demand_of(c, load));
+    auto mesh = mesh::solid_mesh(demand_of(c, load));
+    return c.half_space ? mesh_of({with_far_cells(std::move(mesh.x_lines), c, doublings),
+                                   with_far_cells(std::move(mesh.y_lines), c, doublings),
+                                   with_far_cells(std::move(mesh.z_lines), c, doublings)},
+                                  c)
+                        : mesh;
 }
 
 Lines Solid::lines_of(const Mesh& mesh) {
@@ -123,14 +109,17 @@ Lines Solid::lines_of(const Mesh& mesh) {
 }
 
 Lines Solid::breaks(const Case& c, int load) {
-    const auto lateral = mesh::patch_breaks(demand_of(c, load));
+    auto lateral = mesh::patch_breaks(demand_of(c, load));
     std::vector<double> bottoms = bottoms_of(c);
     bottoms.insert(bottoms.begin(), 0.0);
-    return {lateral[0], lateral[1], bottoms};
+    return {with_far_cells(std::move(lateral[0]), c, doublings), with_far_cells(std::move(lateral[1]), c, doublings),
+            with_far_cells(std::move(bottoms), c, doublings)};
 }
 
-mesh::SolidMesh Solid::mesh_of(Lines lines, const std::vector<double>& layer_bottoms) {
-    return mesh::solid_mesh(std::move(lines[0]), std::move(lines[1]), std::move(lines[2]), layer_bottoms);
+mesh::SolidMesh Solid::mesh_of(Lines lines, const Case& c) {
+    auto mesh = mesh::solid_mesh(std::move(lines[0]), std::move(lines[1]), std::move(lines[2]), bottoms_of(c));
+    mesh.endless = c.half_space;
+    return mesh;
 }
 
 Eigen::VectorXd Solid::unit_load(const Mesh& mesh, const fe::Model<Element>& model, const Load& on) {

@@ -1,9 +1,10 @@
 #include "pavement/effects/effect.h"
+#include "reduced/calibration.h"
 #include "reduced/nonnegative.h"
+#include "reduced/projection.h"
 #include "reduced/reduced_load.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -99,7 +100,7 @@ public:
         }
         report.modes = static_cast<int>(basis.modes.cols());
         report.points = static_cast<int>(basis.points.size());
-        if (!calibrate(basis, candidates, report)) {
+        if (!judge(basis, candidates, report)) {
             return Failure{Status::failed, "the reduced model has no answer at the samples of the build"};
         }
         return basis;
@@ -147,7 +148,13 @@ private:
             s.lengths.push_back((before + after) / 2.0);
         }
         if (with_path && most_dual_modes() > 0) {
-            s.duals = as_loads(s.layers, *solved);
+            std::vector<Observation<Element>> own;
+            for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+                if (c.sensors[i].load == load_) {
+                    own.push_back(observations_[i]);
+                }
+            }
+            s.duals = as_loads(model_, own, s.layers, solved->modulus);
             if (!solver.solve_at_end(s.duals)) {
                 return std::nullopt;
             }
@@ -159,37 +166,6 @@ private:
                                                           : o.of_stress(solved->stress, 1, 0));
         }
         return s;
-    }
-
-    // What each sensor under this load reads, as forces: their work on a displacement is its reading (of a stress, with
-    // the moduli as they are).
-    Eigen::MatrixXd as_loads(const std::vector<fe::LayerMaterial>& layers,
-                             const fe::Solution<Element>& solution) const {
-        std::vector<Eigen::VectorXd> loads;
-        for (std::size_t i = 0; i < observations_.size(); ++i) {
-            if (own_.sensors[i].load != load_) {
-                continue;
-            }
-            Eigen::VectorXd& f = loads.emplace_back(Eigen::VectorXd::Zero(model_.free_unknowns()));
-            for (const auto& [unknown, weight] : observations_[i].on_displacement) {
-                f[unknown] += weight;
-            }
-            for (const auto& [q, weight, direction] : observations_[i].on_stress) {
-                const int e = q / Element::gauss;
-                const auto& layer =
-                    layers[static_cast<std::size_t>(model_.topology->layer[static_cast<std::size_t>(e)])];
-                typename Element::Vector on_element = Element::Vector::Zero();
-                Element::add_force(model_.points[static_cast<std::size_t>(q)],
-                                   solution.modulus[q] * (layer.template unit_stiffness<N>() * direction), weight,
-                                   on_element);
-                model_.scatter_add(e, on_element, f.data());
-            }
-        }
-        Eigen::MatrixXd all(model_.free_unknowns(), static_cast<Eigen::Index>(loads.size()));
-        for (std::size_t i = 0; i < loads.size(); ++i) {
-            all.col(static_cast<Eigen::Index>(i)) = loads[i];
-        }
-        return all;
     }
 
     void add_runs(const std::vector<std::size_t>& chosen) {
@@ -244,7 +220,8 @@ private:
             const auto& run = runs_[which[k].first];
             snapshots.col(static_cast<Eigen::Index>(k)) = run.lengths[which[k].second] * run.rates[which[k].second];
         }
-        const Eigen::SparseMatrix<double> metric = energy();
+        const Eigen::SparseMatrix<double> metric =
+            energy(model_, runs_.front().layers, runs_.front().moduli.back().mean());
         Eigen::MatrixXd gram = snapshots.transpose() * Eigen::MatrixXd(metric * snapshots);
         // A run counts as much as another: by the energy of its own sum.
         Eigen::VectorXd scale(gram.rows());
@@ -317,40 +294,6 @@ private:
         }
         modes.conservativeResize(Eigen::NoChange, modes.cols() + duals);
         modes.rightCols(duals) = added;
-    }
-
-    // The stiffness of a section with fixed moduli, as a measure of displacement fields.
-    Eigen::SparseMatrix<double> energy() const {
-        const auto& run = runs_.front();
-        std::vector<Eigen::Triplet<double>> entries;
-        for (int e = 0; e < model_.elements(); ++e) {
-            const auto& layer =
-                run.layers[static_cast<std::size_t>(model_.topology->layer[static_cast<std::size_t>(e)])];
-            const double modulus = layer.law->stress_dependent() ? run.moduli.back().mean()
-                                                                 : layer.law->modulus(layer.parameters, {}).value;
-            const mechanics::Stiffness<N> d = modulus * layer.template unit_stiffness<N>();
-            Eigen::Matrix<double, Element::dofs, Element::dofs> own =
-                Eigen::Matrix<double, Element::dofs, Element::dofs>::Zero();
-            for (int g = 0; g < Element::gauss; ++g) {
-                const auto& point =
-                    model_.points[static_cast<std::size_t>(e) * Element::gauss + static_cast<std::size_t>(g)];
-                const auto b = Element::strain_operator(point);
-                const typename Element::Operator db = point.weight * d * b;
-                own += b.transpose() * db;
-            }
-            const auto& unknowns = model_.topology->unknowns[static_cast<std::size_t>(e)];
-            for (int i = 0; i < Element::dofs; ++i) {
-                for (int j = 0; j < Element::dofs; ++j) {
-                    if (unknowns[static_cast<std::size_t>(i)] >= 0 && unknowns[static_cast<std::size_t>(j)] >= 0) {
-                        entries.emplace_back(unknowns[static_cast<std::size_t>(i)],
-                                             unknowns[static_cast<std::size_t>(j)], own(i, j));
-                    }
-                }
-            }
-        }
-        Eigen::SparseMatrix<double> k(model_.free_unknowns(), model_.free_unknowns());
-        k.setFromTriplets(entries.begin(), entries.end());
-        return k;
     }
 
     // Points and weights that give the forces of the snapshots on the modes.
@@ -462,14 +405,6 @@ private:
         }
     }
 
-    // What the full model and the reduced one read at the same sample.
-    struct Comparison {
-        std::vector<fe::LayerMaterial> layers;
-        Load load;
-        std::vector<double> full;
-        LoadModel::Reading quick;
-    };
-
     // At the runs that the modes are from, then at the samples that the build has not seen (from `first`), where both
     // have an answer. The second: how many are of the modes.
     std::pair<std::vector<Comparison>, std::size_t> compare(const Basis& basis, std::size_t first) const {
@@ -499,136 +434,14 @@ private:
         return {std::move(both), of_modes};
     }
 
-    // At runs that were not learnt from, runs x sensors: what the correction adds to a reading, and by how much that is
-    // still missed.
-    struct Unseen {
-        Eigen::MatrixXd missed, added;
-    };
-
-    // What the readings lack, learnt from all these runs: the modes are few beside the snapshots of the runs that they
-    // are from (the first of them), so that the readings lack there hardly less than elsewhere.
-    Unseen learn_correction(Basis& basis, const std::vector<Comparison>& runs, std::size_t of_modes) const {
-        std::vector<std::vector<fe::LayerMaterial>> layers;
-        std::vector<Load> loads;
-        for (const Comparison& run : runs) {
-            layers.push_back(run.layers);
-            loads.push_back(run.load);
-        }
-        basis.coordinates = coordinates_of(layers, loads);
-        const auto count = static_cast<Eigen::Index>(runs.size());
-        const auto known = static_cast<Eigen::Index>(of_modes);
-        Eigen::MatrixXd places(static_cast<Eigen::Index>(basis.coordinates.size()), count);
-        Eigen::MatrixXd lacks(count, static_cast<Eigen::Index>(own_.sensors.size()));
-        Eigen::MatrixXd scale(lacks.rows(), lacks.cols());
-        for (Eigen::Index k = 0; k < count; ++k) {
-            const Comparison& run = runs[static_cast<std::size_t>(k)];
-            for (std::size_t d = 0; d < basis.coordinates.size(); ++d) {
-                places(static_cast<Eigen::Index>(d), k) = basis.coordinates[d].at(run.layers, run.load);
-            }
-            const auto own = smooth_scales(own_, load_, run.quick.values);
-            for (Eigen::Index i = 0; i < scale.cols(); ++i) {
-                const auto sensor = static_cast<std::size_t>(i);
-                scale(k, i) = own[sensor];
-                lacks(k, i) = (run.full[sensor] - run.quick.values[sensor]) / own[sensor];
-            }
-        }
-        Unseen unseen{.missed = lacks.cwiseProduct(scale).bottomRows(count - known).cwiseAbs(),
-                      .added = Eigen::MatrixXd::Zero(count - known, lacks.cols())};
-        if (basis.coordinates.empty()) {
-            return unseen;
-        }
-        basis.correction.resize(own_.sensors.size());
-        for_each_(own_.sensors.size(), [&](std::size_t i) {
-            if (own_.sensors[i].load != load_) {
-                return;
-            }
-            const auto sensor = static_cast<Eigen::Index>(i);
-            const Eigen::VectorXd all = lacks.col(sensor);
-            const Kriging first = krige(places.leftCols(known), all.head(known));
-            for (Eigen::Index k = known; k < count; ++k) {
-                const double added = first.at(places.col(k), nullptr);
-                unseen.missed(k - known, sensor) = std::abs(all[k] - added) * scale(k, sensor);
-                unseen.added(k - known, sensor) = std::abs(added) * scale(k, sensor);
-            }
-            basis.correction[i] = krige(places, all);
-        });
-        return unseen;
-    }
-
-    // What the estimates are worth: at samples that neither the modes nor, for this, the correction are from.
-    // False: there is an answer at none.
-    bool calibrate(Basis& basis, std::size_t first, BuildReport& report) const {
+    // What the estimates are worth, learnt. False: there is an answer at none of the samples from `first`.
+    bool judge(Basis& basis, std::size_t first, BuildReport& report) const {
         const auto [runs, of_modes] = compare(basis, first);
         report.full_runs += static_cast<int>(samples_.size() - first);
-        const std::size_t count = runs.size() - of_modes;
-        if (of_modes == 0 || count == 0) {
+        if (of_modes == 0 || runs.size() == of_modes) {
             return false;
         }
-        const Unseen unseen = learn_correction(basis, runs, of_modes);
-        const std::size_t sensors = own_.sensors.size();
-        std::vector<std::vector<double>> error(count), estimate(count);
-        for (std::size_t k = 0; k < count; ++k) {
-            const Comparison& run = runs[of_modes + k];
-            const auto scale = scales(own_, load_, run.full);
-            for (std::size_t i = 0; i < sensors; ++i) {
-                const auto row = static_cast<Eigen::Index>(k);
-                const auto sensor = static_cast<Eigen::Index>(i);
-                error[k].push_back(unseen.missed(row, sensor) / scale[i]);
-                estimate[k].push_back((run.quick.errors[i] + unseen.added(row, sensor)) / scale[i]);
-            }
-        }
-        const auto quantile = [](std::vector<double> values, double share) {
-            std::sort(values.begin(), values.end());
-            return values.empty() ? 0.0
-                                  : values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-        };
-        basis.floor.assign(sensors, 0.0);
-        for (std::size_t i = 0; i < sensors; ++i) {
-            std::vector<double> own(error.size());
-            std::transform(error.begin(), error.end(), own.begin(), [i](const auto& e) { return e[i]; });
-            basis.floor[i] = quantile(own, 0.5);
-        }
-        std::vector<double> largest(error.size());
-        std::transform(error.begin(), error.end(), largest.begin(),
-                       [](const auto& e) { return *std::max_element(e.begin(), e.end()); });
-        // Of each sensor: the mixture of gap and floor with the smallest estimates that cover nine errors of ten; then
-        // one factor, so that together they cover the errors at nearly every sample.
-        for (std::size_t i = 0; i < sensors; ++i) {
-            double least = std::numeric_limits<double>::infinity();
-            basis.factor.push_back(0.0);
-            const double floor = basis.floor[i];
-            for (const double share : {0.1, 0.3, 1.0, 3.0, 10.0}) {
-                std::vector<double> ratio, guesses;
-                for (std::size_t k = 0; k < count; ++k) {
-                    if (floor > 0.0) {
-                        guesses.push_back(share * estimate[k][i] + floor);
-                        ratio.push_back(error[k][i] / guesses.back());
-                    }
-                }
-                const double factor = quantile(ratio, 0.95);
-                const double typical = factor * quantile(guesses, 0.8);
-                if (floor > 0.0 && typical < least) {
-                    least = typical;
-                    basis.factor[i] = factor * share;
-                    basis.floor[i] = factor * floor;
-                }
-            }
-        }
-        std::vector<double> ratio;
-        for (std::size_t k = 0; k < count; ++k) {
-            double worst = 0.0;
-            for (std::size_t i = 0; i < error[k].size(); ++i) {
-                const double guess = basis.factor[i] * estimate[k][i] + basis.floor[i];
-                worst = std::max(worst, guess > 0.0 ? error[k][i] / guess : 0.0);
-            }
-            ratio.push_back(worst);
-        }
-        const double together = quantile(ratio, 0.99);
-        for (std::size_t i = 0; i < sensors; ++i) {
-            basis.factor[i] *= together;
-            basis.floor[i] *= together;
-        }
-        report.error_95 = quantile(largest, 0.95);
+        report.error_95 = calibrate(basis, own_, load_, runs, of_modes, for_each_);
         return true;
     }
 

@@ -1,5 +1,7 @@
 #include "reduced/reduced_load.h"
 
+#include "reduced/projection.h"
+
 #include "pavement/effects/effect.h"
 
 #include <Eigen/Cholesky>
@@ -10,139 +12,6 @@
 namespace pave::reduced {
 
 using namespace pavement;
-
-std::string why_not(const Case& c, int load) {
-    const Case own = with_effects(c, load);
-    if (own.settings.integration != Integration::incremental) {
-        return "the law is integrated as a secant";
-    }
-    if (own.relaxes()) {
-        return "a layer relaxes";
-    }
-    if (own.turns()) {
-        return "the anisotropy of a layer follows the stress";
-    }
-    if (std::none_of(own.layers.begin(), own.layers.end(), [](const Layer& l) { return l.law->stress_dependent(); })) {
-        return "no layer depends on stress: the full model is as fast";
-    }
-    for (const Layer& layer : own.layers) {
-        if (layer.compliance) {
-            return "a layer may slip";
-        }
-        if (!layer.fields.empty()) {
-            return "the stiffness varies within layer \"" + layer.name + "\"";
-        }
-    }
-    if (own.loads[static_cast<std::size_t>(load)].plate_stiffness) {
-        return "the plate is stiff";
-    }
-    if (own.loads[static_cast<std::size_t>(load)].inertia) {
-        return "inertia is modelled";
-    }
-    return {};
-}
-
-namespace {
-
-// A twentieth of the other readings.
-constexpr double share_of_others = 0.05;
-
-bool alike(const Case& c, int load, std::size_t i, std::size_t j) {
-    return c.sensors[i].load == load && c.sensors[j].load == load && c.sensors[i].quantity == c.sensors[j].quantity;
-}
-
-} // namespace
-
-std::vector<double> scales(const Case& c, int load, const std::vector<double>& values) {
-    std::vector<double> scale(values.size(), 1.0);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        if (c.sensors[i].load != load) {
-            continue;
-        }
-        double largest = 0.0;
-        for (std::size_t j = 0; j < values.size(); ++j) {
-            if (alike(c, load, i, j)) {
-                largest = std::max(largest, std::abs(values[j]));
-            }
-        }
-        scale[i] = std::max(std::abs(values[i]), share_of_others * largest);
-    }
-    return scale;
-}
-
-namespace {
-
-double quantity(const Basis::Coordinate& of, const std::vector<fe::LayerMaterial>& layers, const Load& load) {
-    const auto& layer = layers[static_cast<std::size_t>(of.layer)];
-    switch (of.kind) {
-    case fe::Variation::Kind::law_parameter: return layer.parameters[of.index];
-    case fe::Variation::Kind::unit_weight: return layer.unit_weight;
-    case fe::Variation::Kind::k0: return layer.k0;
-    case fe::Variation::Kind::residual_stress: return layer.residual_stress;
-    default: return load.factor;
-    }
-}
-
-} // namespace
-
-double Basis::Coordinate::at(const std::vector<fe::LayerMaterial>& layers, const Load& load) const {
-    const double value = quantity(*this, layers, load);
-    return (2.0 * (logarithmic ? std::log(value) : value) - low - high) / (high - low);
-}
-
-double Basis::Coordinate::rate(const std::vector<fe::LayerMaterial>& layers, const Load& load) const {
-    return 2.0 / (high - low) / (logarithmic ? quantity(*this, layers, load) : 1.0);
-}
-
-std::vector<Basis::Coordinate> coordinates_of(const std::vector<std::vector<fe::LayerMaterial>>& layers,
-                                              const std::vector<Load>& loads) {
-    using Kind = fe::Variation::Kind;
-    std::vector<Basis::Coordinate> asked{{Kind::load_factor, 0, 0, false, 0.0, 0.0}};
-    for (std::size_t l = 0; l < layers.front().size(); ++l) {
-        const int layer = static_cast<int>(l);
-        for (std::size_t p = 0; p < layers.front()[l].parameters.size(); ++p) {
-            asked.push_back({Kind::law_parameter, layer, p, false, 0.0, 0.0});
-        }
-        for (const Kind kind : {Kind::unit_weight, Kind::k0, Kind::residual_stress}) {
-            asked.push_back({kind, layer, 0, false, 0.0, 0.0});
-        }
-    }
-    std::vector<Basis::Coordinate> vary;
-    for (Basis::Coordinate& c : asked) {
-        c.low = std::numeric_limits<double>::infinity();
-        c.high = -c.low;
-        for (std::size_t s = 0; s < layers.size(); ++s) {
-            const double value = quantity(c, layers[s], loads[s]);
-            c.low = std::min(c.low, value);
-            c.high = std::max(c.high, value);
-        }
-        constexpr double wide = 3.0;
-        c.logarithmic = c.low > 0.0 && c.high > wide * c.low;
-        if (c.logarithmic) {
-            c.low = std::log(c.low);
-            c.high = std::log(c.high);
-        }
-        if (c.high > c.low) {
-            vary.push_back(c);
-        }
-    }
-    return vary;
-}
-
-std::vector<double> smooth_scales(const Case& c, int load, const std::vector<double>& values) {
-    std::vector<double> scale(values.size(), 1.0);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        if (c.sensors[i].load != load) {
-            continue;
-        }
-        double others = 0.0;
-        for (std::size_t j = 0; j < values.size(); ++j) {
-            others += alike(c, load, i, j) ? values[j] * values[j] : 0.0;
-        }
-        scale[i] = std::sqrt(values[i] * values[i] + share_of_others * share_of_others * others);
-    }
-    return scale;
-}
 
 namespace {
 
@@ -165,7 +34,7 @@ public:
         for (const Sensor& sensor : nominal_.sensors) {
             observations_.push_back(sensor.load == load ? project(observe(sensor, mesh_, model_, mesh_)) : Reduced{});
         }
-        project_linear_layers();
+        linear_ = projected_linear_layers(nominal_, model_, basis_.modes);
         project_points();
     }
 
@@ -235,49 +104,6 @@ private:
 
     int modes() const { return static_cast<int>(basis_.modes.cols()); }
 
-    // Adds to readings what they are known to lack.
-    void correct(const Case& values, const std::vector<fe::LayerMaterial>& layers,
-                 const std::vector<fe::Variation>& variations, Reading& reading) const {
-        const Load& load = values.loads[static_cast<std::size_t>(load_)];
-        Eigen::VectorXd x(static_cast<Eigen::Index>(basis_.coordinates.size()));
-        for (Eigen::Index k = 0; k < x.size(); ++k) {
-            x[k] = basis_.coordinates[static_cast<std::size_t>(k)].at(layers, load);
-        }
-        const std::vector<double> scale = smooth_scales(values, load_, reading.values);
-        const std::vector<double> uncorrected = reading.values;
-        const Eigen::MatrixXd slopes = reading.derivatives;
-        for (std::size_t i = 0; i < scale.size(); ++i) {
-            if (values.sensors[i].load != load_) {
-                continue;
-            }
-            const auto row = static_cast<Eigen::Index>(i);
-            Eigen::VectorXd gradient;
-            const double lack = basis_.correction[i].at(x, variations.empty() ? nullptr : &gradient);
-            reading.values[i] += scale[i] * lack;
-            reading.errors[i] += std::abs(scale[i] * lack);
-            if (!variations.empty()) {
-                Eigen::RowVectorXd scale_rate = uncorrected[i] * slopes.row(row);
-                for (std::size_t j = 0; j < scale.size(); ++j) {
-                    if (alike(values, load_, i, j)) {
-                        scale_rate += share_of_others * share_of_others * uncorrected[j] *
-                                      slopes.row(static_cast<Eigen::Index>(j));
-                    }
-                }
-                reading.derivatives.row(row) += lack / scale[i] * scale_rate;
-            }
-            for (std::size_t k = 0; k < variations.size(); ++k) {
-                for (std::size_t d = 0; d < basis_.coordinates.size(); ++d) {
-                    const auto& c = basis_.coordinates[d];
-                    const auto& v = variations[k];
-                    if (c.kind == v.kind && c.layer == v.layer && c.index == v.index) {
-                        reading.derivatives(row, static_cast<Eigen::Index>(k)) +=
-                            scale[i] * gradient[static_cast<Eigen::Index>(d)] * c.rate(layers, load);
-                    }
-                }
-            }
-        }
-    }
-
     Eigen::Matrix<double, N, Eigen::Dynamic> strains(int gauss) const {
         return fe::strains(model_, gauss, basis_.modes);
     }
@@ -300,47 +126,6 @@ private:
             r.on_stress.push_back({static_cast<std::size_t>(known - list.begin()), linear, weight * direction});
         }
         return r;
-    }
-
-    // Of every linear layer and every entry (i, j), i <= j, of D: the projected stiffness of a D of ones there.
-    void project_linear_layers() {
-        linear_.resize(nominal_.layers.size());
-        for (std::size_t l = 0; l < nominal_.layers.size(); ++l) {
-            if (nominal_.layers[l].law->stress_dependent()) {
-                continue;
-            }
-            linear_[l].assign(N * (N + 1) / 2, Eigen::MatrixXd::Zero(modes(), modes()));
-            std::array<Eigen::MatrixXd, N> rows; // strain component at every point, times the root of the weight
-            std::vector<int> own;
-            for (int e = 0; e < model_.elements(); ++e) {
-                if (model_.topology->layer[static_cast<std::size_t>(e)] == static_cast<int>(l)) {
-                    own.push_back(e);
-                }
-            }
-            for (auto& r : rows) {
-                r.resize(static_cast<Eigen::Index>(own.size()) * Element::gauss, modes());
-            }
-            Eigen::Index at = 0;
-            for (const int e : own) {
-                for (int g = 0; g < Element::gauss; ++g, ++at) {
-                    const int q = e * Element::gauss + g;
-                    const auto b = strains(q);
-                    const double root = std::sqrt(model_.points[static_cast<std::size_t>(q)].weight);
-                    for (int i = 0; i < N; ++i) {
-                        rows[static_cast<std::size_t>(i)].row(at) = root * b.row(i);
-                    }
-                }
-            }
-            std::size_t entry = 0;
-            for (std::size_t i = 0; i < N; ++i) {
-                for (std::size_t j = i; j < N; ++j, ++entry) {
-                    linear_[l][entry] = rows[i].transpose() * rows[j];
-                    if (i != j) {
-                        linear_[l][entry] += rows[j].transpose() * rows[i];
-                    }
-                }
-            }
-        }
     }
 
     void project_points() {
@@ -665,18 +450,21 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
             }
         }
         reading.errors[i] = std::abs(gap);
-        if (!std::isfinite(reading.values[i])) {
-            return Failure{Status::failed, "the solution is not a finite number"};
-        }
     }
     if (!basis_.correction.empty()) {
-        correct(values, layers, variations, reading);
+        correct(basis_, values, load_, layers, variations, reading);
     }
     const auto scale = scales(values, load_, reading.values);
     for (std::size_t i = 0; i < reading.errors.size(); ++i) {
         if (!basis_.floor.empty()) {
             reading.errors[i] = basis_.factor[i] * reading.errors[i] + basis_.floor[i] * scale[i];
         }
+        if (!std::isfinite(reading.values[i]) || !std::isfinite(reading.errors[i])) {
+            return Failure{Status::failed, "the solution is not a finite number"};
+        }
+    }
+    if (!reading.derivatives.allFinite()) {
+        return Failure{Status::failed, "the derivatives are not finite numbers"};
     }
     return reading;
 }

@@ -130,6 +130,7 @@ Case draw_case(Draw& draw) {
         }
     }
     c.settings.extent = c.default_extent();
+    c.settings.wall_follows = true; // as in the study that is written, which states none
     return c;
 }
 
@@ -188,13 +189,19 @@ void apply_form(Case& c, const Hidden& hidden, int load) {
     const std::size_t subgrade = c.layers.size() - 1;
     if (name == "anisotropy-distribution") {
         const auto patch = c.loads[static_cast<std::size_t>(load)].footprint();
-        c.layers[base].fields.push_back(
-            {c.layers[base].law->index_of("n"), 1.0, hidden.size, rational_distance, {patch.centre, patch.half_x}});
+        c.layers[base].fields.push_back({.parameter = c.layers[base].law->index_of("n"),
+                                         .target = 1.0,
+                                         .size = hidden.size,
+                                         .weight = rational_distance,
+                                         .shape = {patch.centre, patch.half_x}});
     } else if (name == "subgrade-depth-gradient") {
-        c.layers[subgrade].fields.push_back({{}, 0.0, hidden.size, root_of_depth, {top_of(c, subgrade)}});
-    } else if (name == "weak-subgrade-top") {
         c.layers[subgrade].fields.push_back(
-            {{}, 0.0, 1.0 - std::exp(-hidden.size), fading_with_depth, {top_of(c, subgrade)}});
+            {.parameter = {}, .size = hidden.size, .weight = root_of_depth, .shape = {top_of(c, subgrade)}});
+    } else if (name == "weak-subgrade-top") {
+        c.layers[subgrade].fields.push_back({.parameter = {},
+                                             .size = 1.0 - std::exp(-hidden.size),
+                                             .weight = fading_with_depth,
+                                             .shape = {top_of(c, subgrade)}});
     } else if (name == "base-residual-stress") {
         Layer upper = c.layers[base];
         upper.thickness /= 2.0;
@@ -356,13 +363,17 @@ void add_ceiling(Json& truth, const Case& c, const Hidden& hidden, const VectorX
             continue;
         }
         std::vector<AppliedEffect> ways{{}};
-        if (effect->takes_reading) {
+        if (effect == find_effect("outlier")) {
             for (Eigen::Index i = 0; i < sigma.size(); ++i) {
                 compare(std::string(effect->name), beyond(base, VectorXd::Unit(sigma.size(), i)), true);
             }
             continue;
         }
-        if (effect->takes_quantity) {
+        if (effect->takes_reading) {
+            for (int reading = 0; reading < static_cast<int>(c.sensors.size()); ++reading) {
+                ways.push_back({.reading = reading});
+            }
+        } else if (effect->takes_quantity) {
             std::set<std::pair<int, Quantity>> groups;
             for (const Sensor& s : c.sensors) {
                 groups.emplace(s.load, s.quantity);

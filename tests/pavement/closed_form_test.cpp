@@ -129,8 +129,9 @@ TEST(Fields, OnOneParameterHaveRatesThatAgreeWithDifferences) {
     const auto weight = [](const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
         return std::exp(-shape[0] * at[0] - shape[1] * at[2]);
     };
-    layer.fields = {
-        {n, 0.9, 0.6, weight, {2.0, 1.0}}, {n, 0.1, 0.5, weight, {0.5, 3.0}}, {{}, 0.0, -0.4, weight, {1.0, 2.0}}};
+    layer.fields = {{n, false, 0.9, 0.6, weight, {2.0, 1.0}},
+                    {n, false, 0.1, 0.5, weight, {0.5, 3.0}},
+                    {{}, false, 0.0, -0.4, weight, {1.0, 2.0}}};
     const Eigen::Vector3d at(0.3, 0.2, 0.1);
     const pave::mechanics::Invariants state{200e3, 60e3};
     const auto check = [&](const fe::Variation& variation, double& number) {

@@ -8,7 +8,7 @@ folder = workspace()
 NAMES = """subgrade-stress-dependence subgrade-depth-gradient weak-subgrade-top anisotropy-distribution base-residual-stress
 base-tension interface-slip-asphalt-base interface-slip-base-subgrade floor-depth base-thickness asphalt-modulus-rate load-magnitude
 load-offset contact-pressure-shape plate-rigidity gauge-depth gauge-length sensor-gain outlier inertia shear-ratio
-wheel-wander""".split()
+wheel-wander sensor-position drift asphalt-temperature-gradient subgrade-anisotropy base-modulus-gradient""".split()
 
 
 def extended(text, parameter=""):
@@ -35,14 +35,14 @@ plain = write_study(folder, name="plain")
 base = responses(plain)
 for effect in catalogue:
     name = effect["name"]
-    if name == "wheel-wander":
-        continue  # no wheel in this study
+    if name in ("wheel-wander", "drift"):
+        continue  # no wheel and no second load in this study
     null = write_study(folder, extended(f'[[effects]]\nname = "{name}"\nsize = {effect["null"]}'), name="null")
     check(responses(null) == base, f"{name}: no bit changes at its null size")
     sized = write_study(folder, extended(f'[[effects]]\nname = "{name}"\nsize = {effect["typical"]}'), name="sized")
     values = responses(sized)
     # One asked-for response, not measured: the instruments do not change it.
-    if name in ("sensor-gain", "outlier", "gauge-depth", "gauge-length", "load-offset"):
+    if name in ("sensor-gain", "sensor-position", "outlier", "gauge-depth", "gauge-length", "load-offset"):
         check(abs(values[4] / base[4] - 1) < 2e-3, f"{name}: what is not measured changes with the mesh only")
     check(values[:4] != base[:4], f"{name}: the readings change")
     done = run("twin", plain, "--effect", f"{name}={effect['typical']}", "--out", folder / "twin", "--json")
@@ -52,6 +52,21 @@ for effect in catalogue:
 done = run("twin", plain, "--effect", "weak-subgrade-top=0.7", "--effect", "sensor-gain=1.1", "--out", folder / "twin")
 check("# effect: weak-subgrade-top = 0.7 [-]" in done.stdout and "# effect: sensor-gain = 1.1 [factor]" in done.stdout,
       "the twin says what it holds")
+
+# The sublayer is as thick as the study says.
+weak = '[[effects]]\nname = "weak-subgrade-top"\nsize = 0.7\n'
+check(responses(write_study(folder, extended(weak + "thickness_mm = 200"), name="thick")) ==
+      responses(write_study(folder, extended(weak), name="thick")), "200 mm unless stated")
+check(responses(write_study(folder, extended(weak + "thickness_mm = 100"), name="thin")) !=
+      responses(write_study(folder, extended(weak), name="thick")), "thickness_mm counts")
+
+# The wall follows the floor, unless it is stated.
+deep = extended('[[effects]]\nname = "floor-depth"\nsize = 3000')
+near = "nearer than twice the depth"
+done = run("forward", write_study(folder, deep, name="deep"))
+check(near in done.stdout + done.stderr, f"a stated wall stays: {done.stdout} {done.stderr}")
+done = run("forward", write_study(folder, deep.replace("extent_m = 3.0\n", ""), name="deep"))
+check(done.returncode == 0 and near not in done.stdout + done.stderr, "the wall follows the effect")
 
 # Its size is a parameter like any other: forward, map, fit and sensitivity take it.
 size = '[[parameters]]\nname = "weak-subgrade-top.size"\nmin = 0\nmax = 2\npoints = 3\n'
@@ -96,6 +111,9 @@ expect('[[effects]]\nname = "base-thickness"\nsize = 500', ["size", "500", "-100
 expect('[[effects]]\nname = "wheel-wander"\nsize = 50', ["no reading under a wheel"], line='name = "wheel-wander"')
 expect('[[effects]]\nname = "outlier"\nreading = 9', ["reading", "1 to 4"], line="reading = 9")
 expect('[[effects]]\nname = "base-tension"\nreading = 1', ["reading", "unknown key", "layer, name, size"], line="reading = 1")
+expect('[[effects]]\nname = "base-tension"\nthickness_mm = 100', ["thickness_mm", "unknown key"], line="thickness_mm")
+expect('[[effects]]\nname = "weak-subgrade-top"\nthickness_mm = 0', ["thickness_mm", "0 < value"], line="thickness_mm = 0")
+expect('[[effects]]\nname = "drift"', ["second load"], line="drift")
 expect('[[effects]]\nname = "base-tension"\nlayer = "subgrade"', ["floor of theta"], line="base-tension")
 expect('[[effects]]\nname = "load-magnitude"\nload = "fdw"', ["load", "fwd"], line="fdw")
 expect('[[effects]]\nname = "inertia"\n[[effects]]\nname = "inertia"', ["each once"])

@@ -4,7 +4,7 @@ import re
 
 from support import *
 
-SRC = ["base", "mechanics", "material", "mesh", "fe", "pavement", "reduced"]
+SRC = ["base", "mechanics", "material", "layered", "mesh", "fe", "pavement", "reduced"]
 EXPLORE = ["data", "problem", "study", "search", "optimise", "run", "landscape", "diagnose", "analysis", "report", "cli"]
 # Above the forward model's own base/, these may include src/.
 KNOWS_PAVEMENTS = {"study", "analysis", "report", "cli"}
@@ -51,9 +51,8 @@ LONGER = {
     "explore/diagnose/diagnosis.cpp": "one class: the steps of the diagnosis share the models that it has fitted",
     "explore/landscape/uniqueness.cpp": "one class: the steps of the analysis share its minima, walks and chain numbers",
     "explore/run/cluster.cpp": "both ends of one protocol stand side by side",
+    "src/pavement/load_model.cpp": "one template: the finite element model of a load, at rest, over time and with its derivatives",
     "src/fe/solver_work.h": "what the integrations share for both kinds of element, in one template",
-    "src/reduced/build.cpp": "one class: sampling, modes, cubature and correction share the snapshots",
-    "src/reduced/reduced_load.cpp": "one class: the reduced load path with its derivatives and its error estimate",
 }
 
 

@@ -6,6 +6,7 @@
 
 #include "base/random.h"
 
+#include <array>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <map>
@@ -35,10 +36,8 @@ struct Range {
     const char* path;
     double low, high; // file units
 };
-constexpr Range box[] = {{"base.k1", 1000, 6000},
-                         {"base.k2", 0.2, 0.7},
-                         {"base.k3", -1.0, 0.0},
-                         {"base.n", 0.2, 1.0},
+constexpr Range box[] = {{"base.k1", 1000, 6000},         {"base.k2", 0.0, 0.7}, // two of the bounds are zero
+                         {"base.k3", -1.0, 0.0},          {"base.n", 0.2, 1.0},  {"base.residual_stress_kPa", 0, 20},
                          {"subgrade.modulus_MPa", 25, 90}};
 
 std::vector<Case> samples(const Case& nominal, int count, std::uint64_t seed) {
@@ -216,6 +215,95 @@ TEST(ReducedModel, AgreesWithTheFullModelWhereItWasNotBuiltAndKnowsItsError) {
     EXPECT_GE(covered, 51) << "of " << cases.size(); // 95 % are meant; fewer than 51 of 60 has a chance of 1e-4 then
 }
 
+// Corners, and the middles of the faces: beyond all samples, and where two quantities are zero.
+TEST(ReducedModel, HasNumbersAndKnowsItsErrorAtTheCornersAndFacesOfTheBox) {
+    std::vector<Case> places;
+    constexpr unsigned dimensions = std::size(box);
+    const auto place = [&](const std::array<double, dimensions>& share) {
+        Case c = section();
+        for (unsigned d = 0; d < dimensions; ++d) {
+            const Parameter p = find_parameter(c, box[d].path, {});
+            p.in(c) = p.to_si * (box[d].low + (box[d].high - box[d].low) * share[d]);
+        }
+        places.push_back(std::move(c));
+    };
+    for (unsigned corner = 0; corner < 1U << dimensions; ++corner) {
+        std::array<double, dimensions> share{};
+        for (unsigned d = 0; d < dimensions; ++d) {
+            share[d] = (corner >> d) % 2;
+        }
+        place(share);
+    }
+    for (unsigned d = 0; d < dimensions; ++d) {
+        for (const double side : {0.0, 1.0}) {
+            std::array<double, dimensions> share{};
+            share.fill(0.5);
+            share[d] = side;
+            place(share);
+        }
+    }
+    const ForwardModel full(section());
+    const ForwardModel reduced = reduced_model();
+    auto full_space = full.make_workspace();
+    auto reduced_space = reduced.make_workspace();
+    const auto by = parameters(section());
+    int covered = 0;
+    double worst = 0.0;
+    for (const Case& c : places) {
+        const auto truth = full.run(c, {}, *full_space);
+        const auto quick = reduced.run(c, by, *reduced_space);
+        ASSERT_TRUE(truth && quick);
+        EXPECT_TRUE(quick->jacobian.allFinite());
+        const auto scale = reduced::scales(c, 0, truth->values);
+        bool all = true;
+        for (std::size_t i = 0; i < truth->values.size(); ++i) {
+            const double error = std::abs(quick->values[i] - truth->values[i]);
+            EXPECT_TRUE(std::isfinite(error) && std::isfinite(quick->errors[i]));
+            worst = std::max(worst, error / scale[i]);
+            all = all && error <= 3.0 * quick->errors[i];
+        }
+        covered += all ? 1 : 0;
+    }
+    std::printf("  largest error %.3f, covered three times over at %d of %zu\n", worst, covered, places.size());
+    EXPECT_GE(covered, static_cast<int>(places.size() * 9 / 10));
+}
+
+// By logarithms where the samples are even in them; a range that begins at zero is not, whatever the smallest sample.
+TEST(ReducedModel, TakesLogarithmsOnlyOfWhatIsEvenInThem) {
+    const pave::RandomStream random(5, 0);
+    std::vector<std::vector<fe::LayerMaterial>> layers;
+    std::vector<Load> loads;
+    for (std::uint64_t i = 0; i < 200; ++i) {
+        Case c = section();
+        c.layers[1].parameters[1] = 500.0 * std::pow(24.0, random.uniform(3 * i)); // k1
+        c.layers[1].parameters[2] = random.uniform(3 * i + 1);                     // k2
+        c.layers[1].residual_stress = 40e3 * random.uniform(3 * i + 2);
+        layers.push_back(materials_of(c));
+        loads.push_back(c.loads[0]);
+    }
+    const auto coordinates = reduced::coordinates_of(layers, loads);
+    ASSERT_EQ(coordinates.size(), 3U);
+    Case zero = section();
+    zero.layers[1].parameters[2] = 0.0;
+    zero.layers[1].residual_stress = 0.0;
+    for (const auto& c : coordinates) {
+        EXPECT_EQ(c.logarithmic, c.kind == fe::Variation::Kind::law_parameter && c.index == 1);
+        EXPECT_LT(std::abs(c.at(materials_of(zero), zero.loads[0])), 1.1);
+    }
+}
+
+// A correction that is no number makes a reading a failure with a reason, never a number that is accepted.
+TEST(ReducedModel, FailsWhereItsCorrectionIsNoNumber) {
+    reduced::Basis spoilt = basis();
+    spoilt.correction[0].mean = std::numeric_limits<double>::quiet_NaN();
+    const ForwardModel model(section(),
+                             {std::shared_ptr<const LoadModel>(reduced::make_load_model(section(), 0, spoilt))});
+    const auto outcome = model.run(section(), {}, *model.make_workspace());
+    ASSERT_FALSE(outcome);
+    EXPECT_EQ(outcome.status(), pave::Status::failed);
+    EXPECT_NE(outcome.failure().reason.find("not a finite number"), std::string::npos);
+}
+
 TEST(ReducedModel, HasDerivativesThatAgreeWithDifferencesOfItsReadings) {
     const ForwardModel reduced = reduced_model();
     auto space = reduced.make_workspace();
@@ -242,6 +330,24 @@ TEST(ReducedModel, HasDerivativesThatAgreeWithDifferencesOfItsReadings) {
                 << by[k].path << ", sensor " << i;
         }
     }
+}
+
+TEST(ReducedModel, SurvivesBeingPackedAndKnowsWhatIsNoBasis) {
+    const std::string bytes = reduced::packed(basis());
+    const auto again = reduced::unpacked(bytes);
+    ASSERT_TRUE(again);
+    EXPECT_EQ(reduced::packed(*again), bytes);
+    const ForwardModel model(section(),
+                             {std::shared_ptr<const LoadModel>(reduced::make_load_model(section(), 0, *again))});
+    const ForwardModel own = reduced_model();
+    EXPECT_EQ(model.run(section(), {}, *model.make_workspace())->values,
+              own.run(section(), {}, *own.make_workspace())->values);
+    EXPECT_FALSE(reduced::unpacked(bytes + "x"));
+    for (const std::size_t size :
+         {std::size_t{0}, std::size_t{7}, std::size_t{100}, bytes.size() / 2, bytes.size() - 1}) {
+        EXPECT_FALSE(reduced::unpacked(bytes.substr(0, size))) << size;
+    }
+    EXPECT_FALSE(reduced::unpacked(std::string(1000, '\xff')));
 }
 
 TEST(ReducedModel, SaysWhatItDoesNotCover) {

@@ -1,5 +1,6 @@
 // What a forward run and its derivatives cost beside one sparse Cholesky factorisation of the same matrix by CHOLMOD.
-// A plane case and a solid one; five derivatives: of four numbers of the base and the modulus of the subgrade.
+// A plane case and a solid one; five derivatives: of four numbers of the base and the modulus of the subgrade. And a
+// bowl of four linear layers by the layered engine, with the derivatives by its four moduli.
 // usage: benchmarks [OPTIONS OF GOOGLE BENCHMARK], from the top of the repository
 #include "run/blas.h"
 #include "study/problems.h"
@@ -113,6 +114,9 @@ int main(int argc, char** argv) {
     keep_openmp_serial();
     const std::string plane = "grids/captif-p1-fwd.toml";
     const std::string solid = "grids/dual-nonlinear.toml";
+    const std::string layered = "grids/layered-bowl.toml";
+    const std::vector<std::string> moduli{"asphalt.modulus_MPa", "base.modulus_MPa", "subbase.modulus_MPa",
+                                          "subgrade.modulus_MPa"};
     const std::vector<std::string> five{"base.k1", "base.k2", "base.k3", "base.n", "subgrade.modulus_MPa"};
     const auto add = [](const std::string& name, const auto& action) {
         benchmark::RegisterBenchmark(name.c_str(), action)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
@@ -121,6 +125,8 @@ int main(int argc, char** argv) {
     add("plane/forward", [&](auto& state) { forward(state, plane, {}); });
     add("plane/jacobian", [&](auto& state) { forward(state, plane, five); });
     add("plane/geometry", [&](auto& state) { forward(state, plane, {"base.thickness_mm", "fwd.radius_mm"}); });
+    add("layered/forward", [&](auto& state) { forward(state, layered, {}); });
+    add("layered/jacobian", [&](auto& state) { forward(state, layered, moduli); });
     add("solid/factorisation", [&](auto& state) { factorisation<pavement::Solid>(state, solid); });
     add("solid/forward", [&](auto& state) { forward(state, solid, {}); });
     add("solid/jacobian", [&](auto& state) { forward(state, solid, five); });

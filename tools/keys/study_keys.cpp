@@ -89,7 +89,8 @@ int main() {
     const std::pair<const char*, std::pair<pavement::LoadType, pavement::Patch>> loads[] = {
         {"plate", {pavement::LoadType::plate, pavement::Patch::circle}},
         {"wheel", {pavement::LoadType::wheel, pavement::Patch::rectangle}},
-        {"dual-wheel", {pavement::LoadType::dual_wheel, pavement::Patch::rectangle}}};
+        {"dual-wheel", {pavement::LoadType::dual_wheel, pavement::Patch::rectangle}},
+        {"gear", {pavement::LoadType::gear, pavement::Patch::circle}}};
     for (const auto& [name, kind] : loads) {
         fmt::print("\n### `{}`\n\n", name);
         table(pavement::load_keys(kind.first, kind.second));

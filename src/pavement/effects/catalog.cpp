@@ -5,14 +5,17 @@
     EFFECT(subgrade_stress_dependence)                                                                                 \
     EFFECT(subgrade_depth_gradient)                                                                                    \
     EFFECT(weak_subgrade_top)                                                                                          \
+    EFFECT(subgrade_anisotropy)                                                                                        \
     EFFECT(anisotropy_distribution)                                                                                    \
     EFFECT(base_residual_stress)                                                                                       \
     EFFECT(base_tension)                                                                                               \
+    EFFECT(base_modulus_gradient)                                                                                      \
     EFFECT(interface_slip_asphalt_base)                                                                                \
     EFFECT(interface_slip_base_subgrade)                                                                               \
     EFFECT(floor_depth)                                                                                                \
     EFFECT(base_thickness)                                                                                             \
     EFFECT(asphalt_modulus_rate)                                                                                       \
+    EFFECT(asphalt_temperature_gradient)                                                                               \
     EFFECT(load_magnitude)                                                                                             \
     EFFECT(load_offset)                                                                                                \
     EFFECT(contact_pressure_shape)                                                                                     \
@@ -20,6 +23,8 @@
     EFFECT(gauge_depth)                                                                                                \
     EFFECT(gauge_length)                                                                                               \
     EFFECT(sensor_gain)                                                                                                \
+    EFFECT(sensor_position)                                                                                            \
+    EFFECT(drift)                                                                                                      \
     EFFECT(outlier)                                                                                                    \
     EFFECT(inertia)                                                                                                    \
     EFFECT(shear_ratio)                                                                                                \

@@ -1,8 +1,10 @@
 #include "pavement/effects/effect.h"
 
 #include "base/units.h"
+#include "material/catalog.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pave::pavement {
 
@@ -63,6 +65,9 @@ Case with_effects(const Case& c, int load) {
         if (is_active(applied)) {
             applied.effect->apply(out, with_layer(c, applied), load);
         }
+    }
+    if (c.settings.wall_follows) { // sensors are where the case states them: moved ones do not move the wall
+        out.settings.extent = c.default_extent(out.depth());
     }
     return out;
 }
@@ -135,6 +140,63 @@ bool is_plate(const Case& c, std::optional<int> load) {
 bool has_gauges(const Case& c) {
     return std::any_of(c.sensors.begin(), c.sensors.end(),
                        [](const Sensor& sensor) { return sensor.measured && sensor.quantity != Quantity::deflection; });
+}
+
+std::vector<Sensor::Share> shares_of(const Sensor& sensor) {
+    return sensor.shares.empty() ? std::vector<Sensor::Share>{{.gauge = sensor.gauge}} : sensor.shares;
+}
+
+void make_uzan(Layer& layer) {
+    const auto modulus = layer.law->index_of("modulus_MPa");
+    const auto poisson = layer.law->index_of("poisson");
+    if (layer.law->stress_dependent() || !modulus || !poisson) {
+        return;
+    }
+    const double e = layer.parameters[*modulus];
+    const double nu = layer.parameters[*poisson];
+    layer.law = material::find_law("uzan");
+    layer.parameters.clear();
+    for (const material::ParameterInfo& info : layer.law->parameters()) {
+        layer.parameters.push_back(info.to_si * info.default_value.value_or(0.0));
+    }
+    const auto set = [&](std::string_view key, double value) { layer.parameters[*layer.law->index_of(key)] = value; };
+    set("modulus_axis", 1.0);
+    set("k1", e / unit::reference_pressure);
+    set("n", 1.0);
+    set("poisson_12", nu);
+    set("poisson_31", nu);
+}
+
+double shear_ratio_of(const Layer& layer) {
+    const auto value = [&](std::string_view key) { return layer.parameters[*layer.law->index_of(key)]; };
+    const double stated = value("shear_ratio");
+    if (!std::isnan(stated)) {
+        return stated;
+    }
+    const double n = value("n"); // 1/G13 = 1/E1 + (1 + 2 nu31)/E3
+    return n / (1.0 + (1.0 + 2.0 * value("poisson_31")) * n);
+}
+
+namespace {
+
+// From -1/2 at the top to 1/2 at the bottom.
+double evenly_down(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
+    return (at[2] - shape[0]) / shape[1] - 0.5;
+}
+
+} // namespace
+
+void add_modulus_gradient(Case& c, std::string_view layer, double size) {
+    const auto layers = layers_named(c, layer);
+    const double top = top_of(c, layers.front());
+    double thickness = 0.0;
+    for (const std::size_t l : layers) {
+        thickness += c.layers[l].thickness;
+    }
+    for (const std::size_t l : layers) {
+        c.layers[l].fields.push_back(
+            {.parameter = {}, .is_power = true, .size = size, .weight = evenly_down, .shape = {top, thickness}});
+    }
 }
 
 } // namespace pave::pavement

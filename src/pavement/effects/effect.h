@@ -32,6 +32,8 @@ struct Effect {
     bool takes_load = false;
     bool takes_quantity = false;
     bool takes_reading = false;
+    bool is_error_of_reading = false; // its size is the error of that one reading, whatever the model says
+    bool takes_thickness = false;
 
     // In both, applied.layer is given for effects with a layer. Changes c, as load number `load` sees it, by the
     // effect.
@@ -65,18 +67,15 @@ Effect interface_slip();
 bool is_plate(const Case& c, std::optional<int> load);
 // Whether strains or stresses are measured.
 bool has_gauges(const Case& c);
-// Divides each place a sensor reads into places share(points[i]) away from it with these weights.
-template <std::size_t N, class F>
-void share_out(Sensor& sensor, const double (&points)[N], const double (&weights)[N], F share) {
-    const std::vector<Sensor::Share> before =
-        sensor.shares.empty() ? std::vector<Sensor::Share>{{}} : std::move(sensor.shares);
-    sensor.shares.clear();
-    for (const Sensor::Share& place : before) {
-        for (std::size_t i = 0; i < N; ++i) {
-            const Sensor::Share moved = share(points[i]);
-            sensor.shares.push_back({place.dx + moved.dx, place.dz + moved.dz, place.weight * weights[i]});
-        }
-    }
-}
+// What a sensor reads, as shares: those it has, or itself.
+std::vector<Sensor::Share> shares_of(const Sensor& sensor);
+// Makes a linear isotropic layer one of equation 1 with the same stiffness: k2 = k3 = 0, n = 1, the vertical modulus
+// stated, so that the effects on its parameters may act on it. Other layers stay as they are.
+void make_uzan(Layer& layer);
+// G13/E3 of a layer with n and shear_ratio: what is stated, or what follows from n.
+double shear_ratio_of(const Layer& layer);
+// The logarithm of the modulus varies evenly through the layers of a name, by the size from top to bottom; its mean
+// stays.
+void add_modulus_gradient(Case& c, std::string_view layer, double size);
 
 } // namespace pave::pavement

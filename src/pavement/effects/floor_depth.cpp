@@ -9,6 +9,10 @@ void apply(Case& c, const AppliedEffect& applied, int) {
     c.layers.back().thickness += applied.size * unit::mm;
 }
 
+std::string refuses(const Case& c, const AppliedEffect&) {
+    return c.half_space ? "the lowest layer has no bottom" : "";
+}
+
 } // namespace
 
 const Effect& floor_depth() {
@@ -25,6 +29,7 @@ const Effect& floor_depth() {
         .source = "Rohde and Scullion (1990), depth to a rigid layer from FWD; Burmister (1945)",
         .acts_on = "the lowest layer",
         .apply = apply,
+        .refuses = refuses,
     };
     return effect;
 }

@@ -1,27 +1,42 @@
-// Gauges average vertical strain over more length than the study says, by the size.
+// Gauges average vertical strain over more length than the study says, by the size: (u(top) - u(bottom))/length.
 #include "base/units.h"
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pave::pavement {
 namespace {
 
-// Of a reading at a point: Gauss-Legendre over the length, with three points.
-constexpr double points[] = {-0.7745966692414834, 0.0, 0.7745966692414834};
-constexpr double weights[] = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+// Of a reading at a point. A gauge too short to matter reads what the displacement of the mesh says, which is less
+// accurate than the strain at the point (observation.h): their difference fades with the length.
+constexpr double fading = 0.01;  // m
+constexpr double nothing = 1e-6; // m
 
 void apply(Case& c, const AppliedEffect& applied, int load) {
+    const double length = applied.size * unit::mm;
     for (Sensor& sensor : c.sensors) {
         if (!sensor.measured || sensor.load != load || sensor.quantity != Quantity::strain_zz) {
             continue;
         }
-        const double length = applied.size * unit::mm;
         if (sensor.gauge > 0.0) {
             sensor.gauge += length;
-        } else {
-            share_out(sensor, points, weights, [&](double at) { return Sensor::Share{.dz = at * length / 2.0}; });
+            for (Sensor::Share& share : sensor.shares) {
+                share.gauge += length;
+            }
+            continue;
         }
+        if (!(length > 0.0)) {
+            continue;
+        }
+        const double at_point = std::exp(-std::pow(length / fading, 2));
+        std::vector<Sensor::Share> shares;
+        for (const Sensor::Share& place : shares_of(sensor)) {
+            shares.push_back({place.dx, length, place.weight});
+            shares.push_back({place.dx, 0.0, place.weight * at_point});
+            shares.push_back({place.dx, nothing, -place.weight * at_point});
+        }
+        sensor.shares = std::move(shares);
     }
 }
 

@@ -14,6 +14,9 @@ std::string refuses(const Case& c, const AppliedEffect& applied) {
     if (c.relaxes()) {
         return "with a layer that relaxes, the answer to the pulse is followed without inertia";
     }
+    if (c.half_space) {
+        return "a half-space carries waves away, which the model of the pulse does not follow";
+    }
     return is_plate(c, applied.load) ? "" : "only a plate falls: a load of type \"plate\" is needed";
 }
 

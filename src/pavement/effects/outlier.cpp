@@ -29,6 +29,7 @@ const Effect& outlier() {
         .source = "Huber (1981), Robust Statistics: gross errors",
         .acts_on = "the first reading",
         .takes_reading = true,
+        .is_error_of_reading = true,
         .apply = apply,
         .refuses = refuses,
     };

@@ -1,21 +1,13 @@
 // The shear modulus of the base differs: G13/E3 times the size.
 #include "pavement/effects/effect.h"
 
-#include <cmath>
-
 namespace pave::pavement {
 namespace {
 
 void apply(Case& c, const AppliedEffect& applied, int) {
     for (const std::size_t l : layers_named(c, applied.layer)) {
-        const material::Law& law = *c.layers[l].law;
-        auto& p = c.layers[l].parameters;
-        double& ratio = p[*law.index_of("shear_ratio")];
-        if (std::isnan(ratio)) { // 1/G13 = 1/E1 + (1 + 2 nu31)/E3
-            const double n = p[*law.index_of("n")];
-            ratio = n / (1.0 + (1.0 + 2.0 * p[*law.index_of("poisson_31")]) * n);
-        }
-        ratio *= applied.size;
+        Layer& layer = c.layers[l];
+        layer.parameters[*layer.law->index_of("shear_ratio")] = applied.size * shear_ratio_of(layer);
     }
 }
 

@@ -1,6 +1,4 @@
 // The subgrade softens under shear: E = E0 (tau/pa + 1)^size, the law of equation 1 with k2 = 0 and k3 = size.
-#include "base/units.h"
-#include "material/catalog.h"
 #include "pavement/effects/effect.h"
 
 namespace pave::pavement {
@@ -9,23 +7,7 @@ namespace {
 void apply(Case& c, const AppliedEffect& applied, int) {
     for (const std::size_t l : layers_named(c, applied.layer)) {
         Layer& layer = c.layers[l];
-        if (!layer.law->stress_dependent()) {
-            // Isotropic, E1 = E3: the linear layer itself where size = 0.
-            const double modulus = layer.parameters[*layer.law->index_of("modulus_MPa")];
-            const double poisson = layer.parameters[*layer.law->index_of("poisson")];
-            layer.law = material::find_law("uzan");
-            layer.parameters.clear();
-            for (const material::ParameterInfo& info : layer.law->parameters()) {
-                layer.parameters.push_back(info.to_si * info.default_value.value_or(0.0));
-            }
-            const auto set = [&](std::string_view key, double value) {
-                layer.parameters[*layer.law->index_of(key)] = value;
-            };
-            set("k1", modulus / unit::reference_pressure);
-            set("n", 1.0);
-            set("poisson_12", poisson);
-            set("poisson_31", poisson);
-        }
+        make_uzan(layer);
         layer.parameters[*layer.law->index_of("k3")] += applied.size;
     }
 }

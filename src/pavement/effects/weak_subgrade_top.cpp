@@ -1,4 +1,5 @@
-// A soft sublayer at the top of the subgrade: the uppermost 200 mm (at most half of the layer) have E exp(-size).
+// A soft sublayer at the top of the subgrade: the uppermost 200 mm, or what a case says (at most half of the layer),
+// have E exp(-size).
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
@@ -7,12 +8,12 @@
 namespace pave::pavement {
 namespace {
 
-constexpr double sublayer = 0.2; // m
+constexpr double sublayer = 0.2; // m, unless a case says otherwise
 
 void apply(Case& c, const AppliedEffect& applied, int) {
     const std::size_t l = layers_named(c, applied.layer).front();
     Layer top = c.layers[l];
-    top.thickness = std::min(sublayer, c.layers[l].thickness / 2.0);
+    top.thickness = std::min(applied.thickness.value_or(sublayer), c.layers[l].thickness / 2.0);
     top.compliance.reset();
     scale_modulus(top, std::exp(-applied.size));
     c.layers[l].thickness -= top.thickness;
@@ -30,11 +31,12 @@ const Effect& weak_subgrade_top() {
         .high = 2.5,
         .typical = 0.7,
         .mechanism =
-            "Remoulding, frost or water leave the uppermost 200 mm of the subgrade (at most half of it) with the "
-            "modulus E exp(-size). Strains are high there and drop sharply below it.",
+            "Remoulding, frost or water leave the uppermost 200 mm of the subgrade, or thickness_mm (at most half of "
+            "it), with the modulus E exp(-size). Strains are high there and drop sharply below it.",
         .source = "layered elasticity with a divided subgrade; Huang, Pavement Analysis and Design, chapter 2",
         .acts_on = "the subgrade",
         .layer = LayerRole::subgrade,
+        .takes_thickness = true,
         .apply = apply,
     };
     return effect;

@@ -3,15 +3,30 @@
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace pave::pavement {
 namespace {
 
-// Gauss-Hermite with seven points for the standard normal distribution.
-constexpr double points[] = {-3.750439717725742, -2.366759410734541, -1.154405394739968, 0.0,
-                             1.154405394739968,  2.366759410734541,  3.750439717725742};
-constexpr double weights[] = {0.0005482688559722, 0.0307571239675865, 0.2401231786050127, 0.4571428571428571,
-                              0.2401231786050127, 0.0307571239675865, 0.0005482688559722};
+// Readings under a tyre bend within some centimetres, so that the distribution is followed in small steps: its
+// densities at even places up to four standard deviations. The sum is exact for what is smooth (trapezium rule).
+constexpr int places = 161;
+constexpr double farthest = 4.0; // standard deviations
+
+std::vector<std::pair<double, double>> make_distribution() {
+    std::vector<std::pair<double, double>> list; // place in standard deviations, weight
+    double sum = 0.0;
+    for (int i = 0; i < places; ++i) {
+        const double at = farthest * (2.0 * i / (places - 1) - 1.0);
+        list.emplace_back(at, std::exp(-at * at / 2.0));
+        sum += list.back().second;
+    }
+    for (auto& [at, weight] : list) {
+        weight /= sum;
+    }
+    return list;
+}
 
 bool wanders(const Case& c, const AppliedEffect& applied, int load) {
     return c.loads[load].type != LoadType::plate && applied.load.value_or(load) == load;
@@ -19,10 +34,17 @@ bool wanders(const Case& c, const AppliedEffect& applied, int load) {
 
 void apply(Case& c, const AppliedEffect& applied, int load) {
     for (Sensor& sensor : c.sensors) {
-        if (sensor.measured && sensor.load == load && wanders(c, applied, load)) {
-            const double deviation = applied.size * unit::mm;
-            share_out(sensor, points, weights, [&](double at) { return Sensor::Share{.dx = at * deviation}; });
+        if (!sensor.measured || sensor.load != load || !wanders(c, applied, load)) {
+            continue;
         }
+        static const auto distribution = make_distribution();
+        std::vector<Sensor::Share> shares;
+        for (const Sensor::Share& share : shares_of(sensor)) {
+            for (const auto& [at, weight] : distribution) {
+                shares.push_back({share.dx + at * applied.size * unit::mm, share.gauge, share.weight * weight});
+            }
+        }
+        sensor.shares = std::move(shares);
     }
 }
 

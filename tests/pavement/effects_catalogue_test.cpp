@@ -1,0 +1,231 @@
+// The catalogue of effects: what holds for every one of it without being asked.
+#include "support/differences.h"
+#include "support/effects.h"
+
+namespace pave::pavement {
+void PrintTo(const Effect* effect, std::ostream* stream) {
+    *stream << effect->name;
+}
+} // namespace pave::pavement
+
+using namespace test;
+
+namespace {
+
+const Case& shared_axisymmetric_case() {
+    static const Case c = axisymmetric_case();
+    return c;
+}
+
+class EveryEffect : public testing::TestWithParam<const Effect*> {};
+
+bool is_exact(const Case& c, std::string_view path) {
+    return exact_derivative(c, find_parameter(c, path, {}), 0).has_value();
+}
+
+} // namespace
+
+TEST_P(EveryEffect, ChangesNoBitAtItsNullSize) {
+    const Case& c = shared_axisymmetric_case();
+    static const std::vector<double> plain = values_of(c);
+    EXPECT_EQ(values_of(with(c, *GetParam(), GetParam()->null)), plain);
+    static const auto slopes = test::run(c, {"base.k1", "fwd.pressure_kPa"})->jacobian;
+    EXPECT_EQ(test::run(with(c, *GetParam(), GetParam()->null), {"base.k1", "fwd.pressure_kPa"})->jacobian, slopes);
+}
+
+TEST_P(EveryEffect, ChangesSomeResponseAtItsTypicalSizeAndKeepsTheNullInItsRange) {
+    const Effect& e = *GetParam();
+    EXPECT_LE(e.low, e.null);
+    EXPECT_GE(e.high, e.null);
+    EXPECT_GT(e.typical, e.low);
+    EXPECT_LT(e.typical, e.high);
+    EXPECT_EQ(why_impossible(shared_axisymmetric_case(), {.effect = &e}), "");
+    static const std::vector<double> plain = values_of(shared_axisymmetric_case());
+    EXPECT_GT(largest_change(values_of(with(shared_axisymmetric_case(), e, e.typical)), plain), 0.005);
+}
+
+TEST_P(EveryEffect, ChangesSomeResponseInThreeDimensionsOrRefuses) {
+    const Effect& e = *GetParam();
+    const Case c = solid_case();
+    if (const std::string why = why_impossible(c, {.effect = &e}); !why.empty()) {
+        EXPECT_TRUE(why.find("plate") != std::string::npos || e.name == "drift") << why;
+        return;
+    }
+    static const std::vector<double> plain = values_of(c);
+    EXPECT_GT(largest_change(values_of(with(c, e, e.typical)), plain), 0.005);
+    EXPECT_EQ(values_of(with(c, e, e.null)), plain);
+}
+
+// Modelled at its null size, the effect may change the mesh but not what it stands for.
+TEST_P(EveryEffect, IsContinuousAtItsNullSize) {
+    static const std::vector<double> plain = values_of(shared_axisymmetric_case());
+    EXPECT_LT(largest_change(values_of(with(shared_axisymmetric_case(), *GetParam(), GetParam()->null, true)), plain),
+              0.005);
+}
+
+namespace {
+
+// Returns how many parameters were compared: where the load path takes other steps nearby there is no difference
+// quotient.
+int expect_derivatives(const Case& plain, const Effect& e) {
+    const Case c = with(plain, e, e.typical, true);
+    const ForwardModel model(c);
+    const auto workspace = model.make_workspace();
+    std::vector<Parameter> parameters;
+    for (const std::string& path :
+         {std::string(e.name) + ".size", std::string("base.k1"), std::string("subgrade.modulus_MPa"),
+          std::string("asphalt.poisson"), std::string("base.thickness_mm"), std::string("fwd.radius_mm")}) {
+        parameters.push_back(find_parameter(c, path, {}));
+    }
+    const auto exact = model.run(c, parameters, *workspace);
+    EXPECT_TRUE(exact);
+    int compared = 0;
+    for (std::size_t k = 0; exact && k < parameters.size(); ++k) {
+        const double value = parameters[k].get(c);
+        const double h = 2e-4 * (k == 0 ? e.high - e.low : std::abs(value));
+        const auto differences = central_differences(model, c, parameters[k], h, *exact, *workspace);
+        EXPECT_TRUE(differences);
+        if (!differences || !differences->same_path) {
+            continue;
+        }
+        ++compared;
+        const double range = k == 0 ? e.high - e.low : value;
+        const auto [worst, most] = disagreement(*exact, k, range, differences->rates);
+        EXPECT_LT(worst, 2e-4 * most + 1e-7) << parameters[k].path;
+    }
+    return compared;
+}
+
+} // namespace
+
+TEST_P(EveryEffect, HasTheDerivativeOfCentralDifferences) {
+    EXPECT_EQ(expect_derivatives(axisymmetric_case(Integration::secant), *GetParam()), 6);
+}
+
+TEST_P(EveryEffect, HasTheDerivativeWhereTheAnisotropyFollowsTheStressOrRefuses) {
+    Case c = axisymmetric_case();
+    c.layers[1].law = material::find_law("uzan-separate");
+    c.layers[1].parameters = {2000, 0.4, -0.3, 700, 0.7, -0.5, 600, 0.5, -0.2, 0.03, 1.0, 0.3, 0.35, 5e3, 0.3};
+    if (why_impossible(c, {.effect = GetParam()}).empty()) {
+        EXPECT_GE(expect_derivatives(c, *GetParam()), 3);
+    } else {
+        const auto name = GetParam()->name;
+        EXPECT_TRUE(name == "anisotropy-distribution" || name == "shear-ratio") << "n and G13/E3 are no parameters";
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryEffect, testing::ValuesIn(effects().begin(), effects().end()),
+                         [](const auto& tested) {
+                             std::string name(tested.param->name);
+                             std::replace(name.begin(), name.end(), '-', '_');
+                             return name;
+                         });
+
+TEST(Effects, AreThoseOfTheCatalogueEachOnce) {
+    std::vector<std::string_view> names;
+    for (const Effect* e : effects()) {
+        names.push_back(e->name);
+        EXPECT_EQ(find_effect(e->name), e);
+        EXPECT_FALSE(e->mechanism.empty() || e->source.empty() || e->unit.empty() || e->acts_on.empty());
+    }
+    std::sort(names.begin(), names.end());
+    EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
+    EXPECT_EQ(names.size(), 27U);
+}
+
+// By name, else by the rules that effect.h states.
+TEST(Effects, FindTheLayersTheyActOn) {
+    const auto roles = [](const std::vector<Layer>& layers) {
+        Case c;
+        c.layers = layers;
+        std::vector<int> found;
+        for (const LayerRole role : {LayerRole::asphalt, LayerRole::base, LayerRole::subgrade, LayerRole::none}) {
+            const auto layer = layer_of_role(c, role);
+            found.push_back(layer ? static_cast<int>(*layer) : -1);
+        }
+        return found;
+    };
+    const auto linear = [](const char* name) { return linear_layer(name, 0.2, 1e8, 0.3); };
+    const auto granular = [](const char* name) {
+        return uzan_layer(name, 0.2, {.k1 = 1000, .k2 = 0.5, .k3 = -0.3, .n = 0.5});
+    };
+    using Found = std::vector<int>;
+    EXPECT_EQ(roles({linear("subgrade"), linear("base"), linear("asphalt")}), (Found{2, 1, 0, -1}));
+    EXPECT_EQ(roles({linear("a"), linear("b"), granular("c"), granular("d"), linear("e")}), (Found{0, 2, 4, -1}));
+    EXPECT_EQ(roles({linear("a"), linear("b"), linear("c"), linear("d")}), (Found{0, 2, 3, -1}));
+    EXPECT_EQ(roles({linear("a"), linear("b"), granular("c")}), (Found{0, 1, 2, -1})); // the lowest is no base
+    EXPECT_EQ(roles({granular("a")}), (Found{-1, -1, 0, -1}));
+}
+
+// The solver's own derivatives, by interface springs and by fields, in three dimensions.
+TEST(Effects, HaveTheirDerivativesInThreeDimensions) {
+    for (const std::string_view name : {"interface-slip-base-subgrade", "anisotropy-distribution",
+                                        "subgrade-depth-gradient", "base-modulus-gradient", "subgrade-anisotropy"}) {
+        const Effect& e = *find_effect(name);
+        const Case c = with(solid_case(), e, e.typical);
+        const ForwardModel model(c);
+        const auto workspace = model.make_workspace();
+        const auto exact = model.run(c, {find_parameter(c, std::string(name) + ".size", {})}, *workspace);
+        ASSERT_TRUE(exact) << exact.failure().reason;
+        const double h = 1e-3 * (e.high - e.low);
+        std::vector<std::vector<double>> sides;
+        for (const double offset : {-h, h}) {
+            Case moved = c;
+            moved.effects[0].size += offset;
+            sides.push_back(model.run(moved, {}, *workspace)->values);
+        }
+        double most = 0.0;
+        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+            most = std::max(most, std::abs((sides[1][i] - sides[0][i]) / (2.0 * h) / exact->values[i]));
+        }
+        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+            EXPECT_NEAR(exact->jacobian(static_cast<Eigen::Index>(i), 0) / exact->values[i],
+                        (sides[1][i] - sides[0][i]) / (2.0 * h) / exact->values[i], 1e-3 * most)
+                << name << " " << i;
+        }
+    }
+}
+
+TEST(Effects, OfTwoOnOneLayerComposeInEitherOrder) {
+    const Case& c = shared_axisymmetric_case();
+    const auto weak = with(with(c, "weak-subgrade-top", 0.7), "subgrade-stress-dependence", -1.0);
+    const auto soft = with(with(c, "subgrade-stress-dependence", -1.0), "weak-subgrade-top", 0.7);
+    EXPECT_LT(largest_change(values_of(weak), values_of(soft)), 1e-9);
+}
+
+TEST(Effects, RefuseWhatTheyCannotActOn) {
+    Case dual = solid_case();
+    EXPECT_NE(why_impossible(dual, {.effect = find_effect("plate-rigidity")}), "");
+    EXPECT_NE(why_impossible(dual, {.effect = find_effect("inertia")}), "");
+    Case fwd = captif(3000, 40, {.k1 = 2000, .k2 = 0.4, .k3 = -0.3, .n = 0.4});
+    EXPECT_NE(why_impossible(fwd, {.effect = find_effect("wheel-wander")}), "");
+    Case linear = three_layers();
+    EXPECT_NE(why_impossible(linear, {.effect = find_effect("anisotropy-distribution")}), "");
+    EXPECT_NE(why_impossible(linear, {.effect = find_effect("base-tension")}), "");
+}
+
+// A motion of the mesh holds neither springs nor fields, nor what moves in time.
+TEST(Effects, LeaveGeometryToAMotionOfTheMeshWhereItHoldsAll) {
+    const Case& plain = shared_axisymmetric_case();
+    for (const std::string_view path : {"base.thickness_mm", "subgrade.thickness_mm", "fwd.radius_mm"}) {
+        EXPECT_TRUE(is_exact(plain, path)) << path;
+        for (const std::string_view name : {"weak-subgrade-top", "load-magnitude", "contact-pressure-shape",
+                                            "base-thickness", "gauge-length", "sensor-gain", "shear-ratio"}) {
+            EXPECT_TRUE(is_exact(with(plain, name, find_effect(name)->typical), path)) << name << " " << path;
+        }
+        for (const std::string_view name : {"anisotropy-distribution", "subgrade-depth-gradient", "plate-rigidity",
+                                            "interface-slip-base-subgrade", "inertia"}) {
+            EXPECT_FALSE(is_exact(with(plain, name, find_effect(name)->typical), path)) << name << " " << path;
+        }
+    }
+}
+
+// Of what inertia moves only its own time has no derivative.
+TEST(Effects, LeaveLoadsTheirExactDerivatives) {
+    const Case& plain = shared_axisymmetric_case();
+    const Case moving = with(plain, "inertia", 1.0);
+    EXPECT_TRUE(is_exact(plain, "fwd.pressure_kPa"));
+    EXPECT_TRUE(is_exact(plain, "fwd.duration_ms"));
+    EXPECT_TRUE(is_exact(moving, "fwd.pressure_kPa"));
+    EXPECT_FALSE(is_exact(moving, "fwd.duration_ms"));
+}
