@@ -106,8 +106,8 @@ private:
         }
         const auto factor = factor_of(known, units_[column]);
         if (!factor) {
-            throw pave::Error({.file = file_, .line = line, .key = column < names_.size() ? names_[column] : "unit"}, "unknown unit",
-                              "\"" + units_[column] + "\"", names_of(known));
+            throw pave::Error({.file = file_, .line = line, .key = column < names_.size() ? names_[column] : "unit"},
+                              "unknown unit", "\"" + units_[column] + "\"", names_of(known));
         }
         return *factor;
     }

@@ -106,7 +106,10 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
     const Failure not_definite = stiffness_not_definite();
     if (points == 0) { // linear: the rate is the same all along
         if (!rate(now, 0)) {
-            return not_definite;
+            // The matrix is definite: every stiffness is the study's own.
+            return Failure{Status::failed,
+                           "the stiffness matrix of the section cannot be factorised: moduli or sizes of "
+                           "cells of the mesh differ by too many orders of magnitude"};
         }
         now.u = slope[0].u;
         now.du = slope[0].du;

@@ -24,7 +24,17 @@ public:
              "Young's modulus",
              {},
              UsualRange{20.0, 3000.0, 300.0, true}},
-            {"poisson", 1.0, -0.99, 0.4999, false, {}, "Poisson's ratio", {}, {}, {}, "poisson_31"},
+            {"poisson",
+             1.0,
+             -0.99,
+             0.4999,
+             false,
+             {},
+             "Poisson's ratio; 0.4999 where 0.5 is meant",
+             {},
+             {},
+             {},
+             "poisson_31"},
         };
         return infos;
     }

@@ -3,6 +3,7 @@
 #include "mesh/grading.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace pave::mesh {
@@ -15,10 +16,18 @@ AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand& demand) {
     std::partial_sum(demand.thickness.begin(), demand.thickness.end(), bottoms.begin());
     const double depth = bottoms.back();
 
-    std::vector<Feature> r_features{{0.0, 0.15 * a * fine}, {a, 0.16 * a * fine}};
-    for (const double r : demand.gauge_radii) {
-        r_features.push_back({r, 0.2 * a * fine});
+    // What a reading sees changes over its depth, or nearer to the surface over the top layer; the edge of the load
+    // matters to it the less the farther away it is.
+    const auto reading_size = [&](double z) { return 0.35 * std::max(z, std::min(bottoms.front(), 0.2 * a)); };
+    double edge_size = 0.16 * a;
+    std::vector<Feature> r_features{{0.0, 0.15 * a * fine}};
+    for (std::size_t i = 0; i < demand.gauge_radii.size(); ++i) {
+        const double r = demand.gauge_radii[i];
+        const double size = reading_size(demand.gauge_depths[i]);
+        edge_size = std::min(edge_size, std::max(size, 0.1 * std::abs(r - a)));
+        r_features.push_back({r, std::min(0.2 * a, size) * fine});
     }
+    r_features.push_back({a, edge_size * fine});
     for (const double r : demand.surface_radii) {
         r_features.push_back({r, std::max(0.3 * a, 0.12 * r) * fine});
     }
@@ -29,7 +38,7 @@ AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand& demand) {
         z_features.push_back({bottoms[i], std::min(size, 0.7 * demand.thickness[i]) * fine});
     }
     for (const double z : demand.gauge_depths) {
-        z_features.push_back({z, std::max(0.25 * a, 0.15 * z) * fine});
+        z_features.push_back({z, std::min(std::max(0.25 * a, 0.15 * z), reading_size(z)) * fine});
     }
     std::vector<double> z_breaks{0.0};
     z_breaks.insert(z_breaks.end(), bottoms.begin(), bottoms.end());

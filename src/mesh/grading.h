@@ -23,4 +23,9 @@ struct Grading {
 std::vector<double> graded_lines(const std::vector<double>& breaks, const std::vector<Feature>& features,
                                  const Grading& grading);
 
+// Breaks but those nearer to the break before them, or to the last, than a tenth of a cell as wanted there. The first
+// and the last always stay.
+std::vector<double> without_slivers(const std::vector<double>& breaks, const std::vector<Feature>& features,
+                                    const Grading& grading);
+
 } // namespace pave::mesh

@@ -11,7 +11,7 @@ namespace pave::mesh {
 std::array<std::vector<double>, 2> patch_breaks(const SolidDemand& demand) {
     std::array<std::vector<double>, 2> breaks;
     breaks[0] = {0.0};
-    if (demand.x_inner > 0.0) {
+    if (demand.is_dual) {
         breaks[0].push_back(demand.x_inner);
     }
     breaks[0].insert(breaks[0].end(), {demand.x_outer, demand.extent});
@@ -22,25 +22,34 @@ std::array<std::vector<double>, 2> patch_breaks(const SolidDemand& demand) {
 SolidMesh solid_mesh(const SolidDemand& demand) {
     const double fine = 1.0 / demand.refine;
     // Half the size of the patch, the length scale of everything below it.
-    const double half =
-        (demand.is_round ? 0.65 : 1.0) *
-        std::min((demand.x_outer - demand.x_inner) / (demand.x_inner > 0.0 ? 2.0 : 1.0), demand.y_outer);
+    const double half = (demand.is_round ? 0.65 : 1.0) *
+                        std::min((demand.x_outer - demand.x_inner) / (demand.is_dual ? 2.0 : 1.0), demand.y_outer);
 
     std::vector<double> bottoms(demand.thickness.size());
     std::partial_sum(demand.thickness.begin(), demand.thickness.end(), bottoms.begin());
     const double depth = bottoms.back();
 
+    // What a reading at a point sees changes over its depth, or nearer to the surface over the top layer; the edges of
+    // the patch matter to it the less the farther away they are.
+    std::vector<double> point_size;
+    for (const double z : demand.point_depths) {
+        point_size.push_back(0.75 * std::max(z, std::min(bottoms.front(), 0.4 * half)));
+    }
     const auto lateral = [&](const std::vector<double>& edges, const std::vector<double>& gauges,
                              const std::vector<double>& points, const std::vector<double>& surface) {
         std::vector<Feature> features{{0.0, half * fine}};
         for (const double x : edges) {
-            features.push_back({x, 0.65 * half * fine});
+            double size = 0.65 * half;
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                size = std::min(size, std::max(point_size[i], 0.12 * std::abs(x - points[i])));
+            }
+            features.push_back({x, size * fine});
         }
         for (const double x : gauges) {
             features.push_back({x, 0.8 * half * fine});
         }
-        for (const double x : points) {
-            features.push_back({x, 0.5 * half * fine});
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            features.push_back({points[i], std::min(0.5 * half, point_size[i]) * fine});
         }
         for (const double x : surface) {
             features.push_back({x, std::max(half, 0.33 * x) * fine});
@@ -65,14 +74,15 @@ SolidMesh solid_mesh(const SolidDemand& demand) {
     const Grading z_grading{.growth = 0.45 * fine, .max_size = depth / 3.0 * fine};
     const auto breaks = patch_breaks(demand);
     std::vector<double> x_edges{demand.x_outer};
-    if (demand.x_inner > 0.0) {
+    if (demand.is_dual) {
         x_edges.push_back(demand.x_inner);
     }
-    return solid_mesh(
-        graded_lines(breaks[0], lateral(x_edges, demand.gauge_x, demand.point_x, demand.surface_x), lateral_grading),
-        graded_lines(breaks[1], lateral({demand.y_outer}, demand.gauge_y, demand.point_y, demand.surface_y),
-                     lateral_grading),
-        graded_lines(z_breaks, z_features, z_grading), bottoms);
+    const auto lines = [&](const std::vector<double>& along, const std::vector<Feature>& features) {
+        return graded_lines(without_slivers(along, features, lateral_grading), features, lateral_grading);
+    };
+    return solid_mesh(lines(breaks[0], lateral(x_edges, demand.gauge_x, demand.point_x, demand.surface_x)),
+                      lines(breaks[1], lateral({demand.y_outer}, demand.gauge_y, demand.point_y, demand.surface_y)),
+                      graded_lines(z_breaks, z_features, z_grading), bottoms);
 }
 
 SolidMesh solid_mesh(std::vector<double> x_lines, std::vector<double> y_lines, std::vector<double> z_lines,

@@ -30,6 +30,7 @@ struct SolidMesh {
 // What the mesh must resolve by itself. The loaded patch reaches from x_inner to x_outer and from y = 0 to y_outer.
 struct SolidDemand {
     std::vector<double> thickness;        // of each layer, top to bottom [m]
+    bool is_dual = false;                 // one of two patches, which mirror each other: x_inner is an edge
     double x_inner = 0.0;                 // m
     double x_outer = 0.15;                // m
     double y_outer = 0.15;                // m
@@ -43,7 +44,8 @@ struct SolidDemand {
     std::vector<double> surface_x, surface_y;
 };
 
-// The breaks of the lines in x and in y: where the patch and the mesh begin and end.
+// The breaks in x and in y: where the patch and the mesh begin and end. Each is a line of the mesh unless another is so
+// near that the cells between them would be slivers.
 std::array<std::vector<double>, 2> patch_breaks(const SolidDemand& demand);
 
 SolidMesh solid_mesh(const SolidDemand& demand);

@@ -12,11 +12,17 @@
 namespace pave::pavement {
 namespace {
 
-// Piecewise linear map of mesh lines from one set of breaks to another of the same length.
-std::vector<double> moved_lines(std::vector<double> lines, const std::vector<double>& from,
-                                const std::vector<double>& to) {
+// Piecewise linear map of mesh lines from one set of breaks to another of the same length. A break that has no line of
+// its own, too near another for one, moves none.
+std::vector<double> moved_lines(std::vector<double> lines, std::vector<double> from, std::vector<double> to) {
     if (from == to) {
         return lines;
+    }
+    for (std::size_t i = from.size(); i-- > 0;) {
+        if (!std::binary_search(lines.begin(), lines.end(), from[i])) {
+            from.erase(from.begin() + static_cast<std::ptrdiff_t>(i));
+            to.erase(to.begin() + static_cast<std::ptrdiff_t>(i));
+        }
     }
     for (double& x : lines) {
         const auto above = std::lower_bound(from.begin(), from.end(), x);
@@ -87,7 +93,8 @@ public:
         : load_(load),
           breaks_(Kind::breaks(nominal, load)),
           mesh_(Kind::nominal_mesh(nominal, load)),
-          model_(fe::make_model(mesh_, linear_layers(nominal), springs_of(nominal, load))) {}
+          model_(fe::make_model(mesh_, linear_layers(nominal), springs_of(nominal, load))),
+          incompressible_(incompressible_layers(nominal)) {}
 
     std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Own>(); }
     int unknowns() const override { return model_.free_unknowns(); }
@@ -343,8 +350,9 @@ private:
                 sensors = values.sensors;
                 observations.clear();
                 for (const Sensor& sensor : sensors) {
-                    observations.push_back(sensor.load == of.load_ ? observe(sensor, mesh, *model, mesh)
-                                                                   : Observation<Element>{});
+                    observations.push_back(sensor.load == of.load_
+                                               ? observe(sensor, mesh, *model, mesh, of.incompressible_)
+                                               : Observation<Element>{});
                 }
             }
             return true;
@@ -386,7 +394,7 @@ private:
                 if (values.sensors[i].load != load_) {
                     continue;
                 }
-                const auto o = observe(values.sensors[i], mesh, model, own.mesh);
+                const auto o = observe(values.sensors[i], mesh, model, own.mesh, incompressible_);
                 for (const auto& [unknown, part] : o.on_displacement) {
                     rates[i].on_displacement.emplace_back(unknown, weight * part);
                 }
@@ -402,6 +410,7 @@ private:
     Lines breaks_;
     typename Kind::Mesh mesh_;
     fe::Model<Element> model_;
+    std::vector<bool> incompressible_; // layers
 };
 
 } // namespace
@@ -471,6 +480,15 @@ std::vector<bool> linear_layers(const Case& c) {
     return linear;
 }
 
+std::vector<bool> incompressible_layers(const Case& c) {
+    std::vector<bool> incompressible;
+    for (const Layer& layer : c.layers) {
+        const auto poisson = layer.law->index_of("poisson");
+        incompressible.push_back(poisson && layer.parameters[*poisson] > 0.45 + 1e-9);
+    }
+    return incompressible;
+}
+
 std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int number) {
     const Load& load = nominal.loads[number];
     const std::string why_not = why_not_layered(nominal, number);
@@ -488,14 +506,15 @@ std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, 
     const Load& load = nominal.loads[number];
     const auto footprint = load.footprint();
     const double reach = std::max(footprint.outer(), footprint.half_y);
-    if (!(reach < nominal.settings.extent)) {
+    if (!(1.01 * reach < nominal.settings.extent)) {
         throw Error({.key = "mesh.extent_m"}, "the load \"" + load.name + "\" does not fit into the mesh",
-                    fmt::format("{}", nominal.settings.extent), fmt::format("more than its reach of {:.4g} m", reach));
+                    fmt::format("{}", nominal.settings.extent),
+                    fmt::format("more than 1.01 times its reach of {:.4g} m", reach));
     }
-    if (footprint.centre > 0.0 && !(footprint.inner() > 0.0)) {
-        throw Error({.key = load.name + ".spacing_mm"}, "the two patches of the dual wheel touch or overlap",
+    if (footprint.centre > 0.0 && footprint.inner() < -1e-9 * footprint.half_x) {
+        throw Error({.key = load.name + ".spacing_mm"}, "the two patches of the dual wheel overlap",
                     fmt::format("{:g}", load.spacing / unit::mm),
-                    fmt::format("more than the width of a patch, {:.4g} mm", 2.0 * footprint.half_x / unit::mm));
+                    fmt::format("at least the width of a patch, {:.4g} mm", 2.0 * footprint.half_x / unit::mm));
     }
     if (load.is_axisymmetric()) {
         return std::make_unique<LoadModelOf<Axisymmetric>>(nominal, number);

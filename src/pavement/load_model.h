@@ -52,6 +52,9 @@ fe::Springs springs_of(const Case& c, int load);
 // Of each layer, whether its stiffness stays what it is.
 std::vector<bool> linear_layers(const Case& c);
 
+// Of each layer, whether Poisson's ratio is above 0.45: see observe().
+std::vector<bool> incompressible_layers(const Case& c);
+
 // Cases of moved geometry near one: the derivative of a function of the case by what moves it is the sum of the
 // function at each, times its weight.
 using Neighbours = std::vector<std::pair<double, Case>>;

@@ -52,6 +52,44 @@ std::vector<std::pair<int, double>> interpolation(const std::vector<double>& lin
     return weights;
 }
 
+// Weights on the means of the (at most four) cells nearest to x among the cells first .. last: what the polynomial that
+// has these means is at x. even, chosen: as above; cell -1 - i is cell i on the other side of line 0.
+std::vector<std::pair<int, double>> reconstruction(const std::vector<double>& lines, const std::vector<double>& chosen,
+                                                   int first, int last, double x, bool even) {
+    const auto line_on = [](const std::vector<double>& on, int index) {
+        return index >= 0 ? on[index] : 2.0 * on[0] - on[-index];
+    };
+    const int end = last + 1;
+    int behind = first; // its middle is the first that does not lie before x
+    while (behind < end && line_on(chosen, behind) + line_on(chosen, behind + 1) < 2.0 * x) {
+        ++behind;
+    }
+    const int lowest = even ? std::max(-2, -end) : first;
+    const int count = std::min(4, end - lowest);
+    const int start = std::clamp(behind - count / 2, lowest, end - count);
+    const auto line = [&](int k) { return line_on(lines, start + k); };
+    // The integral of the polynomial is known on the lines. Slope at x of the Lagrange polynomial of line k:
+    const auto slope = [&](int k) {
+        double sum = 0.0;
+        for (int out = 0; out <= count; ++out) {
+            double product = out == k ? 0.0 : 1.0 / (line(k) - line(out));
+            for (int j = 0; j <= count; ++j) {
+                product *= j == k || j == out ? 1.0 : (x - line(j)) / (line(k) - line(j));
+            }
+            sum += product;
+        }
+        return sum;
+    };
+    std::vector<std::pair<int, double>> weights;
+    double behind_cell = 0.0; // slopes of the lines behind it
+    for (int k = count - 1; k >= 0; --k) {
+        behind_cell += slope(k + 1);
+        const int cell = start + k;
+        weights.emplace_back(cell >= 0 ? cell : -1 - cell, behind_cell * (line(k + 1) - line(k)));
+    }
+    return weights;
+}
+
 // The cells of the layer that holds `depth`: first and last. layer: of the cells of one column, top to bottom.
 std::pair<int, int> cells_of_layer(const std::vector<double>& z_lines, const int* layer, double depth) {
     const int cells = static_cast<int>(z_lines.size()) - 1;
@@ -115,10 +153,33 @@ Observation<Element> strain_or_stress(Observation<Element> o, const Sensor& sens
     return o;
 }
 
+// Where a layer hardly changes its volume, the mean stress at Gauss points swings about the right one, the more the
+// nearer Poisson's ratio is to 1/2; its mean over a cell does not. elements: weights that make it at the sensor.
+template <class Element>
+void take_mean_stress_of_cells(Observation<Element>& o, const typename Element::Stress& direction,
+                               const std::vector<std::pair<int, double>>& elements) {
+    const double mean = direction.template head<3>().sum() / 3.0;
+    typename Element::Stress trace = Element::Stress::Zero();
+    trace.template head<3>().setOnes();
+    for (std::size_t i = 0, count = o.on_stress.size(); i < count; ++i) {
+        o.on_stress.push_back({o.on_stress[i].point, -mean * o.on_stress[i].weight, trace});
+    }
+    for (const auto& [element, weight] : elements) {
+        for (int g = 0; g < Element::gauss; ++g) {
+            o.on_stress.push_back({element * Element::gauss + g, mean * weight / Element::gauss, trace});
+        }
+    }
+}
+
+bool holds(const std::vector<bool>& layers, int layer) {
+    return !layers.empty() && layers[layer];
+}
+
 // The observation of a sensor without shares.
 Observation<fe::AxisymmetricQ8> observe_place(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh,
                                               const fe::Model<fe::AxisymmetricQ8>& model,
-                                              const mesh::AxisymmetricMesh& chosen) {
+                                              const mesh::AxisymmetricMesh& chosen,
+                                              const std::vector<bool>& incompressible) {
     using Element = fe::AxisymmetricQ8;
     const double r = std::hypot(sensor.x, sensor.y);
     Observation<Element> o;
@@ -148,11 +209,22 @@ Observation<fe::AxisymmetricQ8> observe_place(const Sensor& sensor, const mesh::
             o.on_stress.push_back({element * Element::gauss + gauss_number[i % 2][j % 2], in_r * in_z, direction});
         }
     }
+    if (is_stress(sensor.quantity) && holds(incompressible, mesh.layer[top])) {
+        std::vector<std::pair<int, double>> elements;
+        for (const auto& [i, in_r] : reconstruction(mesh.r_lines, chosen.r_lines, 0, mesh.r_cells() - 1, r, true)) {
+            for (const auto& [j, in_z] :
+                 reconstruction(mesh.z_lines, chosen.z_lines, top, bottom, sensor.depth, false)) {
+                elements.emplace_back(i * mesh.z_cells() + j, in_r * in_z);
+            }
+        }
+        take_mean_stress_of_cells(o, direction, elements);
+    }
     return strain_or_stress(std::move(o), sensor, model);
 }
 
 Observation<fe::Hex20> observe_place(const Sensor& sensor, const mesh::SolidMesh& mesh,
-                                     const fe::Model<fe::Hex20>& model, const mesh::SolidMesh& chosen) {
+                                     const fe::Model<fe::Hex20>& model, const mesh::SolidMesh& chosen,
+                                     const std::vector<bool>& incompressible) {
     using Element = fe::Hex20;
     const double x = std::abs(sensor.x);
     const double y = std::abs(sensor.y);
@@ -186,14 +258,26 @@ Observation<fe::Hex20> observe_place(const Sensor& sensor, const mesh::SolidMesh
             }
         }
     }
+    if (is_stress(sensor.quantity) && holds(incompressible, mesh.layer[top])) {
+        std::vector<std::pair<int, double>> elements;
+        for (const auto& [a, in_x] : reconstruction(mesh.x_lines, chosen.x_lines, 0, mesh.x_cells() - 1, x, true)) {
+            for (const auto& [b, in_y] : reconstruction(mesh.y_lines, chosen.y_lines, 0, mesh.y_cells() - 1, y, true)) {
+                for (const auto& [c, in_z] :
+                     reconstruction(mesh.z_lines, chosen.z_lines, top, bottom, sensor.depth, false)) {
+                    elements.emplace_back(mesh.element(a, b, c), in_x * in_y * in_z);
+                }
+            }
+        }
+        take_mean_stress_of_cells(o, direction, elements);
+    }
     return strain_or_stress(std::move(o), sensor, model);
 }
 
 template <class Element, class Mesh>
 Observation<Element> observe_shares(const Sensor& sensor, const Mesh& mesh, const fe::Model<Element>& model,
-                                    const Mesh& chosen) {
+                                    const Mesh& chosen, const std::vector<bool>& incompressible) {
     if (sensor.shares.empty()) {
-        return observe_place(sensor, mesh, model, chosen);
+        return observe_place(sensor, mesh, model, chosen, incompressible);
     }
     // Shares beside each other read the same cells: each is weighed once.
     std::map<int, double> on_displacement;
@@ -202,7 +286,7 @@ Observation<Element> observe_shares(const Sensor& sensor, const Mesh& mesh, cons
         Sensor there = sensor;
         there.x += share.dx;
         there.gauge = share.gauge;
-        const auto o = observe_place(there, mesh, model, chosen);
+        const auto o = observe_place(there, mesh, model, chosen, incompressible);
         for (const auto& [unknown, weight] : o.on_displacement) {
             on_displacement[unknown] += share.weight * weight;
         }
@@ -223,13 +307,13 @@ Observation<Element> observe_shares(const Sensor& sensor, const Mesh& mesh, cons
 
 Observation<fe::AxisymmetricQ8> observe(const Sensor& sensor, const mesh::AxisymmetricMesh& mesh,
                                         const fe::Model<fe::AxisymmetricQ8>& model,
-                                        const mesh::AxisymmetricMesh& chosen) {
-    return observe_shares(sensor, mesh, model, chosen);
+                                        const mesh::AxisymmetricMesh& chosen, const std::vector<bool>& incompressible) {
+    return observe_shares(sensor, mesh, model, chosen, incompressible);
 }
 
 Observation<fe::Hex20> observe(const Sensor& sensor, const mesh::SolidMesh& mesh, const fe::Model<fe::Hex20>& model,
-                               const mesh::SolidMesh& chosen) {
-    return observe_shares(sensor, mesh, model, chosen);
+                               const mesh::SolidMesh& chosen, const std::vector<bool>& incompressible) {
+    return observe_shares(sensor, mesh, model, chosen, incompressible);
 }
 
 } // namespace pave::pavement

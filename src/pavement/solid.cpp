@@ -9,6 +9,8 @@ namespace pave::pavement {
 namespace {
 
 constexpr int doublings = 4; // of the cells of a half-space; more would cost many times the time
+// A distance between patches that is none, in their half width. Breaks must be in order.
+constexpr double touching = 1e-9;
 
 mesh::SolidDemand demand_of(const Case& c, int load) {
     mesh::SolidDemand demand;
@@ -16,7 +18,10 @@ mesh::SolidDemand demand_of(const Case& c, int load) {
         demand.thickness.push_back(layer.thickness);
     }
     const auto footprint = c.loads[load].footprint();
-    demand.x_inner = footprint.inner();
+    demand.is_dual = footprint.centre > 0.0;
+    // Patches that touch to rounding touch.
+    const double inner = footprint.inner();
+    demand.x_inner = std::abs(inner) < touching * footprint.half_x ? touching * footprint.half_x : inner;
     demand.x_outer = footprint.outer();
     demand.y_outer = footprint.half_y;
     demand.is_round = footprint.shape == Patch::circle;

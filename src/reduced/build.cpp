@@ -52,8 +52,9 @@ public:
             }
         }
         for (const Sensor& sensor : own_.sensors) {
-            observations_.push_back(sensor.load == load ? observe(sensor, mesh_, model_, mesh_)
-                                                        : Observation<Element>{});
+            observations_.push_back(sensor.load == load
+                                        ? observe(sensor, mesh_, model_, mesh_, incompressible_layers(own_))
+                                        : Observation<Element>{});
         }
     }
 

@@ -32,7 +32,9 @@ public:
           breaks_(Kind::breaks(nominal_, load)),
           unit_load_(basis_.modes.transpose() * Kind::unit_load(mesh_, model_, nominal_.loads[load])) {
         for (const Sensor& sensor : nominal_.sensors) {
-            observations_.push_back(sensor.load == load ? project(observe(sensor, mesh_, model_, mesh_)) : Reduced{});
+            observations_.push_back(
+                sensor.load == load ? project(observe(sensor, mesh_, model_, mesh_, incompressible_layers(nominal_)))
+                                    : Reduced{});
         }
         linear_ = projected_linear_layers(nominal_, model_, basis_.modes);
         project_points();

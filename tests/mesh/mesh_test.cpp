@@ -31,6 +31,43 @@ TEST(GradedLines, RoundTheNumberOfCellsUp) {
     EXPECT_EQ(cells(0.01), 1U);
 }
 
+// Cells beside a break depend on what is near, not on how far the next break is.
+TEST(GradedLines, ResolveAFeatureHoweverFarTheNextBreakIs) {
+    const auto first = [](double extent, int i) {
+        const auto lines = graded_lines({0.15, extent}, {{0.15, 0.024}}, {.growth = 0.3, .max_size = extent / 8.0});
+        return lines[i] - 0.15;
+    };
+    for (int i = 1; i <= 5; ++i) {
+        for (const double extent : {20.0, 300.0, 1000.0, 1e5}) {
+            EXPECT_NEAR(first(extent, i) / first(4.0, i), 1.0, 0.1) << extent << " line " << i;
+        }
+    }
+}
+
+TEST(GradedLines, MayLeaveOutBreaksThatOthersStandBeside) {
+    const std::vector<Feature> features{{0.0, 0.1}};
+    const Grading grading{.growth = 0.5, .max_size = 1.0};
+    const std::vector<double> apart{0.0, 0.02, 1.0, 3.0};
+    EXPECT_EQ(without_slivers(apart, features, grading), apart);
+    EXPECT_EQ(without_slivers({0.0, 1e-17, 1.0, 1.03, 2.99, 3.0}, features, grading),
+              (std::vector<double>{0.0, 1.0, 3.0}));
+}
+
+TEST(SolidMesh, HasNoSliverBetweenPatchesThatAlmostTouch) {
+    SolidDemand demand;
+    demand.thickness = {0.05, 0.3, 1.0};
+    demand.is_dual = true;
+    demand.x_outer = 0.34;
+    for (const double gap : {1e-17, 1e-4, 3e-3}) {
+        demand.x_inner = gap;
+        const auto lines = solid_mesh(demand).x_lines;
+        EXPECT_GT(lines[1], 0.01);
+    }
+    demand.x_inner = 0.03; // not so near
+    const auto lines = solid_mesh(demand).x_lines;
+    EXPECT_TRUE(std::find(lines.begin(), lines.end(), demand.x_inner) != lines.end());
+}
+
 TEST(AxisymmetricMesh, ResolvesLoadEdgeInterfacesAndGauges) {
     AxisymmetricDemand demand;
     demand.thickness = {0.030, 0.277, 1.193};
@@ -121,6 +158,7 @@ TEST(SolidMesh, IsEverywhereAsMuchFinerAsAsked) {
     other.is_round = true;
     check(other);
     other = demand;
+    other.is_dual = true;
     other.x_inner = 0.1;
     other.x_outer = 0.3;
     check(other);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <numbers>
+#include <span>
 
 using namespace test;
 
@@ -23,11 +24,42 @@ std::vector<double> solid_readings(const Case& c) {
     EXPECT_TRUE(solved);
     std::vector<double> values;
     for (const Sensor& sensor : c.sensors) {
-        const auto o = observe(sensor, parts.mesh, parts.model, parts.mesh);
+        const auto o = observe(sensor, parts.mesh, parts.model, parts.mesh, incompressible_layers(c));
         values.push_back(o.on_stress.empty() ? o.of_displacement(solved->displacement.data())
                                              : o.of_stress(solved->stress, 1, 0));
     }
     return values;
+}
+
+Case dual_circles(std::span<const reference::ElasticLayer> stack, double radius, double spacing) {
+    Case c;
+    for (const auto& layer : stack) {
+        c.layers.push_back(
+            linear_layer("layer" + std::to_string(c.layers.size()), layer.thickness, layer.modulus, layer.poisson));
+    }
+    const double pressure = 650e3;
+    c.loads = {dual_wheel(2 * std::numbers::pi * radius * radius * pressure, pressure, Patch::circle, spacing)};
+    return c;
+}
+
+// What a sensor on the x axis reads, by superposition of the transform solution.
+double sum_of_circles(std::span<const reference::ElasticLayer> stack, const Case& c, const Sensor& sensor) {
+    const auto footprint = c.loads[0].footprint();
+    double sum = 0.0;
+    for (const double centre : {-footprint.centre, footprint.centre}) {
+        const auto part = reference::multilayer_elastic(stack, reference::Floor::rigid_rough, footprint.half_x,
+                                                        c.loads[0].pressure, std::abs(sensor.x - centre), sensor.depth);
+        switch (sensor.quantity) {
+        case Quantity::deflection: sum += part.u_z; break;
+        case Quantity::strain_zz: sum -= part.eps_zz; break;
+        case Quantity::strain_xx: sum -= part.eps_rr; break;
+        case Quantity::strain_yy: sum -= part.eps_tt; break;
+        case Quantity::stress_zz: sum -= part.sigma_zz; break;
+        case Quantity::stress_xx: sum -= part.sigma_rr; break;
+        case Quantity::stress_yy: sum -= part.sigma_tt; break;
+        }
+    }
+    return sum;
 }
 
 } // namespace
@@ -152,13 +184,7 @@ TEST(SolidModel, ReproducesTheAmadeusDualWheel) {
 // Against the transform solution: a dual is the sum of two circles.
 TEST(SolidModel, OfALinearDualIsTheSumOfTwoCircles) {
     const reference::ElasticLayer stack[] = {{0.10, 2000e6, 0.35}, {0.30, 300e6, 0.35}, {1.10, 60e6, 0.40}};
-    Case c;
-    for (const auto& layer : stack) {
-        c.layers.push_back(
-            linear_layer("layer" + std::to_string(c.layers.size()), layer.thickness, layer.modulus, layer.poisson));
-    }
-    const double radius = 0.1, pressure = 650e3, spacing = 0.34;
-    c.loads = {dual_wheel(2 * std::numbers::pi * radius * radius * pressure, pressure, Patch::circle, spacing)};
+    Case c = dual_circles(stack, 0.1, 0.34);
     for (const double x : {0.0, 0.17}) {
         c.sensors.push_back(deflection(x));
         for (const double z : {0.2, 0.3, 0.5, 0.8}) {
@@ -168,15 +194,76 @@ TEST(SolidModel, OfALinearDualIsTheSumOfTwoCircles) {
     const auto response = run(c);
     ASSERT_TRUE(response);
     for (std::size_t i = 0; i < c.sensors.size(); ++i) {
-        const Sensor& s = c.sensors[i];
-        double exact = 0.0;
-        for (const double centre : {-spacing / 2, spacing / 2}) {
-            const auto part = reference::multilayer_elastic(stack, reference::Floor::rigid_rough, radius, pressure,
-                                                            std::abs(s.x - centre), s.depth);
-            exact += s.quantity == Quantity::deflection ? part.u_z : -part.eps_zz;
-        }
-        EXPECT_NEAR(response->values[i] / exact, 1.0, 0.01) << i;
+        EXPECT_NEAR(response->values[i] / sum_of_circles(stack, c, c.sensors[i]), 1.0, 0.01) << i;
     }
+}
+
+// Two circles that touch, to rounding or nearly, and two that stand a little apart.
+TEST(SolidModel, OfCirclesThatTouchIsTheSumOfTwoCircles) {
+    const reference::ElasticLayer stack[] = {{0.10, 2000e6, 0.35}, {0.30, 300e6, 0.35}, {1.10, 60e6, 0.40}};
+    const double radius = 0.1;
+    for (const double gap : {0.0, 1e-12, 1e-3}) {
+        Case c = dual_circles(stack, radius, 2.0 * radius + gap);
+        c.sensors = {deflection(0.0),
+                     deflection(radius),
+                     strain_zz(0.25, 0.0),
+                     strain_zz(0.25, 0.0, radius),
+                     {0, Quantity::stress_zz, 0.0, 0.0, 0.2, 0.0}};
+        const auto response = run(c);
+        ASSERT_TRUE(response) << gap << ": " << response.failure().reason;
+        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+            EXPECT_NEAR(response->values[i] / sum_of_circles(stack, c, c.sensors[i]), 1.0, 0.01) << gap << " " << i;
+        }
+    }
+}
+
+// At the bottom of thin asphalt, each place alone: under the centre of a circle, at its edge and between the two.
+TEST(SolidModel, HasTheHorizontalStrainsAndStressesAtTheBottomOfThinAsphalt) {
+    const reference::ElasticLayer stack[] = {{0.015, 3000e6, 0.35}, {0.277, 300e6, 0.35}, {1.193, 40e6, 0.40}};
+    const double radius = 0.1;
+    const std::vector<Quantity> quantities{Quantity::strain_xx, Quantity::strain_yy, Quantity::stress_xx,
+                                           Quantity::stress_yy};
+    std::vector<double> errors;
+    std::vector<double> largest(quantities.size(), 0.0);
+    for (const double x : {0.17, 0.17 + radius, 0.0}) {
+        Case c = dual_circles(stack, radius, 0.34);
+        for (const auto quantity : quantities) {
+            c.sensors.push_back({0, quantity, x, 0.0, 0.015 - 1e-7, 0.0});
+        }
+        const auto response = run(c);
+        ASSERT_TRUE(response);
+        for (std::size_t k = 0; k < quantities.size(); ++k) {
+            const double exact = sum_of_circles(stack, c, c.sensors[k]);
+            errors.push_back(std::abs(response->values[k] - exact));
+            largest[k] = std::max(largest[k], std::abs(exact));
+        }
+    }
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+        const bool at_edge = i / quantities.size() == 1;
+        EXPECT_LT(errors[i], (at_edge ? 0.025 : 0.012) * largest[i % quantities.size()]) << i;
+    }
+}
+
+// The structure of a mesh is that of the nominal case; other spacings move its lines, or the load on them.
+TEST(SolidModel, FollowsASpacingFromCirclesThatTouch) {
+    const reference::ElasticLayer stack[] = {{0.10, 2000e6, 0.35}, {0.30, 300e6, 0.35}, {1.10, 60e6, 0.40}};
+    const double radius = 0.1;
+    Case nominal = dual_circles(stack, radius, 2.0 * radius);
+    nominal.sensors = {deflection(0.0), strain_zz(0.25, 0.0)};
+    const ForwardModel model(nominal);
+    const auto workspace = model.make_workspace();
+    for (const double spacing : {0.22, 0.26, 0.2}) {
+        Case c = nominal;
+        c.loads[0].spacing = spacing;
+        const auto response = model.run(c, {}, *workspace);
+        ASSERT_TRUE(response) << spacing;
+        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+            EXPECT_NEAR(response->values[i] / sum_of_circles(stack, c, c.sensors[i]), 1.0, 0.01) << spacing << " " << i;
+        }
+    }
+    Case overlapping = nominal;
+    overlapping.loads[0].spacing = 0.19;
+    EXPECT_FALSE(model.run(overlapping, {}, *workspace));
 }
 
 TEST(SolidModel, ReadsASensorOnAnySideOfTheLoadAlike) {
