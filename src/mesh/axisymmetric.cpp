@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace pave::mesh {
@@ -18,7 +19,10 @@ AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand& demand) {
 
     // What a reading sees changes over its depth, or nearer to the surface over the top layer; the edge of the load
     // matters to it the less the farther away it is.
-    const auto reading_size = [&](double z) { return 0.35 * std::max(z, std::min(bottoms.front(), 0.2 * a)); };
+    const auto reading_size = [&](double z) {
+        return demand.follows_gauges ? 0.35 * std::max(z, std::min(bottoms.front(), 0.2 * a))
+                                     : std::numeric_limits<double>::infinity();
+    };
     double edge_size = 0.16 * a;
     std::vector<Feature> r_features{{0.0, 0.15 * a * fine}};
     for (std::size_t i = 0; i < demand.gauge_radii.size(); ++i) {

@@ -36,6 +36,9 @@ struct AxisymmetricDemand {
     std::vector<double> gauge_depths;  // m: depths where strains or stresses are read
     std::vector<double> gauge_radii;   // m: radii where strains or stresses are read
     std::vector<double> surface_radii; // m: radii where deflections are read
+    // Whether cells are as small as readings near the surface ask for. Not where the stiffness of small cells near
+    // tension has two equilibria to choose from.
+    bool follows_gauges = true;
 };
 
 AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand& demand);

@@ -1,6 +1,7 @@
 #include "fe/gauss_rule.h"
 #include "pavement/load_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -19,6 +20,10 @@ mesh::AxisymmetricMesh Axisymmetric::nominal_mesh(const Case& c, int load) {
     demand.load_radius = c.loads[load].footprint().half_x;
     demand.extent = c.settings.extent;
     demand.refine = c.settings.refine;
+    // The secant law has two equilibria where a small cell is near tension, and a search may end in either.
+    const auto depends_on_stress = [](const Layer& layer) { return layer.law->stress_dependent(); };
+    demand.follows_gauges = c.settings.integration != Integration::secant ||
+                            std::none_of(c.layers.begin(), c.layers.end(), depends_on_stress);
     for (const Sensor& sensor : c.sensors) {
         if (sensor.load != load) {
             continue;

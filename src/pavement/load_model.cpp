@@ -506,10 +506,9 @@ std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, 
     const Load& load = nominal.loads[number];
     const auto footprint = load.footprint();
     const double reach = std::max(footprint.outer(), footprint.half_y);
-    if (!(1.01 * reach < nominal.settings.extent)) {
+    if (!(reach < nominal.settings.extent)) {
         throw Error({.key = "mesh.extent_m"}, "the load \"" + load.name + "\" does not fit into the mesh",
-                    fmt::format("{}", nominal.settings.extent),
-                    fmt::format("more than 1.01 times its reach of {:.4g} m", reach));
+                    fmt::format("{}", nominal.settings.extent), fmt::format("more than its reach of {:.4g} m", reach));
     }
     if (footprint.centre > 0.0 && footprint.inner() < -1e-9 * footprint.half_x) {
         throw Error({.key = load.name + ".spacing_mm"}, "the two patches of the dual wheel overlap",

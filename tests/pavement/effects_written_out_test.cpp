@@ -305,7 +305,7 @@ TEST(SensorPosition, IsTheSensorsElsewhere) {
         by_effect.effects[0].reading = reading;
         Case by_hand = c;
         change(by_hand.sensors);
-        EXPECT_EQ(values_of(by_effect), values_of(by_hand));
+        EXPECT_LT(largest_change(values_of(by_effect), values_of(by_hand)), 1e-12); // summed in another order
     };
     const auto both = [](std::vector<Sensor>& s) { s[1].x = s[4].x = 0.325; };
     moved(std::nullopt, 25.0, both);

@@ -64,7 +64,7 @@ expect("negative sigma", ["sigma", "positive"], data=DATA.replace("0.95,mm,", "0
 expect("gauge where there is none", ["gauge length"], data=DATA.replace("600,0,0,0", "600,0,0,75").replace("deflection,600", "strain_xx,600").replace("0.21,mm", "210,microstrain"))
 expect("log of a parameter that may be zero", ["base.k3", "value out of range"],
        changed('name = "base.n"\nmin = 0.1\nmax = 4.5', 'name = "base.k3"\nmin = -1\nmax = -0.1\nscale = "log"'))
-expect("overlapping patches of a dual", ["spacing_mm", "overlap", "more than the width"],
+expect("overlapping patches of a dual", ["spacing_mm", "overlap", "at least the width"],
        changed('type = "plate"\nradius_mm = 150', 'type = "dual-wheel"\nforce_kN = 40\nspacing_mm = 150'))
 expect("no parameters", ["parameters"], STUDY[:STUDY.index("[[parameters]]")], command=("fit",))
 expect("unknown schema", ["schema"], changed("schema = 1", "schema = 2"), line="schema")

@@ -111,7 +111,7 @@ expect('[[effects]]\nname = "base-thickness"\nsize = 500', ["size", "500", "-100
 expect('[[effects]]\nname = "wheel-wander"\nsize = 50', ["no reading under a wheel"], line='name = "wheel-wander"')
 expect('[[effects]]\nname = "outlier"\nreading = 9', ["reading", "1 to 4"], line="reading = 9")
 expect('[[effects]]\nname = "base-tension"\nreading = 1', ["reading", "unknown key", "layer, name, size"], line="reading = 1")
-expect('[[effects]]\nname = "base-tension"\nthickness_mm = 100', ["thickness_mm", "unknown key"], line="thickness_mm")
+expect('[[effects]]\nname = "base-tension"\nthickness_mm = 100', ["thickness_mm", "unknown key"], line="thickness_mm = 100")
 expect('[[effects]]\nname = "weak-subgrade-top"\nthickness_mm = 0', ["thickness_mm", "0 < value"], line="thickness_mm = 0")
 expect('[[effects]]\nname = "drift"', ["second load"], line="drift")
 expect('[[effects]]\nname = "base-tension"\nlayer = "subgrade"', ["floor of theta"], line="base-tension")
