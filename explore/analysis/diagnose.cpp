@@ -32,9 +32,9 @@ DiagnosedModel model_of(const study::Study& study, const std::vector<study::Vari
                      .evaluation = judged.model.evaluation,
                      .parameters = {},
                      .held_out_rms = {}};
-    const problem::Problem& problem = bench.problem(judged.model.members);
+    const auto problem = bench.problem(judged.model.members);
     for (std::size_t k = 0; k < judged.model.unit.size(); ++k) {
-        m.parameters.push_back(diagnose::interval_of(problem, judged.model, k, variance));
+        m.parameters.push_back(diagnose::interval_of(*problem, judged.model, k, variance));
     }
     Predictor(m.study).complete(m.evaluation);
     m.held_out_rms = held_out_rms(study, m.evaluation.responses);
@@ -77,8 +77,8 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
         if (!outcome) {
             continue;
         }
-        const problem::Problem& fitted = bench.problem(model.members);
-        const Eigen::MatrixXd j = fitted.residual_jacobian(model.evaluation);
+        const auto fitted = bench.problem(model.members);
+        const Eigen::MatrixXd j = fitted->residual_jacobian(model.evaluation);
         Eigen::MatrixXd h = j.transpose() * j / d.variance;
         constexpr double box_variance = 1.0 / 12.0;
         h.diagonal().array() += 1.0 / box_variance;
@@ -90,7 +90,7 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
                 const auto at = static_cast<std::size_t>(columns[k]);
                 slope[static_cast<Eigen::Index>(k)] =
                     outcome->jacobian(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) *
-                    fitted.space.axes[at].d_physical(model.unit[at]);
+                    fitted->space.axes[at].d_physical(model.unit[at]);
             }
             const Eigen::MatrixXd part = covariance(columns, columns);
             f.variances.push_back(slope.dot(part * slope));

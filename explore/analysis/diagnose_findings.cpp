@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 
 namespace explore::analysis {
 
@@ -81,15 +82,28 @@ private:
     std::string effect_words(std::size_t member) const {
         const auto& interval = after->parameters[study.space.axes.size() + member];
         const std::size_t c = d.extended->model.members[member];
-        const auto& effect = *variants[c].applied.effect;
-        return fmt::format("{} = {} [{}] (95 %: {} to {})", variant_words(candidates[c]), figure(interval.value),
-                           effect.unit, figure(interval.low), figure(interval.high));
+        pave::pavement::AppliedEffect applied = variants[c].applied;
+        applied.size = interval.value;
+        const auto& effect = *applied.effect;
+        return fmt::format("{} = {} [{}] (95 %: {} to {}{}): {}", variant_words(candidates[c]), figure(interval.value),
+                           effect.unit, figure(interval.low), figure(interval.high),
+                           d.extended->ends_range(member) ? "; its size is at the end of its range" : "",
+                           effect.in_words(applied));
     }
 
     void verdict(std::vector<std::string>& text) const {
         switch (d.verdict) {
         case Verdict::adequate:
             text.push_back("ADEQUATE: nothing in these data contradicts the model beyond their noise.");
+            if (d.noise_is_overstated) {
+                text.push_back(fmt::format(
+                    "The readings scatter less than their stated noise: chi2 = {} with {}, some {} of it. Ranges and "
+                    "tests "
+                    "that rest on the stated noise are too cautious by that.",
+                    figure(d.baseline.chi2),
+                    counted(static_cast<std::size_t>(d.baseline.dof), "degree of freedom", "degrees of freedom"),
+                    percent(std::sqrt(d.baseline.chi2 / d.baseline.dof))));
+            }
             if (study.noise == study::NoiseSource::estimated) {
                 text.push_back("The data state no noise: it was estimated from the residuals of the fit, so a model "
                                "that is wrong everywhere by a similar amount would not be noticed.");
@@ -111,15 +125,22 @@ private:
             for (const auto& e : d.explanations) {
                 sets.push_back(members_words(candidates, e.fit.model.members));
             }
-            if (sets.size() > 1) {
+            if (d.leaves_more_than_noise) {
+                text.push_back(fmt::format(
+                    "AMBIGUOUS: the model lacks something, and none of the catalogue explains all "
+                    "of it. {}: {}. {} (p = {:.2g}): something else is missing too, or this is "
+                    "not quite it{}.",
+                    sets.size() > 1 ? "What comes nearest, alike" : "What comes nearest", pave::join(sets, "; "),
+                    sets.size() > 1 ? "The best of them leaves more than noise" : "It leaves more than noise",
+                    std::min(d.extended->p_value, d.extended->pattern.p_value), noise_words()));
+            } else if (sets.size() > 1) {
                 text.push_back(fmt::format("AMBIGUOUS: the model lacks something, and {} explanations fit these data "
                                            "so alike that they cannot be told apart: {}.",
                                            sets.size(), pave::join(sets, "; ")));
-            } else if (d.leaves_more_than_noise) {
-                text.push_back(
-                    fmt::format("AMBIGUOUS: {} explains most of the contradiction, but leaves more than noise "
-                                "(p = {:.2g}): something else is missing too, or this is not quite it.",
-                                sets[0], std::min(d.extended->p_value, d.extended->pattern.p_value)));
+            } else if (d.extended->ends_range()) {
+                text.push_back(fmt::format("AMBIGUOUS: {} explains the data, but only with a size at the end of its "
+                                           "range: the cause may be stronger, of another form, or another one.",
+                                           sets[0]));
             } else if (d.extended->model.members.size() > 1) {
                 text.push_back(fmt::format("AMBIGUOUS: {} together explain the data, but one explains so little beyond "
                                            "the other that both may stand for one thing outside the catalogue.",
@@ -127,6 +148,9 @@ private:
             } else {
                 text.push_back(
                     fmt::format("AMBIGUOUS: {} explains the data, but the evidence is too weak to name it.", sets[0]));
+            }
+            for (std::size_t m = 0; m < d.extended->model.members.size(); ++m) {
+                text.push_back("Best of them: " + effect_words(m) + ".");
             }
             break;
         }
@@ -136,9 +160,42 @@ private:
             if (study.noise == study::NoiseSource::stated) {
                 text.push_back(
                     fmt::format("If the model were right, the noise would have to be {} times what is stated.",
-                                figure(std::sqrt(d.baseline.chi2 / std::max(1, d.baseline.dof)))));
+                                figure(std::sqrt(d.baseline.chi2 / std::max(1, d.baseline.dof)), 2)));
             }
+            if (!d.nearest.empty()) {
+                text.push_back(fmt::format("What comes nearest is {}; it leaves chi2 = {} (p = {:.2g}){}.",
+                                           members_words(candidates, d.nearest[0].fit.model.members),
+                                           figure(d.nearest[0].fit.chi2), d.nearest[0].fit.p_value, noise_words()));
+            }
+            leftovers(text);
             break;
+        }
+    }
+
+    std::string noise_words() const {
+        return d.noise_factor > 1.0
+                   ? fmt::format(", or the noise is {} times what is stated", figure(d.noise_factor, 2))
+                   : "";
+    }
+
+    // Where the study's model errs most: place, load and sign.
+    void leftovers(std::vector<std::string>& text) const {
+        const Eigen::VectorXd residuals = d.baseline.model.residuals / std::sqrt(d.variance);
+        std::vector<std::size_t> order(static_cast<std::size_t>(residuals.size()));
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        const auto size = [&](std::size_t i) { return std::abs(residuals[static_cast<Eigen::Index>(i)]); };
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
+        std::vector<std::string> places;
+        constexpr std::size_t most = 4;
+        constexpr double clear = 2.0;
+        for (std::size_t i = 0; i < std::min(most, order.size()) && size(order[i]) > clear; ++i) {
+            const double residual = residuals[static_cast<Eigen::Index>(order[i])];
+            places.push_back(fmt::format("{}: {} by {} standard deviations",
+                                         study.readings[layout.rows[order[i]]].words(),
+                                         residual > 0.0 ? "too high" : "too low", figure(std::abs(residual), 2)));
+        }
+        if (!places.empty()) {
+            text.push_back("The model misses most at " + pave::join(places, "; ") + ".");
         }
     }
 
@@ -211,7 +268,7 @@ private:
                     fmt::format("{} {} instead of {}", study.space.axes[k].name, figure(is.value), figure(was.value)));
             }
         }
-        if (!biased.empty()) {
+        if (!biased.empty() && d.verdict != Verdict::unexplained) {
             text.push_back("Without the effect the fit was biased: " + pave::join(biased) + ".");
         }
     }

@@ -17,12 +17,16 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// A model is contradicted when a test of it falls below its level: 2 % of sound models, at most. An extended model that
-// chi2 or the pattern contradicts is still what explains most, but not named; below the last level it is no
-// explanation.
+// A model is contradicted when a test of it falls below its level: 2 % of sound models, at most. An extended model is
+// named where what it leaves is noise at level_noise: more could be noise that was stated too small. Below
+// level_explained it is no explanation, only what comes nearest; the pattern of the residuals alone says so at
+// level_rejected.
 constexpr double level_chi2 = 0.005;
 constexpr double level_pattern = 0.005;
 constexpr double level_family = 0.01;
+constexpr double level_noise = 0.05;
+constexpr double level_explained = 0.005;
+constexpr double level_overstated = 0.01;
 constexpr double level_rejected = 0.0005;
 // Below this the fit may be a local minimum: it is searched for another.
 constexpr double level_doubtful = 0.05;
@@ -64,7 +68,7 @@ public:
         : task_(task),
           bench_(task.bench),
           settings_(settings),
-          noise_is_stated_(task.bench.problem({}).noise_is_stated()),
+          noise_is_stated_(task.bench.problem({})->noise_is_stated()),
           arena_(run::concurrency(task.bench.threads())) {}
 
     // False: interrupted.
@@ -87,6 +91,9 @@ public:
             }
         }
         examine_baseline();
+        d_.noise_factor = noise_factor_of(d_.baseline);
+        d_.noise_is_overstated = noise_is_stated_ && d_.baseline.dof > 0 &&
+                                 gsl_cdf_chisq_P(d_.baseline.chi2, d_.baseline.dof) < level_overstated;
         if (!contradicted(d_.baseline, d_.screening.p_familywise)) {
             d_.verdict = Verdict::adequate;
             return true;
@@ -100,7 +107,7 @@ private:
     std::size_t readings() const { return static_cast<std::size_t>(d_.baseline.model.residuals.size()); }
     Mimicry mimicry_of(const Model& model) {
         const double noise = std::sqrt(d_.variance);
-        return {bench_.problem(model.members).residual_jacobian(model.evaluation) / noise, model.unit,
+        return {bench_.problem(model.members)->residual_jacobian(model.evaluation) / noise, model.unit,
                 model.residuals / noise};
     }
 
@@ -124,7 +131,13 @@ private:
     }
 
     bool rejected(const Judged& j) const {
-        return noise_is_stated_ && std::min(j.p_value, j.pattern.p_value) < level_rejected;
+        return noise_is_stated_ && (j.p_value < level_explained || j.pattern.p_value < level_rejected);
+    }
+
+    // By how much the stated noise would have to be larger for chi2 of this model to be what it is expected to be; 1
+    // where noise as stated explains it.
+    double noise_factor_of(const Judged& j) const {
+        return noise_is_stated_ && j.dof > 0 && j.p_value < level_noise ? std::sqrt(j.chi2 / j.dof) : 1.0;
     }
 
     // Chi2 with the price of having chosen the best of several variants.
@@ -140,7 +153,8 @@ private:
     }
 
     bool fit_baseline() {
-        const problem::Problem& problem = bench_.problem({});
+        const auto baseline = bench_.problem({});
+        const problem::Problem& problem = *baseline;
         const search::Design design = search::sobol(problem.space, settings_.explore, task_.seed);
         landscape::MultistartSettings multistart;
         multistart.starts = settings_.starts;
@@ -226,8 +240,9 @@ private:
 
     // The candidates that are worth a fit: of the effects that lead by what the screening predicts so many, those that
     // lead by their score in any case (large effects bend, and what is predicted of them errs), and of each effect so
-    // many variants that are not far behind its first.
-    std::vector<std::size_t> worth_fitting(const Screening& screening, std::size_t effects, std::size_t each) const {
+    // many variants that are not far behind its first. all: none is left out for what the screening predicts of it.
+    std::vector<std::size_t> worth_fitting(const Screening& screening, std::size_t effects, std::size_t each,
+                                           bool all = false) const {
         std::vector<std::size_t> order;
         for (std::size_t c = 0; c < screening.items.size(); ++c) {
             const Screened& item = screening.items[c];
@@ -258,7 +273,7 @@ private:
             constexpr std::size_t anyway = 4; // effects
             const auto leader = scoring.find(task_.candidates[c].effect);
             const bool is_scoring = leader != scoring.end() && leader->second == c;
-            if (taken.size() >= anyway && foretold > best + hopeless * d_.variance && !is_scoring) {
+            if (!all && taken.size() >= anyway && foretold > best + hopeless * d_.variance && !is_scoring) {
                 return true;
             }
             const auto [at, is_new] = taken.try_emplace(task_.candidates[c].effect);
@@ -279,9 +294,13 @@ private:
             return false;
         }
         d_.screening = std::move(*screening);
+        // Few readings are bent far by the parameters: what the screening predicts of an effect is worth little there,
+        // and a fit costs little.
+        constexpr std::size_t few = 20;
+        const bool all = readings() <= few;
         constexpr std::size_t leading = 12;
         constexpr std::size_t variants_each = 2;
-        const auto chosen = worth_fitting(d_.screening, leading, variants_each);
+        const auto chosen = worth_fitting(d_.screening, all ? task_.candidates.size() : leading, variants_each, all);
         std::vector<std::optional<Model>> models(chosen.size());
         run::Progress progress("fits", static_cast<std::int64_t>(chosen.size()));
         run::for_each_index(arena_, chosen.size(), [&](std::size_t i) {
@@ -349,8 +368,8 @@ private:
                 effect.fit = judge(std::move(effect.fit->model));
                 effect.gain = d_.baseline.chi2 - effect.fit->chi2;
                 effect.delta_aicc = effect.fit->aicc - d_.baseline.aicc;
-                const problem::Problem& problem = bench_.problem(effect.fit->model.members);
-                effect.size = interval_of(problem, effect.fit->model, problem.space.axes.size() - 1, d_.variance);
+                const auto problem = bench_.problem(effect.fit->model.members);
+                effect.size = interval_of(*problem, effect.fit->model, problem->space.axes.size() - 1, d_.variance);
             }
         }
         std::stable_sort(d_.effects.begin(), d_.effects.end(), [&](const EffectResult& a, const EffectResult& b) {
@@ -386,8 +405,8 @@ private:
         for (const ReadingGroup& group : task_.groups) {
             d_.groups.push_back(test_group(residuals, group));
         }
-        const problem::Problem& problem = bench_.problem({});
-        d_.constancy = test_constancy(problem.residual_jacobian(d_.baseline.model.evaluation) / std::sqrt(d_.variance),
+        const auto problem = bench_.problem({});
+        d_.constancy = test_constancy(problem->residual_jacobian(d_.baseline.model.evaluation) / std::sqrt(d_.variance),
                                       residuals, mimicry_of(d_.baseline.model), task_.groups);
     }
 
@@ -625,7 +644,10 @@ private:
             d_.bartlett = std::max(1.0, mean / expected);
         }
         if (d_.screening.family) {
-            d_.p_evidence = d_.screening.family->p_value(std::sqrt(std::max(0.0, leading.gain / d_.bartlett)));
+            // Noise that was stated too small makes gains as much too large as it makes what is left over.
+            const double excess = std::pow(noise_factor_of(explanations_[0]), 2);
+            d_.p_evidence =
+                d_.screening.family->p_value(std::sqrt(std::max(0.0, leading.gain / (d_.bartlett * excess))));
         }
         return true;
     }
@@ -695,7 +717,8 @@ private:
         const bool is_pair = best.model.members.size() > 1;
         set_confounding();
         d_.extended = best;
-        d_.leaves_more_than_noise = contradicted(best, 1.0);
+        d_.leaves_more_than_noise = contradicted(best, 1.0) || noise_factor_of(best) > 1.0;
+        d_.noise_factor = noise_factor_of(best);
         d_.explanations.push_back({best, 0.0});
         for (auto other = explanations_.begin() + 1; other != explanations_.end(); ++other) {
             const bool is_known = std::any_of(d_.explanations.begin(), d_.explanations.end(), [&](const auto& e) {
@@ -714,7 +737,7 @@ private:
                 d_.explanations.push_back({*other, behind});
             }
         }
-        bool enough = d_.p_evidence < level_evidence && !d_.leaves_more_than_noise;
+        bool enough = d_.p_evidence < level_evidence && !d_.leaves_more_than_noise && !best.ends_range();
         if (is_pair) {
             for (const std::size_t c : best.model.members) {
                 const auto rest = std::find_if(best.model.members.begin(), best.model.members.end(),
@@ -725,6 +748,7 @@ private:
         }
         if (rejected(best) || d_.p_evidence >= level_unexplained) {
             d_.verdict = Verdict::unexplained;
+            d_.nearest = std::move(d_.explanations);
             d_.explanations.clear();
         } else {
             d_.verdict = d_.explanations.size() == 1 && enough ? Verdict::cause_named : Verdict::ambiguous;
@@ -854,6 +878,21 @@ private:
 };
 
 } // namespace
+
+bool Judged::ends_range(std::size_t member) const {
+    constexpr double at_end = 1e-4;
+    const double size = model.unit[model.unit.size() - model.members.size() + member];
+    return size < at_end || size > 1.0 - at_end;
+}
+
+bool Judged::ends_range() const {
+    for (std::size_t m = 0; m < model.members.size(); ++m) {
+        if (ends_range(m)) {
+            return true;
+        }
+    }
+    return false;
+}
 
 double aicc(double sum, std::size_t readings, std::size_t parameters, bool noise_is_stated) {
     const auto k = static_cast<double>(parameters);

@@ -37,6 +37,10 @@ struct Judged {
     double p_value = 1.0; // of chi2; 1 without stated noise
     double aicc = 0.0;
     PatternTest pattern;
+
+    // Whether the size of this member, or of any, is where its range ends.
+    bool ends_range(std::size_t member) const;
+    bool ends_range() const;
 };
 
 // Akaike's criterion, up to a constant of the data. sum: of the squared residuals. In units of their noise where it is
@@ -105,10 +109,13 @@ struct Diagnosis {
     int bootstrap = 0;     // simulated data that were fitted; how many of them gained as much:
     int bootstrap_above = 0;
     std::vector<Explanation> explanations; // that the data do not tell apart, best first
+    std::vector<Explanation> nearest;      // where none explains the data: those that come nearest, best first
     bool leaves_more_than_noise = false;   // the best of them
-    std::vector<std::string> causes;       // names, most probable first
-    std::vector<Confounding> confounding;  // of the effects with the best explanation's
-    std::optional<Judged> extended;        // the best explanation
+    double noise_factor = 1.0; // by which the stated noise would have to be larger for what the answer's model leaves
+    bool noise_is_overstated = false; // the baseline leaves less than the stated noise makes in one case of a hundred
+    std::vector<std::string> causes;  // names, most probable first
+    std::vector<Confounding> confounding; // of the effects with the best explanation's
+    std::optional<Judged> extended;       // the best explanation
     std::optional<HeldOut> places, loads;
 };
 

@@ -101,7 +101,7 @@ std::vector<double> with_size(std::vector<double> unit, std::size_t at, double s
 
 std::size_t size_index(Workbench& bench, const Members& members, std::size_t candidate) {
     const auto at = std::find(members.begin(), members.end(), candidate) - members.begin();
-    return bench.problem({}).space.axes.size() + static_cast<std::size_t>(at);
+    return bench.problem({})->space.axes.size() + static_cast<std::size_t>(at);
 }
 
 namespace {
@@ -193,8 +193,8 @@ int sense_of(const Candidate& candidate) {
 std::optional<Screening> screen(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates,
                                 double variance, bool estimated, std::uint64_t seed, std::size_t scanned, int number) {
     const double noise = std::sqrt(variance);
-    const problem::Problem& own = bench.problem(base.members);
-    const Mimicry mimicry(own.residual_jacobian(base.evaluation) / noise, base.unit, base.residuals / noise);
+    const Mimicry mimicry(bench.problem(base.members)->residual_jacobian(base.evaluation) / noise, base.unit,
+                          base.residuals / noise);
     const auto is_member = [&](std::size_t c) {
         return std::any_of(base.members.begin(), base.members.end(), [&](std::size_t m) {
             return candidates[m].effect == candidates[c].effect; // an effect once in a model

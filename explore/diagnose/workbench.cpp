@@ -68,16 +68,33 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
     return best;
 }
 
-const problem::Problem& Workbench::problem(const Members& members) {
+std::shared_ptr<const problem::Problem> Workbench::problem(const Members& members) {
     {
         const std::scoped_lock lock(mutex_);
+        if (members.empty() && baseline_) {
+            return baseline_;
+        }
         if (const auto found = problems_.find(members); found != problems_.end()) {
-            return *found->second;
+            if (auto kept = found->second.lock()) {
+                return kept;
+            }
         }
     }
-    auto made = std::make_unique<const problem::Problem>(making_.problem(members));
+    auto made = std::make_shared<const problem::Problem>(making_.problem(members));
+    std::shared_ptr<const problem::Problem> dropped; // destroyed after the lock is released
     const std::scoped_lock lock(mutex_);
-    return *problems_.try_emplace(members, std::move(made)).first->second;
+    if (members.empty()) {
+        baseline_ = std::move(made);
+        return baseline_;
+    }
+    problems_[members] = made;
+    constexpr std::size_t kept = 4;
+    recent_.push_back(made);
+    if (recent_.size() > kept) {
+        dropped = std::move(recent_.front());
+        recent_.pop_front();
+    }
+    return made;
 }
 
 Workbench::Counted::Counted(Workbench& bench, const problem::Problem& problem, const Members& members)

@@ -3,6 +3,7 @@
 
 #include "run/engine.h"
 
+#include <deque>
 #include <map>
 #include <mutex>
 
@@ -44,7 +45,8 @@ struct Model {
 std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, const Members& members,
                          const std::vector<double>& start, const Target& target, double enough);
 
-// Makes problems and engines of models. All functions may be called from any thread.
+// Makes problems and engines of models. Those of the baseline are kept, of the others the few used last: a diagnosis
+// makes hundreds, each with meshes and eliminated stiffnesses of its own. All functions may be called from any thread.
 class Workbench {
 public:
     struct Making {
@@ -55,14 +57,14 @@ public:
     };
     explicit Workbench(Making making) : making_(std::move(making)) {}
 
-    const problem::Problem& problem(const Members& members);
+    std::shared_ptr<const problem::Problem> problem(const Members& members);
 
     // body(problem, engine); what the engine computed is counted.
     template <class Body>
     auto use(const Members& members, const Body& body) {
-        const problem::Problem& own = problem(members);
-        Counted engine(*this, own, members);
-        return body(own, engine.engine);
+        const auto own = problem(members);
+        Counted engine(*this, *own, members);
+        return body(*own, engine.engine);
     }
     // One chain of evaluations with derivatives, kept under this start number. False: interrupted.
     bool chain(const Members& members, int start, const std::function<void(const problem::Problem&, run::Chain&)>& body,
@@ -83,7 +85,9 @@ private:
 
     Making making_;
     mutable std::mutex mutex_;
-    std::map<Members, std::unique_ptr<const problem::Problem>> problems_;
+    std::shared_ptr<const problem::Problem> baseline_;
+    std::map<Members, std::weak_ptr<const problem::Problem>> problems_; // in use somewhere, or recent
+    std::deque<std::shared_ptr<const problem::Problem>> recent_;
     std::map<Members, int> runs_;
     run::Tally tally_;
 };

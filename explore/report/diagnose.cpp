@@ -99,6 +99,7 @@ Json diagnosis_json(const DiagnoseResult& f, const std::string& extended_path) {
     const DiagnosedModel& before = *f.before;
     Json json = {{"verdict", std::string(diagnose::verdict_names[static_cast<int>(d.verdict)])},
                  {"causes", d.causes},
+                 {"noise_factor", d.noise_factor},
                  {"baseline", judged_json(d.baseline, before.misfit, f.study.file)}};
     json["baseline"]["parameters"] = intervals_json(before.study.space, before.parameters);
     if (f.study.noise == study::NoiseSource::estimated) {

@@ -147,11 +147,11 @@ std::string printable(std::string_view text, std::size_t limit) {
     return shown;
 }
 
-std::string figure(double value) {
+std::string figure(double value, int significant) {
     if (value == 0.0 || !std::isfinite(value)) {
         return fmt::format("{}", value);
     }
-    const int digits = 3 - static_cast<int>(std::floor(std::log10(std::abs(value))));
+    const int digits = significant - 1 - static_cast<int>(std::floor(std::log10(std::abs(value))));
     return digits < 0   ? fmt::format("{:.0f}", value)
            : digits > 9 ? fmt::format("{:.3e}", value)
                         : fmt::format("{:.{}f}", value, digits);

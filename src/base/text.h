@@ -21,8 +21,8 @@ std::string utf16_to_utf8(std::string text);
 // rest left out as "...".
 std::string printable(std::string_view text, std::size_t limit = std::string_view::npos);
 
-// Four significant digits, no exponent for the magnitudes of pavements: "5500", "0.7000", "-0.006628".
-std::string figure(double value);
+// So many significant digits, no exponent for the magnitudes of pavements: "5500", "0.7000", "-0.006628".
+std::string figure(double value, int significant = 4);
 
 // "1 minimum", "2 minima"
 std::string counted(std::size_t count, const std::string& one, const std::string& many);

@@ -1,8 +1,10 @@
 // The modulus ratio n rises to 1 away from the load: n(r, z) = n + size (1 - n) w, w = 1 - exp(-(d/(a + z/2))^2) with d
 // the horizontal distance to the axis of the nearest patch and a its half width.
+#include "base/text.h"
 #include "pavement/effects/effect.h"
 
 #include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -50,6 +52,9 @@ const Effect& anisotropy_distribution() {
         .layer = LayerRole::base,
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("away from the load n rises by {} % of the way to 1", figure(100.0 * a.size, 2));
+        },
     };
     return effect;
 }

@@ -35,6 +35,9 @@ const Effect& asphalt_modulus_rate() {
         .layer = LayerRole::asphalt,
         .takes_load = true,
         .apply = apply,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return "under the loads it acts on the asphalt is " + stiffness_words(a.size);
+        },
     };
     return effect;
 }

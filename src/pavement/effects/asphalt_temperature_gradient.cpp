@@ -1,5 +1,9 @@
 // The asphalt is warmer at the top than below, or colder: ln E varies evenly with depth, its mean stays.
+#include "base/text.h"
 #include "pavement/effects/effect.h"
+
+#include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -28,6 +32,10 @@ const Effect& asphalt_temperature_gradient() {
         .acts_on = "the asphalt",
         .layer = LayerRole::asphalt,
         .apply = apply,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the asphalt's modulus at its bottom is {} times that at its top: a {} surface",
+                               figure(std::exp(a.size), 2), a.size > 0.0 ? "hotter" : "colder");
+        },
     };
     return effect;
 }

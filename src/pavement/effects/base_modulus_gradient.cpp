@@ -1,5 +1,9 @@
 // The base is stiffer below than above, or the other way round: ln E varies evenly with depth, its mean stays.
+#include "base/text.h"
 #include "pavement/effects/effect.h"
+
+#include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -28,6 +32,10 @@ const Effect& base_modulus_gradient() {
         .acts_on = "the base",
         .layer = LayerRole::base,
         .apply = apply,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the base's modulus at its bottom is {} times that at its top",
+                               figure(std::exp(a.size), 2));
+        },
     };
     return effect;
 }

@@ -1,6 +1,9 @@
 // Horizontal compression locked in by compaction, beyond what the study states.
+#include "base/text.h"
 #include "base/units.h"
 #include "pavement/effects/effect.h"
+
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -28,6 +31,9 @@ const Effect& base_residual_stress() {
         .acts_on = "the base",
         .layer = LayerRole::base,
         .apply = apply,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("{} kPa of horizontal compression are locked into the base", figure(a.size, 2));
+        },
     };
     return effect;
 }

@@ -1,7 +1,9 @@
 // The base carries less tension: the smooth floor of theta is delta exp(-size).
+#include "base/text.h"
 #include "pavement/effects/effect.h"
 
 #include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -38,6 +40,10 @@ const Effect& base_tension() {
         .layer = LayerRole::base,
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the base carries {} tension than stated: its smoothing is {} times the stated one",
+                               a.size > 0.0 ? "less" : "more", figure(std::exp(-a.size), 2));
+        },
     };
     return effect;
 }

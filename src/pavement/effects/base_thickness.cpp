@@ -1,6 +1,10 @@
 // The base is thicker than the study says; what lies below is thinner by as much, the floor stays.
+#include "base/text.h"
 #include "base/units.h"
 #include "pavement/effects/effect.h"
+
+#include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -36,6 +40,10 @@ const Effect& base_thickness() {
         .layer = LayerRole::base,
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the base is {} mm {} than stated", figure(std::abs(a.size), 2),
+                               a.size > 0.0 ? "thicker" : "thinner");
+        },
     };
     return effect;
 }

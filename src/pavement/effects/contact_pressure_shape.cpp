@@ -1,5 +1,9 @@
 // The contact pressure is not uniform: heavy edges (size > 0) or a heavy centre (size < 0), the force kept.
+#include "base/text.h"
 #include "pavement/effects/effect.h"
+
+#include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -28,6 +32,10 @@ const Effect& contact_pressure_shape() {
         .acts_on = "every load",
         .takes_load = true,
         .apply = apply,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the pressure is higher {}: by {} % there",
+                               a.size > 0.0 ? "at the edge" : "in the centre", figure(100.0 * std::abs(a.size), 2));
+        },
     };
     return effect;
 }

@@ -1,7 +1,10 @@
 // Readings drift from drop to drop: those of load k, counted from 0 in the order of the study, times 1 + k size.
+#include "base/text.h"
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -39,6 +42,10 @@ const Effect& drift() {
         .acts_on = "every reading after the first load",
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("readings {} by {} % from load to load", a.size > 0.0 ? "rise" : "fall",
+                               figure(100.0 * std::abs(a.size), 2));
+        },
     };
     return effect;
 }

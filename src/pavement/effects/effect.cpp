@@ -1,10 +1,12 @@
 #include "pavement/effects/effect.h"
 
+#include "base/text.h"
 #include "base/units.h"
 #include "material/catalog.h"
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 
@@ -105,6 +107,16 @@ void scale_modulus(Layer& layer, double factor) {
     }
 }
 
+std::string stiffness_words(double factor) {
+    return factor >= 1.0 ? fmt::format("{} times as stiff as stated", figure(factor, 2))
+                         : fmt::format("with {} % of the stated modulus", figure(100.0 * factor, 2));
+}
+
+std::string share_words(double factor) {
+    return fmt::format("{} % {} what is stated", figure(100.0 * std::abs(factor - 1.0), 2),
+                       factor >= 1.0 ? "above" : "below");
+}
+
 double slip_compliance(double size) {
     constexpr double reference = unit::mm / unit::MPa;
     constexpr double bonded = 1e-5; // a shear stress of 1 MPa moves it by 10 nm
@@ -127,6 +139,10 @@ Effect interface_slip() {
                   "al. 1973)",
         .acts_on = {},
         .layer = LayerRole::base,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the shear spring between the layers yields by {} mm/MPa",
+                               figure(slip_compliance(a.size) * unit::MPa / unit::mm, 2));
+        },
     };
 }
 

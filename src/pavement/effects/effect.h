@@ -40,6 +40,9 @@ struct Effect {
     void (*apply)(Case& c, const AppliedEffect& applied, int load) = nullptr;
     // Why the case cannot have the effect, or "".
     std::string (*refuses)(const Case& c, const AppliedEffect& applied) = nullptr;
+    // What its size says of the road or the instrument: which way, and how much. "the wheel runs 30 mm beside the
+    // gauges"
+    std::string (*in_words)(const AppliedEffect& applied) = nullptr;
 };
 
 // Not at its null size, or to be modelled at it.
@@ -51,6 +54,10 @@ Case with_effects(const Case& c, int load);
 // Why the case cannot have the effect, or "": what the effect itself says, and options that name nothing.
 std::string why_impossible(const Case& c, const AppliedEffect& applied);
 
+// For effects. "2.7 times as stiff as stated", "with 40 % of the stated modulus"
+std::string stiffness_words(double factor);
+// "12 % above what is stated", "3 % below what is stated"
+std::string share_words(double factor);
 // For effects. Indices of the layers of a name, from above: one, or the parts of one that was divided.
 std::vector<std::size_t> layers_named(const Case& c, std::string_view name);
 // Depth of the top of a layer [m].

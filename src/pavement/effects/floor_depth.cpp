@@ -1,6 +1,10 @@
 // The rigid floor lies deeper (or shallower) than the study says.
+#include "base/text.h"
 #include "base/units.h"
 #include "pavement/effects/effect.h"
+
+#include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -30,6 +34,10 @@ const Effect& floor_depth() {
         .acts_on = "the lowest layer",
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the floor lies {} mm {} than stated", figure(std::abs(a.size), 2),
+                               a.size > 0.0 ? "deeper" : "higher");
+        },
     };
     return effect;
 }

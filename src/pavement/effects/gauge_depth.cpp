@@ -1,6 +1,10 @@
 // Gauges sit deeper (or shallower) than the study says.
+#include "base/text.h"
 #include "base/units.h"
 #include "pavement/effects/effect.h"
+
+#include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -34,6 +38,10 @@ const Effect& gauge_depth() {
         .acts_on = "every reading of a strain or a stress",
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("gauges sit {} mm {} than stated", figure(std::abs(a.size), 2),
+                               a.size > 0.0 ? "deeper" : "higher");
+        },
     };
     return effect;
 }

@@ -1,9 +1,11 @@
 // Gauges average vertical strain over more length than the study says, by the size: (u(top) - u(bottom))/length.
+#include "base/text.h"
 #include "base/units.h"
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -64,6 +66,9 @@ const Effect& gauge_length() {
         .acts_on = "every reading of strain_zz",
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("gauges are {} mm longer than stated", figure(a.size, 2));
+        },
     };
     return effect;
 }

@@ -1,5 +1,8 @@
 // The pulse of a deflectometer is dynamic: inertia, times the size, shifts and changes the peak at every sensor.
+#include "base/text.h"
 #include "pavement/effects/effect.h"
+
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -40,6 +43,10 @@ const Effect& inertia() {
         .takes_load = true,
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("mass and damping act with {} % of what the stated densities give",
+                               figure(100.0 * a.size, 2));
+        },
     };
     return effect;
 }

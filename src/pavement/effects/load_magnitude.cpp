@@ -29,6 +29,7 @@ const Effect& load_magnitude() {
         .acts_on = "the first load",
         .takes_load = true,
         .apply = apply,
+        .in_words = [](const AppliedEffect& a) -> std::string { return "the load is " + share_words(a.size); },
     };
     return effect;
 }

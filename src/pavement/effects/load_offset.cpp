@@ -1,8 +1,10 @@
 // The load runs beside the gauges: it stands at x = size.
+#include "base/text.h"
 #include "base/units.h"
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -45,6 +47,9 @@ const Effect& load_offset() {
         .takes_load = true,
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the wheel runs {} mm beside where it is stated", figure(a.size, 2));
+        },
     };
     return effect;
 }

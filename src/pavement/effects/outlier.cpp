@@ -1,5 +1,9 @@
 // A single reading is wrong by a share of itself.
+#include "base/text.h"
 #include "pavement/effects/effect.h"
+
+#include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -32,6 +36,10 @@ const Effect& outlier() {
         .is_error_of_reading = true,
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the reading is {} % too {}", figure(100.0 * std::abs(a.size), 2),
+                               a.size > 0.0 ? "large" : "small");
+        },
     };
     return effect;
 }

@@ -1,7 +1,10 @@
 // The plate resists bending: a stiffness per area against deflections that differ from the mean one,
 // (1 MPa/mm) size/(1 - size). 0: flexible, 1: rigid.
+#include "base/text.h"
 #include "base/units.h"
 #include "pavement/effects/effect.h"
+
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -37,6 +40,9 @@ const Effect& plate_rigidity() {
         .takes_load = true,
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the plate's stiffness per area is {} MPa/mm", figure(a.size / (1.0 - a.size), 2));
+        },
     };
     return effect;
 }

@@ -51,6 +51,7 @@ const Effect& sensor_gain() {
         .takes_quantity = true,
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string { return "the instrument reads " + share_words(a.size); },
     };
     return effect;
 }

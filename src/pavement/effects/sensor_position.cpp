@@ -1,9 +1,11 @@
 // A deflection sensor stands farther from the load than stated, by the size, on every drop.
+#include "base/text.h"
 #include "base/units.h"
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -69,6 +71,10 @@ const Effect& sensor_position() {
         .takes_reading = true,
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the sensor stands {} mm {} the load than stated", figure(std::abs(a.size), 2),
+                               a.size > 0.0 ? "farther from" : "nearer to");
+        },
     };
     return effect;
 }

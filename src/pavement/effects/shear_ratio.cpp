@@ -1,5 +1,8 @@
 // The shear modulus of the base differs: G13/E3 times the size.
+#include "base/text.h"
 #include "pavement/effects/effect.h"
+
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -36,6 +39,9 @@ const Effect& shear_ratio() {
         .layer = LayerRole::base,
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the base's shear modulus is {} times what is stated", figure(a.size, 2));
+        },
     };
     return effect;
 }

@@ -3,6 +3,7 @@
 #include "pavement/effects/effect.h"
 
 #include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -56,6 +57,9 @@ const Effect& subgrade_anisotropy() {
         .layer = LayerRole::subgrade,
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("horizontally the subgrade is {}", stiffness_words(a.size));
+        },
     };
     return effect;
 }

@@ -1,5 +1,8 @@
 // The subgrade stiffens with depth: E(z) = E0 (1 + size (z - top)).
+#include "base/text.h"
 #include "pavement/effects/effect.h"
+
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -34,6 +37,9 @@ const Effect& subgrade_depth_gradient() {
         .acts_on = "the subgrade",
         .layer = LayerRole::subgrade,
         .apply = apply,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("a metre deeper the subgrade is {} times as stiff", figure(1.0 + a.size, 2));
+        },
     };
     return effect;
 }

@@ -1,5 +1,9 @@
 // The subgrade softens under shear: E = E0 (tau/pa + 1)^size, the law of equation 1 with k2 = 0 and k3 = size.
+#include "base/text.h"
 #include "pavement/effects/effect.h"
+
+#include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -37,6 +41,11 @@ const Effect& subgrade_stress_dependence() {
         .layer = LayerRole::subgrade,
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format(
+                "at an octahedral shear stress of 20 kPa the subgrade has {} % of its modulus without it",
+                figure(100.0 * std::pow(1.2, a.size), 2));
+        },
     };
     return effect;
 }

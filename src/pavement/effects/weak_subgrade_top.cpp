@@ -1,9 +1,11 @@
 // A soft sublayer at the top of the subgrade: the uppermost 200 mm, or what a case says (at most half of the layer),
 // have E exp(-size).
+#include "base/text.h"
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace pave::pavement {
 namespace {
@@ -38,6 +40,10 @@ const Effect& weak_subgrade_top() {
         .layer = LayerRole::subgrade,
         .takes_thickness = true,
         .apply = apply,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the top {} mm of the subgrade are {}", figure(1e3 * a.thickness.value_or(sublayer), 3),
+                               stiffness_words(std::exp(-a.size)));
+        },
     };
     return effect;
 }

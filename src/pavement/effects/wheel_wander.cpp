@@ -1,9 +1,11 @@
 // Readings average over lateral positions of the wheel, normally distributed with a standard deviation of the size.
+#include "base/text.h"
 #include "base/units.h"
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <utility>
 
 namespace pave::pavement {
@@ -73,6 +75,9 @@ const Effect& wheel_wander() {
         .takes_load = true,
         .apply = apply,
         .refuses = refuses,
+        .in_words = [](const AppliedEffect& a) -> std::string {
+            return fmt::format("the wheel wanders with a standard deviation of {} mm", figure(a.size, 2));
+        },
     };
     return effect;
 }
