@@ -68,7 +68,12 @@ namespace {
 // Returns how many parameters were compared: where the load path takes other steps nearby there is no difference
 // quotient.
 int expect_derivatives(const Case& plain, const Effect& e) {
-    const Case c = with(plain, e, e.typical, true);
+    Case c = with(plain, e, e.typical, true);
+    if (e.name == "wheel-wander") {
+        // From cell to cell the places where a point is read step from one polynomial to the next: no quotient is
+        // smooth.
+        std::erase_if(c.sensors, [](const Sensor& s) { return s.quantity != Quantity::deflection && s.gauge == 0.0; });
+    }
     const ForwardModel model(c);
     const auto workspace = model.make_workspace();
     std::vector<Parameter> parameters;
@@ -82,10 +87,7 @@ int expect_derivatives(const Case& plain, const Effect& e) {
     int compared = 0;
     for (std::size_t k = 0; exact && k < parameters.size(); ++k) {
         const double value = parameters[k].get(c);
-        // Between cells the places that a wandering wheel is read at step from one polynomial to the next: only steps
-        // that many of them make show what the mean does.
-        const double share = k == 0 && e.name == "wheel-wander" ? 5e-3 : 2e-4;
-        const double h = share * (k == 0 ? e.high - e.low : std::abs(value));
+        const double h = 2e-4 * (k == 0 ? e.high - e.low : std::abs(value));
         const auto differences = central_differences(model, c, parameters[k], h, *exact, *workspace);
         EXPECT_TRUE(differences);
         if (!differences || !differences->same_path) {
