@@ -14,7 +14,9 @@ PROBE = """<script>setTimeout(() => {
     pre.id = "probe";
     pre.textContent = JSON.stringify({ requests: performance.getEntriesByType("resource").map((e) => e.name), charts: [...document.querySelectorAll(".chart")].map((c) => ({
         chart: c.dataset.chart, drawn: c.querySelector("svg.main-svg") !== null,
-        traces: (c.data || []).map((t) => ({ name: t.name, x: Array.from(t.x || []), y: Array.from(t.y || []) })) })) });
+        traces: (c.data || []).map((t) => ({ name: t.name, x: Array.from(t.x || []), y: Array.from(t.y || []),
+            z: (t.z || []).map((line) => Array.from(line)) })) })),
+        wider: [...document.querySelectorAll("main > *, main section > *")].filter((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth + 1).map((e) => e.tagName + "." + e.className) });
     document.body.append(pre);
 }, 3000);</script></body>"""
 folder = workspace()
@@ -36,6 +38,11 @@ def opened(page):
     found = json.loads(text)
     # What the page's own policy refuses would stand in data-failures.
     return root, found["charts"], [u for u in found["requests"] if not u.startswith(("data:", "blob:"))], dom
+
+
+def overflow(dom):
+    """Elements that reach beyond the page's width."""
+    return json.loads(re.search(r'"wider":(\[.*?\])', dom.replace("&gt;", ">")).group(1))
 
 
 def same(found, wanted):
@@ -93,8 +100,22 @@ ends = next(c for c in charts if c["chart"] == "waterfall")
 check(same(ends["traces"][0]["y"], sorted(e["misfit"] for e in fit["ends"])), "the waterfall holds the ends of the searches")
 pairs = [c for c in charts if c["chart"] == "pair"]
 points = [e for e in json.loads(run("export", run_folder, "--command", "map", "--format", "json").stdout)["evaluations"]]
-converged = sorted((e for e in points if e["status"] == "converged"), key=lambda e: -e["misfit"])
-check(pairs and same(pairs[-1]["traces"][0]["x"], [e["parameters"][-2] for e in converged]), "the landscape holds the points of the map")
+converged = [e for e in points if e["status"] == "converged"]
+cells = pairs[-1]["traces"][0] # of the last two parameters
+
+
+def lowest_in(column, row):
+    inside = [e["misfit"] for e in converged if column[0] <= e["parameters"][-2] < column[1] and row[0] <= e["parameters"][-1] < row[1]]
+    return min(inside) if inside else None
+
+
+found = [[None if z is None else 10 ** z for z in line] for line in cells["z"]]
+wanted = [[lowest_in(column, row) for column in zip(cells["x"], cells["x"][1:])] for row in zip(cells["y"], cells["y"][1:])]
+check(len(found) > 1 and all((a is None) == (b is None) and (a is None or abs(a / b - 1) < 1e-9) for line, other in zip(found, wanted)
+                             for a, b in zip(line, other)), "the landscape holds the lowest misfit of the map in every cell")
+check("[object" not in dom, "no object is printed as such")
+check("&gt; range" in dom, "a standard error beyond the range of the study is said so")
+check(overflow(dom) == [], f"nothing is wider than the page: {overflow(dom)}")
 
 root, charts, requests, dom = opened(folder / "road.html")
 survey = json.loads((survey_folder / "survey.json").read_text())

@@ -25,7 +25,7 @@
     const make = (tag, properties = {}, ...children) => {
         const element = document.createElement(tag);
         Object.assign(element, properties);
-        for (const child of children.flat()) {
+        for (const child of children.flat(Infinity)) {
             if (child !== null && child !== undefined) element.append(child);
         }
         return element;
@@ -45,10 +45,10 @@
     };
     const part = (title) => make("h3", {}, title);
     const words = (sentences) => make("ul", {}, (sentences || []).map((s) => make("li", {}, s)));
-    const table = (header, rows, leftColumns = []) =>
+    const table = (header, rows, leftColumns = []) => make("div", { className: "wide" },
         make("table", {}, make("thead", {}, make("tr", {}, header.map((h) => make("th", {}, h)))),
             make("tbody", {}, rows.map((row) => make("tr", {}, row.map((cell, c) =>
-                make("td", { className: leftColumns.includes(c) ? "words" : "" }, figure(cell)))))));
+                make("td", { className: leftColumns.includes(c) ? "words" : "" }, figure(cell))))))));
 
     const pending = []; // plots wait until their place is in the document
     const chart = (name, traces, layout, caption) => {
@@ -123,14 +123,25 @@
 
     // -- the landscape --------------------------------------------------------------------------------------------
 
-    const minimaPart = (minima) => {
+    // A standard error that is wider than the range of the study says no more than that.
+    const errorOf = (error, value, p) => {
+        if (error === null || error === undefined) return "";
+        const range = !p ? Infinity : p.scale === "log" ? value * Math.log(p.max / p.min) : p.max - p.min;
+        return error > range ? " ± > range" : " ± " + figure(error);
+    };
+    // A column a minimum: parameters are many and have long names, minima are few.
+    const minimaPart = (minima, parameters) => {
         if (!minima || minima.length === 0) return [];
-        const names = Object.keys(minima[0].parameters);
-        return [part("Minima"),
-            table(["minimum", "misfit", ...names, "starts", "remarks"], minima.map((m, i) =>
-                [i + 1, m.misfit, ...names.map((n) => figure(m.parameters[n]) +
-                    (m.standard_errors && m.standard_errors[n] !== null ? " ± " + figure(m.standard_errors[n]) : "")),
-                    (m.starts || []).length, (m.on_bound || []).join("; ")]), [names.length + 3])];
+        const known = new Map((parameters || []).map((p) => [p.name, p]));
+        const shown = minima.slice(0, 8);
+        const row = (name, of) => [name, ...shown.map(of)];
+        return [part("Minima"), table(["", ...shown.map((_, i) => `minimum ${i + 1}`)], [
+            row("misfit", (m) => m.misfit),
+            ...Object.keys(minima[0].parameters).map((n) => row(n, (m) => figure(m.parameters[n]) +
+                errorOf(m.standard_errors ? m.standard_errors[n] : null, m.parameters[n], known.get(n)))),
+            row("starts", (m) => (m.starts || []).length),
+            ...(shown.some((m) => (m.on_bound || []).length) ? [row("at a bound", (m) => (m.on_bound || []).join("; "))] : [])]),
+        minima.length > shown.length ? make("p", { className: "soft" }, `${minima.length - shown.length} higher minima are not shown.`) : null];
     };
 
     const waterfall = (result) => {
@@ -145,22 +156,56 @@
         "A flat beginning: many starts agree on the best minimum. Steps: other minima. Open circles: searches that no tolerance ended.")];
     };
 
-    // The lowest misfit over pairs of parameters, from a table of points.
+    // The lowest misfit in the cells of pairs of parameters, from a table of points. A grid has a cell a value, other
+    // points so many cells that a few fall in each.
+    const cellsOf = (p, values, count) => {
+        const distinct = [...new Set(values)].sort((a, b) => a - b);
+        const share = (v) => (p.scale === "log" ? Math.log(v / p.min) / Math.log(p.max / p.min) : (v - p.min) / (p.max - p.min));
+        const at = (u) => (p.scale === "log" ? p.min * (p.max / p.min) ** u : p.min + u * (p.max - p.min));
+        if (distinct.length <= 40 && distinct.length * 4 <= values.length) {
+            const middle = (a, b) => at((share(a) + share(b)) / 2);
+            const edges = [p.min, ...distinct.slice(1).map((v, i) => middle(distinct[i], v)), p.max];
+            return { edges, index: (v) => distinct.indexOf(v) };
+        }
+        return { edges: Array.from({ length: count + 1 }, (_, i) => at(i / count)),
+            index: (v) => Math.min(count - 1, Math.max(0, Math.floor(share(v) * count))) };
+    };
+    const lowestInCells = (rows, x, y, cx, cy) => {
+        const z = Array.from({ length: cy.edges.length - 1 }, () => new Array(cx.edges.length - 1).fill(null));
+        for (const r of rows) {
+            const line = z[cy.index(r[2 + y])];
+            const i = cx.index(r[2 + x]);
+            if (line[i] === null || r[1] < line[i]) line[i] = r[1];
+        }
+        return z;
+    };
+    // Ticks of a logarithmic colour scale.
+    const logTicks = (low, high) => {
+        const all = [1, 2, 5].flatMap((m) => Array.from({ length: 25 }, (_, i) => m * 10 ** (i - 12))).sort((a, b) => a - b);
+        const inside = all.filter((v) => v >= low && v <= high);
+        return inside.length > 1 ? inside : [low, high];
+    };
     const pairCharts = (parameters, rows, minima) => {
         const charts = [];
-        const answered = rows.filter((r) => r[1] !== null).reverse(); // the lowest are drawn last
+        const answered = rows.filter((r) => r[1] !== null);
         const holes = rows.filter((r) => r[1] === null);
         if (answered.length === 0) return null;
-        const lowest = answered[answered.length - 1][1];
-        const highest = answered[Math.floor(answered.length * 0.1)][1]; // of all but the worst tenth
+        const misfits = answered.map((r) => r[1]).sort((a, b) => a - b);
+        const lowest = Math.max(misfits[0], 1e-12);
+        const highest = Math.max(misfits[Math.floor((misfits.length - 1) * 0.9)], lowest * 1.01); // of all but the worst tenth
+        const count = Math.min(30, Math.max(4, Math.floor(Math.sqrt(rows.length / 3))));
+        const ticks = logTicks(lowest, highest);
         for (let x = 0; x < parameters.length; ++x) {
             for (let y = x + 1; y < parameters.length; ++y) {
+                const cx = cellsOf(parameters[x], rows.map((r) => r[2 + x]), count);
+                const cy = cellsOf(parameters[y], rows.map((r) => r[2 + y]), count);
+                const z = lowestInCells(answered, x, y, cx, cy);
                 const traces = [{
-                    type: "scatter", mode: "markers", name: "points", showlegend: false,
-                    x: answered.map((r) => r[2 + x]), y: answered.map((r) => r[2 + y]),
-                    text: answered.map((r) => "misfit " + figure(r[1])),
-                    marker: { size: 6, color: answered.map((r) => r[1]), cmin: lowest, cmax: highest,
-                        colorscale: "Cividis", colorbar: { title: { text: "misfit" }, thickness: 10 } },
+                    type: "heatmap", name: "lowest misfit", x: cx.edges, y: cy.edges,
+                    z: z.map((line) => line.map((v) => (v === null ? null : Math.log10(Math.max(v, lowest))))),
+                    text: z.map((line) => line.map((v) => (v === null ? "" : "lowest misfit " + figure(v)))), hoverinfo: "text",
+                    zmin: Math.log10(lowest), zmax: Math.log10(highest), colorscale: "Cividis", reversescale: true,
+                    colorbar: { title: { text: "misfit" }, thickness: 10, tickvals: ticks.map((v) => Math.log10(v)), ticktext: ticks.map(figure) },
                 }];
                 if (holes.length > 0) {
                     traces.push({ type: "scatter", mode: "markers", name: "no answer", showlegend: false,
@@ -220,14 +265,25 @@
         "Each line rises from the lowest explored point of a basin to the pass where it joins a deeper one: long lines are separate minima, short ones are noise of the sampling.")];
     };
 
-    const profiles = (list, title, name, caption, parameters) => {
+    // Both sides of one minimum are one line through it.
+    const linesOf = (p) => {
+        const best = [p.best, 0];
+        const ordered = (points) => [...points].sort((a, b) => a[0] - b[0]);
+        return p.profile.length <= 2 ? [ordered([...p.profile.flat(), best])] : p.profile.map(ordered);
+    };
+    // allowed: the rise that the data accept.
+    const profiles = (list, title, name, caption, parameters, allowed) => {
         const known = new Map((parameters || []).map((p) => [p.name, p]));
         const charts = (list || []).filter((p) => (p.profile || []).length > 0).map((p) => chart(name,
-            p.profile.map((branch, b) => ({
+            [...linesOf(p).map((branch, b) => ({
                 type: "scatter", mode: "lines+markers", x: branch.map((q) => q[0]), y: branch.map((q) => q[1]),
-                name: "branch " + (b + 1), line: { dash: dashes[b % dashes.length] }, marker: { size: 5 },
-            })), { title: { text: p.name + (p.unit ? ` [${p.unit}]` : "") }, height: 300, showlegend: p.profile.length > 1,
-                xaxis: axis("", { type: scaleOf(known.get(p.name)) }), yaxis: axis("rise of chi2") }));
+                name: "branch " + (b + 1), showlegend: p.profile.length > 2, line: { dash: dashes[b % dashes.length] }, marker: { size: 5 },
+            })), { type: "scatter", mode: "markers", name: "best fit", showlegend: false, x: [p.best], y: [0],
+                marker: { symbol: "star", size: 12, color: "#D55E00", line: { color: "#000", width: 1 } } }],
+            { title: { text: p.name + (p.unit ? ` [${p.unit}]` : "") }, height: 300,
+                shapes: [{ type: "line", xref: "paper", x0: 0, x1: 1, y0: allowed, y1: allowed, line: { dash: "dash", color: "#555" } }],
+                xaxis: axis("", { type: scaleOf(known.get(p.name)) }), yaxis: axis("rise of chi2", { rangemode: "tozero" }) },
+            `${figure(p.low)} (ended by ${p.low_stopped_by}) to ${figure(p.high)} (ended by ${p.high_stopped_by}).`));
         return charts.length === 0 ? [] : [part(title), make("p", { className: "soft" }, caption),
             make("div", { className: "charts" }, charts)];
     };
@@ -264,10 +320,10 @@
         const others = (r.minima || []).map((m, i) => ({ name: "minimum " + (i + 1), parameters: m.parameters }));
         section("The fit",
             asked(r, `${r.evaluations} evaluations: ${r.explored}, then ${r.starts} searches by ${r.method}.`),
-            words(r.findings), responsesPart(r), minimaPart(r.minima), waterfall(r), parallel(others, parameters),
+            words(r.findings), responsesPart(r), minimaPart(r.minima, parameters), waterfall(r), parallel(others, parameters),
             rows && parameters.length > 1 ? [part("Landscape of the misfit"),
                 pairCharts(parameters, rows.rows, r.minima),
-                make("p", { className: "soft" }, "Every point is a forward run; stars are the minima; crosses have no answer." +
+                make("p", { className: "soft" }, "Colour: the lowest misfit computed in a cell, over all values of the other parameters; white: nothing was computed there. Stars are the minima; crosses have no answer." +
                     (rows.left_out ? ` ${rows.left_out} of the higher points are not drawn.` : ""))] : [],
             rangesTable(parameters), (r.warnings || []).length ? [part("Warnings"), words(r.warnings)] : []);
     };
@@ -292,7 +348,8 @@
                 if (set && Object.keys(set).length > 0) sets.push({ name: `${end === "low" ? "lowest" : "highest"} ${p.name}`, parameters: set });
             }
         }
-        const allowed = r.acceptance ? figure(r.acceptance.chi2_rise_allowed) : "";
+        const rise = r.acceptance ? r.acceptance.chi2_rise_allowed : null;
+        const allowed = figure(rise);
         section("Is the answer unique?", make("p", { className: "verdict" }, "Verdict: " + r.verdict),
             asked(r, ""), words(r.findings),
             (r.outputs || []).length ? [part("What it means for the outputs"), chart("outputs", [{
@@ -307,12 +364,12 @@
             responsesPart(r),
             data.evaluations && data.evaluations.command === "unique" && (r.parameters || []).length > 1
                 ? [part("Landscape of the misfit"), pairCharts(r.parameters, data.evaluations.rows, r.minima),
-                    make("p", { className: "soft" }, "Every point is a forward run, the lowest on top; stars are the minima; crosses have no answer.")]
+                    make("p", { className: "soft" }, "Colour: the lowest misfit computed in a cell, over all values of the other parameters; white: nothing was computed there. Stars are the minima; crosses have no answer.")]
                 : [part("Landscape: lowest explored misfit over pairs"), projectionCharts(r)],
-            minimaPart(r.minima), mergeTree(r),
+            minimaPart(r.minima, r.parameters), mergeTree(r),
             profiles(r.profiles, "Profiles of the parameters", "profile",
-                `The least rise of chi2 at each value with everything else fitted again; the data accept a rise of ${allowed}.`, r.parameters),
-            profiles(r.outputs, "Profiles of the outputs", "profile", "The same for each output.", []),
+                `The least rise of chi2 at each value with everything else fitted again. Dashed: the rise that the data accept, ${allowed}.`, r.parameters, rise),
+            profiles(r.outputs, "Profiles of the outputs", "profile", "The same for each output.", [], rise),
             parallel(sets, r.parameters), directionsPart(r), nextPart(r), rangesTable(r.parameters), statusTable(r.statuses));
     };
     const directionsPart = (r) => {
