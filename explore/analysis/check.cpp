@@ -2,6 +2,7 @@
 
 #include "analysis/fit.h"
 #include "analysis/map.h"
+#include "study/pavement_function.h"
 
 #include <algorithm>
 #include <chrono>
@@ -22,6 +23,7 @@ struct Timing {
 
 pave::Outcome<Timing> measure(const study::Study& study) {
     const pave::pavement::ForwardModel model(study.model);
+    study::check_memory(model);
     std::optional<pave::Failure> failure;
     const auto seconds = [&](const pave::pavement::ForwardModel& of,
                              const std::vector<pave::pavement::Parameter>& parameters) {
@@ -34,8 +36,13 @@ pave::Outcome<Timing> measure(const study::Study& study) {
             if (!outcome) {
                 failure = outcome.failure();
             }
-            if (round > 0) {
-                times.push_back(std::chrono::duration<double>(Clock::now() - begin).count());
+            const double elapsed = std::chrono::duration<double>(Clock::now() - begin).count();
+            constexpr double slow = 5.0; // s: then once is enough, and buffers do not matter
+            if (round > 0 || elapsed > slow) {
+                times.push_back(elapsed);
+            }
+            if (elapsed > slow) {
+                break;
             }
         }
         std::sort(times.begin(), times.end());

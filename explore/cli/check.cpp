@@ -6,6 +6,7 @@
 #include "run/parallel.h"
 #include "run/progress.h"
 
+#include <cstdio>
 #include <fmt/format.h>
 
 namespace explore::cli {
@@ -13,9 +14,38 @@ namespace {
 
 using pave::counted;
 
+constexpr double giga = 1e9;
+
+// What is known before anything runs.
+void print_study(const study::Study& study, const pave::pavement::ForwardModel::Cost& cost) {
+    fmt::print("{}", report::study_summary(study));
+    if (study.measured().empty()) {
+        fmt::print("  no readings: nothing can be fitted\n");
+    } else {
+        fmt::print("  {}, their noise {}:\n", counted(study.measured().size(), "reading", "readings"),
+                   study.noise == study::NoiseSource::stated ? study.noise_name() : "to be estimated from the fit");
+        for (const auto& group : study.groups) {
+            fmt::print("    {}: {}{}\n", group.name, group.rows.size(),
+                       group.held_out        ? ", held out"
+                       : group.weight != 1.0 ? fmt::format(", weight {:g}", group.weight)
+                                             : "");
+        }
+    }
+    fmt::print("  {}\n", counted(study.outputs().size(), "output", "outputs"));
+    if (cost.memory > 0.0) {
+        fmt::print("  the mesh in three dimensions asks for some {:.1f} GB a thread and {} a run\n", cost.memory / giga,
+                   run::duration_words(cost.seconds));
+    }
+    std::fflush(stdout);
+}
+
 int check_study(const CommonOptions& options) {
     const study::Study study = study::load_study(options.study);
     const int threads = run::usable_threads(options.threads);
+    const auto cost = pave::pavement::ForwardModel(study.model).cost();
+    if (!options.json) {
+        print_study(study, cost);
+    }
     const auto list = analysis::check(study, threads);
     if (!list) {
         return hand_over_failure(options,
@@ -32,30 +62,18 @@ int check_study(const CommonOptions& options) {
         for (const auto& group : study.groups) {
             groups.push_back({{"group", group.name}, {"readings", group.rows.size()}, {"held_out", group.held_out}});
         }
-        fmt::print("{}\n", report::json_text({{"status", "converged"},
-                                              {"readings", study.measured().size()},
-                                              {"groups", groups},
-                                              {"parameters", study.parameters.size()},
-                                              {"outputs", study.outputs().size()},
-                                              {"threads", threads},
-                                              {"commands", commands}}));
+        fmt::print("{}\n",
+                   report::json_text({{"status", "converged"},
+                                      {"readings", study.measured().size()},
+                                      {"groups", groups},
+                                      {"parameters", study.parameters.size()},
+                                      {"outputs", study.outputs().size()},
+                                      {"threads", threads},
+                                      {"estimate", {{"memory_GB", cost.memory / giga}, {"seconds", cost.seconds}}},
+                                      {"commands", commands}}));
         return done;
     }
-    fmt::print("{}", report::study_summary(study));
-    if (study.measured().empty()) {
-        fmt::print("  no readings: nothing can be fitted\n");
-    } else {
-        fmt::print("  {}, their noise {}:\n", counted(study.measured().size(), "reading", "readings"),
-                   study.noise == study::NoiseSource::stated ? study.noise_name() : "to be estimated from the fit");
-        for (const auto& group : study.groups) {
-            fmt::print("    {}: {}{}\n", group.name, group.rows.size(),
-                       group.held_out        ? ", held out"
-                       : group.weight != 1.0 ? fmt::format(", weight {:g}", group.weight)
-                                             : "");
-        }
-    }
-    fmt::print("  {}\n\n  Time on {}, from runs made just now at the study's own values\n",
-               counted(study.outputs().size(), "output", "outputs"),
+    fmt::print("\n  Time on {}, from runs made just now at the study's own values\n",
                counted(static_cast<std::size_t>(threads), "thread", "threads"));
     report::Table table({"command", "runs", "time"});
     for (const analysis::Estimate& e : *list) {

@@ -182,8 +182,9 @@ void read_parameter(const toml::table& table, Study& study) {
     axis.scale = static_cast<problem::Scale>(reader.choice(keys::parameter_scale));
     const bool is_log = axis.scale == problem::Scale::log;
     const double low = is_log ? std::max(parameter.low, 0.0) : parameter.low;
-    axis.low = reader.number(keys::parameter_min, low, parameter.high, parameter.low_is_open || is_log);
-    axis.high = reader.number(keys::parameter_max, low, parameter.high, parameter.low_is_open || is_log);
+    const bool is_open = parameter.low_is_open || (is_log && low == 0.0);
+    axis.low = reader.number(keys::parameter_min, low, parameter.high, is_open);
+    axis.high = reader.number(keys::parameter_max, low, parameter.high, is_open);
     axis.points = reader.has(keys::parameter_points) ? reader.integer(keys::parameter_points) : 0;
     if (!(axis.low < axis.high)) {
         throw pave::Error(reader.place(keys::parameter_min), "the bounds are swapped or equal",

@@ -23,7 +23,7 @@ AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand& demand) {
         return demand.follows_gauges ? 0.35 * std::max(z, std::min(bottoms.front(), 0.2 * a))
                                      : std::numeric_limits<double>::infinity();
     };
-    double edge_size = 0.16 * a;
+    double edge_size = demand.edge_size * a;
     std::vector<Feature> r_features{{0.0, 0.15 * a * fine}};
     for (std::size_t i = 0; i < demand.gauge_radii.size(); ++i) {
         const double r = demand.gauge_radii[i];
@@ -35,7 +35,7 @@ AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand& demand) {
     for (const double r : demand.surface_radii) {
         r_features.push_back({r, std::max(0.3 * a, 0.12 * r) * fine});
     }
-    std::vector<Feature> z_features{{0.0, 0.2 * a * fine}};
+    std::vector<Feature> z_features{{0.0, std::min(0.2, 1.25 * demand.edge_size) * a * fine}};
     for (std::size_t i = 0; i + 1 < bottoms.size(); ++i) {
         // An interface is felt the more, the nearer it lies to the load and the thinner the layer above it is.
         const double size = std::max(0.25 * a, 0.25 * bottoms[i]);

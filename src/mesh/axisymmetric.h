@@ -29,10 +29,11 @@ struct AxisymmetricMesh {
 
 // What the mesh must resolve by itself.
 struct AxisymmetricDemand {
-    std::vector<double> thickness;     // of each layer, top to bottom [m]
-    double load_radius = 0.15;         // m: edge of the loaded circle
-    double extent = 4.0;               // m: radius of the smooth wall
-    double refine = 1.0;               // cells are this many times smaller
+    std::vector<double> thickness; // of each layer, top to bottom [m]
+    double load_radius = 0.15;     // m: edge of the loaded circle
+    double extent = 4.0;           // m: radius of the smooth wall
+    double edge_size = 0.16;       // of a cell at the edge of the load, in its radius; a stiff plate has a pole there
+    double refine = 1.0;           // cells are this many times smaller
     std::vector<double> gauge_depths;  // m: depths where strains or stresses are read
     std::vector<double> gauge_radii;   // m: radii where strains or stresses are read
     std::vector<double> surface_radii; // m: radii where deflections are read

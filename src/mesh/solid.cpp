@@ -1,9 +1,11 @@
 #include "mesh/solid.h"
 
+#include "base/error.h"
 #include "mesh/grading.h"
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <numeric>
 
 namespace pave::mesh {
@@ -87,6 +89,14 @@ SolidMesh solid_mesh(const SolidDemand& demand) {
 
 SolidMesh solid_mesh(std::vector<double> x_lines, std::vector<double> y_lines, std::vector<double> z_lines,
                      const std::vector<double>& layer_bottoms) {
+    const double cells =
+        static_cast<double>(x_lines.size()) * static_cast<double>(y_lines.size()) * static_cast<double>(z_lines.size());
+    constexpr double most_cells = 500'000.0; // their factor would take hundreds of gigabytes
+    if (cells > most_cells) {
+        throw Error({.key = "mesh.refine"}, "a mesh in three dimensions would have too many cells",
+                    fmt::format("{:.0f} cells", cells),
+                    fmt::format("{:.0f}: a smaller refine or extent_m", most_cells));
+    }
     SolidMesh mesh;
     mesh.x_lines = std::move(x_lines);
     mesh.y_lines = std::move(y_lines);

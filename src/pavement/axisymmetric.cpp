@@ -20,6 +20,9 @@ mesh::AxisymmetricMesh Axisymmetric::nominal_mesh(const Case& c, int load) {
     demand.load_radius = c.loads[load].footprint().half_x;
     demand.extent = c.settings.extent;
     demand.refine = c.settings.refine;
+    if (c.loads[load].plate_stiffness) {
+        demand.edge_size = 0.02;
+    }
     // The secant law has two equilibria where a small cell is near tension, and a search may end in either.
     const auto depends_on_stress = [](const Layer& layer) { return layer.law->stress_dependent(); };
     demand.follows_gauges = c.settings.integration != Integration::secant ||

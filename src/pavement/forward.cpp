@@ -182,6 +182,20 @@ std::vector<int> ForwardModel::unknowns() const {
     return counts;
 }
 
+ForwardModel::Cost ForwardModel::cost() const {
+    constexpr double bytes = 400.0;
+    constexpr double seconds = 6e-6;
+    Cost cost;
+    for (std::size_t l = 0; l < models_.size(); ++l) {
+        if (models_[l] && !nominal_.loads[l].is_axisymmetric()) {
+            const double growth = std::pow(static_cast<double>(models_[l]->unknowns()), 4.0 / 3.0);
+            cost.memory += bytes * growth;
+            cost.seconds += seconds * growth;
+        }
+    }
+    return cost;
+}
+
 Outcome<Fields> ForwardModel::fields(const Case& values, int load) const {
     const Case c = with_effects(values, load);
     if (const std::string why = why_impossible(c, load); !why.empty()) {

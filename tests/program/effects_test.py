@@ -122,4 +122,13 @@ for wrong, word in (("nonsense=1", "interface-slip"), ("weak-subgrade-top", "NAM
                     ("wheel-wander=50", "wheel")):
     done = run("twin", plain, "--effect", wrong, "--out", folder / "nothing")
     check(done.returncode == 2 and word in done.stderr and not (folder / "nothing").exists(), f"--effect {wrong}: {done.stderr}")
+# What a diagnosis writes of every effect, its whole range as it is listed, is read again.
+ranges = json.loads(run("effects", "--json").stdout)
+for effect in ranges if isinstance(ranges, list) else ranges["effects"]:
+    if effect["low"] > 0:
+        path = folder / "range.toml"
+        path.write_text(extended(f'[[effects]]\nname = "{effect["name"]}"', f'[[parameters]]\nname = "{effect["name"]}.size"\n'
+                                 f'min = {effect["low"]}\nmax = {effect["high"]}\nscale = "log"'))
+        done = run("check", path)
+        check(done.returncode == 0 or "cannot have this effect" in done.stderr, f"the range of {effect['name']}: {done.stderr}")
 finish()
