@@ -89,6 +89,11 @@ void add_fit(const SurveyResult& result, const StationResult& s, std::vector<std
 
 } // namespace
 
+std::string_view verdict(const StationResult& s) {
+    const auto passes = s.passes();
+    return !passes ? "" : *passes ? "pass" : "fail";
+}
+
 std::string reason_of(const StationResult& s) {
     if (!s.no_fit) {
         return s.reason;

@@ -5,6 +5,9 @@
 
 namespace explore::analysis {
 
+// By its deflection ratio: "pass", "fail", or "" without one.
+std::string_view verdict(const StationResult& station);
+
 // Why a station is not "ok"; "": it is.
 std::string reason_of(const StationResult& station);
 

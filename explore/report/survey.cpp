@@ -17,11 +17,6 @@ using analysis::SurveyResult;
 
 constexpr std::string_view temperature_sources[] = {"measured", "BELLS3", "BELLS3, with the air of the hour"};
 
-std::string verdict(const StationResult& s) {
-    const auto passes = s.passes();
-    return !passes ? "" : *passes ? "pass" : "fail";
-}
-
 bool d250_is_interpolated(const StationResult& s) {
     return !s.bowl().has_sensor_at(data::ratio_offset_mm);
 }
@@ -308,10 +303,11 @@ std::string survey_csv(const SurveyResult& result) {
             cells.insert(cells.end(),
                          {number(bowl.radius_mm), number(bowl.pressure_kPa), number(bowl.d0_um()),
                           number(result.d0_at_common(s)), number(bowl.at(data::ratio_offset_mm)),
-                          d250_is_interpolated(s) ? "true" : "false", number(s.ratio()), verdict(s),
-                          number(s.normalised_kPa), number(indices.d0_um), number(indices.sci_um),
-                          number(indices.bdi_um), number(indices.bci_um), number(indices.area_mm),
-                          number(indices.curvature_radius_m), number(indices.surface_moduli[0].modulus_MPa)});
+                          d250_is_interpolated(s) ? "true" : "false", number(s.ratio()),
+                          std::string(analysis::verdict(s)), number(s.normalised_kPa), number(indices.d0_um),
+                          number(indices.sci_um), number(indices.bdi_um), number(indices.bci_um),
+                          number(indices.area_mm), number(indices.curvature_radius_m),
+                          number(indices.surface_moduli[0].modulus_MPa)});
             for (const double offset : offsets) {
                 cells.push_back(bowl.has_sensor_at(offset) ? number(bowl.at(offset)) : "");
             }

@@ -17,11 +17,6 @@ using analysis::SurveyResult;
 using pave::counted;
 using pave::figure;
 
-std::string verdict(const StationResult& s) {
-    const auto passes = s.passes();
-    return !passes ? "" : *passes ? "pass" : "fail";
-}
-
 std::string with_range(const analysis::ParameterRange& p) {
     return p.determined ? fmt::format("{} ({} to {})", figure(p.value), figure(p.low), figure(p.high))
                         : fmt::format("{} (?)", figure(p.value));
@@ -61,7 +56,7 @@ std::string station_table(const SurveyResult& result) {
             cells.push_back(figure(s.bowl().pressure_kPa));
             cells.push_back(figure(result.d0_at_common(s)));
             cells.push_back(s.ratio() ? fmt::format("{}{:.3f}", is_interpolated ? "~" : "", *s.ratio()) : "");
-            cells.push_back(verdict(s));
+            cells.emplace_back(analysis::verdict(s));
             if (s.is_fitted()) {
                 for (const auto& p : s.fit->parameters) {
                     cells.push_back(with_range(p));
@@ -139,9 +134,9 @@ std::string strip_chart(const SurveyResult& result, std::size_t begin, std::size
             return std::any_of(result.stations.begin() + static_cast<std::ptrdiff_t>(i),
                                result.stations.begin() + static_cast<std::ptrdiff_t>(std::min(end, i + group)), is);
         };
-        verdicts += any([](const StationResult& s) { return verdict(s) == "fail"; })   ? 'x'
-                    : any([](const StationResult& s) { return verdict(s) == "pass"; }) ? '.'
-                                                                                       : '?';
+        verdicts += any([](const StationResult& s) { return analysis::verdict(s) == "fail"; })   ? 'x'
+                    : any([](const StationResult& s) { return analysis::verdict(s) == "pass"; }) ? '.'
+                                                                                                 : '?';
     }
     Table table({"", fmt::format("one mark: {}", counted(group, "station", "stations")), "lowest to highest"});
     table.add({"ratio", verdicts, ". pass, x fail, ? none"});

@@ -170,7 +170,7 @@ check(run("survey", road, cwd=folder).returncode == 0, "the same road again")
 # Positions make a map, temperatures the asphalt's.
 places = folder / "places.csv"
 places.write_text("station,chainage_m,radius_mm,load_kN,D0_um,D200_um,D300_um,latitude,longitude,time,surface_C,air_C,crew\n"
-                  "A,0,150,50,500,400,330,48.97,2.58,13:15,25,15,us\nB,9,150,50,500,400,330,,,,,,us\n")
+                  "A,0,150,50,500,400,330,48.97,2.58,13:15,25,15,us\nB,9,150,50,500,400,330,,,,95,,us\n")
 result = call(places, "--asphalt-thickness", 200, "--air-before", 15, "--out", folder / "places")
 map_of = json.loads((folder / "places" / "survey.geojson").read_text())
 check([f["geometry"]["coordinates"] for f in map_of["features"]] == [[2.58, 48.97]], f"a map: {map_of}")
