@@ -48,6 +48,7 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
                      .joint = {},
                      .alone = {},
                      .reduced = std::move(reduced),
+                     .without_floor = {},
                      .tally = {}};
     const auto& search = options.multistart.search;
     const std::string settings =
@@ -81,6 +82,9 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
     predictor.complete(best.evaluation);
     result.joint = group_fit(study, predictor, "all", result.problem, best);
     result.local = result.joint->local;
+    if (!options.model.alone()) {
+        result.without_floor = fit_without_floor(study, best.unit);
+    }
     if (!options.joint_only && !options.model.alone()) {
         auto alone = fit_alone(session, study, predictor, result.design, result.searches, settings, options.multistart);
         if (!alone) {

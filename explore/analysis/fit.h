@@ -1,6 +1,7 @@
 // Fit: explore, then refine the best distinct starts.
 #pragma once
 
+#include "analysis/floor.h"
 #include "analysis/groups.h"
 
 namespace explore::analysis {
@@ -32,6 +33,7 @@ struct FitResult {
     std::optional<GroupFit> joint;
     std::vector<GroupFit> alone;
     std::optional<ReducedProblem> reduced;
+    std::optional<WithoutFloor> without_floor;
     run::Tally tally;
     double seconds_by_reduced_model = 0.0;
 

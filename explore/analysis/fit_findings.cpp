@@ -228,6 +228,13 @@ std::vector<std::string> findings(const FitResult& result) {
             counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom"),
             figure(local.noise)));
     }
+    if (result.without_floor) {
+        if (std::string words =
+                floor_words(study, best.evaluation.parameters, best.evaluation.misfit, *result.without_floor);
+            !words.empty()) {
+            text.push_back(std::move(words));
+        }
+    }
     return text;
 }
 

@@ -1,6 +1,7 @@
 // A road of FWD stations: what each bowl tells, the parameters of a study at each station, sections that are alike.
 #pragma once
 
+#include "analysis/floor.h"
 #include "analysis/session.h"
 #include "data/bowl_indices.h"
 #include "landscape/minima.h"
@@ -134,7 +135,13 @@ struct SurveyResult {
     std::optional<double> repeatability; // of a reading, over the road
     std::vector<RoadSection> sections;
     std::optional<SuspectSensor> suspect; // the worst
-    std::int64_t computed = 0;            // model runs of this process
+    // Of the fitted station with the median D0.
+    struct Floor {
+        std::size_t station = 0;
+        WithoutFloor without;
+    };
+    std::optional<Floor> floor;
+    std::int64_t computed = 0; // model runs of this process
     int stations_computed = 0;
     double seconds = 0.0;
 

@@ -169,6 +169,14 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
                                         names[k], unknown, fitted));
         }
     }
+    if (result.floor) {
+        const StationResult& s = result.stations[result.floor->station];
+        const auto& best = s.fit->best.evaluation;
+        if (const auto said = floor_words(*result.study, best.parameters, best.misfit, result.floor->without);
+            !said.empty()) {
+            words.push_back(fmt::format("At {}: {}", s.station.name, said));
+        }
+    }
     const auto of_the_hour = result.count(
         [](const StationResult& s) { return s.asphalt && s.asphalt->source == TemperatureSource::bells3_of_the_hour; });
     if (of_the_hour > 0) {

@@ -167,6 +167,34 @@ done = run("survey", road, cwd=folder)
 check(done.returncode == 0 and (folder / "output" / "road" / "survey.json").exists(), "results go under the name of the file")
 check(run("survey", road, cwd=folder).returncode == 0, "the same road again")
 
+# The bowl of a half-space (of layers of 1214, 197.4 and 70.8 MPa, by an independent multilayer program): the floor of the study
+# is said to carry the answer, without it the moduli come out.
+(folder / "endless.csv").write_text("station,chainage_m,radius_mm,load_kN,D0_mm,D300_mm,D600_mm,D900_mm,D1200_mm,D1500_mm,D1800_mm\n"
+                                    "A,0,150,40,0.4735,0.3095,0.2098,0.1583,0.1264,0.1041,0.0876\n")
+
+
+def layered(bottom):
+    text = f'schema = 1\n[section]\nbottom = "{bottom}"\n'
+    for name, thickness, modulus, poisson in (("asphalt", 170, 1000, 0.4999), ("base", 575, 200, 0.4), ("subgrade", 4255, 60, 0.4)):
+        text += (f'[[layers]]\nname = "{name}"\nthickness_mm = {thickness}\ndensity_kg_m3 = 2000\nk0 = 0.5\nlaw = "linear"\n'
+                 f'modulus_MPa = {modulus}\npoisson = {poisson}\n')
+    text += '[[loads]]\nname = "fwd"\ntype = "plate"\nradius_mm = 150\npressure_kPa = 566\n[data]\nmisfit = "relative"\n'
+    for name, low, high in (("asphalt", 400, 3000), ("base", 50, 500), ("subgrade", 20, 200)):
+        text += f'[[parameters]]\nname = "{name}.modulus_MPa"\nmin = {low}\nmax = {high}\nscale = "log"\n'
+    (folder / f"{bottom}.toml").write_text(text)
+    return folder / f"{bottom}.toml"
+
+
+on_floor = call(folder / "endless.csv", "--study", layered("rigid"), "--out", folder / "on-floor")
+said = [f for f in on_floor["findings"] if "hangs on the floor at 5.000 m" in f]
+subgrade = re.search(r"subgrade.modulus_MPa ([0-9.]+) instead of", said[0]) if said else None
+check(subgrade and abs(float(subgrade[1]) / 70.8 - 1) < 0.01, f"the floor carries the answer: {on_floor['findings']}")
+endless = call(folder / "endless.csv", "--study", layered("half-space"), "--out", folder / "endless")
+for name, modulus in (("asphalt", 1214), ("base", 197.4), ("subgrade", 70.8)):
+    found = endless["stations"][0]["parameters"][f"{name}.modulus_MPa"]["value"]
+    check(abs(found / modulus - 1) < 0.01, f"{name} of a half-space: {found}")
+check(not any("hangs on the floor" in f for f in endless["findings"]), "no floor, no finding of it")
+
 # Positions make a map, temperatures the asphalt's.
 places = folder / "places.csv"
 places.write_text("station,chainage_m,radius_mm,load_kN,D0_um,D200_um,D300_um,latitude,longitude,time,surface_C,air_C,crew\n"
