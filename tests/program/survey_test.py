@@ -3,6 +3,7 @@ nor an interrupt changes a bit."""
 import csv
 import io
 import json
+import re
 import signal
 import time
 
