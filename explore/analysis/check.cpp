@@ -2,7 +2,6 @@
 
 #include "analysis/fit.h"
 #include "analysis/map.h"
-#include "study/pavement_function.h"
 
 #include <algorithm>
 #include <chrono>
@@ -23,7 +22,6 @@ struct Timing {
 
 pave::Outcome<Timing> measure(const study::Study& study) {
     const pave::pavement::ForwardModel model(study.model);
-    study::check_memory(model);
     std::optional<pave::Failure> failure;
     const auto seconds = [&](const pave::pavement::ForwardModel& of,
                              const std::vector<pave::pavement::Parameter>& parameters) {

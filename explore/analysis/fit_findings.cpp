@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/text.h"
 
+#include <Eigen/SVD>
 #include <cmath>
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
@@ -101,18 +102,32 @@ std::string accused_reading(const FitResult& result) {
     const Eigen::VectorXd r = by_noise.residuals(result.best().evaluation);
     const landscape::LocalAnalysis& local = result.local;
     const auto n = static_cast<double>(r.size());
+    // With correlated noise: of a shift of that reading alone, tested in the residuals of all.
+    Eigen::MatrixXd followed_by; // what the parameters follow: orthonormal columns
+    if (by_noise.noise_is_correlated()) {
+        const Eigen::JacobiSVD<Eigen::MatrixXd> svd(by_noise.residual_jacobian(result.best().evaluation),
+                                                    Eigen::ComputeThinU);
+        const auto seen = (svd.singularValues().array() > 1e-8 * svd.singularValues()[0]).count();
+        followed_by = svd.matrixU().leftCols(seen);
+    }
     Eigen::Index worst = -1;
     double largest = 0.0;
     double least_p = 1.0;
     for (Eigen::Index i = 0; i < r.size(); ++i) {
-        const double own = 1.0 - local.leverage[i];
+        double own = 1.0 - local.leverage[i];
+        double pull = r[i];
+        if (by_noise.noise_is_correlated()) {
+            const Eigen::VectorXd shift = by_noise.change_by(static_cast<std::size_t>(i)).normalized();
+            own = 1.0 - (followed_by.transpose() * shift).squaredNorm();
+            pull = shift.dot(r);
+        }
         constexpr double followed = 1e-6; // by the parameters, whatever it reads
         if (own < followed) {
             continue;
         }
         double p = 1.0;
         if (local.noise_is_stated) {
-            p = 2.0 * gsl_cdf_ugaussian_Q(std::abs(r[i]) / std::sqrt(own));
+            p = 2.0 * gsl_cdf_ugaussian_Q(std::abs(pull) / std::sqrt(own));
         } else if (const double dof = local.degrees_of_freedom - 1.0; dof >= 1.0) {
             const double rest = r.squaredNorm() - r[i] * r[i] / own;
             constexpr double rounding = 1e-9;
@@ -123,7 +138,7 @@ std::string accused_reading(const FitResult& result) {
         if (p < least_p) {
             least_p = p;
             worst = i;
-            largest = r[i];
+            largest = pull;
         }
     }
     if (worst < 0 || n * least_p > 0.05) {

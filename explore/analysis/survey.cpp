@@ -274,27 +274,6 @@ StationFit fit_of(const problem::Problem& problem, const landscape::Minimum& bes
     return fit;
 }
 
-// What the floor does to the answer, at the fitted station with the median D0.
-void ask_for_floor(SurveyResult& result, const std::vector<StationResult*>& stations,
-                   const std::vector<study::Study>& studies) {
-    std::vector<std::size_t> fitted; // of the items
-    for (std::size_t i = 0; i < stations.size(); ++i) {
-        if (stations[i]->fit) {
-            fitted.push_back(i);
-        }
-    }
-    if (fitted.empty()) {
-        return;
-    }
-    const auto middle = fitted.begin() + static_cast<std::ptrdiff_t>(fitted.size() / 2);
-    std::nth_element(fitted.begin(), middle, fitted.end(), [&](std::size_t a, std::size_t b) {
-        return result.d0_at_common(*stations[a]) < result.d0_at_common(*stations[b]);
-    });
-    if (auto without = fit_without_floor(studies[*middle], stations[*middle]->fit->best.unit)) {
-        result.floor = {static_cast<std::size_t>(stations[*middle] - result.stations.data()), std::move(*without)};
-    }
-}
-
 // Back-calculates every station that is not rejected. False: interrupted; what was computed is in the store.
 bool fit_stations(Session& session, SurveyResult& result) {
     landscape::MultistartSettings settings;
@@ -392,7 +371,7 @@ bool fit_stations(Session& session, SurveyResult& result) {
     landscape::search_batch(items, session.store(), *optimise::find_method(settings.method), settings.search,
                             session.options().threads, keep);
     result.computed += exploration.tally().computed;
-    ask_for_floor(result, stations, studies);
+    result.floor = floor_of(result, stations, studies);
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return finished == items.size();
 }

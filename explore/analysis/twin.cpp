@@ -2,10 +2,46 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "study/readings.h"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 
 namespace explore::analysis {
+namespace {
+
+// Of every measured reading, over its value.
+std::vector<double> relative_errors(const study::Study& study, const pave::RandomStream& random, double noise) {
+    const auto n = static_cast<Eigen::Index>(study.measured().size());
+    Eigen::VectorXd own(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        own[i] = random.normal(static_cast<std::uint64_t>(i));
+    }
+    const auto place = [&](Eigen::Index i) {
+        return study::noise_place(study.model.sensors[static_cast<std::size_t>(i)]);
+    };
+    if (const double length = study.data.noise_correlation_length; length > 0.0) {
+        Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n);
+        for (Eigen::Index i = 0; i < n; ++i) {
+            for (Eigen::Index j = 0; j < i; ++j) {
+                correlation(i, j) = correlation(j, i) = data::own_correlation(place(i), place(j), length);
+            }
+        }
+        own = correlation.llt().matrixL() * own;
+    }
+    std::vector<double> errors;
+    for (Eigen::Index i = 0; i < n; ++i) {
+        double error = noise * own[i];
+        if (noise > 0.0 && study.data.noise_common_relative > 0.0) { // one draw a load
+            const auto number = static_cast<std::uint64_t>(n + place(i).load);
+            error += study.data.noise_common_relative * random.normal(number);
+        }
+        errors.push_back(error);
+    }
+    return errors;
+}
+
+} // namespace
 
 TwinResult twin(study::Study study, const TwinOptions& options) {
     for (const auto& [name, size] : options.effects) {
@@ -25,10 +61,11 @@ TwinResult twin(study::Study study, const TwinOptions& options) {
         return result;
     }
     const pave::RandomStream random(options.seed, 1);
+    const auto errors = relative_errors(study, random, options.noise);
     for (std::size_t i = 0; i < measured.size(); ++i) {
         data::Reading reading = measured[i];
         const double exact = reading.in_unit(outcome->values[i]);
-        reading.value = exact * (1.0 + options.noise * random.normal(i));
+        reading.value = exact * (1.0 + errors[i]);
         reading.sigma = options.noise > 0.0 ? std::optional(options.noise * std::abs(exact)) : std::nullopt;
         result.exact.push_back(exact);
         result.readings.push_back(std::move(reading));

@@ -6,7 +6,9 @@
 namespace explore::analysis {
 
 struct TwinOptions {
-    double noise = 0.0;                                    // standard deviation as a share of each value
+    // Standard deviation of a reading's own error as a share of its value; correlated, and with an error in common, as
+    // [data.noise] states. 0: exact data.
+    double noise = 0.0;
     std::vector<std::pair<std::string, double>> effects{}; // name and size: what the data have and the study does not
     std::uint64_t seed = 1;
 };

@@ -6,6 +6,7 @@
 #include "run/parallel.h"
 #include "run/progress.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <fmt/format.h>
 
@@ -16,8 +17,7 @@ using pave::counted;
 
 constexpr double giga = 1e9;
 
-// What is known before anything runs.
-void print_study(const study::Study& study, const pave::pavement::ForwardModel::Cost& cost) {
+void print_study(const study::Study& study) {
     fmt::print("{}", report::study_summary(study));
     if (study.measured().empty()) {
         fmt::print("  no readings: nothing can be fitted\n");
@@ -32,19 +32,20 @@ void print_study(const study::Study& study, const pave::pavement::ForwardModel::
         }
     }
     fmt::print("  {}\n", counted(study.outputs().size(), "output", "outputs"));
-    if (cost.memory > 0.0) {
-        fmt::print("  the mesh in three dimensions asks for some {:.1f} GB a thread and {} a run\n", cost.memory / giga,
-                   run::duration_words(cost.seconds));
-    }
-    std::fflush(stdout);
 }
 
 int check_study(const CommonOptions& options) {
     const study::Study study = study::load_study(options.study);
     const int threads = run::usable_threads(options.threads);
+    // Said before it is known whether the study is sound: not on standard output.
+    const auto& loads = study.model.loads;
+    if (!std::all_of(loads.begin(), loads.end(), [](const auto& load) { return load.is_axisymmetric(); })) {
+        fmt::print(stderr, "a mesh in three dimensions is made ...\n");
+    }
     const auto cost = pave::pavement::ForwardModel(study.model).cost();
-    if (!options.json) {
-        print_study(study, cost);
+    if (cost.memory > 0.0) {
+        fmt::print(stderr, "it asks for some {:.1f} GB a thread and {} a run; runs are timed ...\n", cost.memory / giga,
+                   run::duration_words(cost.seconds));
     }
     const auto list = analysis::check(study, threads);
     if (!list) {
@@ -73,6 +74,7 @@ int check_study(const CommonOptions& options) {
                                       {"commands", commands}}));
         return done;
     }
+    print_study(study);
     fmt::print("\n  Time on {}, from runs made just now at the study's own values\n",
                counted(static_cast<std::size_t>(threads), "thread", "threads"));
     report::Table table({"command", "runs", "time"});

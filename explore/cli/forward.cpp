@@ -3,7 +3,6 @@
 #include "cli/commands.h"
 #include "report/vtu.h"
 #include "run/files.h"
-#include "study/pavement_function.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -38,7 +37,6 @@ std::vector<std::string> write_fields(const study::Study& study, const pave::pav
 int forward(const CommonOptions& options, bool with_jacobian, const std::string& vtu) {
     const study::Study study = study::load_study(options.study);
     const pave::pavement::ForwardModel model(study.model);
-    study::check_memory(model);
     const auto workspace = model.make_workspace();
     if (with_jacobian && study.parameters.empty()) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "--jacobian needs parameters to differentiate by",

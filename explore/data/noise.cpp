@@ -15,6 +15,11 @@ double Noise::deviation(double value) const {
     return std::hypot(absolute, relative * value);
 }
 
+double Noise::own_deviation(double value) const {
+    return std::hypot(absolute,
+                      std::sqrt(std::max(0.0, relative * relative - common_relative * common_relative)) * value);
+}
+
 double Noise::residual(double model, double measured) const {
     if (relative == 0.0) {
         return (model - measured) / absolute;
@@ -29,6 +34,13 @@ double Noise::slope(double model, double measured) const {
         return 1.0 / absolute;
     }
     return 1.0 / std::hypot(std::max(absolute, least_absolute * relative * std::abs(measured)), relative * model);
+}
+
+double own_correlation(const NoisePlace& a, const NoisePlace& b, double length) {
+    if (a.load != b.load || a.load < 0 || a.quantity != b.quantity || length <= 0.0) {
+        return 0.0;
+    }
+    return std::exp(-std::hypot(a.x - b.x, a.y - b.y, a.depth - b.depth) / length);
 }
 
 } // namespace explore::data

@@ -16,12 +16,27 @@ namespace explore::data {
 struct Noise {
     double absolute = 0.0; // SI; both 0: not stated
     double relative = 0.0;
+    // What the readings of a load have in common. The share of `relative` that is one error for all of them:
+    double common_relative = 0.0;
+    // The rest of the errors of two readings of one quantity: their correlation is exp(-distance / this) [m]; 0: none.
+    double correlation_length = 0.0;
 
     bool is_stated() const { return absolute > 0.0 || relative > 0.0; }
-    double deviation(double value) const; // standard deviation [SI]
+    double deviation(double value) const;     // standard deviation [SI]
+    double own_deviation(double value) const; // without the error in common
     // The residual of a model's value against a measured one, and its derivative by the model's.
     double residual(double model, double measured) const;
     double slope(double model, double measured) const;
 };
+
+// Where a reading was taken, for the correlation of its noise.
+struct NoisePlace {
+    int load = -1; // index; negative: its noise is correlated with none
+    int quantity = 0;
+    double x = 0.0, y = 0.0, depth = 0.0; // m
+};
+// Correlation of the errors of two readings without those in common: exp(-distance / length), 0 between readings of
+// different loads or quantities and for length 0. Positive definite over places that differ (Matern 1960, order 1/2).
+double own_correlation(const NoisePlace& a, const NoisePlace& b, double length);
 
 } // namespace explore::data

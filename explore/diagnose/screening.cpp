@@ -193,8 +193,8 @@ int sense_of(const Candidate& candidate) {
 std::optional<Screening> screen(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates,
                                 double variance, bool estimated, std::uint64_t seed, std::size_t scanned, int number) {
     const double noise = std::sqrt(variance);
-    const Mimicry mimicry(bench.problem(base.members)->residual_jacobian(base.evaluation) / noise, base.unit,
-                          base.residuals / noise);
+    const auto own = bench.problem(base.members);
+    const Mimicry mimicry(own->residual_jacobian(base.evaluation) / noise, base.unit, base.residuals / noise);
     const auto is_member = [&](std::size_t c) {
         return std::any_of(base.members.begin(), base.members.end(), [&](std::size_t m) {
             return candidates[m].effect == candidates[c].effect; // an effect once in a model
@@ -211,8 +211,9 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
             if (is_member(c)) {
                 s.impossible = "in the model already";
             } else if (candidates[c].reading) {
-                // A wrong reading moves its own residual alone, by any amount.
-                s.derivative = VectorXd::Unit(base.residuals.size(), static_cast<Index>(*candidates[c].reading));
+                // A wrong reading moves its own residual, by any amount, and what is expected of those correlated with
+                // it.
+                s.derivative = own->change_by(*candidates[c].reading);
             } else {
                 if (base.members.empty()) {
                     differentiate(bench, base, candidates, c, number, s);

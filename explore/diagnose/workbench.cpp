@@ -27,6 +27,7 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
     Model best;
     best.sum = std::numeric_limits<double>::infinity();
     std::exception_ptr failure;
+    const problem::Problem compared = target.left_out.empty() ? problem : problem.setting_apart(target.left_out);
     const optimise::Objective objective = [&](std::span<const double> unit, optimise::Sample& sample) {
         problem::Evaluation e;
         try {
@@ -38,12 +39,12 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
         if (!e.converged()) {
             return optimise::Answer::no_answer;
         }
-        Eigen::VectorXd residuals = problem.residuals(e);
+        Eigen::VectorXd residuals = compared.residuals(e);
         if (target.offset.size() > 0) {
             residuals += target.offset;
         }
         sample.residuals = residuals;
-        sample.jacobian = problem.residual_jacobian(e);
+        sample.jacobian = compared.residual_jacobian(e);
         for (std::size_t i = 0; i < target.left_out.size(); ++i) {
             if (target.left_out[i] != 0) {
                 sample.residuals[static_cast<Eigen::Index>(i)] = 0.0;

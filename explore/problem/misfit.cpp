@@ -1,10 +1,72 @@
 #include "problem/misfit.h"
 
+#include <Eigen/Cholesky>
 #include <cmath>
+#include <map>
+#include <stdexcept>
 
 namespace explore::problem {
+namespace {
+
+double correlation(const Misfit::Term& a, const Misfit::Term& b) {
+    const double own = a.noise.own_deviation(a.measured) * b.noise.own_deviation(b.measured) *
+                       data::own_correlation(a.place, b.place, a.noise.correlation_length);
+    const double common = a.noise.common_relative * a.measured * b.noise.common_relative * b.measured;
+    return (own + common) / (a.noise.deviation(a.measured) * b.noise.deviation(b.measured));
+}
+
+} // namespace
+
+Misfit::Misfit(MisfitKind kind, std::vector<Term> terms) : kind_(kind), terms_(std::move(terms)) {
+    if (kind_ != MisfitKind::noise) {
+        return;
+    }
+    std::map<int, std::vector<Eigen::Index>> loads;
+    for (std::size_t i = 0; i < terms_.size(); ++i) {
+        const Term& t = terms_[i];
+        if (t.place.load >= 0 && (t.noise.common_relative > 0.0 || t.noise.correlation_length > 0.0)) {
+            loads[t.place.load].push_back(static_cast<Eigen::Index>(i));
+        }
+    }
+    for (auto& [load, rows] : loads) {
+        const auto n = static_cast<Eigen::Index>(rows.size());
+        Eigen::MatrixXd r = Eigen::MatrixXd::Identity(n, n);
+        for (Eigen::Index i = 0; i < n; ++i) {
+            for (Eigen::Index j = 0; j < i; ++j) {
+                r(i, j) = r(j, i) = correlation(terms_[static_cast<std::size_t>(rows[static_cast<std::size_t>(i)])],
+                                                terms_[static_cast<std::size_t>(rows[static_cast<std::size_t>(j)])]);
+            }
+        }
+        const Eigen::LLT<Eigen::MatrixXd> cholesky(r);
+        if (cholesky.info() != Eigen::Success) {
+            throw std::invalid_argument("the correlation matrix of the noise is not positive definite");
+        }
+        blocks_.push_back({std::move(rows), cholesky.matrixL()});
+    }
+}
+
+Eigen::MatrixXd Misfit::whitened(Eigen::MatrixXd rows) const {
+    const auto factor = [&](Eigen::Index i) { return terms_[static_cast<std::size_t>(i)].factor; };
+    for (const Block& block : blocks_) {
+        Eigen::MatrixXd part = rows(block.rows, Eigen::all);
+        for (Eigen::Index k = 0; k < part.rows(); ++k) {
+            part.row(k) /= factor(block.rows[static_cast<std::size_t>(k)]);
+        }
+        block.factor.triangularView<Eigen::Lower>().solveInPlace(part);
+        for (Eigen::Index k = 0; k < part.rows(); ++k) {
+            part.row(k) *= factor(block.rows[static_cast<std::size_t>(k)]);
+        }
+        rows(block.rows, Eigen::all) = part;
+    }
+    return rows;
+}
 
 Eigen::VectorXd Misfit::residuals(std::span<const double> responses) const {
+    Eigen::VectorXd r = single_residuals(responses);
+    return is_correlated() ? Eigen::VectorXd(whitened(r)) : r;
+}
+
+Eigen::VectorXd Misfit::single_residuals(std::span<const double> responses) const {
     Eigen::VectorXd r(static_cast<Eigen::Index>(size()));
     for (std::size_t i = 0; i < size(); ++i) {
         const Term& t = terms_[i];

@@ -22,6 +22,12 @@ constexpr std::string_view to_string(MisfitKind kind) {
     return kind == MisfitKind::noise ? "noise" : misfit_names[static_cast<int>(kind)];
 }
 
+// Of kind `noise` residuals are independent whatever the stated correlation: with r in units of the standard deviations
+// and R = L L' their correlation matrix, the residuals are L^-1 r (generalised least squares, Aitken 1935, Proceedings
+// of the Royal Society of Edinburgh 55), times the factors. R is that at the measured values:
+//     R_ij = (s_i s_j rho_ij + c_i c_j v_i v_j) / (d_i d_j),   d_i^2 = s_i^2 + (c_i v_i)^2,   i, j of one load,
+// s own_deviation, rho own_correlation, c common_relative, v the measured value. Each L^-1 r belongs to its reading as
+// what the readings before it do not tell of it. Other kinds compare every reading by itself.
 class Misfit {
 public:
     // One residual: which response it compares with what.
@@ -31,20 +37,35 @@ public:
         double scale = 1.0;       // s for log, |measured| for relative, sigma for weighted
         double factor = 1.0; // of the residual: the square root of its weight; shapes the fit, says nothing of noise
         data::Noise noise{};
+        data::NoisePlace place{};
     };
-    Misfit(MisfitKind kind, std::vector<Term> terms) : kind_(kind), terms_(std::move(terms)) {}
+    // Throws std::invalid_argument for kind `noise` with a correlation matrix that is not positive definite.
+    Misfit(MisfitKind kind, std::vector<Term> terms);
 
     std::size_t size() const { return terms_.size(); }
     MisfitKind kind() const { return kind_; }
     std::span<const Term> terms() const { return terms_; }
 
     Eigen::VectorXd residuals(std::span<const double> responses) const;
-    // d(residual i)/d(its response).
+    // One by one, before L^-1: of each reading alone, for who looks at readings and not at sums of squares.
+    Eigen::VectorXd single_residuals(std::span<const double> responses) const;
+    // d(single residual i)/d(its response).
     Eigen::VectorXd slopes(std::span<const double> responses) const;
 
+    bool is_correlated() const { return !blocks_.empty(); }
+    // rows: one each reading, of single residuals or what changes with them; to those of residuals().
+    Eigen::MatrixXd whitened(Eigen::MatrixXd rows) const;
+
 private:
+    // Readings whose noise is correlated.
+    struct Block {
+        std::vector<Eigen::Index> rows;
+        Eigen::MatrixXd factor; // L
+    };
+
     MisfitKind kind_;
     std::vector<Term> terms_;
+    std::vector<Block> blocks_;
 };
 
 } // namespace explore::problem

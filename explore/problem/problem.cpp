@@ -41,11 +41,26 @@ Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {
         const std::size_t response = response_of(static_cast<std::size_t>(i));
         j.row(i) = slopes[i] * evaluation.jacobian.row(static_cast<Eigen::Index>(response));
     }
+    if (misfit_.is_correlated()) {
+        j = misfit_.whitened(std::move(j));
+    }
     for (Eigen::Index k = 0; k < j.cols(); ++k) {
         const Axis& axis = space.axes[static_cast<std::size_t>(k)];
         j.col(k) *= axis.d_physical(axis.unit(evaluation.parameters[static_cast<std::size_t>(k)]));
     }
     return j;
+}
+
+Eigen::VectorXd Problem::change_by(std::size_t i) const {
+    return misfit_.whitened(Eigen::VectorXd::Unit(static_cast<Eigen::Index>(readings()), static_cast<Eigen::Index>(i)));
+}
+
+Problem Problem::setting_apart(const std::vector<char>& readings) const {
+    std::vector<Misfit::Term> terms(misfit_.terms().begin(), misfit_.terms().end());
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+        terms[i].place.load = readings[i] != 0 ? -1 : terms[i].place.load;
+    }
+    return {space, function, {misfit_.kind(), std::move(terms)}};
 }
 
 bool Problem::noise_is_stated() const {

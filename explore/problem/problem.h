@@ -51,6 +51,18 @@ public:
     // d(residuals)/d(unit coordinates) of an evaluation with a jacobian.
     Eigen::MatrixXd residual_jacobian(const Evaluation& evaluation) const;
 
+    // Where the stated noise of readings is correlated, residuals are combinations of them that are independent
+    // (problem/misfit.h). Of each reading by itself, in the same unit: what to show, and to say of a single reading.
+    Eigen::VectorXd single_residuals(const Evaluation& evaluation) const {
+        return misfit_.single_residuals(evaluation.responses);
+    }
+    bool noise_is_correlated() const { return misfit_.is_correlated(); }
+    // d(residuals)/d(single residual i), the noise of the others fixed: how an error of that reading alone shows.
+    Eigen::VectorXd change_by(std::size_t i) const;
+    // The same question where these readings (1 each) have noise of their own, correlated with none: then the residuals
+    // of the others say nothing of them.
+    Problem setting_apart(const std::vector<char>& readings) const;
+
     // Readings less the parameters that are free.
     int degrees_of_freedom(std::size_t free) const { return static_cast<int>(readings()) - static_cast<int>(free); }
     // Whether every reading states its noise.

@@ -45,7 +45,12 @@ std::string change_words(double change) {
 std::vector<double> residuals_of(const DiagnoseResult& f, const diagnose::Model& model) {
     std::vector<double> residuals(f.study.measured().size(), std::numeric_limits<double>::quiet_NaN());
     for (std::size_t t = 0; t < f.layout.rows.size(); ++t) {
-        residuals[f.layout.rows[t]] = model.residuals[static_cast<Eigen::Index>(t)] / std::sqrt(f.diagnosis.variance);
+        const std::size_t row = f.layout.rows[t];
+        const data::Reading& m = f.study.readings[row];
+        const double residual = f.study.data.correlates_noise()
+                                    ? m.noise.residual(model.evaluation.responses[row], m.measured())
+                                    : model.residuals[static_cast<Eigen::Index>(t)];
+        residuals[row] = residual / std::sqrt(f.diagnosis.variance);
     }
     return residuals;
 }

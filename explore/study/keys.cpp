@@ -31,6 +31,8 @@ std::span<const Key> study_keys() {
         data_noise,
         noise_relative,
         noise_absolute,
+        noise_common_relative,
+        noise_correlation,
         data_held_out,
         data_weights,
         output_name,

@@ -193,6 +193,22 @@ inline constexpr Key noise_absolute{.table = "[data.noise]",
                                     .allowed = "UNIT = 0 or more, for mm or um, microstrain or strain, kPa or MPa",
                                     .without = "not stated",
                                     .meaning = "what adds to it (root sum of squares), in units of the readings"};
+inline constexpr Key noise_common_relative{
+    .table = "[data.noise]",
+    .key = "common_relative",
+    .kind = number,
+    .low = 0.0,
+    .high = 10.0,
+    .default_value = 0.0,
+    .meaning = "standard deviation of the one error that all readings of a load share, over the model's value"};
+inline constexpr Key noise_correlation{
+    .table = "[data.noise]",
+    .key = "correlation_mm",
+    .kind = number,
+    .low = 0.0,
+    .high = 1e6,
+    .default_value = 0.0,
+    .meaning = "readings of one load and quantity have errors correlated by exp(-distance / this); 0: independent"};
 inline constexpr Key data_held_out{.table = "[data]",
                                    .key = "held_out",
                                    .kind = texts,

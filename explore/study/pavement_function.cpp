@@ -1,13 +1,11 @@
 #include "study/pavement_function.h"
 
-#include "base/error.h"
 #include "material/catalog.h"
 #include "pavement/effects/catalog.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <unistd.h>
 
 namespace explore::study {
 namespace {
@@ -157,9 +155,7 @@ public:
     PavementFunction(const Case& model, const std::vector<Parameter>& parameters, const std::vector<bool>& loads)
         : model_(model, loads),
           parameters_(parameters),
-          loads_(loads) {
-        check_memory(model_);
-    }
+          loads_(loads) {}
 
     std::unique_ptr<Workspace> make_workspace() const override {
         auto workspace = std::make_unique<Own>();
@@ -197,17 +193,6 @@ private:
 };
 
 } // namespace
-
-void check_memory(const ForwardModel& model) {
-    constexpr double giga = 1e9;
-    const double available = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-    const auto cost = model.cost();
-    if (cost.memory > available) {
-        throw pave::Error({.key = "mesh.refine"}, "a run on this mesh needs more memory than this machine has",
-                          fmt::format("about {:.0f} GB", cost.memory / giga),
-                          fmt::format("{:.0f} GB: a smaller refine or extent_m", available / giga));
-    }
-}
 
 pave::Outcome<Case> case_at(const Case& model, const std::vector<Parameter>& parameters,
                             std::span<const double> values) {

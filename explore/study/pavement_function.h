@@ -6,9 +6,6 @@
 
 namespace explore::study {
 
-// Refuses what would not fit into the memory of this machine: throws pave::Error.
-void check_memory(const pave::pavement::ForwardModel& model);
-
 // The case at these values of its parameters, in file units; invalid-parameters where one is out of its range.
 pave::Outcome<pave::pavement::Case> case_at(const pave::pavement::Case& model,
                                             const std::vector<pave::pavement::Parameter>& parameters,

@@ -17,7 +17,11 @@ problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& ro
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const std::size_t i = rows[k];
         const auto& m = study.readings[i];
-        problem::Misfit::Term term{.response = i, .measured = m.measured(), .factor = factor[k], .noise = m.noise};
+        problem::Misfit::Term term{.response = i,
+                                   .measured = m.measured(),
+                                   .factor = factor[k],
+                                   .noise = m.noise,
+                                   .place = noise_place(study.model.sensors[i])};
         switch (study.data.misfit) {
         case problem::MisfitKind::log: term.scale = study.data.log_floor * largest[i]; break;
         case problem::MisfitKind::relative: term.scale = std::abs(term.measured); break;

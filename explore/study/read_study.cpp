@@ -224,6 +224,16 @@ void read_noise(const toml::table& table, Study& study, const TableReader& of) {
         }
         study.data.noise_relative = reader.number(keys::noise_relative);
     }
+    study.data.noise_line = reader.place("").line;
+    study.data.noise_common_relative = reader.number(keys::noise_common_relative);
+    study.data.noise_correlation_length = unit::mm * reader.number(keys::noise_correlation);
+    if (study.data.correlates_noise() && study.data.misfit != problem::MisfitKind::weighted) {
+        throw pave::Error(reader.place(study.data.noise_common_relative > 0.0 ? keys::noise_common_relative
+                                                                              : keys::noise_correlation),
+                          "errors that readings have in common need a misfit by the stated noise",
+                          fmt::format("misfit = \"{}\"", to_string(study.data.misfit)),
+                          "misfit = \"weighted\" in [data]");
+    }
     if (const auto* absolute = reader.table(keys::noise_absolute)) {
         TableReader each(*absolute, study.file, "[data.noise] absolute");
         for (const auto& [key, node] : *absolute) {

@@ -133,6 +133,48 @@ void set_groups(Study& study, const pave::Place& place, const std::vector<std::s
     }
 }
 
+data::NoisePlace noise_place(const Sensor& sensor) {
+    return {.load = sensor.load,
+            .quantity = static_cast<int>(sensor.quantity),
+            .x = sensor.x,
+            .y = sensor.y,
+            .depth = sensor.depth};
+}
+
+namespace {
+
+// Adds what ties the errors of the readings of a load to those that are stated.
+void correlate_noise(Study& study) {
+    const DataSettings& data = study.data;
+    const std::span<data::Reading> measured(study.readings.data(), study.measured().size());
+    if (!data.correlates_noise() || measured.empty()) {
+        return;
+    }
+    if (study.noise != NoiseSource::stated) {
+        throw pave::Error({.file = study.file, .line = data.noise_line, .key = "[data.noise]"},
+                          "errors can be tied only where each reading's own is stated",
+                          "common_relative or correlation_mm without the noise of a single reading",
+                          "relative or absolute beside them, or sigma in the measurement file");
+    }
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+        data::Noise& noise = measured[i].noise;
+        noise.relative = std::hypot(noise.relative, data.noise_common_relative);
+        noise.common_relative = data.noise_common_relative;
+        noise.correlation_length = data.noise_correlation_length;
+        for (std::size_t j = 0; j < i && data.noise_correlation_length > 0.0; ++j) {
+            if (data::own_correlation(noise_place(study.model.sensors[i]), noise_place(study.model.sensors[j]),
+                                      data.noise_correlation_length) == 1.0) {
+                throw pave::Error({.file = measured[i].file, .line = measured[i].line, .key = "correlation_mm"},
+                                  "two readings of one place under one load cannot have correlated noise: their "
+                                  "errors would be the same",
+                                  measured[i].label(), "their mean as one reading, or correlation_mm = 0");
+            }
+        }
+    }
+}
+
+} // namespace
+
 void set_noise(Study& study) {
     const auto largest = largest_of_group(study);
     const std::span<data::Reading> measured(study.readings.data(), largest.size());
@@ -174,6 +216,7 @@ void set_noise(Study& study) {
     }
     if (std::all_of(measured.begin(), measured.end(), is_stated)) {
         study.noise = NoiseSource::stated;
+        correlate_noise(study);
         return;
     }
     for (data::Reading& m : measured) {
@@ -181,6 +224,7 @@ void set_noise(Study& study) {
     }
     study.noise_assumed = 0;
     study.noise = NoiseSource::estimated;
+    correlate_noise(study);
 }
 
 std::string hash_with_readings(std::string text, std::span<const data::Reading> readings) {

@@ -33,8 +33,12 @@ std::vector<double> largest_of_group(const Study& study);
 void set_groups(Study& study, const pave::Place& place, const std::vector<std::string>& held_out,
                 const toml::table* weights);
 
-// The standard deviation of every measured reading.
+// The standard deviation of every measured reading, and how those of a load are tied. Throws pave::Error where errors
+// are said to be correlated that no reading states, and for two readings of one place whose errors would be the same.
 void set_noise(Study& study);
+
+// Where a sensor reads, for the correlation of its noise.
+data::NoisePlace noise_place(const pave::pavement::Sensor& sensor);
 
 // Of a text that fixes the model, with the measurements.
 std::string hash_with_readings(std::string text, std::span<const data::Reading> readings);

@@ -26,7 +26,12 @@ struct DataSettings {
     std::optional<double> noise_relative;
     std::optional<double> noise_floor;
     std::array<double, 3> noise_absolute{}; // SI, of every data::Dimension
+    // What adds to the error of every reading, whoever states it, and ties those of a load: see data::Noise.
+    double noise_common_relative = 0.0;
+    double noise_correlation_length = 0.0; // m
+    int noise_line = 0;                    // of [data.noise]
 
+    bool correlates_noise() const { return noise_common_relative > 0.0 || noise_correlation_length > 0.0; }
     bool states_noise() const { return noise_relative || noise_floor || noise_absolute != std::array<double, 3>{}; }
 };
 

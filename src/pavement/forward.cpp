@@ -4,6 +4,7 @@
 #include "base/units.h"
 #include "pavement/effects/effect.h"
 #include "pavement/load_model.h"
+#include "pavement/solid_cost.h"
 
 #include <algorithm>
 #include <cmath>
@@ -183,14 +184,11 @@ std::vector<int> ForwardModel::unknowns() const {
 }
 
 ForwardModel::Cost ForwardModel::cost() const {
-    constexpr double bytes = 400.0;
-    constexpr double seconds = 6e-6;
     Cost cost;
     for (std::size_t l = 0; l < models_.size(); ++l) {
         if (models_[l] && !nominal_.loads[l].is_axisymmetric()) {
-            const double growth = std::pow(static_cast<double>(models_[l]->unknowns()), 4.0 / 3.0);
-            cost.memory += bytes * growth;
-            cost.seconds += seconds * growth;
+            cost.memory += solid_memory(models_[l]->unknowns());
+            cost.seconds += solid_seconds(models_[l]->unknowns());
         }
     }
     return cost;

@@ -3,14 +3,18 @@
 #include "base/error.h"
 #include "base/units.h"
 #include "pavement/layered.h"
+#include "pavement/solid_cost.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
+#include <unistd.h>
 
 namespace pave::pavement {
 namespace {
+
+constexpr double giga = 1e9;
 
 // Piecewise linear map of mesh lines from one set of breaks to another of the same length. A break that has no line of
 // its own, too near another for one, moves none.
@@ -517,6 +521,14 @@ std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, 
     }
     if (load.is_axisymmetric()) {
         return std::make_unique<LoadModelOf<Axisymmetric>>(nominal, number);
+    }
+    const double unknowns = 3.0 * static_cast<double>(Solid::nominal_mesh(nominal, number).nodes.size());
+    const double available = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    if (solid_memory(unknowns) > available) {
+        throw Error({.key = "mesh.refine"},
+                    "a run of the load \"" + load.name + "\" needs more memory than this machine has",
+                    fmt::format("about {:.0f} GB for {:.0f} unknowns", solid_memory(unknowns) / giga, unknowns),
+                    fmt::format("{:.0f} GB: a smaller refine or extent_m", available / giga));
     }
     return std::make_unique<LoadModelOf<Solid>>(nominal, number);
 }

@@ -126,6 +126,22 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, EveryEffect, testing::ValuesIn(effects().beg
                              return name;
                          });
 
+// exp(1) = 2.7, exp(-0.7) = 50 %, 1/(1 - 0.5) - 1 = 1 mm/MPa.
+TEST(Effects, SayInWordsWhichWayAndHowMuch) {
+    const auto words = [](const char* name, double size) {
+        return find_effect(name)->in_words({.effect = find_effect(name), .size = size});
+    };
+    EXPECT_EQ(words("weak-subgrade-top", -1.0), "the top 200 mm of the subgrade have 2.7 times the stated modulus");
+    EXPECT_EQ(words("weak-subgrade-top", 0.7), "the top 200 mm of the subgrade have 50 % of the stated modulus");
+    EXPECT_EQ(words("load-magnitude", 0.91), "the load is 9.0 % below what is stated");
+    EXPECT_EQ(words("gauge-depth", -12.0), "gauges sit 12 mm higher than stated");
+    EXPECT_EQ(words("interface-slip-asphalt-base", 0.5), "the shear spring between the layers yields by 1.0 mm/MPa");
+    for (const Effect* e : effects()) {
+        ASSERT_NE(e->in_words, nullptr) << e->name;
+        EXPECT_NE(e->in_words({.effect = e, .size = e->typical}), "") << e->name;
+    }
+}
+
 TEST(Effects, AreThoseOfTheCatalogueEachOnce) {
     std::vector<std::string_view> names;
     for (const Effect* e : effects()) {

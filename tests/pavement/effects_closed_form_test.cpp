@@ -27,17 +27,15 @@ TEST(PlateRigidity, GoesFromTheFlexiblePlateToTheRigidPunch) {
     c.sensors = {deflection(0.0), deflection(0.075), deflection(0.14)};
     const double unit = 600e3 * 0.15 * (1 - nu * nu) / e;
     const double punch = std::numbers::pi / 2.0 * unit;
+    // The wall and the floor far away move everything near the plate alike: by what the flexible plate shows.
+    c.settings.refine = 4.0;
+    const double moved = values_of(c)[0] - 2.0 * unit;
     // The pressure of the punch is singular at its edge: what the mesh errs by is in proportion to its size there.
-    std::vector<std::vector<double>> rigid;
-    for (const double refine : {1.0, 2.0, 4.0}) {
+    for (const auto& [refine, allowed] : {std::pair{1.0, 0.006}, {2.0, 0.004}, {4.0, 0.003}}) {
         c.settings.refine = refine;
-        rigid.push_back(values_of(with(c, "plate-rigidity", 0.999)));
-    }
-    for (std::size_t i = 0; i < c.sensors.size(); ++i) {
-        const auto error = [&](std::size_t mesh) { return std::abs(rigid[mesh][i] / punch - 1.0); };
-        EXPECT_LT(error(0), 0.025);
-        EXPECT_LT(error(2), std::max(0.4 * error(0), 0.003));
-        EXPECT_NEAR((2.0 * rigid[2][i] - rigid[1][i]) / punch, 1.0, 0.006) << "without what is in proportion";
+        for (const double w : values_of(with(c, "plate-rigidity", 0.999))) {
+            EXPECT_NEAR((w - moved) / punch, 1.0, allowed) << refine;
+        }
     }
     c.settings.refine = 2.0;
     EXPECT_NEAR(values_of(c)[0] / (2.0 * unit), 1.0, 0.01);

@@ -36,7 +36,7 @@ const Effect& asphalt_modulus_rate() {
         .takes_load = true,
         .apply = apply,
         .in_words = [](const AppliedEffect& a) -> std::string {
-            return "under the loads it acts on the asphalt is " + stiffness_words(a.size);
+            return "under the loads it acts on the asphalt has " + stiffness_words(a.size);
         },
     };
     return effect;

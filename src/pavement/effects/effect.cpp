@@ -108,8 +108,8 @@ void scale_modulus(Layer& layer, double factor) {
 }
 
 std::string stiffness_words(double factor) {
-    return factor >= 1.0 ? fmt::format("{} times as stiff as stated", figure(factor, 2))
-                         : fmt::format("with {} % of the stated modulus", figure(100.0 * factor, 2));
+    return factor >= 1.0 ? fmt::format("{} times the stated modulus", figure(factor, 2))
+                         : fmt::format("{} % of the stated modulus", figure(100.0 * factor, 2));
 }
 
 std::string share_words(double factor) {

@@ -54,7 +54,7 @@ Case with_effects(const Case& c, int load);
 // Why the case cannot have the effect, or "": what the effect itself says, and options that name nothing.
 std::string why_impossible(const Case& c, const AppliedEffect& applied);
 
-// For effects. "2.7 times as stiff as stated", "with 40 % of the stated modulus"
+// For effects. "2.7 times the stated modulus", "40 % of the stated modulus"
 std::string stiffness_words(double factor);
 // "12 % above what is stated", "3 % below what is stated"
 std::string share_words(double factor);

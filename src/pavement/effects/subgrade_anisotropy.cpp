@@ -58,7 +58,7 @@ const Effect& subgrade_anisotropy() {
         .apply = apply,
         .refuses = refuses,
         .in_words = [](const AppliedEffect& a) -> std::string {
-            return fmt::format("horizontally the subgrade is {}", stiffness_words(a.size));
+            return fmt::format("horizontally the subgrade has {}", stiffness_words(a.size));
         },
     };
     return effect;

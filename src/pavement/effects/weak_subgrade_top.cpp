@@ -41,7 +41,7 @@ const Effect& weak_subgrade_top() {
         .takes_thickness = true,
         .apply = apply,
         .in_words = [](const AppliedEffect& a) -> std::string {
-            return fmt::format("the top {} mm of the subgrade are {}", figure(1e3 * a.thickness.value_or(sublayer), 3),
+            return fmt::format("the top {} mm of the subgrade have {}", figure(1e3 * a.thickness.value_or(sublayer), 3),
                                stiffness_words(std::exp(-a.size)));
         },
     };

@@ -1,0 +1,17 @@
+// What a run of a three-dimensional model asks for, known from its mesh.
+#pragma once
+
+#include <cmath>
+
+namespace pave::pavement {
+
+// Both grow as the entries of a factor by nested dissection (George 1973), the number of unknowns to the power 4/3; the
+// constants are measured on sections under dual wheels.
+inline double solid_memory(double unknowns) { // bytes of a workspace
+    return 400.0 * std::pow(unknowns, 4.0 / 3.0);
+}
+inline double solid_seconds(double unknowns) { // of a run
+    return 6e-6 * std::pow(unknowns, 4.0 / 3.0);
+}
+
+} // namespace pave::pavement
