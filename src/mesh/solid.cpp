@@ -91,7 +91,7 @@ SolidMesh solid_mesh(std::vector<double> x_lines, std::vector<double> y_lines, s
                      const std::vector<double>& layer_bottoms) {
     const double cells =
         static_cast<double>(x_lines.size()) * static_cast<double>(y_lines.size()) * static_cast<double>(z_lines.size());
-    constexpr double most_cells = 500'000.0; // their factor would take hundreds of gigabytes
+    constexpr double most_cells = 2e6; // their factor would take terabytes
     if (cells > most_cells) {
         throw Error({.key = "mesh.refine"}, "a mesh in three dimensions would have too many cells",
                     fmt::format("{:.0f} cells", cells),
