@@ -146,6 +146,19 @@ std::vector<diagnose::Candidate> candidates_of(const std::vector<study::Variant>
 
 } // namespace
 
+std::vector<double> residuals_of(const DiagnoseResult& result, const diagnose::Model& model) {
+    std::vector<double> residuals(result.study.measured().size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t t = 0; t < result.layout.rows.size(); ++t) {
+        const std::size_t row = result.layout.rows[t];
+        const data::Reading& m = result.study.readings[row];
+        const double residual = result.study.data.correlates_noise()
+                                    ? m.noise.residual(model.evaluation.responses[row], m.measured())
+                                    : model.residuals[static_cast<Eigen::Index>(t)];
+        residuals[row] = residual / std::sqrt(result.diagnosis.variance);
+    }
+    return residuals;
+}
+
 std::string DiagnoseResult::extended_study(const std::string& folder) const {
     const auto& model = diagnosis.extended->model;
     return study::extended_text(after->study, variants_of(variants, model.members), model.evaluation.parameters,

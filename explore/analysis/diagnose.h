@@ -55,6 +55,9 @@ struct DiagnoseResult {
 // Throws pave::Error for a study that cannot be fitted and effects that there are not. Nothing: interrupted.
 std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& study, const DiagnoseOptions& options);
 
+// Residuals in standard deviations, one a reading in the order of the data files; those not fitted are not numbers.
+std::vector<double> residuals_of(const DiagnoseResult& result, const diagnose::Model& model);
+
 // The verdict and its reasons, in sentences.
 std::vector<std::string> findings(const DiagnoseResult& result);
 

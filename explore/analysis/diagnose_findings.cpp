@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <fmt/format.h>
-#include <numeric>
 
 namespace explore::analysis {
 
@@ -47,8 +46,9 @@ namespace {
 
 class Sentences {
 public:
-    explicit Sentences(const DiagnoseResult& result)
-        : study(result.study),
+    explicit Sentences(const DiagnoseResult& of)
+        : result(of),
+          study(result.study),
           variants(result.variants),
           candidates(result.candidates),
           layout(result.layout),
@@ -180,18 +180,16 @@ private:
 
     // Where the study's model errs most: place, load and sign.
     void leftovers(std::vector<std::string>& text) const {
-        const Eigen::VectorXd residuals = d.baseline.model.residuals / std::sqrt(d.variance);
-        std::vector<std::size_t> order(static_cast<std::size_t>(residuals.size()));
-        std::iota(order.begin(), order.end(), std::size_t{0});
-        const auto size = [&](std::size_t i) { return std::abs(residuals[static_cast<Eigen::Index>(i)]); };
+        const std::vector<double> residuals = residuals_of(result, d.baseline.model);
+        std::vector<std::size_t> order = layout.rows;
+        const auto size = [&](std::size_t row) { return std::abs(residuals[row]); };
         std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
         std::vector<std::string> places;
         constexpr std::size_t most = 4;
         constexpr double clear = 2.0;
         for (std::size_t i = 0; i < std::min(most, order.size()) && size(order[i]) > clear; ++i) {
-            const double residual = residuals[static_cast<Eigen::Index>(order[i])];
-            places.push_back(fmt::format("{}: {} by {} standard deviations",
-                                         study.readings[layout.rows[order[i]]].words(),
+            const double residual = residuals[order[i]];
+            places.push_back(fmt::format("{}: {} by {} standard deviations", study.readings[order[i]].words(),
                                          residual > 0.0 ? "too high" : "too low", figure(std::abs(residual), 2)));
         }
         if (!places.empty()) {
@@ -273,6 +271,7 @@ private:
         }
     }
 
+    const DiagnoseResult& result;
     const study::Study& study;
     const std::vector<study::Variant>& variants;
     const std::vector<diagnose::Candidate>& candidates;

@@ -41,20 +41,6 @@ std::string change_words(double change) {
     return std::isfinite(change) ? fmt::format("{:+.1f}", change) : "-";
 }
 
-// Residuals in standard deviations, one a reading in the order of the data files; those not fitted are not numbers.
-std::vector<double> residuals_of(const DiagnoseResult& f, const diagnose::Model& model) {
-    std::vector<double> residuals(f.study.measured().size(), std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t t = 0; t < f.layout.rows.size(); ++t) {
-        const std::size_t row = f.layout.rows[t];
-        const data::Reading& m = f.study.readings[row];
-        const double residual = f.study.data.correlates_noise()
-                                    ? m.noise.residual(model.evaluation.responses[row], m.measured())
-                                    : model.residuals[static_cast<Eigen::Index>(t)];
-        residuals[row] = residual / std::sqrt(f.diagnosis.variance);
-    }
-    return residuals;
-}
-
 // Where the extended study of a run stands.
 std::string extended_path(const DiagnoseResult& result, const analysis::RunOptions& run) {
     return result.is_extended() ? run.folder + "/extended.toml" : "";

@@ -88,6 +88,25 @@ void keep_at_rest(fe::Course& course, Eigen::Index row) {
     }
 }
 
+// A mesh whose factor fits into the memory of this machine; throws Error for another.
+template <class Kind>
+typename Kind::Mesh affordable_mesh(const Case& nominal, int number) {
+    auto mesh = Kind::nominal_mesh(nominal, number);
+    if constexpr (Kind::Element::dim == 3) {
+        const double unknowns = 3.0 * static_cast<double>(mesh.nodes.size());
+        const double available =
+            static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+        if (solid_memory(unknowns) > available) {
+            throw Error({.key = "mesh.refine"},
+                        "a run of the load \"" + nominal.loads[number].name +
+                            "\" needs more memory than this machine has",
+                        fmt::format("about {:.0f} GB for {:.0f} unknowns", solid_memory(unknowns) / giga, unknowns),
+                        fmt::format("{:.0f} GB: a smaller refine or extent_m", available / giga));
+        }
+    }
+    return mesh;
+}
+
 template <class Kind>
 class LoadModelOf final : public LoadModel {
 public:
@@ -96,7 +115,7 @@ public:
     LoadModelOf(const Case& nominal, int load)
         : load_(load),
           breaks_(Kind::breaks(nominal, load)),
-          mesh_(Kind::nominal_mesh(nominal, load)),
+          mesh_(affordable_mesh<Kind>(nominal, load)),
           model_(fe::make_model(mesh_, linear_layers(nominal), springs_of(nominal, load))),
           incompressible_(incompressible_layers(nominal)) {}
 
@@ -521,14 +540,6 @@ std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, 
     }
     if (load.is_axisymmetric()) {
         return std::make_unique<LoadModelOf<Axisymmetric>>(nominal, number);
-    }
-    const double unknowns = 3.0 * static_cast<double>(Solid::nominal_mesh(nominal, number).nodes.size());
-    const double available = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-    if (solid_memory(unknowns) > available) {
-        throw Error({.key = "mesh.refine"},
-                    "a run of the load \"" + load.name + "\" needs more memory than this machine has",
-                    fmt::format("about {:.0f} GB for {:.0f} unknowns", solid_memory(unknowns) / giga, unknowns),
-                    fmt::format("{:.0f} GB: a smaller refine or extent_m", available / giga));
     }
     return std::make_unique<LoadModelOf<Solid>>(nominal, number);
 }
