@@ -1,5 +1,7 @@
 #include "analysis/check.h"
 
+#include "analysis/feasible.h"
+
 #include "analysis/fit.h"
 #include "analysis/map.h"
 
@@ -97,6 +99,7 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
 pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int threads) {
     if (!study.parameters.empty() && !study.groups_fitted().empty()) {
         study::make_problem(study);
+        refuse_contradictions(study);
         study::make_noise_problem(study, study::Scope::fitted);
     }
     const auto timing = measure(study);

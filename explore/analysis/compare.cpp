@@ -73,7 +73,7 @@ std::optional<double> left_out_rms(const problem::Problem& problem, run::Engine&
         "places left out", landscape::first_start_of_others, layout.places.size(),
         [&](std::size_t f, run::Chain& chain) {
             const auto& fold = layout.places[f];
-            const diagnose::Target target = diagnose::leaving_out(fold.terms, problem.readings());
+            const diagnose::Target target = diagnose::leaving_out(fold.terms, problem.rows());
             const problem::Evaluation* nearest = &answer.minima[0].evaluation;
             double lowest = std::numeric_limits<double>::infinity();
             for (const auto& e : answer.explored) {

@@ -49,6 +49,7 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
                      .alone = {},
                      .reduced = std::move(reduced),
                      .without_floor = {},
+                     .priors = {},
                      .tally = {}};
     const auto& search = options.multistart.search;
     const std::string settings =
@@ -82,6 +83,17 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
     predictor.complete(best.evaluation);
     result.joint = group_fit(study, predictor, "all", result.problem, best);
     result.local = result.joint->local;
+    if (const problem::Problem by_noise = result.problem.in_units_of_noise(); !by_noise.priors().empty()) {
+        landscape::Minimum minimum = best;
+        minimum.evaluation.misfit = by_noise.misfit(best.evaluation);
+        if (const auto acceptance = landscape::acceptance_of(by_noise, minimum)) {
+            constexpr int first = 100'000'000; // beyond the searches' own
+            result.priors = landscape::prior_influence(engine, by_noise, *acceptance, minimum, first);
+            if (!result.priors) {
+                return std::nullopt;
+            }
+        }
+    }
     if (!options.model.alone()) {
         result.without_floor = fit_without_floor(study, best.unit);
     }

@@ -3,6 +3,7 @@
 
 #include "analysis/floor.h"
 #include "analysis/groups.h"
+#include "landscape/prior_influence.h"
 
 namespace explore::analysis {
 
@@ -34,6 +35,7 @@ struct FitResult {
     std::vector<GroupFit> alone;
     std::optional<ReducedProblem> reduced;
     std::optional<WithoutFloor> without_floor;
+    std::optional<landscape::PriorInfluence> priors;
     run::Tally tally;
     double seconds_by_reduced_model = 0.0;
 

@@ -1,4 +1,5 @@
 #include "analysis/fit.h"
+#include "analysis/knowledge_words.h"
 #include "analysis/layout.h"
 
 #include "base/error.h"
@@ -101,7 +102,7 @@ std::string accused_reading(const FitResult& result) {
     const problem::Problem by_noise = result.problem.in_units_of_noise();
     const Eigen::VectorXd r = by_noise.residuals(result.best().evaluation);
     const landscape::LocalAnalysis& local = result.local;
-    const auto n = static_cast<double>(r.size());
+    const auto n = static_cast<double>(by_noise.readings());
     // With correlated noise: of a shift of that reading alone, tested in the residuals of all.
     Eigen::MatrixXd followed_by; // what the parameters follow: orthonormal columns
     if (by_noise.noise_is_correlated()) {
@@ -113,11 +114,13 @@ std::string accused_reading(const FitResult& result) {
     Eigen::Index worst = -1;
     double largest = 0.0;
     double least_p = 1.0;
-    for (Eigen::Index i = 0; i < r.size(); ++i) {
+    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(by_noise.readings()); ++i) {
         double own = 1.0 - local.leverage[i];
         double pull = r[i];
         if (by_noise.noise_is_correlated()) {
-            const Eigen::VectorXd shift = by_noise.change_by(static_cast<std::size_t>(i)).normalized();
+            Eigen::VectorXd shift = Eigen::VectorXd::Zero(r.size());
+            shift.head(static_cast<Eigen::Index>(by_noise.readings())) =
+                by_noise.change_by(static_cast<std::size_t>(i)).normalized();
             own = 1.0 - (followed_by.transpose() * shift).squaredNorm();
             pull = shift.dot(r);
         }
@@ -151,7 +154,7 @@ std::string accused_reading(const FitResult& result) {
         "One reading stands out ({:.0f} % of the sum of squares; p = {:.2g} among {}): {}, measured {:g}, "
         "model {}. Either it or the model is wrong there.",
         100.0 * largest * largest / r.squaredNorm(), std::min(1.0, n * least_p),
-        counted(static_cast<std::size_t>(r.size()), "reading", "readings"), reading.label_with_unit(), reading.value,
+        counted(by_noise.readings(), "reading", "readings"), reading.label_with_unit(), reading.value,
         figure(reading.in_unit(model)));
 }
 
@@ -171,6 +174,13 @@ std::vector<std::string> findings(const FitResult& result) {
         text.push_back(noise_words(local));
     }
     unknown_parameters(result, text);
+    if (std::string words = constraint_words(problem, best.evaluation); !words.empty()) {
+        text.push_back(std::move(words));
+    }
+    if (result.priors) {
+        const auto sentences = prior_findings(problem, *result.priors);
+        text.insert(text.end(), sentences.begin(), sentences.end());
+    }
     const std::string unfinished = best.converged ? "" : ", whose search had not converged when it was ended";
     if (starts == 1) {
         text.push_back(fmt::format("One search from one start{}: it says nothing about other minima.", unfinished));

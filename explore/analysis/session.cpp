@@ -1,5 +1,7 @@
 #include "analysis/session.h"
 
+#include "analysis/feasible.h"
+
 #include "analysis/build.h"
 #include "run/files.h"
 #include "run/parallel.h"
@@ -50,6 +52,7 @@ int Session::begin(const study::Study& study, const std::string& name, const std
     if (options_.folder.empty()) {
         return 0;
     }
+    refuse_contradictions(study);
     if (!store_) { // not before there is something to keep: a study that is refused leaves no folder
         store_.emplace(options_.folder, run::Session{.version = version,
                                                      .libraries = library_words(),

@@ -39,8 +39,8 @@ std::vector<std::string> findings(const UniqueResult& result);
 std::string combination_words(const study::Study& study, const landscape::Combination& combination);
 // Why a walk ended: "the data", "base.n at its upper bound". bounds: that it met, in words of the caller's.
 std::string end_words(landscape::WalkEnd end, const std::vector<std::string>& bounds);
-std::string end_words(const problem::ParameterSpace& space, landscape::WalkEnd end,
-                      const std::vector<landscape::BoundMet>& bounds);
+std::string end_words(const problem::Problem& problem, landscape::WalkEnd end,
+                      const std::vector<landscape::BoundMet>& bounds, const std::vector<std::size_t>& limits);
 std::vector<std::string> names_of(const problem::ParameterSpace& space, const std::vector<std::size_t>& axes);
 
 } // namespace explore::analysis

@@ -1,3 +1,4 @@
+#include "analysis/knowledge_words.h"
 #include "analysis/layout.h"
 #include "analysis/unique.h"
 
@@ -44,6 +45,11 @@ std::string model_words(const ModelOptions& model) {
 std::string unique_words(const problem::ParameterSpace& space, const Uniqueness& u) {
     std::string text = "UNIQUE within what was searched: one set of parameters, with the ranges below, fits these data";
     const auto& bounds = u.minima[0].on_bound;
+    if (u.priors && !u.priors->only.empty()) {
+        text = fmt::format("UNIQUE ONLY BY THE PRIOR: the readings alone do not determine {}; with what is known "
+                           "beforehand one set of parameters, with the ranges below, fits",
+                           pave::join(names_of(space, u.priors->only)));
+    }
     if (u.acceptance->widened) {
         text = fmt::format(
             "UNIQUE, but the data contradict the model (p = {:.2g}): one set of parameters, with the ranges "
@@ -104,8 +110,13 @@ std::string end_words(WalkEnd end, const std::vector<std::string>& bounds) {
     return "";
 }
 
-std::string end_words(const problem::ParameterSpace& space, WalkEnd end, const std::vector<landscape::BoundMet>& met) {
-    return end_words(end, bound_words(space, met));
+std::string end_words(const problem::Problem& problem, WalkEnd end, const std::vector<landscape::BoundMet>& met,
+                      const std::vector<std::size_t>& limits) {
+    std::vector<std::string> words = bound_words(problem.space, met);
+    for (const std::size_t i : limits) {
+        words.push_back("the constraint " + problem.limits[i]->text());
+    }
+    return end_words(end, words);
 }
 
 std::vector<std::string> names_of(const problem::ParameterSpace& space, const std::vector<std::size_t>& axes) {
@@ -141,6 +152,14 @@ std::vector<std::string> findings(const UniqueResult& result) {
     const auto& acceptance = *u.acceptance;
     if (u.verdict == Verdict::non_unique && !u.missing.empty()) {
         say("Not settled beyond that: " + pave::join(u.missing) + ".");
+    }
+    if (std::string words = constraint_words(result.problem, u.minima[0].evaluation); !words.empty()) {
+        say(std::move(words));
+    }
+    if (u.priors) {
+        for (std::string& sentence : prior_findings(result.problem, *u.priors)) {
+            say(std::move(sentence));
+        }
     }
     if (!u.directions.free.empty()) {
         std::vector<std::string> fixed;
@@ -195,8 +214,8 @@ std::vector<std::string> findings(const UniqueResult& result) {
         say(fmt::format(
             "The valley was followed: {}, chi2 rising by {} at most (allowed: {}). One end: {}; the other: {}.",
             pave::join(reach), figure(highest), figure(acceptance.threshold),
-            end_words(space, u.traces[0].end, u.traces[0].on_bound),
-            end_words(space, u.traces[1].end, u.traces[1].on_bound)));
+            end_words(result.problem, u.traces[0].end, u.traces[0].on_bound, u.traces[0].on_limit),
+            end_words(result.problem, u.traces[1].end, u.traces[1].on_bound, u.traces[1].on_limit)));
     }
     for (const auto& p : u.passes) {
         const bool joined = p.pass.rise < acceptance.threshold;

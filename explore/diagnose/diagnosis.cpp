@@ -104,7 +104,7 @@ public:
     Diagnosis result() { return std::move(d_); }
 
 private:
-    std::size_t readings() const { return static_cast<std::size_t>(d_.baseline.model.residuals.size()); }
+    std::size_t rows() const { return static_cast<std::size_t>(d_.baseline.model.residuals.size()); }
     Mimicry mimicry_of(const Model& model) {
         const double noise = std::sqrt(d_.variance);
         return {bench_.problem(model.members)->residual_jacobian(model.evaluation) / noise, model.unit,
@@ -297,7 +297,7 @@ private:
         // Few readings are bent far by the parameters: what the screening predicts of an effect is worth little there,
         // and a fit costs little.
         constexpr std::size_t few = 20;
-        const bool all = readings() <= few;
+        const bool all = rows() <= few;
         constexpr std::size_t leading = 12;
         constexpr std::size_t variants_each = 2;
         const auto chosen = worth_fitting(d_.screening, all ? task_.candidates.size() : leading, variants_each, all);
@@ -833,7 +833,7 @@ private:
     // begins without its effects: nothing of the readings is known to either.
     void predict_fold(const Fold& fold, const Model& best, int number,
                       const std::function<void(const Model&, const Model&)>& use) {
-        const Target target = leaving_out(fold.terms, readings());
+        const Target target = leaving_out(fold.terms, rows());
         const auto sum = [&](const Model& point) { return counted_sum(point.residuals, target); };
         const auto nearest = std::min_element(explored_.begin(), explored_.end(),
                                               [&](const Model& a, const Model& b) { return sum(a) < sum(b); });

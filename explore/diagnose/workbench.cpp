@@ -45,6 +45,8 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
         }
         sample.residuals = residuals;
         sample.jacobian = compared.residual_jacobian(e);
+        sample.limits = compared.beyond_limits(e);
+        sample.limit_jacobian = compared.limit_jacobian(e);
         for (std::size_t i = 0; i < target.left_out.size(); ++i) {
             if (target.left_out[i] != 0) {
                 sample.residuals[static_cast<Eigen::Index>(i)] = 0.0;

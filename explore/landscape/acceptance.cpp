@@ -13,7 +13,8 @@ std::optional<Acceptance> acceptance_of(const problem::Problem& problem, const M
     constexpr double level = 0.95;
     Acceptance a;
     a.noise_is_stated = problem.noise_is_stated();
-    a.degrees_of_freedom = problem.degrees_of_freedom(problem.space.axes.size() - best.on_bound.size());
+    a.degrees_of_freedom = problem.degrees_of_freedom(problem.space.axes.size() - best.on_bound.size() -
+                                                      problem.active_limits(best.evaluation).size());
     const double sum = best.evaluation.misfit * best.evaluation.misfit;
     const double dof = a.degrees_of_freedom;
     if (a.noise_is_stated) {

@@ -52,6 +52,8 @@ std::optional<Conflict> conflict_of(run::Engine& engine, const problem::Problem&
             }
             sample.residuals = own.residuals(e);
             sample.jacobian = own.residual_jacobian(e);
+            sample.limits = own.beyond_limits(e);
+            sample.limit_jacobian = own.limit_jacobian(e);
             if (sample.residuals.norm() < fit.misfit) {
                 fit.misfit = sample.residuals.norm();
                 fit.unit.assign(unit.begin(), unit.end());

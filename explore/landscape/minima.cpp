@@ -98,13 +98,13 @@ namespace {
 
 // The standard deviation of every residual, with what it says of the fit.
 Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem, LocalAnalysis& a) {
-    const auto count = static_cast<Eigen::Index>(problem.readings());
+    const auto readings = static_cast<Eigen::Index>(problem.readings());
     a.noise_is_stated = problem.noise_is_stated();
     if (!a.noise_is_stated) {
         if (a.degrees_of_freedom > 0) {
             a.noise = minimum.evaluation.misfit / std::sqrt(static_cast<double>(a.degrees_of_freedom));
         }
-        return Eigen::VectorXd::Constant(count, a.noise);
+        return Eigen::VectorXd::Constant(static_cast<Eigen::Index>(problem.rows()), a.noise);
     }
     Eigen::VectorXd noise = problem.noise(minimum.evaluation);
     a.chi2 = problem.in_units_of_noise().residuals(minimum.evaluation).squaredNorm();
@@ -115,7 +115,7 @@ Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem
     if (a.widened) {
         noise *= std::sqrt(a.chi2 / a.degrees_of_freedom);
     }
-    a.noise = noise.norm() / std::sqrt(static_cast<double>(count));
+    a.noise = noise.head(readings).norm() / std::sqrt(static_cast<double>(readings));
     return noise;
 }
 
@@ -129,7 +129,8 @@ LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     a.standard_error.assign(minimum.unit.size(), infinity);
     a.weakest.assign(minimum.unit.size(), 0.0);
     const auto bounded = bounds_met(minimum.unit).size();
-    a.degrees_of_freedom = problem.degrees_of_freedom(minimum.unit.size() - bounded);
+    a.degrees_of_freedom =
+        problem.degrees_of_freedom(minimum.unit.size() - bounded - problem.active_limits(minimum.evaluation).size());
     const Eigen::VectorXd noise = noise_of(minimum, problem, a);
     // A parameter on a bound is no more known for that: it takes part like the others.
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinU | Eigen::ComputeFullV);

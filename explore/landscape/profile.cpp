@@ -81,6 +81,8 @@ public:
             sample.residuals << residuals, weight * (quantity.value(unit, e) - target);
             sample.jacobian.resize(jacobian.rows() + 1, jacobian.cols());
             sample.jacobian << jacobian, weight * gradient.transpose();
+            sample.limits = problem_.beyond_limits(e);
+            sample.limit_jacobian = problem_.limit_jacobian(e);
             if (sample.residuals.squaredNorm() < lowest) {
                 lowest = sample.residuals.squaredNorm();
                 best = std::move(e);
@@ -236,6 +238,7 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
             branch.limit_unit =
                 clamped(here.unit, std::clamp(share, 0.0, 1.0) * (vector_of(found->unit) - vector_of(here.unit)));
             branch.on_bound = bounds_met(found->unit);
+            branch.on_limit = problem.active_limits(found->evaluation);
             branch.points.push_back(std::move(*found));
             branch.end = WalkEnd::threshold;
             return branch;
@@ -256,6 +259,7 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
         branch.points.push_back(std::move(*found));
     }
     branch.on_bound = bounds_met(here.unit);
+    branch.on_limit = problem.active_limits(here.evaluation);
     branch.limit_unit = here.unit;
     return branch;
 }
@@ -360,6 +364,7 @@ Branch trace_valley(run::Chain& chain, const problem::Problem& problem, const Ac
     }
     branch.limit = travelled;
     branch.on_bound = bounds_met(here.unit);
+    branch.on_limit = problem.active_limits(here.evaluation);
     branch.limit_unit = here.unit;
     return branch;
 }

@@ -34,9 +34,10 @@ enum class WalkEnd {
 struct Branch {
     std::vector<ProfilePoint> points; // outwards; the minimum is not among them
     WalkEnd end = WalkEnd::limit;
-    double limit = 0.0;             // value of the quantity where the walk ended; at `threshold` interpolated
-    std::vector<double> limit_unit; // and the point there
-    std::vector<BoundMet> on_bound; // parameters on a bound there
+    double limit = 0.0;                // value of the quantity where the walk ended; at `threshold` interpolated
+    std::vector<double> limit_unit;    // and the point there
+    std::vector<BoundMet> on_bound;    // parameters on a bound there
+    std::vector<std::size_t> on_limit; // limits of the problem that hold back there
 };
 
 // Walks from the minimum, up (sign = 1) or down (-1), in steps that raise sqrt(chi2) by about half of the threshold's.

@@ -63,6 +63,13 @@ public:
                 return std::nullopt;
             }
         }
+        if (result_.acceptance && !task_.fitted.priors().empty()) {
+            result_.priors = prior_influence(task_.fitted_engine, task_.fitted, *result_.acceptance, result_.minima[0],
+                                             first_of(polishing, groups_round));
+            if (!result_.priors) {
+                return std::nullopt;
+            }
+        }
         if (result_.acceptance && task_.groups.size() > 1 && !compare_groups()) {
             return std::nullopt;
         }
@@ -387,12 +394,14 @@ private:
                         range.low = branch.limit;
                         range.low_end = branch.end;
                         range.low_bounds = branch.on_bound;
+                        range.low_limits = branch.on_limit;
                         range.low_set = problem.space.physical(branch.limit_unit);
                     }
                     if (side == 1 && branch.limit > range.high) {
                         range.high = branch.limit;
                         range.high_end = branch.end;
                         range.high_bounds = branch.on_bound;
+                        range.high_limits = branch.on_limit;
                         range.high_set = problem.space.physical(branch.limit_unit);
                     }
                     range.branches.push_back(std::move(branch));
@@ -408,7 +417,14 @@ private:
         for (const std::size_t i : lowest) {
             starts.push_back(result_.sample.points[i]);
         }
-        result_.conflict = conflict_of(task_.fitted_engine, task_.fitted, *result_.acceptance, result_.minima[0],
+        Minimum joint = result_.minima[0]; // groups are compared by their readings alone
+        if (result_.priors) {
+            joint.evaluation = result_.priors->readings_alone;
+            joint.evaluation.misfit = result_.priors->readings_misfit;
+            joint.unit = task_.fitted.space.unit(joint.evaluation.parameters);
+            starts.push_back(joint.unit);
+        }
+        result_.conflict = conflict_of(task_.fitted_engine, task_.fitted.without_priors(), *result_.acceptance, joint,
                                        task_.groups, starts, first_of(groups, groups_round));
         return result_.conflict.has_value();
     }

@@ -4,6 +4,7 @@
 #include "landscape/conflict.h"
 #include "landscape/directions.h"
 #include "landscape/merge_tree.h"
+#include "landscape/prior_influence.h"
 #include "landscape/profile.h"
 #include "landscape/unseen.h"
 
@@ -57,8 +58,9 @@ struct Range {
     double low = 0.0, high = 0.0; // parameter: physical; output: SI
     std::vector<Branch> branches; // down and up from every distinct minimum the data accept
     WalkEnd low_end = WalkEnd::limit, high_end = WalkEnd::limit;
-    std::vector<BoundMet> low_bounds, high_bounds; // parameters that lie on a bound at the ends
-    std::vector<double> low_set, high_set;         // parameters of the sets at the ends, physical
+    std::vector<BoundMet> low_bounds, high_bounds;    // parameters that lie on a bound at the ends
+    std::vector<std::size_t> low_limits, high_limits; // limits that hold back there
+    std::vector<double> low_set, high_set;            // parameters of the sets at the ends, physical
 };
 
 enum class ProfileKind { bounded, one_sided, flat, incomplete };
@@ -103,7 +105,8 @@ struct Uniqueness {
     std::vector<Branch> traces;     // two, along the flattest direction; empty: none is flat
     std::vector<Range> parameters;
     std::vector<Range> outputs;
-    std::optional<Conflict> conflict; // with two groups of data or more
+    std::optional<PriorInfluence> priors; // with priors
+    std::optional<Conflict> conflict;     // with two groups of data or more
     std::vector<Projection> projections;
 };
 

@@ -75,6 +75,48 @@ VectorXd bounded_step(const MatrixXd& h, const VectorXd& g, const VectorXd& low,
     return d;
 }
 
+// The same for that and half the sum of max(0, limit + a d)^2 over the limits, of which h and g hold those above 0: the
+// steps of ever other sets of limits that count, until the set is that beyond which its own step leads.
+// foretold: how much lower all of it is at the step.
+VectorXd limited_step(const MatrixXd& h, const VectorXd& g, const VectorXd& low, const VectorXd& high,
+                      const Sample& here, double& foretold) {
+    const auto count = here.limits.size();
+    std::vector<char> counts(static_cast<std::size_t>(count));
+    for (Index i = 0; i < count; ++i) {
+        counts[static_cast<std::size_t>(i)] = here.limits[i] > 0.0 ? 1 : 0;
+    }
+    MatrixXd matrix = h;
+    VectorXd gradient = g;
+    VectorXd step = bounded_step(matrix, gradient, low, high);
+    constexpr int most = 20;
+    for (int round = 0; round < most; ++round) {
+        bool changed = false;
+        for (Index i = 0; i < count; ++i) {
+            const Eigen::RowVectorXd a = here.limit_jacobian.row(i);
+            const char now = here.limits[i] + a * step > 0.0 ? 1 : 0;
+            char& before = counts[static_cast<std::size_t>(i)];
+            if (now != before) {
+                matrix += (now - before) * a.transpose() * a;
+                gradient += (now - before) * here.limits[i] * a.transpose();
+                before = now;
+                changed = true;
+            }
+        }
+        if (!changed) {
+            break;
+        }
+        step = bounded_step(matrix, gradient, low, high);
+    }
+    // What h and g hold of the limits above 0, and what there is of all.
+    foretold = -(g.dot(step) + 0.5 * step.dot(h * step));
+    for (Index i = 0; i < count; ++i) {
+        const double there = here.limits[i] + here.limit_jacobian.row(i) * step;
+        const double held = here.limits[i] > 0.0 ? there : 0.0;
+        foretold += 0.5 * (held * held - std::max(0.0, there) * std::max(0.0, there));
+    }
+    return step;
+}
+
 } // namespace
 
 SearchResult gauss_newton(const std::vector<double>& start, const Objective& objective,
@@ -94,7 +136,12 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
     }
     double half = 0.5 * here.residuals.squaredNorm();
     result.unit = point;
-    double damping = settings.damping * here.jacobian.colwise().squaredNorm().maxCoeff();
+    Eigen::RowVectorXd sizes = here.jacobian.colwise().squaredNorm();
+    for (Index i = 0; i < here.limits.size(); ++i) { // whose steepness is no measure of the rest
+        sizes -= here.limits[i] > 0.0 ? Eigen::RowVectorXd(here.limit_jacobian.row(i).cwiseAbs2())
+                                      : Eigen::RowVectorXd(Eigen::RowVectorXd::Zero(n));
+    }
+    double damping = settings.damping * sizes.cwiseMax(0.0).maxCoeff();
     double raise = 2.0;
     MatrixXd curvature = MatrixXd::Zero(n, n); // of the residuals: sum of r_i times its Hessian, a secant estimate
     bool with_curvature = false;
@@ -120,8 +167,8 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
             low[i] = -point[static_cast<std::size_t>(i)];
             high[i] = 1.0 - point[static_cast<std::size_t>(i)];
         }
-        const VectorXd step = bounded_step(h, gradient, low, high);
-        const double foretold = -(gradient.dot(step) + 0.5 * step.dot(h * step));
+        double foretold = 0.0;
+        const VectorXd step = limited_step(h, gradient, low, high, here, foretold);
         if (foretold <= std::max(settings.misfit_tolerance * half, settings.enough)) {
             result.converged = true;
             result.ended = "the misfit no longer changes";

@@ -30,6 +30,9 @@ struct Search {
     SearchResult result;
     double best = std::numeric_limits<double>::infinity(); // half sum of squares
     double highest = 0.0;                                  // of the computed ones
+    // What the optimiser sees is this times half the sum: a start far beyond a limit has slopes that its first step
+    // would take at their word.
+    double scale = 0.0; // set by the first slope
     Sample sample;
 
     double value(const std::vector<double>& x, std::vector<double>& gradient) {
@@ -45,9 +48,14 @@ struct Search {
                 highest = std::max(highest, half);
                 if (!gradient.empty()) {
                     const Eigen::VectorXd g = sample.jacobian.transpose() * sample.residuals;
-                    std::copy(g.begin(), g.end(), gradient.begin());
+                    if (scale == 0.0) {
+                        constexpr double steepest = 1e6;
+                        scale = sample.limits.size() > 0 ? std::min(1.0, steepest / std::max(g.norm(), 1.0)) : 1.0;
+                    }
+                    const Eigen::VectorXd scaled = scale * g;
+                    std::copy(scaled.begin(), scaled.end(), gradient.begin());
                 }
-                return half;
+                return scale > 0.0 ? scale * half : half;
             }
         }
         if (answer == Answer::stop) {
@@ -117,7 +125,7 @@ SearchResult local_search(const Method& method, const std::vector<double>& start
         return gauss_newton(start, objective, settings);
     }
     nlopt::opt optimiser(*algorithm, static_cast<unsigned>(start.size()));
-    Search search{objective, optimiser, {}, std::numeric_limits<double>::infinity(), 0.0, {}};
+    Search search{objective, optimiser, {}, std::numeric_limits<double>::infinity(), 0.0, 0.0, {}};
     optimiser.set_lower_bounds(0.0);
     optimiser.set_upper_bounds(1.0);
     optimiser.set_min_objective(&Search::callback, &search);

@@ -25,6 +25,10 @@ const Method* find_method(std::string_view name);
 struct Sample {
     Eigen::VectorXd residuals;
     Eigen::MatrixXd jacobian;
+    // Of residuals that are max(0, limit), and among those above: the limit itself and its derivatives, so that a
+    // search sees one that it is not beyond. May be empty.
+    Eigen::VectorXd limits{};
+    Eigen::MatrixXd limit_jacobian{};
 };
 enum class Answer { computed, no_answer, stop };
 // Fills the sample. no_answer: the point cannot be computed; the search is led away from it and never sees NaN.

@@ -23,6 +23,14 @@ double Axis::d_physical(double unit) const {
     return scale == Scale::log ? physical(unit) * (std::log(high) - std::log(low)) : high - low;
 }
 
+double Axis::pull(double physical) const {
+    return scale == Scale::log ? std::log(physical / prior->mean) / prior->sd : (physical - prior->mean) / prior->sd;
+}
+
+double Axis::d_pull() const {
+    return (scale == Scale::log ? std::log(high) - std::log(low) : high - low) / prior->sd;
+}
+
 std::vector<double> ParameterSpace::physical(std::span<const double> unit) const {
     std::vector<double> values;
     for (std::size_t k = 0; k < axes.size(); ++k) {

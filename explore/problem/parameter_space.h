@@ -1,6 +1,7 @@
 // The box that is explored: named axes with bounds and a scale, and the map between it and the unit cube.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +10,12 @@ namespace explore::problem {
 
 enum class Scale { linear, log };
 
+// What is known of a parameter without the readings: normal on its scale.
+struct Prior {
+    double mean = 0.0; // physical; of a logarithmic axis the median
+    double sd = 1.0;   // physical; of a logarithmic axis that of the natural logarithm
+};
+
 struct Axis {
     std::string name; // with its unit, as in the study
     double low = 0.0;
@@ -16,10 +23,14 @@ struct Axis {
     Scale scale = Scale::linear;
     int points = 0;     // of a full grid; 0 = not stated, 1 = held at `start`
     double start = 0.0; // the study's own value
+    std::optional<Prior> prior{};
 
     double physical(double unit) const; // unit in [0, 1]; the ends are exact
     double unit(double physical) const;
     double d_physical(double unit) const; // d(physical)/d(unit)
+    // How many standard deviations above the prior's mean; only with a prior.
+    double pull(double physical) const;
+    double d_pull() const; // d(pull)/d(unit)
 };
 
 struct ParameterSpace {

@@ -34,6 +34,75 @@ Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
     return e;
 }
 
+std::vector<std::size_t> Problem::priors() const {
+    std::vector<std::size_t> list;
+    for (std::size_t k = 0; with_priors_ && k < space.axes.size(); ++k) {
+        if (space.axes[k].prior) {
+            list.push_back(k);
+        }
+    }
+    return list;
+}
+
+Eigen::VectorXd Problem::residuals(const Evaluation& evaluation) const {
+    const Eigen::VectorXd of_readings = misfit_.residuals(evaluation.responses);
+    const auto known = priors();
+    Eigen::VectorXd all(of_readings.size() + static_cast<Eigen::Index>(known.size() + limits.size()));
+    all.head(of_readings.size()) = of_readings;
+    for (std::size_t i = 0; i < known.size(); ++i) {
+        all[of_readings.size() + static_cast<Eigen::Index>(i)] =
+            space.axes[known[i]].pull(evaluation.parameters[known[i]]);
+    }
+    Eigen::Index row = all.size() - static_cast<Eigen::Index>(limits.size());
+    for (const auto& limit : limits) {
+        const double value = limit->value(evaluation.parameters, evaluation.responses);
+        all[row++] = limit->is_equality() || !(value < 0.0) ? value : 0.0; // what is no number stays so
+    }
+    return all;
+}
+
+std::vector<std::size_t> Problem::active_limits(const Evaluation& evaluation) const {
+    constexpr double near = -10.0;
+    std::vector<std::size_t> active;
+    for (std::size_t i = 0; i < limits.size(); ++i) {
+        if (limits[i]->is_equality() || limits[i]->value(evaluation.parameters, evaluation.responses) > near) {
+            active.push_back(i);
+        }
+    }
+    return active;
+}
+
+Eigen::RowVectorXd Problem::limit_gradient(const Limit& limit, const Evaluation& evaluation) const {
+    Eigen::RowVectorXd row = limit.gradient(evaluation.parameters, evaluation.responses, evaluation.jacobian);
+    for (Eigen::Index k = 0; k < row.size(); ++k) {
+        const Axis& axis = space.axes[static_cast<std::size_t>(k)];
+        row[k] *= axis.d_physical(axis.unit(evaluation.parameters[static_cast<std::size_t>(k)]));
+    }
+    return row;
+}
+
+Eigen::VectorXd Problem::beyond_limits(const Evaluation& evaluation) const {
+    Eigen::VectorXd values(static_cast<Eigen::Index>(limits.size()));
+    Eigen::Index count = 0;
+    for (const auto& limit : limits) {
+        if (!limit->is_equality()) {
+            values[count++] = limit->value(evaluation.parameters, evaluation.responses);
+        }
+    }
+    return values.head(count);
+}
+
+Eigen::MatrixXd Problem::limit_jacobian(const Evaluation& evaluation) const {
+    Eigen::MatrixXd j(static_cast<Eigen::Index>(limits.size()), static_cast<Eigen::Index>(space.axes.size()));
+    Eigen::Index count = 0;
+    for (const auto& limit : limits) {
+        if (!limit->is_equality()) {
+            j.row(count++) = limit_gradient(*limit, evaluation);
+        }
+    }
+    return j.topRows(count);
+}
+
 Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {
     const Eigen::VectorXd slopes = misfit_.slopes(evaluation.responses);
     Eigen::MatrixXd j(slopes.size(), evaluation.jacobian.cols());
@@ -48,7 +117,34 @@ Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {
         const Axis& axis = space.axes[static_cast<std::size_t>(k)];
         j.col(k) *= axis.d_physical(axis.unit(evaluation.parameters[static_cast<std::size_t>(k)]));
     }
+    const auto known = priors();
+    const Eigen::Index of_readings = j.rows();
+    j.conservativeResize(of_readings + static_cast<Eigen::Index>(known.size() + limits.size()), Eigen::NoChange);
+    for (std::size_t i = 0; i < known.size(); ++i) {
+        j.row(of_readings + static_cast<Eigen::Index>(i)).setZero();
+        j(of_readings + static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(known[i])) =
+            space.axes[known[i]].d_pull();
+    }
+    Eigen::Index row = j.rows() - static_cast<Eigen::Index>(limits.size());
+    for (const auto& limit : limits) {
+        const bool counts = limit->is_equality() || limit->value(evaluation.parameters, evaluation.responses) > 0.0;
+        j.row(row++) =
+            counts ? limit_gradient(*limit, evaluation) : Eigen::RowVectorXd(Eigen::RowVectorXd::Zero(j.cols()));
+    }
     return j;
+}
+
+Problem Problem::with_misfit(Misfit misfit) const {
+    Problem other(space, function, std::move(misfit));
+    other.limits = limits;
+    other.with_priors_ = with_priors_;
+    return other;
+}
+
+Problem Problem::without_priors() const {
+    Problem other = *this;
+    other.with_priors_ = false;
+    return other;
 }
 
 Eigen::VectorXd Problem::change_by(std::size_t i) const {
@@ -60,7 +156,7 @@ Problem Problem::setting_apart(const std::vector<char>& readings) const {
     for (std::size_t i = 0; i < terms.size(); ++i) {
         terms[i].place.load = readings[i] != 0 ? -1 : terms[i].place.load;
     }
-    return {space, function, {misfit_.kind(), std::move(terms)}};
+    return with_misfit({misfit_.kind(), std::move(terms)});
 }
 
 bool Problem::noise_is_stated() const {
@@ -74,6 +170,9 @@ Eigen::VectorXd Problem::noise(const Evaluation& evaluation) const {
         const Misfit::Term& term = misfit_.terms()[static_cast<std::size_t>(i)];
         noise[i] *= term.noise.deviation(evaluation.responses[term.response]);
     }
+    const auto of_readings = noise.size();
+    noise.conservativeResize(static_cast<Eigen::Index>(rows()));
+    noise.tail(noise.size() - of_readings).setOnes();
     return noise;
 }
 
@@ -83,7 +182,7 @@ Problem Problem::with_readings(const std::vector<std::size_t>& residuals) const 
     for (const std::size_t i : residuals) {
         terms.push_back(misfit_.terms()[i]);
     }
-    return {space, function, {misfit_.kind(), std::move(terms)}};
+    return with_misfit({misfit_.kind(), std::move(terms)}).without_priors();
 }
 
 Problem Problem::in_units_of_noise() const {
@@ -94,7 +193,7 @@ Problem Problem::in_units_of_noise() const {
     for (Misfit::Term& term : terms) {
         term.factor = 1.0;
     }
-    return {space, function, {MisfitKind::noise, std::move(terms)}};
+    return with_misfit({MisfitKind::noise, std::move(terms)});
 }
 
 } // namespace explore::problem

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "problem/forward_function.h"
+#include "problem/limit.h"
 #include "problem/misfit.h"
 #include "problem/parameter_space.h"
 
@@ -24,8 +25,12 @@ struct Evaluation {
     bool converged() const { return status == pave::Status::converged; }
 };
 
-// The likelihood is the problem's own: whoever wants residuals, their derivatives, degrees of freedom or the noise that
-// is assumed asks here. Everything but `function` is cheap.
+// The likelihood and the priors are the problem's own: whoever wants residuals, their derivatives, degrees of freedom
+// or the noise that is assumed asks here. Everything but `function` is cheap.
+//
+// Rows are what the sum of squares is of: a residual each reading, then the pull of every prior in standard deviations,
+// in the order of the axes, then how far each limit is not met (problem/limit.h). With the readings in units of their
+// noise the sum is -2 ln(posterior density) but for a constant.
 class Problem {
 public:
     Problem(ParameterSpace own_space, std::shared_ptr<const ForwardFunction> own_function, Misfit misfit)
@@ -35,20 +40,24 @@ public:
 
     ParameterSpace space;
     std::shared_ptr<const ForwardFunction> function;
+    std::vector<std::shared_ptr<const Limit>> limits;
 
     // unit: a point of the unit cube.
     Evaluation evaluate(std::span<const double> unit, bool with_jacobian, ForwardFunction::Workspace& workspace) const;
 
     // Readings that are compared: one residual each.
     std::size_t readings() const { return misfit_.size(); }
+    std::size_t rows() const { return readings() + priors().size() + limits.size(); }
+    // Axes with a prior that counts.
+    std::vector<std::size_t> priors() const;
     // Which response residual i compares.
     std::size_t response_of(std::size_t i) const { return misfit_.terms()[i].response; }
     double measured(std::size_t i) const { return misfit_.terms()[i].measured; } // SI
 
-    // Of a converged evaluation, whoever made it.
-    Eigen::VectorXd residuals(const Evaluation& evaluation) const { return misfit_.residuals(evaluation.responses); }
+    // One a row, of a converged evaluation, whoever made it.
+    Eigen::VectorXd residuals(const Evaluation& evaluation) const;
     double misfit(const Evaluation& evaluation) const { return residuals(evaluation).norm(); }
-    // d(residuals)/d(unit coordinates) of an evaluation with a jacobian.
+    // d(residuals)/d(unit coordinates) of an evaluation with a jacobian; rows x parameters.
     Eigen::MatrixXd residual_jacobian(const Evaluation& evaluation) const;
 
     // Where the stated noise of readings is correlated, residuals are combinations of them that are independent
@@ -57,26 +66,41 @@ public:
         return misfit_.single_residuals(evaluation.responses);
     }
     bool noise_is_correlated() const { return misfit_.is_correlated(); }
-    // d(residuals)/d(single residual i), the noise of the others fixed: how an error of that reading alone shows.
+    // d(residuals of readings)/d(single residual i), the noise of the others fixed: how an error of that reading alone
+    // shows.
     Eigen::VectorXd change_by(std::size_t i) const;
-    // The same question where these readings (1 each) have noise of their own, correlated with none: then the residuals
-    // of the others say nothing of them.
+    // The same question where these rows (1 each; a prior's means nothing) have noise of their own, correlated with
+    // none: then the residuals of the others say nothing of them.
     Problem setting_apart(const std::vector<char>& readings) const;
 
-    // Readings less the parameters that are free.
-    int degrees_of_freedom(std::size_t free) const { return static_cast<int>(readings()) - static_cast<int>(free); }
+    // Readings and priors less the parameters that are free.
+    int degrees_of_freedom(std::size_t free) const {
+        return static_cast<int>(readings() + priors().size()) - static_cast<int>(free);
+    }
     // Whether every reading states its noise.
     bool noise_is_stated() const;
-    // Standard deviation of every residual by the stated noise, at the value of the model; 0: not stated.
+    // Which limits hold back here: equalities, and those within ten tolerances of it.
+    std::vector<std::size_t> active_limits(const Evaluation& evaluation) const;
+    // How far beyond each limit that is no equality, below 0 within it, and d(that)/d(unit coordinates).
+    Eigen::VectorXd beyond_limits(const Evaluation& evaluation) const;
+    Eigen::MatrixXd limit_jacobian(const Evaluation& evaluation) const;
+
+    // Standard deviation of every row by the stated noise, at the value of the model; 0: not stated.
     Eigen::VectorXd noise(const Evaluation& evaluation) const;
 
-    // The same question with these residuals alone.
+    // The same question without what is known beforehand.
+    Problem without_priors() const;
+    // The same question with these readings alone, and without priors.
     Problem with_readings(const std::vector<std::size_t>& residuals) const;
     // The same with every residual in units of its noise and all of one weight, where all state one; else as it is.
     Problem in_units_of_noise() const;
 
 private:
+    Problem with_misfit(Misfit misfit) const;
+    Eigen::RowVectorXd limit_gradient(const Limit& limit, const Evaluation& evaluation) const;
+
     Misfit misfit_;
+    bool with_priors_ = true;
 };
 
 } // namespace explore::problem

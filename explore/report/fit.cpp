@@ -132,6 +132,12 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
     if (result.reduced) {
         json["reduced_model"] = reduced_json(*result.reduced);
     }
+    if (!result.problem.limits.empty()) {
+        json["constraints"] = constraints_json(result.problem, best.evaluation);
+    }
+    if (result.priors) {
+        json["priors"] = priors_json(result.problem, best.evaluation.parameters, *result.priors);
+    }
     json["readings"] = result.problem.readings();
     json["free_parameters"] = space.axes.size() - best.on_bound.size();
     json["at_bounds"] = Json::array();
@@ -194,7 +200,7 @@ std::string fit_text(const FitResult& result, const analysis::RunOptions& run) {
     }
     text += fmt::format("\nBest fit: misfit f = {} ({} residuals, root mean square {})\n",
                         figure(best.evaluation.misfit), to_string(study.data.misfit),
-                        figure(best.evaluation.misfit / std::sqrt(static_cast<double>(problem.readings()))));
+                        figure(best.evaluation.misfit / std::sqrt(static_cast<double>(problem.rows()))));
     Table parameters({"parameter", "value", "std. error", "min", "max"});
     for (std::size_t k = 0; k < best.unit.size(); ++k) {
         const problem::Axis& axis = problem.space.axes[k];

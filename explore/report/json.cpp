@@ -1,5 +1,6 @@
 #include "report/json.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace explore::report {
@@ -106,6 +107,36 @@ Json reduced_json(const analysis::ReducedProblem& reduced) {
                                  {"error_95", load.report.error_95}});
     }
     return json;
+}
+
+Json constraints_json(const problem::Problem& problem, const problem::Evaluation& answer) {
+    const auto active = problem.active_limits(answer);
+    Json list = Json::array();
+    for (std::size_t i = 0; i < problem.limits.size(); ++i) {
+        list.push_back({{"that", problem.limits[i]->text()},
+                        {"active", std::find(active.begin(), active.end(), i) != active.end()}});
+    }
+    return list;
+}
+
+Json priors_json(const problem::Problem& problem, const std::vector<double>& values,
+                 const landscape::PriorInfluence& influence) {
+    Json parameters = Json::array();
+    for (std::size_t k = 0; k < problem.space.axes.size(); ++k) {
+        const problem::Axis& axis = problem.space.axes[k];
+        Json parameter = {
+            {"name", axis.name}, {"share", influence.share[k]}, {"readings_want", influence.readings_want[k]}};
+        if (axis.prior) {
+            parameter["mean"] = axis.prior->mean;
+            parameter["sd"] = axis.prior->sd;
+            parameter["pull"] = axis.pull(values[k]);
+        }
+        parameters.push_back(std::move(parameter));
+    }
+    return {{"parameters", parameters},
+            {"statistic", influence.statistic},
+            {"degrees_of_freedom", influence.degrees_of_freedom},
+            {"p_value", influence.p_value}};
 }
 
 } // namespace explore::report

@@ -3,6 +3,7 @@
 
 #include "analysis/session.h"
 #include "landscape/minima.h"
+#include "landscape/prior_influence.h"
 
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -47,5 +48,14 @@ Json status_counts(const std::vector<problem::Evaluation>& evaluations);
 Json minimum_json(const problem::Problem& problem, const landscape::Minimum& minimum);
 Json minimum_json(const problem::ParameterSpace& space, const landscape::Minimum& minimum,
                   const landscape::LocalAnalysis& analysis);
+
+// [{"that", "active"}]: the study's constraints, and whether each holds the answer back.
+Json constraints_json(const problem::Problem& problem, const problem::Evaluation& answer);
+
+// {"parameters": [{"name", "share", "readings_want", ("mean", "sd", "pull")}], "statistic", "degrees_of_freedom",
+// "p_value"}: share of the information on each that comes from priors, what the readings alone call for, and the test
+// of the priors against the readings. values: the answer's.
+Json priors_json(const problem::Problem& problem, const std::vector<double>& values,
+                 const landscape::PriorInfluence& influence);
 
 } // namespace explore::report

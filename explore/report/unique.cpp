@@ -94,6 +94,13 @@ Json answer_json(const UniqueResult& result) {
         }
         json["passes"].push_back({{"a", p.a}, {"b", p.b}, {"rise", p.pass.rise}, {"way", way}});
     }
+    if (!problem.limits.empty()) {
+        json["constraints"] = constraints_json(problem, u.minima[0].evaluation);
+    }
+    if (u.priors) {
+        json["priors"] = priors_json(problem, u.minima[0].evaluation.parameters, *u.priors);
+        json["only_by_prior"] = analysis::names_of(space, u.priors->only);
+    }
     if (u.acceptance) {
         json["acceptance"] = {{"noise", u.acceptance->noise_is_stated ? "stated" : "estimated"},
                               {"degrees_of_freedom", u.acceptance->degrees_of_freedom},
@@ -110,14 +117,15 @@ Json answer_json(const UniqueResult& result) {
         for (const auto& b : range.branches) {
             branches.push_back(branch_json(b, to_unit, physical));
         }
-        return Json{{"low", range.low / to_unit},
-                    {"high", range.high / to_unit},
-                    {"kind", landscape::profile_kind_names[static_cast<int>(kind_of(range))]},
-                    {"low_stopped_by", analysis::end_words(space, range.low_end, range.low_bounds)},
-                    {"high_stopped_by", analysis::end_words(space, range.high_end, range.high_bounds)},
-                    {"low_set", parameters_json(space, range.low_set)},
-                    {"high_set", parameters_json(space, range.high_set)},
-                    {"profile", branches}};
+        return Json{
+            {"low", range.low / to_unit},
+            {"high", range.high / to_unit},
+            {"kind", landscape::profile_kind_names[static_cast<int>(kind_of(range))]},
+            {"low_stopped_by", analysis::end_words(problem, range.low_end, range.low_bounds, range.low_limits)},
+            {"high_stopped_by", analysis::end_words(problem, range.high_end, range.high_bounds, range.high_limits)},
+            {"low_set", parameters_json(space, range.low_set)},
+            {"high_set", parameters_json(space, range.high_set)},
+            {"profile", branches}};
     };
     json["profiles"] = Json::array();
     for (std::size_t k = 0; k < u.parameters.size(); ++k) {
@@ -140,7 +148,8 @@ Json answer_json(const UniqueResult& result) {
             points.push_back({{"parameters", parameters_json(space, p.evaluation.parameters)}, {"rise", p.rise}});
         }
         json["traces"].push_back(
-            {{"stopped_by", analysis::end_words(space, trace.end, trace.on_bound)}, {"points", points}});
+            {{"stopped_by", analysis::end_words(problem, trace.end, trace.on_bound, trace.on_limit)},
+             {"points", points}});
     }
     if (u.conflict) {
         Json alone = Json::array();

@@ -253,6 +253,8 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
                     sample.residuals = m.problem.residuals(e);
                     if (method.uses_gradient) {
                         sample.jacobian = m.problem.residual_jacobian(e);
+                        sample.limits = m.problem.beyond_limits(e);
+                        sample.limit_jacobian = m.problem.limit_jacobian(e);
                     }
                     if (e.misfit < best) {
                         best = e.misfit;

@@ -54,6 +54,11 @@ std::span<const Key> study_keys() {
         parameter_min,
         parameter_max,
         parameter_points,
+        parameter_prior,
+        prior_mean,
+        prior_sd,
+        parameter_equals,
+        constraint_that,
     };
     return all;
 }

@@ -317,6 +317,32 @@ inline constexpr Key parameter_max{.table = "[[parameters]]",
                                    .kind = number,
                                    .allowed = "the range of its key, above min",
                                    .meaning = "upper bound"};
+inline constexpr Key parameter_prior{.table = "[[parameters]]",
+                                     .key = "prior",
+                                     .kind = table,
+                                     .allowed = "`{ mean = ..., sd = ... }`",
+                                     .without = "nothing but the bounds is known",
+                                     .meaning =
+                                         "what is known without the readings: normal; with scale `log`, the logarithm "
+                                         "is"};
+inline constexpr Key prior_mean{.table = "prior of a parameter",
+                                .key = "mean",
+                                .kind = number,
+                                .allowed = "`min` to `max`",
+                                .meaning = "its mean; with scale `log` its median"};
+inline constexpr Key prior_sd{.table = "prior of a parameter",
+                              .key = "sd",
+                              .kind = number,
+                              .low = 0.0,
+                              .high = 1e9,
+                              .low_is_open = true,
+                              .meaning = "its standard deviation; with scale `log` that of the natural logarithm"};
+inline constexpr Key parameter_equals{
+    .table = "[[parameters]]",
+    .key = "equals",
+    .allowed = "arithmetic of numbers, LAYER.KEY, LOAD.KEY and EFFECT.size",
+    .without = "it is searched between min and max",
+    .meaning = "the number is not searched but follows others, as in `0.7 * base.k1`; then no other key stands here"};
 inline constexpr Key parameter_points{.table = "[[parameters]]",
                                       .key = "points",
                                       .kind = whole_number,
@@ -324,6 +350,13 @@ inline constexpr Key parameter_points{.table = "[[parameters]]",
                                       .high = 100000,
                                       .without = "as many as the design asks for",
                                       .meaning = "of a grid along this axis; 1 holds it at the study's value"};
+
+inline constexpr Key constraint_that{
+    .table = "[[constraints]]",
+    .key = "that",
+    .allowed = "two sides with `<=`, `>=` or `==` between them, each arithmetic of numbers, LAYER.KEY, LOAD.KEY, "
+               "EFFECT.size and names of outputs",
+    .meaning = "what the answer must meet, as in `base.k1 <= 3 * subbase.k1`"};
 
 } // namespace keys
 

@@ -2,6 +2,7 @@
 
 #include "material/catalog.h"
 #include "pavement/effects/catalog.h"
+#include "pavement/tie.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -42,6 +43,7 @@ public:
     static Json pack(const pave::fe::Field&) {
         throw std::logic_error("fields come from effects, which travel themselves");
     }
+    static Json pack(const Tie& tie) { return Json::array({tie.path, tie.expression.text()}); }
     template <class T>
     static Json pack(const std::optional<T>& value) {
         return value ? Json(Json::array({pack(*value)})) : Json(Json::array());
@@ -93,6 +95,7 @@ public:
             throw std::runtime_error("no effect is called " + packed.get<std::string>());
         }
     }
+    static void unpack(const Json& packed, std::pair<std::string, std::string>& texts) { packed.get_to(texts); }
     static void unpack(const Json&, pave::fe::Field&) { throw std::runtime_error("fields do not travel"); }
     template <class T>
     static void unpack(const Json& packed, std::optional<T>& value) {
@@ -145,8 +148,16 @@ void members(Archive& archive, T& value) {
         archive(effect, size, present, layer, load, quantity, reading, thickness);
     } else {
         static_assert(std::is_same_v<Own, Case>);
-        auto& [layers, loads, sensors, settings, effects, half_space] = value;
-        archive(layers, loads, sensors, settings, effects, half_space);
+        auto& [layers, loads, sensors, settings, effects, half_space, ties] = value;
+        if constexpr (std::is_const_v<T>) {
+            archive(layers, loads, sensors, settings, effects, half_space, ties);
+        } else { // ties are made when all that they read is there
+            std::vector<std::pair<std::string, std::string>> texts;
+            archive(layers, loads, sensors, settings, effects, half_space, texts);
+            for (const auto& [path, text] : texts) {
+                add_tie(value, path, text, {});
+            }
+        }
     }
 }
 
@@ -205,6 +216,9 @@ pave::Outcome<Case> case_at(const Case& model, const std::vector<Parameter>& par
                                              p.low, p.low_is_open ? "<" : "<=", p.high)};
         }
         p.in(c) = values[k] * p.to_si;
+    }
+    if (std::string wrong = apply_ties(c); !wrong.empty()) {
+        return pave::Failure{pave::Status::invalid_parameters, std::move(wrong)};
     }
     return c;
 }

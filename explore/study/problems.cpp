@@ -1,11 +1,14 @@
 #include "study/problems.h"
 
 #include "base/error.h"
+#include "study/constraints.h"
 #include "study/pavement_function.h"
 #include "study/readings.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 
 namespace explore::study {
 namespace {
@@ -57,7 +60,14 @@ problem::Problem problem_of(const Study& study, const std::vector<bool>& loads, 
         throw pave::Error({.file = study.file, .key = "parameters"}, "too many parameters",
                           fmt::format("{}", study.space.dimension()), "at most 40");
     }
-    return {study.space, make_function(study.model, study.parameters, loads), std::move(misfit)};
+    std::vector<bool> needed = loads;
+    if (!needed.empty()) { // empty: all
+        const std::vector<bool> constrained = constrained_loads(study);
+        std::transform(needed.begin(), needed.end(), constrained.begin(), needed.begin(), std::logical_or<>());
+    }
+    problem::Problem problem(study.space, make_function(study.model, study.parameters, needed), std::move(misfit));
+    problem.limits = limits_of(study);
+    return problem;
 }
 
 } // namespace
@@ -91,7 +101,16 @@ problem::Problem make_problem(const Study& study, Scope scope) {
             factor.insert(factor.end(), group.rows.size(), std::sqrt(group.weight));
         }
     }
-    return problem_of(study, loads, misfit_of(study, rows, factor));
+    problem::Problem problem = problem_of(study, loads, misfit_of(study, rows, factor));
+    if (const auto known = problem.priors();
+        !known.empty() && (study.data.misfit != problem::MisfitKind::weighted || !problem.noise_is_stated())) {
+        throw pave::Error({.file = study.file, .key = "parameter \"" + study.space.axes[known[0]].name + "\" prior"},
+                          "what is known of a parameter is weighed against the noise of the readings",
+                          problem.noise_is_stated() ? fmt::format("misfit = \"{}\"", to_string(study.data.misfit))
+                                                    : "readings without stated noise",
+                          "misfit = \"weighted\" and a sigma of every reading, or [data.noise]");
+    }
+    return problem;
 }
 
 problem::Problem make_noise_problem(const Study& study, Scope scope) {
@@ -101,7 +120,7 @@ problem::Problem make_noise_problem(const Study& study, Scope scope) {
 problem::Problem make_problem(const Study& study, const Group& group) {
     std::vector<bool> loads(study.model.loads.size(), false);
     loads[static_cast<std::size_t>(study.model.sensors[group.rows[0]].load)] = true;
-    return problem_of(study, loads, misfit_of(study, group.rows));
+    return problem_of(study, loads, misfit_of(study, group.rows)).without_priors();
 }
 
 double group_rms(const Study& study, const Group& group, const std::vector<double>& responses) {

@@ -16,7 +16,7 @@ std::vector<bool> fitted_loads(const Study& study);
 // The problem the explorer works on, with the study's own misfit: the readings that are not held out, weighed. Throws
 // pave::Error when the study has no parameters or no measurements.
 problem::Problem make_problem(const Study& study, Scope scope = Scope::everything);
-// One group of readings alone, each with weight 1.
+// One group of readings alone, each with weight 1, and no priors.
 problem::Problem make_problem(const Study& study, const Group& group);
 // The same problem with every residual in units of its stated noise, whatever the misfit and the weights of the study:
 // what statements of probability need. The same as make_problem where the noise is not stated.

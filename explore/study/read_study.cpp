@@ -4,6 +4,8 @@
 #include "data/csv.h"
 #include "material/catalog.h"
 #include "pavement/effects/catalog.h"
+#include "pavement/tie.h"
+#include "study/constraints.h"
 #include "study/readings.h"
 #include "study/table_reader.h"
 
@@ -206,12 +208,43 @@ void read_parameter(const toml::table& table, Study& study) {
                               "each once");
         }
     }
+    if (const auto* prior = reader.table(keys::parameter_prior)) {
+        TableReader r(*prior, study.file, "prior of \"" + axis.name + "\"");
+        axis.prior = problem::Prior{.mean = r.number(keys::prior_mean, axis.low, axis.high, false),
+                                    .sd = r.number(keys::prior_sd)};
+        r.done();
+    }
     reader.done();
     if (parameter.in_effect) {
         study.model.effects[parameter.owner].present = true;
     }
     study.parameters.push_back(parameter);
     study.space.axes.push_back(std::move(axis));
+}
+
+// A number that follows others.
+void read_tie(const toml::table& table, Study& study) {
+    TableReader reader(table, study.file, "[[parameters]]");
+    const std::string path = reader.text(keys::parameter_name);
+    const std::string expression = reader.text(keys::parameter_equals);
+    for (const auto& [key, node] : table) {
+        if (key.str() != std::string_view(keys::parameter_name) &&
+            key.str() != std::string_view(keys::parameter_equals)) {
+            throw pave::Error(reader.place(key.str()), "what follows other numbers is not searched",
+                              "\"" + std::string(key.str()) + "\"", "name and equals alone");
+        }
+    }
+    const auto axis = std::find_if(study.space.axes.begin(), study.space.axes.end(),
+                                   [&](const auto& other) { return other.name == path; });
+    const bool is_tied =
+        std::any_of(study.model.ties.begin(), study.model.ties.end(), [&](const Tie& tie) { return tie.path == path; });
+    if (axis != study.space.axes.end() || is_tied) {
+        throw pave::Error(reader.place("name"), "this parameter stands twice", "\"" + path + "\"", "each once");
+    }
+    add_tie(study.model, path, expression, reader.place(keys::parameter_equals));
+    if (const Parameter parameter = find_parameter(study.model, path, {}); parameter.in_effect) {
+        study.model.effects[static_cast<std::size_t>(parameter.owner)].present = true;
+    }
 }
 
 // of: the reader of [data].
@@ -401,8 +434,27 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
     for (const auto* effect : reader.tables("effects")) {
         read_effect(*effect, study);
     }
-    for (const auto* parameter : reader.tables("parameters")) {
-        read_parameter(*parameter, study);
+    const auto parameters = reader.tables("parameters");
+    for (const auto* parameter : parameters) {
+        if (!parameter->contains(keys::parameter_equals.key)) {
+            read_parameter(*parameter, study);
+        }
+    }
+    for (const auto* parameter : parameters) {
+        if (parameter->contains(keys::parameter_equals.key)) {
+            read_tie(*parameter, study);
+        }
+    }
+    if (const std::string wrong = apply_ties(study.model); !wrong.empty()) {
+        throw pave::Error({.file = file, .key = "[[parameters]] equals"},
+                          "a number that follows others is out of range", wrong,
+                          "values of the others that keep it in range");
+    }
+    for (const auto* constraint : reader.tables("constraints")) {
+        TableReader r(*constraint, file, "[[constraints]]");
+        const std::string text = r.text(keys::constraint_that);
+        study.constraints.push_back(read_constraint(study, text, r.place(keys::constraint_that)));
+        r.done();
     }
     reader.done();
     if (read_file && study.model.sensors.empty()) {

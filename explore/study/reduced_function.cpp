@@ -114,6 +114,11 @@ std::string why_no_reduced_model(const Study& study) {
             return fmt::format("{} changes more than materials, initial stress and the size of the load", p.path);
         }
     }
+    for (const Tie& tie : study.model.ties) {
+        if (const Parameter p = find_parameter(study.model, tie.path, {}); p.changes_geometry() || p.in_effect) {
+            return fmt::format("{} changes more than materials, initial stress and the size of the load", p.path);
+        }
+    }
     return {};
 }
 

@@ -43,6 +43,16 @@ struct Group {
     bool held_out = false;         // predicted, never fitted
 };
 
+// A condition that the answer must meet, over paths of the model and names of outputs, in file units.
+struct Constraint {
+    enum class Relation { at_most, at_least, equal }; // of the left side to the right one
+    std::string text;                                 // as written
+    pave::Expression left, right;
+    Relation relation = Relation::at_most;
+    double tolerance = 1.0; // how far apart the sides may be where they should be equal
+    int line = 0;
+};
+
 struct Study {
     std::string file; // as given by the user
     std::string text; // of the file
@@ -51,6 +61,7 @@ struct Study {
     std::vector<data::Reading> readings; // what each sensor of the model reads: the measured ones first, then outputs
     std::vector<pave::pavement::Parameter> parameters;
     problem::ParameterSpace space;
+    std::vector<Constraint> constraints;
     DataSettings data;
     std::vector<Group> groups; // of the measured readings, in their order
     NoiseSource noise = NoiseSource::estimated;

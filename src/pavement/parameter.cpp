@@ -143,9 +143,13 @@ double Parameter::get(const Case& c) const {
 
 namespace {
 
-// Calls f(parameter) for every number of the case.
+// Calls f(parameter) for every number of the case, or for that of one path alone.
 template <class F>
-void each_parameter(const Case& c, F f) {
+void each_parameter(const Case& c, F f, std::string_view only = {}) {
+    const auto is_wanted = [&](std::string_view owner, std::string_view key) {
+        return only.empty() || (only.size() == owner.size() + 1 + key.size() && only.starts_with(owner) &&
+                                only[owner.size()] == '.' && only.ends_with(key));
+    };
     const auto of_key = [](const KeyInfo& key) {
         Parameter p;
         p.key = &key;
@@ -158,6 +162,9 @@ void each_parameter(const Case& c, F f) {
     for (std::size_t l = 0; l < c.layers.size(); ++l) {
         const Layer& layer = c.layers[l];
         for (const KeyInfo& key : layer_keys()) {
+            if (!is_wanted(layer.name, key.key)) {
+                continue;
+            }
             Parameter p = of_key(key);
             p.path = layer.name + "." + std::string(key.key);
             p.owner = static_cast<int>(l);
@@ -165,7 +172,7 @@ void each_parameter(const Case& c, F f) {
         }
         const auto infos = layer.law->parameters();
         for (std::size_t i = 0; i < infos.size(); ++i) {
-            if (!infos[i].choices.empty()) {
+            if (!infos[i].choices.empty() || !is_wanted(layer.name, infos[i].key)) {
                 continue;
             }
             Parameter p;
@@ -181,6 +188,9 @@ void each_parameter(const Case& c, F f) {
     }
     for (std::size_t l = 0; l < c.loads.size(); ++l) {
         for (const KeyInfo& key : load_keys(c.loads[l].type, c.loads[l].patch)) {
+            if (!is_wanted(c.loads[l].name, key.key)) {
+                continue;
+            }
             Parameter p = of_key(key);
             p.path = c.loads[l].name + "." + std::string(key.key);
             p.in_load = true;
@@ -190,6 +200,9 @@ void each_parameter(const Case& c, F f) {
     }
     for (std::size_t i = 0; i < c.effects.size(); ++i) {
         const Effect& effect = *c.effects[i].effect;
+        if (!is_wanted(effect.name, "size")) {
+            continue;
+        }
         Parameter p;
         p.path = std::string(effect.name) + ".size";
         p.in_effect = true;
@@ -210,11 +223,10 @@ std::vector<std::string> parameter_paths(const Case& c) {
 
 Parameter find_parameter(const Case& c, std::string_view path, const Place& place) {
     std::optional<Parameter> found;
-    each_parameter(c, [&](const Parameter& p) {
-        if (p.path == path) {
-            found = p;
-        }
-    });
+    if (!path.empty()) {
+        each_parameter(
+            c, [&](const Parameter& p) { found = p; }, path);
+    }
     if (!found) {
         const auto paths = parameter_paths(c);
         const std::string near = nearest_name(path, paths);
@@ -359,7 +371,8 @@ std::optional<Derivative> direct_derivative(const Case& c, const Parameter& para
 
 std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter, int load) {
     Case here = with_effects(c, load);
-    if (std::none_of(c.effects.begin(), c.effects.end(), [](const AppliedEffect& e) { return is_active(e); })) {
+    if (c.ties.empty() &&
+        std::none_of(c.effects.begin(), c.effects.end(), [](const AppliedEffect& e) { return is_active(e); })) {
         return direct_derivative(c, parameter, load);
     }
     const double value = parameter.get(c);

@@ -1,6 +1,7 @@
 // Plain values of pavement engineering: layers, loads, sensors, settings. SI units.
 #pragma once
 
+#include "base/expression.h"
 #include "fe/solver.h"
 #include "material/law.h"
 
@@ -148,6 +149,12 @@ struct AppliedEffect {
     std::optional<double> thickness{}; // m, of a sublayer
 };
 
+// A number of a case that follows others: pavement/tie.h.
+struct Tie {
+    std::string path;
+    Expression expression;
+};
+
 // Everything a forward run is a function of.
 struct Case {
     std::vector<Layer> layers; // top to bottom, on a rigid rough floor unless half_space
@@ -157,6 +164,7 @@ struct Case {
     std::vector<AppliedEffect> effects; // what the above does not say; applied in this order
     // The last layer goes on for ever: its thickness is how deep finite elements reach before those without end.
     bool half_space = false;
+    std::vector<Tie> ties{}; // set before the effects act, each after those it reads
 
     double depth() const;
     // Whether the response depends on the duration of the load.

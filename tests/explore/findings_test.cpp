@@ -112,12 +112,13 @@ TEST(CombinationsInWords, HaveTheStressesOfTheirLaw) {
 }
 
 TEST(EndsOfWalks, AreNamedByWhatStoppedThem) {
-    const auto space = study_in_memory("uzan").space;
+    const problem::Problem problem(study_in_memory("uzan").space, nullptr, {problem::MisfitKind::log, {}});
     using landscape::WalkEnd;
-    EXPECT_EQ(analysis::end_words(space, WalkEnd::threshold, {}), "the data");
-    EXPECT_EQ(analysis::end_words(space, WalkEnd::threshold, {{1, true}}), "the data, with base.k2 at its upper bound");
-    EXPECT_EQ(analysis::end_words(space, WalkEnd::bound, {{0, false}}), "base.k1 at its lower bound");
-    EXPECT_EQ(analysis::end_words(space, WalkEnd::hole, {}), "points without an answer");
+    EXPECT_EQ(analysis::end_words(problem, WalkEnd::threshold, {}, {}), "the data");
+    EXPECT_EQ(analysis::end_words(problem, WalkEnd::threshold, {{1, true}}, {}),
+              "the data, with base.k2 at its upper bound");
+    EXPECT_EQ(analysis::end_words(problem, WalkEnd::bound, {{0, false}}, {}), "base.k1 at its lower bound");
+    EXPECT_EQ(analysis::end_words(problem, WalkEnd::hole, {}, {}), "points without an answer");
 }
 
 TEST(Readings, OfOnePlaceShareTheirWordsAndOthersDoNot) {

@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "material/catalog.h"
+#include "pavement/tie.h"
 
 #include <algorithm>
 #include <cmath>
@@ -62,6 +63,8 @@ AppliedEffect with_layer(const Case& c, AppliedEffect applied) {
 
 Case with_effects(const Case& c, int load) {
     Case out = c;
+    apply_ties(out);
+    out.ties.clear();
     out.effects.clear();
     for (const AppliedEffect& applied : c.effects) {
         if (is_active(applied)) {

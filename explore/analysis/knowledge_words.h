@@ -1,0 +1,20 @@
+// What priors and constraints did to an answer, in sentences.
+#pragma once
+
+#include "landscape/prior_influence.h"
+
+#include <string>
+#include <vector>
+
+namespace explore::analysis {
+
+// "0.6 +- 0.1"; of a logarithmic axis "500, times or divided by 1.22"
+std::string prior_words(const problem::Axis& axis);
+
+// Conflict first, then what is known by the priors alone, then the shares of information.
+std::vector<std::string> prior_findings(const problem::Problem& problem, const landscape::PriorInfluence& influence);
+
+// Which constraints hold the answer back; "": none.
+std::string constraint_words(const problem::Problem& problem, const problem::Evaluation& answer);
+
+} // namespace explore::analysis

@@ -1,0 +1,91 @@
+"""Priors, numbers that follow others and constraints as a user meets them."""
+from support import *
+
+folder = workspace()
+WEIGHTED = STUDY.replace('misfit = "log"', 'misfit = "weighted"\nnoise_relative = 0.02')
+
+
+def fit(label, text, *options):
+    done = run("fit", write_study(folder / label, text), "--json", "--out", folder / label / "out", "--explore", 32,
+               "--starts", 4, "--joint-only", *options)
+    check(done.returncode == 0, f"{label}: {done.stderr}")
+    return json.loads(done.stdout)
+
+
+def after(name, addition):
+    """The study with a line more in the table of that parameter."""
+    check(f'name = "{name}"\n' in WEIGHTED, f"the study varies {name}")
+    return WEIGHTED.replace(f'name = "{name}"\n', f'name = "{name}"\n{addition}\n')
+
+
+free = fit("free", WEIGHTED)
+k1 = free["best"]["parameters"]["base.k1"]
+error = free["best"]["standard_errors"]["base.k1"]
+
+# A prior that is much surer than the readings decides; one that is much less sure changes next to nothing.
+sure = fit("sure", after("base.k1", f"prior = {{ mean = {1.5 * k1}, sd = 1e-4 }}"))
+check(abs(sure["best"]["parameters"]["base.k1"] / (1.5 * k1) - 1) < 0.01, "a sure prior decides")
+prior = next(p for p in sure["priors"]["parameters"] if p["name"] == "base.k1")
+check(prior["share"] > 0.99, f"nearly all that is known of it is the prior's: {prior['share']}")
+check(sure["noise"]["degrees_of_freedom"] == free["noise"]["degrees_of_freedom"] + 1, "a prior counts as a reading")
+vague = fit("vague", after("base.k1", f"prior = {{ mean = {k1}, sd = 10.0 }}"))
+check(abs(vague["best"]["parameters"]["base.k1"] - k1) < 0.05 * error, "a vague prior changes nothing")
+check(all(p["share"] < 0.05 for p in vague["priors"]["parameters"]), "and tells nothing")
+
+# The readings' own answer and the prior's, far apart.
+far = fit("far", after("base.k1", f"prior = {{ mean = {k1 * 2.5}, sd = 0.02 }}"))
+if far["priors"]["degrees_of_freedom"] > 0:
+    wants = next(p for p in far["priors"]["parameters"] if p["name"] == "base.k1")["readings_want"]
+    check(abs(wants / k1 - 1) < 0.05, f"what the readings alone call for is the fit without priors: {wants} against {k1}")
+
+# A tie is the study with that number written out.
+tied = fit("tied", WEIGHTED + '\n[[parameters]]\nname = "asphalt.modulus_MPa"\nequals = "1.5 * base.k1"\n')
+best = tied["best"]["parameters"]
+text = WEIGHTED.replace("modulus_MPa = 3000", f"modulus_MPa = {1.5 * best['base.k1']}").replace("k1 = 2000", f"k1 = {best['base.k1']}")
+written = run("forward", write_study(folder / "written", text.replace("n = 0.5\n", f"n = {best['base.n']}\n")), "--json")
+values = [[r["value"] for r in responses] for responses in (tied["responses"], json.loads(written.stdout)["responses"])]
+check(max(abs(a / b - 1) for a, b in zip(*values)) < 1e-9, f"tied and written out are the same section: {values}")
+
+# A constraint that the readings press against holds, and is named.
+limit = 0.7 * k1
+held = fit("held", WEIGHTED + f'\n[[constraints]]\nthat = "base.k1 <= {limit}"\n')
+check(held["constraints"][0]["active"], "it holds the answer back")
+check(abs(held["best"]["parameters"]["base.k1"] / limit - 1) < 2e-3, "the answer lies on it")
+check(any("must hold" in f and "base.k1 <=" in f for f in held["findings"]), "and the page names it")
+slsqp = fit("slsqp", WEIGHTED + f'\n[[constraints]]\nthat = "base.k1 <= {limit}"\n', "--method", "slsqp")
+check(abs(slsqp["best"]["misfit"] / held["best"]["misfit"] - 1) < 1e-3, "two methods end in the same minimum")
+loose = fit("loose", WEIGHTED + f'\n[[constraints]]\nthat = "base.k1 >= 0"\n')
+check(not loose["constraints"][0]["active"] and abs(loose["best"]["parameters"]["base.k1"] / k1 - 1) < 1e-3,
+      "one that is met anyway changes nothing")
+
+
+def refused(label, words, text, *command):
+    case = folder / ("refused " + label)
+    done = run(*(command or ("fit",)), write_study(case, text), "--out", case / "out")
+    message = done.stderr.strip()
+    print(f"{label}\n    {message.replace(str(case), '...')}")
+    check(done.returncode == 2 and done.stdout == "" and len(message.splitlines()) == 1, f"{label}: {done.returncode} {message}")
+    check(not (case / "out").exists(), f"{label}: something was written")
+    for word in words:
+        check(word in message, f"{label}: '{word}' is missing")
+
+
+TIE = '\n[[parameters]]\nname = "{}"\nequals = "{}"\n'
+LIMIT = '\n[[constraints]]\nthat = "{}"\n'
+refused("prior outside its range", ["prior", "mean", "99990"], after("base.k1", "prior = { mean = 99990, sd = 0.1 }"))
+refused("prior without spread", ["sd", "0 < value"], after("base.k1", "prior = { mean = 1000, sd = 0 }"))
+refused("prior with another key", ["median", "mean"], after("base.k1", "prior = { mean = 1000, median = 3, sd = 0.1 }"))
+refused("prior and no stated noise", ["prior", "noise"], after("base.k1", "prior = { mean = 1000, sd = 0.1 }").replace("noise_relative = 0.02", ""))
+refused("expression that reads itself", ["reads the number it sets"], WEIGHTED + TIE.format("base.k2", "2 * base.k2"))
+refused("expressions in a circle", ["reads the number it sets"],
+        WEIGHTED + TIE.format("base.k2", "-base.k3") + TIE.format("base.k3", "-base.k2"))
+refused("unknown name", ["base.k7", "no known name"], WEIGHTED + TIE.format("base.k2", "0.1 * base.k7"))
+refused("expression and bounds", ["min", "name and equals alone"], WEIGHTED + TIE.format("base.k2", "0.5") + "min = 0.1\n")
+refused("searched and tied", ["stands twice"], WEIGHTED + TIE.format("base.k1", "1000"))
+refused("out of its range", ["out of range", "base.poisson_12"], WEIGHTED + TIE.format("base.poisson_12", "9"))
+refused("constraint without a relation", ["<=", "two sides"], WEIGHTED + LIMIT.format("base.k1 < 5"))
+refused("constraint with an unknown name", ["base.k7", "no known name"], WEIGHTED + LIMIT.format("base.k7 <= 5"))
+refused("contradiction", ["contradict each other", "base.k1 <= 1000", "base.k1 >= 2000"],
+        WEIGHTED + LIMIT.format("base.k1 <= 1000") + LIMIT.format("base.k1 >= 2000"))
+refused("against the bounds", ["cannot be met", "base.k1 >= 90000"], WEIGHTED + LIMIT.format("base.k1 >= 90000"))
+finish()
