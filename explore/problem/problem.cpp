@@ -34,6 +34,11 @@ Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
     return e;
 }
 
+double Problem::log_density(const Evaluation& evaluation) const {
+    return evaluation.converged() ? misfit_.log_normaliser() - 0.5 * residuals(evaluation).squaredNorm()
+                                  : -std::numeric_limits<double>::infinity();
+}
+
 Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {
     const Eigen::VectorXd slopes = misfit_.slopes(evaluation.responses);
     Eigen::MatrixXd j(slopes.size(), evaluation.jacobian.cols());

@@ -48,6 +48,9 @@ public:
     // Of a converged evaluation, whoever made it.
     Eigen::VectorXd residuals(const Evaluation& evaluation) const { return misfit_.residuals(evaluation.responses); }
     double misfit(const Evaluation& evaluation) const { return residuals(evaluation).norm(); }
+    // Of a problem in units of noise that every reading states: the logarithm of the density of the measured values
+    // [SI]; minus infinity without an answer.
+    double log_density(const Evaluation& evaluation) const;
     // d(residuals)/d(unit coordinates) of an evaluation with a jacobian.
     Eigen::MatrixXd residual_jacobian(const Evaluation& evaluation) const;
 
