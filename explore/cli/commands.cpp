@@ -11,6 +11,7 @@ std::span<const Command> commands() {
         {"fit", add_fit, true},
         {"sensitivity", add_sensitivity, true},
         {"unique", add_unique, true},
+        {"sample", add_sample, true},
         {"diagnose", add_diagnose, true},
         {"compare", add_compare, true},
         {"twin", add_twin},

@@ -12,6 +12,7 @@ void add_map(CLI::App& app, Action& action);
 void add_fit(CLI::App& app, Action& action);
 void add_sensitivity(CLI::App& app, Action& action);
 void add_unique(CLI::App& app, Action& action);
+void add_sample(CLI::App& app, Action& action);
 void add_diagnose(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action);
 void add_twin(CLI::App& app, Action& action);

@@ -49,8 +49,8 @@ struct Search {
                 if (!gradient.empty()) {
                     const Eigen::VectorXd g = sample.jacobian.transpose() * sample.residuals;
                     if (scale == 0.0) {
-                        constexpr double steepest = 1e6;
-                        scale = sample.limits.size() > 0 ? std::min(1.0, steepest / std::max(g.norm(), 1.0)) : 1.0;
+                        constexpr double steep = 1e7;
+                        scale = g.norm() > steep ? 1.0 / g.norm() : 1.0;
                     }
                     const Eigen::VectorXd scaled = scale * g;
                     std::copy(scaled.begin(), scaled.end(), gradient.begin());
@@ -63,7 +63,7 @@ struct Search {
             optimiser.force_stop();
         }
         // A bounded barrier: higher than anything computed, sloping up away from the best point.
-        const double base = 2.0 * highest + 1e-6;
+        const double base = (scale > 0.0 ? scale : 1.0) * (2.0 * highest + 1e-6);
         double distance2 = 0.0;
         for (std::size_t k = 0; k < x.size(); ++k) {
             const double d = result.unit.empty() ? 0.0 : x[k] - result.unit[k];

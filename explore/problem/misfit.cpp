@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <stdexcept>
 
 namespace explore::problem {
@@ -59,6 +60,17 @@ Eigen::MatrixXd Misfit::whitened(Eigen::MatrixXd rows) const {
         rows(block.rows, Eigen::all) = part;
     }
     return rows;
+}
+
+double Misfit::log_normaliser() const {
+    double sum = 0.0;
+    for (const Term& t : terms_) {
+        sum += std::log(t.noise.slope(t.measured, t.measured)) - 0.5 * std::log(2.0 * std::numbers::pi);
+    }
+    for (const Block& block : blocks_) {
+        sum -= block.factor.diagonal().array().log().sum();
+    }
+    return sum;
 }
 
 Eigen::VectorXd Misfit::residuals(std::span<const double> responses) const {

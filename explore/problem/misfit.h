@@ -52,6 +52,12 @@ public:
     // d(single residual i)/d(its response).
     Eigen::VectorXd slopes(std::span<const double> responses) const;
 
+    // Of kind `noise` with factors of 1: the logarithm of the density of the measured values [SI] is this less half the
+    // sum of the squares of residuals(). On the scale of data::Noise the density is that of the standard normal, so its
+    // slope at the measured values, the inverse of their standard deviations, is all that is left; no response is in
+    // it.
+    double log_normaliser() const;
+
     bool is_correlated() const { return !blocks_.empty(); }
     // rows: one each reading, of single residuals or what changes with them; to those of residuals().
     Eigen::MatrixXd whitened(Eigen::MatrixXd rows) const;

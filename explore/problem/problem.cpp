@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace explore::problem {
 
@@ -101,6 +102,20 @@ Eigen::MatrixXd Problem::limit_jacobian(const Evaluation& evaluation) const {
         }
     }
     return j.topRows(count);
+}
+
+double Problem::log_density(const Evaluation& evaluation) const {
+    if (!evaluation.converged()) {
+        return -std::numeric_limits<double>::infinity();
+    }
+    double log = misfit_.log_normaliser() - 0.5 * residuals(evaluation).squaredNorm();
+    const auto below = [](double pull) { return 0.5 * std::erfc(-pull / std::numbers::sqrt2); };
+    for (const std::size_t k : priors()) { // normal within the box, over what is uniform in it
+        const Axis& axis = space.axes[k];
+        log += std::log(axis.d_pull() / std::sqrt(2.0 * std::numbers::pi)) -
+               std::log(below(axis.pull(axis.high)) - below(axis.pull(axis.low)));
+    }
+    return log;
 }
 
 Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {

@@ -1,0 +1,266 @@
+#include "analysis/sample.h"
+
+#include "base/error.h"
+#include "study/problems.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
+#include <limits>
+
+namespace explore::analysis {
+namespace {
+
+constexpr int populations = 4;
+
+// Evenly spread over all draws, population after population.
+std::vector<std::size_t> thinned(std::size_t all, std::size_t wanted) {
+    std::vector<std::size_t> chosen;
+    const std::size_t count = std::min(all, wanted);
+    for (std::size_t k = 0; k < count; ++k) {
+        chosen.push_back(k * all / count);
+    }
+    return chosen;
+}
+
+// In SI; empty where one is no number.
+std::vector<double> outputs_of(const study::Study& study, const std::vector<double>& responses) {
+    std::vector<double> values;
+    for (const std::size_t i : study.outputs()) {
+        values.push_back(responses[i]);
+    }
+    const bool all = std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+    return all ? values : std::vector<double>{};
+}
+
+// The full model, every load, at some of the draws. Nothing: interrupted.
+std::optional<std::vector<problem::Evaluation>>
+everywhere(run::Engine& engine, const std::vector<landscape::Draw>& draws, const std::vector<std::size_t>& chosen) {
+    search::Design design{"draws", {}};
+    for (const std::size_t i : chosen) {
+        design.points.push_back(draws[i].unit);
+    }
+    return engine.evaluate(design);
+}
+
+// Weighs draws of the reduced model by the ratio of the likelihoods.
+void correct(SampleResult& result, const std::vector<std::size_t>& chosen,
+             const std::vector<problem::Evaluation>& evaluations, const problem::Problem& everything) {
+    const auto& posterior = result.posterior;
+    SampleCorrection correction{.runs = chosen.size()};
+    std::vector<double> logarithm;
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+        logarithm.push_back(everything.log_density(evaluations[k]) - posterior.draws[chosen[k]].log_likelihood);
+        correction.without_answer += evaluations[k].converged() ? 0 : 1;
+    }
+    const double top = *std::max_element(logarithm.begin(), logarithm.end());
+    std::vector<double> mean(populations, 0.0);
+    std::vector<double> count(populations, 0.0);
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+        const std::size_t i = chosen[k];
+        const double weight = evaluations[k].converged() ? std::exp(logarithm[k] - top) : 0.0;
+        const auto p = static_cast<std::size_t>(posterior.descent.population[i]);
+        mean[p] += weight;
+        count[p] += 1.0;
+        if (weight == 0.0) {
+            continue;
+        }
+        result.draws.push_back({posterior.draws[i].unit, evaluations[k].parameters,
+                                outputs_of(result.study, evaluations[k].responses),
+                                everything.log_density(evaluations[k]), std::pow(evaluations[k].misfit, 2)});
+        result.descent.weight.push_back(weight);
+        result.descent.population.push_back(posterior.descent.population[i]);
+        result.descent.ancestor.push_back(posterior.descent.ancestor[i]);
+    }
+    correction.effective = result.descent.effective_weights();
+    result.correction = correction;
+    // The evidence of each population, times its mean weight.
+    double sum = 0.0;
+    std::vector<double> evidence;
+    for (std::size_t p = 0; p < populations; ++p) {
+        evidence.push_back(std::exp(posterior.log_evidences[p] - posterior.log_evidence) * mean[p] /
+                           std::max(1.0, count[p]));
+        sum += evidence.back() / populations;
+    }
+    double variance = 0.0;
+    for (const double value : evidence) {
+        variance += std::pow(value / sum - 1.0, 2) / (populations - 1.0);
+    }
+    result.log_evidence = posterior.log_evidence + top + std::log(sum);
+    result.log_evidence_error = std::sqrt(variance / populations);
+}
+
+void take_all(SampleResult& result) {
+    for (const auto& draw : result.posterior.draws) {
+        problem::Evaluation e;
+        e.responses = draw.responses;
+        result.draws.push_back({draw.unit, result.problem.space.physical(draw.unit),
+                                outputs_of(result.study, draw.responses), draw.log_likelihood,
+                                result.problem.residuals(e).squaredNorm()});
+    }
+    result.descent = result.posterior.descent;
+    result.log_evidence = result.posterior.log_evidence;
+    result.log_evidence_error = result.posterior.log_evidence_error;
+}
+
+void summarise(SampleResult& result) {
+    std::vector<double> values(result.draws.size());
+    for (std::size_t k = 0; k < result.problem.space.axes.size(); ++k) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            values[i] = result.draws[i].parameters[k];
+        }
+        result.parameters.push_back(landscape::marginal(values, result.descent));
+    }
+    landscape::Descent descent; // of draws with outputs
+    std::vector<const SampledDraw*> with_outputs;
+    for (std::size_t i = 0; i < result.draws.size(); ++i) {
+        if (!result.draws[i].outputs.empty()) {
+            with_outputs.push_back(&result.draws[i]);
+            descent.weight.push_back(result.descent.weight[i]);
+            descent.population.push_back(result.descent.population[i]);
+            descent.ancestor.push_back(result.descent.ancestor[i]);
+        }
+    }
+    for (std::size_t o = 0; o < result.study.outputs().size() && !with_outputs.empty(); ++o) {
+        values.clear();
+        for (const SampledDraw* draw : with_outputs) {
+            values.push_back(draw->outputs[o]);
+        }
+        result.outputs.push_back(landscape::marginal(values, descent));
+    }
+}
+
+void judge(SampleResult& result) {
+    const auto check = [&](const std::string& name, const landscape::Marginal& m) {
+        if (m.rhat > landscape::most_rhat) {
+            result.missing.push_back(fmt::format("the populations disagree on {} (R-hat {:.3f}, above {})", name,
+                                                 m.rhat, landscape::most_rhat));
+        } else if (m.ess < landscape::least_ess) {
+            result.missing.push_back(
+                fmt::format("{} has {:.0f} effective draws, fewer than {:.0f}", name, m.ess, landscape::least_ess));
+        }
+    };
+    if (result.correction && result.correction->effective < landscape::least_ess) {
+        result.missing.push_back(fmt::format(
+            "the reduced model differs too much from the full one: its {} draws are worth {:.0f} of the full model, "
+            "fewer than {:.0f} (--confirm for more of them, --model full without it)",
+            result.correction->runs, result.correction->effective, landscape::least_ess));
+    } else {
+        for (std::size_t k = 0; k < result.parameters.size(); ++k) {
+            check(result.problem.space.axes[k].name, result.parameters[k]);
+        }
+        const auto outputs = result.study.outputs();
+        for (std::size_t o = 0; o < result.outputs.size(); ++o) {
+            check(result.study.readings[outputs[o]].output, result.outputs[o]);
+        }
+    }
+    result.status = result.missing.empty() ? SampleStatus::converged : SampleStatus::not_converged;
+}
+
+} // namespace
+
+std::string SampleResult::reason() const {
+    if (failed()) {
+        return posterior.draws.empty() ? posterior.reason
+                                       : "the full model has no answer at any draw of the reduced one";
+    }
+    std::string text;
+    for (const std::string& sentence : missing) {
+        text += (text.empty() ? "not converged: " : "; ") + sentence;
+    }
+    return text;
+}
+
+std::optional<SampleResult> sample(Session& session, const study::Study& study, const SampleOptions& asked) {
+    const auto begin = std::chrono::steady_clock::now();
+    const problem::Problem full = study::make_noise_problem(study, study::Scope::fitted);
+    if (!full.noise_is_stated()) {
+        throw pave::Error({.file = study.file, .key = "data.noise"}, "a posterior needs the noise of every reading", {},
+                          "sigma in the data, or [data.noise] with relative or absolute");
+    }
+    SampleOptions options = asked;
+    if (options.any_model) {
+        options.model.use = study::why_no_reduced_model(study).empty() ? ModelUse::automatic : ModelUse::full;
+    }
+    auto reduced = session.reduced(full, study, options.model);
+    if (options.model.reduced() && !reduced) {
+        return std::nullopt;
+    }
+    const problem::Problem everything = study::make_noise_problem(study, study::Scope::everything);
+    SampleResult result{.study = study,
+                        .options = options,
+                        .problem = options.model.alone() ? reduced->problem : full,
+                        .posterior = {}};
+    result.reduced = std::move(reduced);
+    const int particles = 2 * ((options.samples + 2 * populations - 1) / (2 * populations)); // even
+    const std::string settings = fmt::format("{} populations of {}, seed {}{}", populations, particles,
+                                             session.options().seed, result.reduced ? result.reduced->settings : "");
+    const bool confirmed = options.model.confirmed();
+    const problem::Problem& sampled = confirmed ? result.reduced->problem : result.problem;
+    const int run = session.begin(study, confirmed ? "sample-reduced" : "sample", settings);
+    {
+        run::Engine engine(sampled, session.store(), run,
+                           {.threads = session.options().threads, .show_progress = false});
+        auto posterior = landscape::posterior(
+            engine, sampled,
+            {.populations = populations, .particles = particles, .show_progress = session.options().show_progress},
+            session.options().seed);
+        if (!posterior) {
+            return std::nullopt;
+        }
+        result.posterior = std::move(*posterior);
+        (confirmed ? result.computed_by_reduced_model : result.computed) = engine.tally().computed;
+        result.kept = confirmed ? 0 : engine.tally().kept;
+    }
+    if (!result.posterior.draws.empty()) {
+        if (!confirmed) {
+            take_all(result);
+        }
+        const bool lacks_outputs = !study.outputs().empty() && !confirmed && !options.model.alone() &&
+                                   std::any_of(result.draws.begin(), result.draws.end(),
+                                               [](const SampledDraw& d) { return d.outputs.empty(); });
+        if (confirmed || lacks_outputs) {
+            const auto chosen =
+                thinned(result.posterior.draws.size(), static_cast<std::size_t>(std::max(1, options.confirm)));
+            auto engine =
+                session.engine(everything, session.begin(study, confirmed ? "sample" : "sample-outputs",
+                                                         fmt::format("{}, {} of the draws", settings, chosen.size())));
+            const auto evaluations = everywhere(engine, result.posterior.draws, chosen);
+            if (!evaluations) {
+                return std::nullopt;
+            }
+            result.computed += engine.tally().computed;
+            result.kept += engine.tally().kept;
+            if (confirmed) {
+                correct(result, chosen, *evaluations, everything);
+            } else {
+                for (auto& draw : result.draws) {
+                    draw.outputs.clear();
+                }
+                for (std::size_t k = 0; k < chosen.size(); ++k) {
+                    if ((*evaluations)[k].converged()) {
+                        result.draws[chosen[k]].outputs = outputs_of(study, (*evaluations)[k].responses);
+                    }
+                }
+                session.begin(study, "sample", settings); // the sample is the run used last
+            }
+        }
+    }
+    if (!result.draws.empty()) {
+        summarise(result);
+        result.chi2 = std::min_element(result.draws.begin(), result.draws.end(), [](const auto& a, const auto& b) {
+                          return a.chi2 < b.chi2;
+                      })->chi2;
+        result.degrees_of_freedom = full.degrees_of_freedom(full.space.axes.size());
+        if (result.degrees_of_freedom > 0) {
+            result.p_value = gsl_cdf_chisq_Q(result.chi2, result.degrees_of_freedom);
+        }
+        judge(result);
+    }
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return result;
+}
+
+} // namespace explore::analysis

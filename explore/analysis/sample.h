@@ -1,0 +1,77 @@
+// The posterior of the parameters and the outputs, by sampling.
+#pragma once
+
+#include "analysis/session.h"
+#include "landscape/posterior.h"
+
+namespace explore::analysis {
+
+struct SampleOptions {
+    ModelOptions model{};
+    bool any_model = true; // model.use is not asked for: `automatic` where the study has a reduced model, else `full`
+    int samples = 2000;    // draws, of all populations
+    // Draws at which the full model computes outputs that the sample lacks, and corrects the sample of a reduced model.
+    int confirm = 500;
+};
+
+enum class SampleStatus {
+    converged,
+    not_converged, // the draws say too little, or populations disagree: no quantile is given
+    failed         // no draw
+};
+inline constexpr std::string_view sample_status_names[] = {"converged", "not-converged", "failed"};
+
+struct SampledDraw {
+    std::vector<double> unit, parameters; // parameters: physical
+    std::vector<double> outputs;          // SI; empty: not computed here
+    double log_likelihood = 0.0;          // of the model that is reported
+    double chi2 = 0.0;                    // of its residuals
+};
+
+// Draws of a reduced model, weighed to be those of the full one.
+struct SampleCorrection {
+    std::size_t runs = 0;
+    std::size_t without_answer = 0;
+    double effective = 0.0; // draws, by their weights
+};
+
+struct SampleResult {
+    study::Study study;
+    SampleOptions options;          // with the model that was used
+    problem::Problem problem;       // that the posterior is of
+    landscape::Posterior posterior; // as it was sampled, by the reduced model where that is used
+    std::vector<SampledDraw> draws{};
+    landscape::Descent descent{};                  // of the draws
+    std::vector<landscape::Marginal> parameters{}; // physical
+    std::vector<landscape::Marginal> outputs{};    // SI; empty: none computed
+    double log_evidence = 0.0, log_evidence_error = 0.0;
+    double chi2 = 0.0; // the lowest of a draw
+    int degrees_of_freedom = 0;
+    double p_value = 1.0; // of that chi2; 1 without degrees of freedom
+    std::optional<SampleCorrection> correction{};
+    SampleStatus status = SampleStatus::failed;
+    std::vector<std::string> missing{}; // why it is not converged
+    std::optional<ReducedProblem> reduced{};
+    std::int64_t computed = 0, kept = 0; // runs of the full model: of this process, that were in the store
+    std::int64_t computed_by_reduced_model = 0;
+    double seconds = 0.0;
+
+    bool failed() const { return status == SampleStatus::failed; }
+    bool converged() const { return status == SampleStatus::converged; }
+    std::string reason() const; // of not being converged
+};
+
+// Throws pave::Error for a study that cannot be fitted or does not state its noise. Nothing: interrupted.
+std::optional<SampleResult> sample(Session& session, const study::Study& study, const SampleOptions& options);
+
+// Draws that gather in places with next to nothing between them.
+struct Mode {
+    double centre = 0.0, share = 0.0; // the median, and the share of all weight
+};
+// On a scale from 0 to 1; one mode or more, from low to high.
+std::vector<Mode> modes_of(std::span<const double> units, std::span<const double> weight);
+
+// What the draws say, in sentences.
+std::vector<std::string> findings(const SampleResult& result);
+
+} // namespace explore::analysis

@@ -1,0 +1,59 @@
+// pavescape sample: the posterior of the parameters and the outputs.
+#include "report/sample.h"
+#include "cli/commands.h"
+#include "run/files.h"
+#include "run/message.h"
+
+namespace explore::cli {
+namespace {
+
+struct Options {
+    CommonOptions common;
+    analysis::SampleOptions sample;
+};
+
+int sample(const Options& options) {
+    const study::Study study = study::load_study(options.common.study);
+    analysis::Session session(options.common.run(study));
+    const auto result = analysis::sample(session, study, options.sample);
+    if (!result) {
+        return report_interrupt(session.folder());
+    }
+    const report::Json json = report::sample_json(*result, session.options());
+    if (result->failed()) {
+        return hand_over_failure(options.common, json, result->reason());
+    }
+    run::write_file(session.folder(), "samples.csv", report::samples_csv(*result));
+    const int status = hand_over(session, options.common, "sample", json,
+                                 [&] { return report::sample_text(*result, session.options()); });
+    if (!result->converged()) {
+        run::message("pavescape: {}\n", result->reason());
+        return computation_failed;
+    }
+    return status;
+}
+
+} // namespace
+
+void add_sample(CLI::App& app, Action& action) {
+    auto* command = app.add_subcommand("sample", "the posterior: what the data leave of every parameter and output");
+    auto options = std::make_shared<Options>();
+    add_common(*command, options->common);
+    add_model(*command, options->sample.model);
+    auto* model = command->get_option("--model")->default_str("auto where the study has a reduced model, else full");
+    command->add_option("--samples", options->sample.samples, "draws, of four independent populations")
+        ->check(CLI::Range(400, 1'000'000))
+        ->capture_default_str();
+    command
+        ->add_option("--confirm", options->sample.confirm,
+                     "draws at which the full model corrects the reduced one, and computes outputs under other loads")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
+    command->footer("Example: pavescape sample grids/captif-p1-unique-fwd.toml");
+    command->callback([=, &action] {
+        options->sample.any_model = model->count() == 0;
+        action = [=] { return sample(*options); };
+    });
+}
+
+} // namespace explore::cli

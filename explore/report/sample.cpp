@@ -1,0 +1,215 @@
+#include "report/sample.h"
+
+#include "analysis/build.h"
+#include "base/text.h"
+#include "report/text.h"
+#include "run/progress.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <numeric>
+
+namespace explore::report {
+namespace {
+
+using analysis::SampleResult;
+using landscape::Marginal;
+using pave::counted;
+using pave::figure;
+
+constexpr std::size_t most_drawn = 500; // draws of the pictures of the report
+
+// to_unit: SI of one unit.
+Json marginal_json(const Marginal& m, double to_unit, bool converged) {
+    const auto value = [&](double v) { return converged ? Json(v / to_unit) : Json(nullptr); };
+    return {{"mean", value(m.mean)}, {"sd", value(m.sd)}, {"q025", value(m.q025)}, {"q50", value(m.q50)},
+            {"q975", value(m.q975)}, {"rhat", m.rhat},    {"ess", m.ess}};
+}
+
+std::vector<double> units_of(const SampleResult& s, std::size_t k) {
+    std::vector<double> units;
+    for (const auto& draw : s.draws) {
+        units.push_back(draw.unit[k]);
+    }
+    return units;
+}
+
+Json correlations_json(const SampleResult& s) {
+    Json rows = Json::array();
+    const std::size_t d = s.parameters.size();
+    for (std::size_t a = 0; a < d; ++a) {
+        Json row = Json::array();
+        for (std::size_t b = 0; b < d; ++b) {
+            row.push_back(a == b ? 1.0
+                                 : landscape::weighted_correlation(units_of(s, a), units_of(s, b), s.descent.weight));
+        }
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+// Parameters and weight (1 on average) of draws that spread evenly over the sample.
+Json draws_json(const SampleResult& s) {
+    Json rows = Json::array();
+    const double mean =
+        std::accumulate(s.descent.weight.begin(), s.descent.weight.end(), 0.0) / static_cast<double>(s.draws.size());
+    const std::size_t count = std::min(most_drawn, s.draws.size());
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t i = k * s.draws.size() / count;
+        Json row = Json::array({s.descent.weight[i] / mean});
+        for (const double value : s.draws[i].parameters) {
+            row.push_back(value);
+        }
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+std::vector<std::string> row_of(const std::string& name, const std::string& unit, const Marginal& m, double to_unit) {
+    return {name,
+            figure(m.mean / to_unit),
+            figure(m.sd / to_unit),
+            figure(m.q025 / to_unit),
+            figure(m.q50 / to_unit),
+            figure(m.q975 / to_unit),
+            unit,
+            fmt::format("{:.3f}", m.rhat),
+            fmt::format("{:.0f}", m.ess)};
+}
+
+} // namespace
+
+Json sample_json(const SampleResult& s, const analysis::RunOptions& run) {
+    const auto status = analysis::sample_status_names[static_cast<int>(s.status)];
+    if (s.failed()) {
+        return {{"status", status}, {"reason", s.reason()}};
+    }
+    const study::Study& study = s.study;
+    const bool converged = s.converged();
+    const auto& posterior = s.posterior;
+    Json json = {{"status", status}};
+    if (!converged) {
+        json["reason"] = s.reason();
+    }
+    json["log_evidence"] = s.log_evidence;
+    json["log_evidence_error"] = s.log_evidence_error;
+    json["parameters"] = space_json(s.problem.space);
+    for (std::size_t k = 0; k < s.parameters.size(); ++k) {
+        json["parameters"][k].update(marginal_json(s.parameters[k], 1.0, converged));
+    }
+    json["outputs"] = Json::array();
+    const auto outputs = study.outputs();
+    for (std::size_t o = 0; o < s.outputs.size(); ++o) {
+        const data::Reading& reading = study.readings[outputs[o]];
+        Json output = {{"name", reading.output}, {"unit", reading.unit.name}};
+        output.update(marginal_json(s.outputs[o], reading.unit.to_si, converged));
+        json["outputs"].push_back(std::move(output));
+    }
+    json["correlations"] = correlations_json(s);
+    json["findings"] = findings(s);
+    json["missing"] = s.missing;
+    json["chi2"] = s.chi2;
+    json["degrees_of_freedom"] = s.degrees_of_freedom;
+    json["p_value"] = s.p_value;
+    json["noise"] = {{"source", study.noise_name()}};
+    json["model"] = s.options.model.name();
+    if (s.reduced) {
+        json["reduced_model"] = reduced_json(*s.reduced);
+    }
+    if (s.correction) {
+        json["correction"] = {{"full_runs", s.correction->runs},
+                              {"without_answer", s.correction->without_answer},
+                              {"effective_draws", s.correction->effective},
+                              {"share", s.correction->effective / static_cast<double>(s.correction->runs)}};
+    }
+    json["sampler"] = {{"populations", posterior.log_evidences.size()},
+                       {"draws", posterior.draws.size()},
+                       {"powers", posterior.powers},
+                       {"sweeps", posterior.sweeps},
+                       {"accepted_own", posterior.accepted_own},
+                       {"accepted_other", posterior.accepted_other},
+                       {"answered_share", posterior.answered},
+                       {"log_evidences", posterior.log_evidences}};
+    json["draws"] = draws_json(s);
+    json["study"] = study_json(study);
+    json["version"] = analysis::version;
+    json["seed"] = run.seed;
+    json["run"] = run.folder;
+    return json;
+}
+
+std::string sample_text(const SampleResult& s, const analysis::RunOptions& run) {
+    const auto& posterior = s.posterior;
+    std::string text =
+        fmt::format("{}\n  {} draws of {} populations, {} of moves; {} computed in {}, {} kept from before\n{}",
+                    study_summary(s.study), posterior.draws.size(), posterior.log_evidences.size(),
+                    counted(static_cast<std::size_t>(posterior.sweeps), "sweep", "sweeps"),
+                    counted(static_cast<std::size_t>(s.computed), "run", "runs"), run::duration_words(s.seconds),
+                    s.kept, s.reduced ? reduced_words(*s.reduced) : "");
+    if (s.options.model.confirmed()) {
+        text += fmt::format("    {} more by the reduced model, which drew\n",
+                            counted(static_cast<std::size_t>(s.computed_by_reduced_model), "run", "runs"));
+    }
+    text += "\n" + sentences(findings(s));
+    const auto outputs = s.study.outputs();
+    if (s.converged()) {
+        Table table({"", "mean", "sd", "2.5 %", "50 %", "97.5 %", "unit", "R-hat", "effective draws"});
+        for (std::size_t k = 0; k < s.parameters.size(); ++k) {
+            table.add(row_of(s.problem.space.axes[k].name, "", s.parameters[k], 1.0));
+        }
+        for (std::size_t o = 0; o < s.outputs.size(); ++o) {
+            const data::Reading& reading = s.study.readings[outputs[o]];
+            table.add(row_of(reading.output, std::string(reading.unit.name), s.outputs[o], reading.unit.to_si));
+        }
+        text += "\nThe posterior: what the data leave of the box, in which every parameter was uniform on its scale\n" +
+                table.text();
+    } else {
+        Table table({"", "R-hat", "effective draws"});
+        for (std::size_t k = 0; k < s.parameters.size(); ++k) {
+            table.add({s.problem.space.axes[k].name, fmt::format("{:.3f}", s.parameters[k].rhat),
+                       fmt::format("{:.0f}", s.parameters[k].ess)});
+        }
+        for (std::size_t o = 0; o < s.outputs.size(); ++o) {
+            table.add({s.study.readings[outputs[o]].output, fmt::format("{:.3f}", s.outputs[o].rhat),
+                       fmt::format("{:.0f}", s.outputs[o].ess)});
+        }
+        text += "\n" + table.text();
+    }
+    text += fmt::format("\n  log evidence {:.2f} +- {:.2f}: the logarithm of the density of these readings (SI) under "
+                        "model, noise and box\n",
+                        s.log_evidence, s.log_evidence_error);
+    if (!run.folder.empty()) {
+        text += fmt::format("  results: {0}/sample.json, every draw: {0}/samples.csv; pictures: pavescape report {0}\n",
+                            run.folder);
+    }
+    return text;
+}
+
+std::string samples_csv(const SampleResult& s) {
+    std::string text = "population,weight,log_likelihood";
+    for (const auto& axis : s.problem.space.axes) {
+        text += "," + axis.name;
+    }
+    const auto outputs = s.study.outputs();
+    for (const std::size_t o : outputs) {
+        text += "," + s.study.readings[o].label_with_unit();
+    }
+    text += "\n";
+    const double mean = std::accumulate(s.descent.weight.begin(), s.descent.weight.end(), 0.0) /
+                        static_cast<double>(std::max<std::size_t>(1, s.draws.size()));
+    for (std::size_t i = 0; i < s.draws.size(); ++i) {
+        const auto& draw = s.draws[i];
+        text += fmt::format("{},{},{}", s.descent.population[i], s.descent.weight[i] / mean, draw.log_likelihood);
+        for (const double value : draw.parameters) {
+            text += fmt::format(",{}", value);
+        }
+        for (std::size_t o = 0; o < outputs.size(); ++o) {
+            text +=
+                draw.outputs.empty() ? "," : fmt::format(",{}", s.study.readings[outputs[o]].in_unit(draw.outputs[o]));
+        }
+        text += "\n";
+    }
+    return text;
+}
+
+} // namespace explore::report
