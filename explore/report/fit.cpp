@@ -132,6 +132,7 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
     if (result.reduced) {
         json["reduced_model"] = reduced_json(*result.reduced);
     }
+    add_residuals(json["responses"], study, result.problem, best.evaluation, local.noise);
     json["readings"] = result.problem.readings();
     json["free_parameters"] = space.axes.size() - best.on_bound.size();
     json["at_bounds"] = Json::array();
