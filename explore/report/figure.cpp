@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 
 namespace explore::report {
 namespace {
@@ -119,16 +120,21 @@ void add(Drawn& drawn, const std::string& name, const Boxes& boxes) {
     if (boxes.left.empty()) {
         return;
     }
-    drawn.blocks += name + " << EOD\n";
+    // A block for every colour: those of a map are few.
+    std::map<Colour, std::string> rows;
     for (std::size_t i = 0; i < boxes.left.size(); ++i) {
         const Colour colour = boxes.colours[boxes.colours.size() == 1 ? 0 : i];
-        drawn.blocks += fmt::format("{} {} {} {} {}\n", number(boxes.left[i]), number(boxes.right[i]),
-                                    number(boxes.bottom[i]), number(boxes.top[i]), colour);
+        rows[colour] += fmt::format("{} {} {} {}\n", number(boxes.left[i]), number(boxes.right[i]),
+                                    number(boxes.bottom[i]), number(boxes.top[i]));
     }
-    drawn.blocks += "EOD\n";
-    drawn.elements.push_back(fmt::format("{} using 1:3:1:2:3:4:5 with boxxyerror {} lc rgb variable lw 0.3 notitle",
-                                         name,
-                                         boxes.hatched ? "fs transparent pattern 4 noborder" : "fs solid border"));
+    for (const auto& [colour, text] : rows) {
+        const std::string block = fmt::format("{}_{:06X}", name, colour);
+        drawn.blocks += block + " << EOD\n" + text + "EOD\n";
+        drawn.elements.push_back(fmt::format("{} using 1:3:1:2:3:4 with boxxyerror {} fc rgb {} lw 0.3 notitle", block,
+                                             boxes.hatched ? "fs transparent pattern 4 noborder"
+                                                           : fmt::format("fs solid border lc rgb {}", rgb(colour)),
+                                             rgb(colour)));
+    }
 }
 
 std::string axis_commands(const PlotAxis& axis, const std::string& name, bool grid) {
@@ -156,7 +162,7 @@ std::string axis_commands(const PlotAxis& axis, const std::string& name, bool gr
         text += grid ? fmt::format("set grid {}tics lc rgb '#E6E9EC' lw 0.6 dt 1\n", of) : std::string();
     }
     if (!axis.label.empty()) {
-        text += fmt::format("set {}label {}\n", of, quoted(axis.label));
+        text += fmt::format("set {}label {} offset {}\n", of, quoted(axis.label), name == "x" ? "0,0.5" : "0,0");
     }
     return text;
 }
@@ -218,7 +224,7 @@ std::string cell(double value) {
 }
 
 std::vector<Tick> round_ticks(double low, double high, bool log, int most) {
-    const auto named = [](double at) { return Tick{at, fmt::format("{:.4g}", at)}; };
+    const auto named = [](double at) { return Tick{at, fmt::format("{:.6g}", at)}; };
     std::vector<Tick> ticks;
     const double slack = 1e-9;
     if (log) {

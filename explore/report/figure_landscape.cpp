@@ -60,7 +60,7 @@ std::string in_lines(const std::string& words, double width) {
 struct Corner {
     std::vector<Parameter> parameters;
     double side = 3.0; // of a panel, cm
-    static constexpr double gap = 0.25, left = 1.75, bottom = 1.55, above = 0.45, right = 0.5;
+    static constexpr double gap = 0.25, left = 1.75, bottom = 1.75, above = 0.45, right = 0.5;
 
     explicit Corner(const Json& list) {
         for (const Json& p : list) {
@@ -84,6 +84,8 @@ struct Corner {
         axis.high = p.high;
         axis.log = p.log;
         axis.ticks = round_ticks(p.low, p.high, p.log, side < 2.5 ? 3 : 4);
+        // None at the ends, where the next panel begins.
+        std::erase_if(axis.ticks, [&](const Tick& tick) { return std::abs(p.unit(tick.at) - 0.5) > 0.46; });
         axis.labelled = named;
         axis.label = named ? in_lines(parameter_words(p.name), side) : "";
         return axis;
@@ -101,7 +103,7 @@ struct Corner {
         return panel;
     }
     // The empty corner, from there to the right and top edge.
-    double key_left() const { return left + (parameters.size() > 2 ? 1.55 : 1.15) * (side + gap) + 0.9; }
+    double key_left() const { return left + 2.0 * (side + gap) + 0.6; }
     double key_top() const { return bottom + reach(); }
 };
 
@@ -507,6 +509,11 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
     const double highest = misfits.empty() ? 2.0 : std::max(misfits[(misfits.size() - 1) * 9 / 10], 1.05 * lowest);
     const auto share = [&](double misfit) { return std::log(misfit / lowest) / std::log(highest / lowest); };
 
+    constexpr int shades = 48;
+    const auto shade = [&](double at) {
+        return cividis((std::floor(std::clamp(at, 0.0, 0.999) * shades) + 0.5) / shades);
+    };
+
     // A grid has a cell a value, other points so many cells that a few fall in each.
     const auto cells_of = [&](std::size_t k) {
         std::vector<double> values;
@@ -584,7 +591,7 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
                 to.bottom.push_back(py.physical(edges[y][at.second]));
                 to.top.push_back(py.physical(edges[y][at.second + 1]));
                 if (!std::isnan(misfit)) {
-                    to.colours.push_back(cividis(share(misfit)));
+                    to.colours.push_back(shade(share(misfit)));
                 }
             }
             panel.layers.emplace_back(std::move(boxes));
@@ -600,10 +607,9 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
             figure.panels.push_back(std::move(panel));
         }
     }
-    constexpr int shades = 48;
     std::vector<Colour> colours;
     for (int i = 0; i < shades; ++i) {
-        colours.push_back(cividis((i + 0.5) / shades));
+        colours.push_back(shade((i + 0.5) / shades));
     }
     std::vector<Tick> ticks = round_ticks(lowest, highest, true, 6);
     for (Tick& tick : ticks) {
