@@ -143,7 +143,13 @@ std::vector<Contour> contours(const Grid& grid, const std::vector<double>& level
             }
         }
     }
-    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.area > b.area; });
+    // Contours of several levels may all be the border: the highest then lies under the others. What they enclose
+    // differs by rounding, which is no size.
+    const double whole = (grid.x.back() - grid.x.front()) * (grid.y.back() - grid.y.front());
+    const auto size = [&](const Contour& c) { return std::llround(c.area / whole * 1e9); };
+    std::stable_sort(all.begin(), all.end(), [&](const Contour& a, const Contour& b) {
+        return size(a) != size(b) ? size(a) > size(b) : a.below ? a.level > b.level : a.level < b.level;
+    });
     return all;
 }
 
