@@ -3,12 +3,23 @@
 
 #include "analysis/next_reading.h"
 #include "analysis/session.h"
+#include "landscape/pair_profile.h"
 
 namespace explore::analysis {
 
 struct UniqueOptions {
     ModelOptions model{};
     landscape::UniquenessSettings settings{};
+    bool landscape = false; // with the full model too
+};
+
+// The rise of chi2 over pairs of parameters, all others fitted. Without one, where it was not asked for or cannot be
+// said: nothing.
+struct UniqueLandscape {
+    landscape::ProfiledLandscape profiled;
+    bool by_reduced_model = false;
+    double limit = 0.0; // rise that the data accept
+    std::int64_t runs = 0;
 };
 
 struct UniqueResult {
@@ -17,6 +28,7 @@ struct UniqueResult {
     problem::Problem problem; // residuals in units of their noise where it is stated
     landscape::Uniqueness answer;
     NextReading next;
+    std::optional<UniqueLandscape> landscape;
     std::optional<ReducedProblem> reduced;
     std::int64_t computed = 0; // runs of this process
     std::int64_t kept = 0;     // runs that were in the store

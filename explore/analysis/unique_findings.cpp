@@ -280,6 +280,11 @@ std::vector<std::string> findings(const UniqueResult& result) {
         "{} independent starts in a row found no minimum that was not known before: at 95 % confidence the basins of "
         "attraction of any others make up less than {:.2g} % of the box. They may still exist.",
         u.unseen.since_new, 100.0 * u.unseen.volume_bound));
+    if (result.landscape && result.landscape->profiled.lower_by > landscape::lower_matters) {
+        say(fmt::format("The landscape over pairs of parameters met a set whose chi2 lies {} below that of the best "
+                        "minimum: more searches (--verify) should find the minimum there.",
+                        figure(result.landscape->profiled.lower_by)));
+    }
     if (const std::string weights = weights_words(study); !weights.empty()) {
         say(weights);
     }

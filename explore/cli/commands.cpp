@@ -18,6 +18,7 @@ std::span<const Command> commands() {
         {"effects", add_effects},
         {"survey", add_survey, true},
         {"report", add_report},
+        {"plot", add_plot},
         {"export", add_export},
         {"rerun", add_rerun},
     };

@@ -45,6 +45,9 @@ void add_unique(CLI::App& app, Action& action) {
     command->add_option("--searches", options->unique.settings.max_searches, "local searches at most")
         ->check(CLI::Range(1, 50'000))
         ->capture_default_str();
+    command->add_flag("--landscape", options->unique.landscape,
+                      "the misfit over every pair of parameters with the others fitted, by the full model, too (with "
+                      "--model reduced and auto the reduced one computes it in any case)");
     command->footer("Example: pavescape unique grids/captif-p1-fwd.toml");
     command->callback([=, &action] { action = [=] { return unique(*options); }; });
 }

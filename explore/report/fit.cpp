@@ -138,6 +138,7 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
     if (result.priors) {
         json["priors"] = priors_json(result.problem, best.evaluation.parameters, *result.priors);
     }
+    add_residuals(json["responses"], study, result.problem, best.evaluation, local.noise);
     json["readings"] = result.problem.readings();
     json["free_parameters"] = space.axes.size() - best.on_bound.size();
     json["at_bounds"] = Json::array();

@@ -54,6 +54,28 @@ Json responses_json(const study::Study& study, const std::vector<double>& respon
     return json;
 }
 
+void add_residuals(Json& responses, const study::Study& study, const problem::Problem& problem,
+                   const problem::Evaluation& evaluation, double noise) {
+    for (const auto& group : study.groups) {
+        for (const std::size_t i : group.rows) {
+            if (group.held_out) {
+                responses[i]["held_out"] = true;
+            }
+            const data::Reading& reading = study.readings[i];
+            if (study.noise == study::NoiseSource::stated && std::isfinite(evaluation.responses[i])) {
+                responses[i]["residual"] = reading.noise.residual(evaluation.responses[i], reading.measured());
+                responses[i]["sigma"] = reading.in_unit(reading.noise.deviation(reading.measured()));
+            }
+        }
+    }
+    if (study.noise != study::NoiseSource::stated && noise > 0.0) {
+        const Eigen::VectorXd residuals = problem.single_residuals(evaluation);
+        for (std::size_t i = 0; i < problem.readings(); ++i) {
+            responses[problem.response_of(i)]["residual"] = residuals[static_cast<Eigen::Index>(i)] / noise;
+        }
+    }
+}
+
 Json study_json(const study::Study& study) {
     return {{"file", study.file}, {"title", study.title}, {"hash", study.hash}};
 }

@@ -32,6 +32,12 @@ Json place_json(const data::Reading& reading);
 // unit.
 Json responses_json(const study::Study& study, const std::vector<double>& responses);
 
+// Adds to rows of responses_json what is known of each reading's error: "residual", of the evaluation in standard
+// deviations, by the stated noise or, where none is stated, `noise` (of a residual of the problem; 0: not known); where
+// it is stated "sigma", one standard deviation in unit; and "held_out" where the study holds it out.
+void add_residuals(Json& responses, const study::Study& study, const problem::Problem& problem,
+                   const problem::Evaluation& evaluation, double noise);
+
 // {"file", "title", "hash"}
 Json study_json(const study::Study& study);
 

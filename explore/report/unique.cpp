@@ -7,6 +7,7 @@
 #include "run/progress.h"
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <fmt/format.h>
 
@@ -39,6 +40,46 @@ Json branch_json(const Branch& branch, double to_unit, const std::function<doubl
         points.push_back({physical(p.value) / to_unit, p.rise});
     }
     return points;
+}
+
+Json landscape_json(const analysis::UniqueLandscape& landscape, const problem::ParameterSpace& space) {
+    const auto values = [&](const landscape::Slice& slice, std::size_t a) {
+        Json list = Json::array();
+        for (const double unit : slice.lines[a]) {
+            list.push_back(space.axes[slice.axes[a]].physical(unit));
+        }
+        return list;
+    };
+    const auto rise = [](double value) { return std::isnan(value) ? Json(nullptr) : Json(value); };
+    Json json = {{"model", landscape.by_reduced_model ? "reduced" : "full"},
+                 {"limit", landscape.limit},
+                 {"lower_by", landscape.profiled.lower_by},
+                 {"runs", landscape.runs},
+                 {"pairs", Json::array()},
+                 {"profiles", Json::array()}};
+    for (const landscape::Slice& slice : landscape.profiled.pairs) {
+        Json rows = Json::array();
+        const std::size_t width = slice.lines[0].size();
+        for (std::size_t j = 0; j < slice.lines[1].size(); ++j) {
+            Json row = Json::array();
+            for (std::size_t i = 0; i < width; ++i) {
+                row.push_back(rise(slice.rise[j * width + i]));
+            }
+            rows.push_back(std::move(row));
+        }
+        json["pairs"].push_back({{"x", space.axes[slice.axes[0]].name},
+                                 {"y", space.axes[slice.axes[1]].name},
+                                 {"x_values", values(slice, 0)},
+                                 {"y_values", values(slice, 1)},
+                                 {"rise", std::move(rows)}});
+    }
+    for (const landscape::Slice& slice : landscape.profiled.single) {
+        Json list = Json::array();
+        std::transform(slice.rise.begin(), slice.rise.end(), std::back_inserter(list), rise);
+        json["profiles"].push_back(
+            {{"name", space.axes[slice.axes[0]].name}, {"values", values(slice, 0)}, {"rise", std::move(list)}});
+    }
+    return json;
 }
 
 Json answer_json(const UniqueResult& result) {
@@ -195,6 +236,9 @@ Json answer_json(const UniqueResult& result) {
             {{"x", space.axes[p.x].name}, {"y", space.axes[p.y].name}, {"cells", p.cells}, {"misfit", p.misfit}});
     }
     json["projections"] = projections;
+    if (result.landscape) {
+        json["landscape"] = landscape_json(*result.landscape, space);
+    }
     Json candidates = Json::array();
     for (const auto& e : next.effects) {
         Json parameters = Json::object();
@@ -241,6 +285,8 @@ Json unique_json(const UniqueResult& result, const analysis::RunOptions& run) {
     json["findings"] = findings(result);
     json["parameters"] = space_json(result.problem.space);
     json["responses"] = responses_json(study, result.best().evaluation.responses);
+    add_residuals(json["responses"], study, result.problem, result.best().evaluation,
+                  u.acceptance ? u.acceptance->noise() : 0.0);
     json["statuses"] = status_counts(u.explored);
     json["study"] = study_json(study);
     json["version"] = analysis::version;
@@ -262,6 +308,15 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
     if (result.options.model.confirmed()) {
         text += fmt::format("    {} more by the reduced model, which explored and searched\n",
                             counted(static_cast<std::size_t>(result.computed_by_reduced_model), "run", "runs"));
+    }
+    if (result.landscape) {
+        const landscape::ProfiledLandscape& profiled = result.landscape->profiled;
+        const std::size_t nodes =
+            profiled.pairs.empty() ? 0 : profiled.pairs.size() * profiled.pairs.front().rise.size();
+        text += fmt::format("    landscape: {} of pairs of parameters, the others fitted, by {} of the {} model\n",
+                            counted(nodes, "node", "nodes"),
+                            counted(static_cast<std::size_t>(result.landscape->runs), "run", "runs"),
+                            result.landscape->by_reduced_model ? "reduced" : "full");
     }
     if (result.computed > 0 && !result.reduced) { // else it was built too
         const double cpu = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;

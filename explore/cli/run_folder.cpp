@@ -1,0 +1,131 @@
+#include "cli/run_folder.h"
+
+#include "cli/commands.h"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+namespace explore::cli {
+
+std::string contents(const std::filesystem::path& path) {
+    std::ifstream stream(path, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    if (!stream) {
+        throw pave::Error({.file = path.string()}, "cannot be read");
+    }
+    return text.str();
+}
+
+namespace {
+
+using report::Json;
+
+constexpr std::size_t most_points = 5000; // of a picture of the landscape
+
+// Brackets within brackets, more than any result has: writing such JSON takes a call a level.
+bool is_deep(std::string_view text) {
+    int depth = 0;
+    bool in_text = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (in_text) {
+            i += c == '\\' ? 1 : 0;
+            in_text = c != '"';
+            continue;
+        }
+        in_text = c == '"';
+        depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
+        if (depth > 100) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// A result has no study, or one with a file, a title and a hash.
+bool names_its_study(const Json& result) {
+    if (!result.contains("study")) {
+        return true;
+    }
+    const Json& of = result["study"];
+    return of.is_object() && std::all_of(of.begin(), of.end(), [](const Json& value) { return value.is_string(); });
+}
+
+// What each command left in the folder when it was done.
+Json results_in(const std::filesystem::path& folder) {
+    Json results = Json::object();
+    for (const auto& [command, add, keeps_a_run] : commands()) {
+        const auto path = folder / (std::string(command) + ".json");
+        if (!keeps_a_run || !std::filesystem::is_regular_file(path)) {
+            continue;
+        }
+        const std::string text = contents(path);
+        Json result = is_deep(text) ? Json() : Json::parse(text, nullptr, false);
+        if (!result.is_object() || !names_its_study(result)) {
+            throw pave::Error({.file = path.string()}, "this is not the result of a run", {},
+                              "the file that pavescape " + std::string(command) + " wrote");
+        }
+        results[std::string(command)] = std::move(result);
+    }
+    return results;
+}
+
+// The points of the run that shows the landscape best, lowest misfit first.
+Json evaluations_in(const run::Store& store) {
+    const auto runs = store.runs();
+    for (const std::string_view command : {"map", "unique", "fit"}) {
+        const auto found = std::find_if(runs.begin(), runs.end(),
+                                        [&](const run::RunHeader& run) { return run.key.command == command; });
+        if (found == runs.end()) {
+            continue;
+        }
+        std::vector<problem::Evaluation> all;
+        store.each(found->id, [&](run::RunNumber, const problem::Evaluation& e) {
+            problem::Evaluation& kept = all.emplace_back();
+            kept.status = e.status;
+            kept.parameters = e.parameters;
+            kept.misfit = e.misfit;
+        });
+        std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
+            return a.converged() != b.converged() ? a.converged() : a.converged() && a.misfit < b.misfit;
+        });
+        // The lowest half of what is shown, and evenly of the rest.
+        const std::size_t lowest = std::min(all.size(), most_points / 2);
+        const std::size_t stride = 1 + (all.size() - lowest) / (most_points / 2 + 1);
+        Json rows = Json::array();
+        for (std::size_t i = 0; i < all.size(); i += i < lowest ? 1 : stride) {
+            Json row = {std::string(to_string(all[i].status)), all[i].converged() ? Json(all[i].misfit) : Json()};
+            for (const double value : all[i].parameters) {
+                row.push_back(value);
+            }
+            rows.push_back(std::move(row));
+        }
+        return {{"command", command},
+                {"settings", found->key.settings},
+                {"parameters", found->parameters},
+                {"left_out", all.size() - rows.size()},
+                {"rows", std::move(rows)}};
+    }
+    return nullptr;
+}
+
+} // namespace
+
+RunFolder read_run_folder(const std::string& folder) {
+    if (!std::filesystem::is_directory(folder)) {
+        throw pave::Error({.file = folder, .key = "RUN"}, "there is no such folder", {}, "the folder of a run");
+    }
+    RunFolder read{.results = results_in(folder), .evaluations = {}};
+    if (std::filesystem::exists(std::filesystem::path(folder) / "run.sqlite")) {
+        read.evaluations = evaluations_in(run::Store(folder));
+    }
+    if (read.results.empty() && read.evaluations.is_null()) {
+        throw pave::Error({.file = folder, .key = "RUN"}, "this folder holds no run", {},
+                          "a folder that a pavescape command wrote");
+    }
+    return read;
+}
+
+} // namespace explore::cli

@@ -1,0 +1,311 @@
+// Readings against the model, and what is left over in standard deviations.
+#include "report/figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <set>
+
+namespace explore::report {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+struct Place {
+    std::size_t index = 0; // of the reading
+    double x = 0.0, y = 0.0, depth = 0.0, measured = 0.0, sigma = none;
+    bool held_out = false;
+};
+struct Group {
+    std::string load, quantity, unit;
+    std::vector<Place> places;
+};
+
+std::vector<Group> groups_of(const Json& readings) {
+    std::vector<Group> groups;
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        const Json& r = readings[i];
+        const auto load = r.at("load").get<std::string>();
+        const auto quantity = r.at("quantity").get<std::string>();
+        auto group = std::find_if(groups.begin(), groups.end(),
+                                  [&](const Group& g) { return g.load == load && g.quantity == quantity; });
+        if (group == groups.end()) {
+            group = groups.insert(groups.end(), {load, quantity, r.at("unit").get<std::string>(), {}});
+        }
+        Place place;
+        place.index = i;
+        place.x = r.at("x_mm").get<double>();
+        place.y = r.at("y_mm").get<double>();
+        place.depth = r.at("depth_mm").get<double>();
+        place.measured = r.at("measured").get<double>();
+        if (r.at("unit") != group->unit) { // of another file: no line joins them
+            continue;
+        }
+        place.sigma = r.value("sigma", none);
+        place.held_out = r.value("held_out", false);
+        group->places.push_back(place);
+    }
+    return groups;
+}
+
+std::string mm(double value) {
+    return fmt::format("{:g}", value);
+}
+
+std::string place_words(const Place& p) {
+    std::string text = fmt::format("x = {}", mm(p.x));
+    text += p.y != 0.0 ? fmt::format(", y = {}", mm(p.y)) : "";
+    text += p.depth != 0.0 ? fmt::format(", depth {}", mm(p.depth)) : "";
+    return text + " mm";
+}
+
+// Limits with a margin around values.
+void fit_range(PlotAxis& axis, double low, double high, int ticks) {
+    const double margin = high > low ? 0.06 * (high - low) : std::max(1e-9, 0.1 * std::abs(high));
+    axis.low = low - margin;
+    axis.high = high + margin;
+    axis.ticks = round_ticks(axis.low, axis.high, false, ticks);
+}
+
+// Readings that one line joins: of one depth along x, or of one x over the depth.
+struct Strand {
+    std::string name;
+    std::vector<const Place*> places;
+};
+
+DataTable readings_table(const std::string& name, const Json& readings, const std::vector<ComparedModel>& models,
+                         bool residuals) {
+    DataTable table{name, {"load", "quantity", "x_mm", "y_mm", "depth_mm", "series", "value", "unit"}, {}};
+    if (residuals) {
+        table.columns = {"load", "quantity", "x_mm", "y_mm", "depth_mm", "held_out", "model", "residual_in_deviations"};
+    }
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        const Json& r = readings[i];
+        const std::vector<std::string> where{r.at("load").get<std::string>(), r.at("quantity").get<std::string>(),
+                                             mm(r.at("x_mm").get<double>()), mm(r.at("y_mm").get<double>()),
+                                             mm(r.at("depth_mm").get<double>())};
+        const auto add = [&](std::initializer_list<std::string> rest) {
+            auto row = where;
+            row.insert(row.end(), rest);
+            table.rows.push_back(std::move(row));
+        };
+        const auto unit = r.at("unit").get<std::string>();
+        if (!residuals) {
+            add({"measured", cell(r.at("measured").get<double>()), unit});
+            if (r.contains("sigma")) {
+                add({"standard deviation", cell(r.at("sigma").get<double>()), unit});
+            }
+        }
+        for (const ComparedModel& model : models) {
+            if (residuals) {
+                add({r.value("held_out", false) ? "yes" : "no", model.name, cell(model.residuals[i])});
+            } else {
+                add({model.name, cell(model.values[i]), unit});
+            }
+        }
+    }
+    return table;
+}
+
+} // namespace
+
+Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models) {
+    const auto groups = groups_of(readings);
+    Figure figure{.name = "fit"};
+    const std::size_t columns = groups.size() == 1 ? 1 : 2;
+    const std::size_t rows = (groups.size() + columns - 1) / columns;
+    const double width = columns == 1 ? 9.0 : 6.5;
+    const double height = columns == 1 ? 6.0 : 4.8;
+    constexpr double left = 1.5;
+    constexpr double bottom = 1.15;
+    constexpr double above = 0.75;
+    figure.width = static_cast<double>(columns) * (width + left) + 0.5;
+    figure.height = static_cast<double>(rows) * (height + bottom + above);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const Group& group = groups[g];
+        Panel panel;
+        panel.left = left + static_cast<double>(g % columns) * (width + left);
+        panel.bottom = bottom + static_cast<double>(rows - 1 - g / columns) * (height + bottom + above);
+        panel.width = width;
+        panel.height = height;
+        panel.grid = true;
+        std::set<double> depths;
+        std::set<std::pair<double, double>> feet;
+        for (const Place& p : group.places) {
+            depths.insert(p.depth);
+            feet.insert({p.x, p.y});
+        }
+        const bool by_depth = depths.size() > 1 && feet.size() <= depths.size();
+        std::vector<Strand> strands;
+        for (const Place& p : group.places) {
+            const std::string name =
+                by_depth ? (feet.size() > 1 ? "x = " + mm(p.x) + (p.y != 0.0 ? ", y = " + mm(p.y) : "") + " mm" : "")
+                         : (depths.size() > 1 ? mm(p.depth) + " mm deep" : "");
+            auto strand = std::find_if(strands.begin(), strands.end(), [&](const Strand& s) { return s.name == name; });
+            if (strand == strands.end()) {
+                strand = strands.insert(strands.end(), {name, {}});
+            }
+            strand->places.push_back(&p);
+        }
+        double low = std::numeric_limits<double>::infinity();
+        double high = -low;
+        double first = low;
+        double last = high;
+        static constexpr Marker markers[] = {Marker::circle, Marker::square, Marker::triangle, Marker::diamond};
+        std::vector<Layer> points;
+        for (std::size_t s = 0; s < strands.size(); ++s) {
+            Strand& strand = strands[s];
+            const auto along = [&](const Place* p) { return by_depth ? p->depth : p->x; };
+            std::stable_sort(strand.places.begin(), strand.places.end(),
+                             [&](const Place* a, const Place* b) { return along(a) < along(b); });
+            const bool one = strands.size() == 1;
+            const auto values_along = [&](const auto& value) {
+                Line line;
+                for (const Place* p : strand.places) {
+                    (by_depth ? line.y : line.x).push_back(along(p));
+                    (by_depth ? line.x : line.y).push_back(value(*p));
+                    if (std::isfinite(value(*p))) {
+                        low = std::min(low, value(*p));
+                        high = std::max(high, value(*p));
+                    }
+                    first = std::min(first, along(p));
+                    last = std::max(last, along(p));
+                }
+                return line;
+            };
+            for (std::size_t m = 0; m < models.size(); ++m) {
+                Line line = values_along([&](const Place& p) { return models[m].values[p.index]; });
+                line.colour = okabe_ito[one ? m : s % std::size(okabe_ito)];
+                line.dashed = models.size() > 1 && m == 0;
+                line.width = 1.5;
+                line.name = s == 0 ? models[m].name : "";
+                if (line.x.size() == 1) {
+                    line.marker = Marker::star;
+                }
+                panel.layers.emplace_back(std::move(line));
+            }
+            Line measured = values_along([](const Place& p) { return p.measured; });
+            for (const Place* p : strand.places) {
+                measured.error.push_back(std::isnan(p->sigma) ? 0.0 : p->sigma);
+            }
+            if (std::all_of(measured.error.begin(), measured.error.end(), [](double e) { return e == 0.0; })) {
+                measured.error.clear();
+            }
+            measured.along_x = by_depth;
+            measured.width = 0.0;
+            measured.marker = markers[s % std::size(markers)];
+            measured.colour = one ? black : okabe_ito[s % std::size(okabe_ito)];
+            measured.name = strand.name.empty() ? "measured" : "measured, " + strand.name;
+            points.emplace_back(std::move(measured));
+        }
+        panel.layers.insert(panel.layers.begin(), points.begin(), points.end()); // the legend begins with them
+        panel.layers.insert(panel.layers.end(), points.begin(), points.end());   // and lines do not hide them
+        for (std::size_t l = panel.layers.size() - points.size(); l < panel.layers.size(); ++l) {
+            std::get<Line>(panel.layers[l]).name.clear();
+        }
+        if (group.quantity == "deflection") {
+            low = std::min(0.0, low);
+        }
+        PlotAxis& value_axis = by_depth ? panel.x : panel.y;
+        PlotAxis& place_axis = by_depth ? panel.y : panel.x;
+        fit_range(value_axis, low, high, 5);
+        fit_range(place_axis, first, last, 6);
+        value_axis.label = fmt::format("{} ({})", quantity_words(group.quantity), unit_words(group.unit));
+        place_axis.label = by_depth ? "depth (mm)" : "distance x (mm)";
+        place_axis.reversed = by_depth;
+        value_axis.reversed = !by_depth && group.quantity == "deflection";
+        panel.title = "load " + group.load;
+        panel.legend = true;
+        panel.legend_at_bottom = value_axis.reversed;
+        figure.panels.push_back(std::move(panel));
+    }
+    figure.tables = {readings_table("fit", readings, models, false)};
+    return figure;
+}
+
+Figure residuals_figure(const Json& readings, const std::vector<ComparedModel>& models) {
+    const auto groups = groups_of(readings);
+    // A row for every reading and one for the name of each group.
+    std::size_t count = 0;
+    for (const Group& group : groups) {
+        count += group.places.size() + 1;
+    }
+    constexpr double row = 0.4;
+    Figure figure{.name = "residuals", .width = 13.5};
+    Panel panel;
+    panel.left = 4.4;
+    panel.bottom = 1.2;
+    panel.width = 8.7;
+    panel.height = row * static_cast<double>(count);
+    figure.height = panel.bottom + panel.height + (models.size() > 1 ? 1.0 : 0.4);
+    double most = 3.0;
+    std::vector<Line> marks;
+    std::vector<Line> held_out;
+    static constexpr Marker markers[] = {Marker::circle, Marker::square};
+    for (std::size_t m = 0; m < models.size(); ++m) {
+        const Colour colour = models.size() > 1 && m == 0 ? grey : okabe_ito[0];
+        marks.push_back({.colour = colour, .width = 0.0, .marker = markers[m % 2], .marker_size = 1.1});
+        held_out.push_back({.colour = colour, .width = 0.0, .marker = Marker::open_circle, .marker_size = 1.1});
+        for (const double r : models[m].residuals) {
+            most = std::isfinite(r) ? std::max(most, std::abs(r)) : most;
+        }
+    }
+    most *= 1.08;
+    const auto rows = static_cast<double>(count);
+    for (const auto& [reach, colour] : {std::pair<double, Colour>{2.0, 0xF1F3F5}, {1.0, 0xE1E6EA}}) {
+        panel.layers.emplace_back(Boxes{{-reach}, {reach}, {-0.5}, {rows - 0.5}, {colour}, false});
+    }
+    panel.layers.emplace_back(Line{.x = {0.0, 0.0}, .y = {-0.5, rows - 0.5}, .colour = black, .width = 0.8});
+    double at = 0.0;
+    for (const Group& group : groups) {
+        panel.y.ticks.push_back({at, fmt::format("{}: {}", group.load, quantity_words(group.quantity))});
+        at += 1.0;
+        for (const Place& place : group.places) {
+            panel.y.ticks.push_back({at, place_words(place)});
+            for (std::size_t m = 0; m < models.size(); ++m) {
+                const double r = models[m].residuals[place.index];
+                if (!std::isfinite(r)) {
+                    continue;
+                }
+                if (m + 1 == models.size()) {
+                    panel.layers.emplace_back(
+                        Line{.x = {0.0, r}, .y = {at, at}, .colour = marks[m].colour, .width = 1.0});
+                }
+                Line& line = place.held_out ? held_out[m] : marks[m];
+                line.x.push_back(r);
+                line.y.push_back(at);
+            }
+            at += 1.0;
+        }
+    }
+    const bool any_held_out =
+        std::any_of(held_out.begin(), held_out.end(), [](const Line& line) { return !line.x.empty(); });
+    for (std::size_t m = 0; m < models.size(); ++m) {
+        panel.layers.emplace_back(std::move(marks[m]));
+        if (!held_out[m].x.empty()) {
+            panel.layers.emplace_back(std::move(held_out[m]));
+        }
+    }
+    panel.x.low = -most;
+    panel.x.high = most;
+    panel.x.ticks = round_ticks(-most, most, false, 8);
+    panel.x.label =
+        std::string("model less measured (standard deviations)") + (any_held_out ? "; open: not fitted" : "");
+    panel.y.low = -0.5;
+    panel.y.high = rows - 0.5;
+    panel.y.reversed = true;
+    if (models.size() > 1) { // what the marks are, above the panel
+        double from = 0.0;
+        for (std::size_t m = 0; m < models.size(); ++m) {
+            const double place = 1.0 + 0.45 / panel.height;
+            panel.notes.push_back(
+                {from, place, (m == 0 ? "● " : "■ ") + models[m].name, false, m == 0 ? grey : okabe_ito[0]});
+            from += 0.35;
+        }
+    }
+    figure.panels.push_back(std::move(panel));
+    figure.tables = {readings_table("residuals", readings, models, true)};
+    return figure;
+}
+
+} // namespace explore::report

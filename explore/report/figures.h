@@ -1,0 +1,36 @@
+// The figures of a run's folder, for a paper.
+#pragma once
+
+#include "report/figure.h"
+#include "report/json.h"
+
+namespace explore::report {
+
+// What a folder holds. results: {command: its JSON}; evaluations: as in report/page.h, or null.
+struct FolderContents {
+    Json results;
+    Json evaluations;
+};
+
+// Names of the figures that can be made of it, in their order: "landscape", "profiles", "fit", "residuals".
+std::vector<std::string> figures_of(const FolderContents& contents);
+// One of them. Throws Json::exception for results that are not those of this program.
+Figure make_figure(const FolderContents& contents, const std::string& name);
+
+// The corner figure: every pair of parameters below the diagonal, each alone on it.
+Figure profiled_landscape_figure(const Json& unique);
+// The same of points that were computed: the lowest misfit in the cells of each pair. minima: [{"parameters"}].
+Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters, const Json& minima);
+// Rises of chi2 along every parameter and output.
+Figure profiles_figure(const Json& unique);
+
+// Readings with the values of one model or two: {"load", "quantity", "x_mm", "y_mm", "depth_mm", "measured", "unit"}
+// and where known "sigma", "held_out"; values and residuals (standard deviations) in the order of the readings.
+struct ComparedModel {
+    std::string name;
+    std::vector<double> values, residuals; // not a number: none
+};
+Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models);
+Figure residuals_figure(const Json& readings, const std::vector<ComparedModel>& models);
+
+} // namespace explore::report
