@@ -355,6 +355,8 @@ private:
                 }
                 sample.residuals = problem_.residuals(e);
                 sample.jacobian = problem_.residual_jacobian(e)(Eigen::all, open);
+                sample.limits = problem_.beyond_limits(e);
+                sample.limit_jacobian = problem_.limit_jacobian(e)(Eigen::all, open);
                 keep(unit, std::move(e));
                 return optimise::Answer::computed;
             } catch (...) { // no exception crosses the optimiser

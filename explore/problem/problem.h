@@ -57,8 +57,8 @@ public:
     // One a row, of a converged evaluation, whoever made it.
     Eigen::VectorXd residuals(const Evaluation& evaluation) const;
     double misfit(const Evaluation& evaluation) const { return residuals(evaluation).norm(); }
-    // Of a problem in units of noise that every reading states: the logarithm of the density of the measured values [SI]
-    // times that of the priors over what is uniform in the box; minus infinity without an answer.
+    // Of a problem in units of noise that every reading states: the logarithm of the density of the measured values
+    // [SI] times that of the priors over what is uniform in the box; minus infinity without an answer.
     double log_density(const Evaluation& evaluation) const;
     // d(residuals)/d(unit coordinates) of an evaluation with a jacobian; rows x parameters.
     Eigen::MatrixXd residual_jacobian(const Evaluation& evaluation) const;

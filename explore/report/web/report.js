@@ -228,6 +228,35 @@
         marker: { symbol: "star", size: 13, color: "#D55E00", line: { color: "#000", width: 1 } },
     });
 
+    // The rise of chi2 over pairs of parameters with all others fitted: logarithmic levels, and the border of what the data
+    // accept.
+    const landscapeCharts = (unique) => {
+        const found = unique.landscape;
+        const parameter = new Map((unique.parameters || []).map((p) => [p.name, p]));
+        if (!found) return null;
+        const lowest = found.limit / 30;
+        const level = (rise) => (rise === null ? null : Math.log10(Math.max(rise, lowest)));
+        const ticks = [0.1, 1, 10, 100, 1000, 10000, 1e5, 1e6].map((v) => v * found.limit);
+        const charts = found.pairs.filter((p) => parameter.has(p.x) && parameter.has(p.y)).map((p) => {
+            const z = p.rise.map((row) => row.map(level));
+            const highest = Math.max(...z.flat().filter((v) => v !== null), level(10 * found.limit));
+            const shown = ticks.filter((v) => v >= lowest && Math.log10(v) <= highest);
+            const place = { type: "contour", x: p.x_values, y: p.y_values, z };
+            return chart("landscape", [{
+                ...place, colorscale: "Cividis", reversescale: true, zmin: level(lowest), zmax: highest,
+                contours: { start: level(lowest), end: highest, size: 0.25 }, line: { width: 0 },
+                text: p.rise.map((row) => row.map((v) => (v === null ? "no answer" : `chi2 rises by ${figure(v)}`))), hoverinfo: "text",
+                colorbar: { title: { text: "rise of chi2" }, thickness: 10, tickvals: shown.map((v) => Math.log10(v)), ticktext: shown.map(figure) },
+            }, {
+                ...place, showscale: false, hoverinfo: "skip", contours: { type: "constraint", operation: "=", value: Math.log10(found.limit) },
+                line: { color: "#D55E00", width: 3 }, name: "accepted", showlegend: false,
+            }, minimaTrace(unique.minima, parameter.get(p.x), parameter.get(p.y))], {
+                xaxis: axis(p.x, { type: scaleOf(parameter.get(p.x)) }), yaxis: axis(p.y, { type: scaleOf(parameter.get(p.y)) }), height: 330,
+            });
+        });
+        return charts.length > 0 ? make("div", { className: "charts" }, charts) : null;
+    };
+
     // The lowest explored misfit in the cells of pairs of parameters, with contours.
     const projectionCharts = (unique) => {
         const parameter = new Map((unique.parameters || []).map((p) => [p.name, p]));
@@ -362,7 +391,10 @@
             "Range of each output over all sets of parameters that the data accept."),
             table(["output", "best", "low", "high", "unit"], r.outputs.map((o) => [o.name, o.best, o.low, o.high, o.unit]))] : [],
             responsesPart(r),
-            data.evaluations && data.evaluations.command === "unique" && (r.parameters || []).length > 1
+            r.landscape && r.landscape.pairs.length > 0
+                ? [part("Landscape of the misfit"), landscapeCharts(r),
+                    make("p", { className: "soft" }, `Colour: the least rise of chi2 over the minimum with all other parameters fitted, by the ${r.landscape.model} model. Inside the orange line lies what the data accept (a rise of ${figure(r.landscape.limit)} or less); white: no answer. Stars are the minima.`)]
+                : data.evaluations && data.evaluations.command === "unique" && (r.parameters || []).length > 1
                 ? [part("Landscape of the misfit"), pairCharts(r.parameters, data.evaluations.rows, r.minima),
                     make("p", { className: "soft" }, "Colour: the lowest misfit computed in a cell, over all values of the other parameters; white: nothing was computed there. Stars are the minima; crosses have no answer.")]
                 : [part("Landscape: lowest explored misfit over pairs"), projectionCharts(r)],
