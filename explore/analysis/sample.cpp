@@ -143,9 +143,13 @@ void judge(SampleResult& result) {
         }
     };
     if (result.correction && result.correction->effective < landscape::least_ess) {
+        // Few draws that are all worth one are too few; many that are worth little are of another posterior.
+        const bool is_another = result.correction->effective < 0.5 * static_cast<double>(result.correction->runs);
         result.missing.push_back(fmt::format(
-            "the reduced model differs too much from the full one: its {} draws are worth {:.0f} of the full model, "
-            "fewer than {:.0f} (--confirm for more of them, --model full without it)",
+            "{}: {} of its draws were run by the full model and are worth {:.0f} of its own, fewer than {:.0f} "
+            "(--confirm for more of them, --model full without the reduced model)",
+            is_another ? "the reduced model differs too much from the full one"
+                       : "too few draws of the reduced model were confirmed",
             result.correction->runs, result.correction->effective, landscape::least_ess));
     } else {
         for (std::size_t k = 0; k < result.parameters.size(); ++k) {

@@ -267,6 +267,9 @@ std::vector<std::string> findings(const UniqueResult& result) {
         const data::Reading& reading = next.candidates[e.candidate];
         std::string of_outputs;
         for (std::size_t o = 0; o < e.predictions.size(); ++o) {
+            if (!std::isfinite(e.predictions[o])) { // of a load that was not computed
+                continue;
+            }
             of_outputs += fmt::format(", of the output {} to {:.0f} %", study.readings[outputs[o]].output,
                                       100.0 * e.predictions[o]);
         }

@@ -27,17 +27,45 @@ constexpr Known known[] = {
 struct Search {
     const Objective& objective;
     nlopt::opt& optimiser;
-    SearchResult result;
+    SearchResult result{};
     double best = std::numeric_limits<double>::infinity(); // half sum of squares
     double highest = 0.0;                                  // of the computed ones
     // What the optimiser sees is this times half the sum: a start far beyond a limit has slopes that its first step
     // would take at their word.
-    double scale = 0.0; // set by the first slope
-    Sample sample;
+    double scale = 0.0;        // set by the first slope
+    bool takes_limits = false; // as constraints of its own; else they are part of the sum
+    Sample sample{};
+    std::vector<double> asked{}; // where the sample is of
+    Answer answer = Answer::no_answer;
+
+    Answer ask(const std::vector<double>& x) {
+        if (x != asked) {
+            ++result.evaluations;
+            answer = objective(x, sample);
+            asked = x;
+        }
+        return answer;
+    }
+
+    // The limits, each at most 0, and their derivatives by row.
+    void limits(const std::vector<double>& x, double* values, double* gradients) {
+        const auto count = sample.limits.size();
+        const bool computed = ask(x) == Answer::computed;
+        for (Eigen::Index i = 0; i < count; ++i) {
+            values[i] = computed ? sample.limits[i] : 0.0;
+            for (Eigen::Index k = 0; gradients != nullptr && k < static_cast<Eigen::Index>(x.size()); ++k) {
+                *gradients++ = computed ? sample.limit_jacobian(i, k) : 0.0;
+            }
+        }
+    }
+
+    static void limits_callback(unsigned /*count*/, double* values, unsigned n, const double* x, double* gradients,
+                                void* self) {
+        static_cast<Search*>(self)->limits({x, x + n}, values, gradients);
+    }
 
     double value(const std::vector<double>& x, std::vector<double>& gradient) {
-        ++result.evaluations;
-        const Answer answer = objective(x, sample);
+        ask(x);
         if (answer == Answer::computed) {
             const double half = 0.5 * sample.residuals.squaredNorm();
             if (std::isfinite(half)) {
@@ -47,7 +75,10 @@ struct Search {
                 }
                 highest = std::max(highest, half);
                 if (!gradient.empty()) {
-                    const Eigen::VectorXd g = sample.jacobian.transpose() * sample.residuals;
+                    Eigen::VectorXd g = sample.jacobian.transpose() * sample.residuals;
+                    if (takes_limits) {
+                        g -= sample.limit_jacobian.transpose() * sample.limits.cwiseMax(0.0);
+                    }
                     if (scale == 0.0) {
                         constexpr double steep = 1e7;
                         scale = g.norm() > steep ? 1.0 / g.norm() : 1.0;
@@ -55,7 +86,8 @@ struct Search {
                     const Eigen::VectorXd scaled = scale * g;
                     std::copy(scaled.begin(), scaled.end(), gradient.begin());
                 }
-                return scale > 0.0 ? scale * half : half;
+                const double seen = takes_limits ? half - 0.5 * sample.limits.cwiseMax(0.0).squaredNorm() : half;
+                return scale > 0.0 ? scale * seen : seen;
             }
         }
         if (answer == Answer::stop) {
@@ -125,7 +157,7 @@ SearchResult local_search(const Method& method, const std::vector<double>& start
         return gauss_newton(start, objective, settings);
     }
     nlopt::opt optimiser(*algorithm, static_cast<unsigned>(start.size()));
-    Search search{objective, optimiser, {}, std::numeric_limits<double>::infinity(), 0.0, 0.0, {}};
+    Search search{.objective = objective, .optimiser = optimiser};
     optimiser.set_lower_bounds(0.0);
     optimiser.set_upper_bounds(1.0);
     optimiser.set_min_objective(&Search::callback, &search);
@@ -133,6 +165,12 @@ SearchResult local_search(const Method& method, const std::vector<double>& start
     optimiser.set_xtol_abs(settings.step_tolerance);
     optimiser.set_ftol_rel(settings.misfit_tolerance);
     optimiser.set_stopval(1e-24);
+    if (*algorithm == nlopt::LD_SLSQP && search.ask(start) == Answer::computed && search.sample.limits.size() > 0) {
+        search.takes_limits = true;
+        constexpr double met = 1e-3; // of the tolerance of a limit
+        optimiser.add_inequality_mconstraint(&Search::limits_callback, &search,
+                                             std::vector<double>(search.sample.limits.size(), met));
+    }
     if (!method.uses_gradient) {
         optimiser.set_initial_step(0.1);
     }

@@ -116,7 +116,7 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
     const std::size_t rows = (groups.size() + columns - 1) / columns;
     const double width = columns == 1 ? 9.0 : 6.5;
     const double height = columns == 1 ? 6.0 : 4.8;
-    constexpr double left = 1.5;
+    constexpr double left = 2.1;
     constexpr double bottom = 1.15;
     constexpr double above = 0.75;
     figure.width = static_cast<double>(columns) * (width + left) + 0.5;

@@ -435,14 +435,11 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
         read_effect(*effect, study);
     }
     const auto parameters = reader.tables("parameters");
-    for (const auto* parameter : parameters) {
-        if (!parameter->contains(keys::parameter_equals.key)) {
-            read_parameter(*parameter, study);
-        }
-    }
-    for (const auto* parameter : parameters) {
-        if (parameter->contains(keys::parameter_equals.key)) {
-            read_tie(*parameter, study);
+    for (const bool tied : {false, true}) { // what follows others comes after them
+        for (const auto* parameter : parameters) {
+            if (parameter->contains(keys::parameter_equals.key) == tied) {
+                tied ? read_tie(*parameter, study) : read_parameter(*parameter, study);
+            }
         }
     }
     if (const std::string wrong = apply_ties(study.model); !wrong.empty()) {

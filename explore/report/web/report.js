@@ -236,14 +236,14 @@
         if (!found) return null;
         const lowest = found.limit / 30;
         const level = (rise) => (rise === null ? null : Math.log10(Math.max(rise, lowest)));
-        const ticks = [0.1, 1, 10, 100, 1000, 10000, 1e5, 1e6].map((v) => v * found.limit);
+        const ticks = [0.3, 1, 3, 10, 30, 100, 300, 1000, 3000, 10000, 1e5, 1e6];
         const charts = found.pairs.filter((p) => parameter.has(p.x) && parameter.has(p.y)).map((p) => {
             const z = p.rise.map((row) => row.map(level));
             const highest = Math.max(...z.flat().filter((v) => v !== null), level(10 * found.limit));
             const shown = ticks.filter((v) => v >= lowest && Math.log10(v) <= highest);
             const place = { type: "contour", x: p.x_values, y: p.y_values, z };
             return chart("landscape", [{
-                ...place, colorscale: "Cividis", reversescale: true, zmin: level(lowest), zmax: highest,
+                ...place, colorscale: "Cividis", zmin: level(lowest), zmax: highest,
                 contours: { start: level(lowest), end: highest, size: 0.25 }, line: { width: 0 },
                 text: p.rise.map((row) => row.map((v) => (v === null ? "no answer" : `chi2 rises by ${figure(v)}`))), hoverinfo: "text",
                 colorbar: { title: { text: "rise of chi2" }, thickness: 10, tickvals: shown.map((v) => Math.log10(v)), ticktext: shown.map(figure) },
