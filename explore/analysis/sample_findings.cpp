@@ -71,6 +71,7 @@ void say_modes(const SampleResult& result, std::vector<std::string>& text) {
             continue;
         }
         std::vector<std::string> places;
+        places.reserve(modes.size());
         for (const Mode& mode : modes) {
             places.push_back(
                 fmt::format("{:.0f} % about {}", 100.0 * mode.share, figure(axes[k].physical(mode.centre))));

@@ -45,6 +45,7 @@ std::optional<UniqueLandscape> landscape_around(run::Engine& engine, const probl
     std::stable_sort(found.begin(), found.end(),
                      [](const auto* a, const auto* b) { return a->evaluation.misfit < b->evaluation.misfit; });
     std::vector<std::vector<double>> minima;
+    minima.reserve(found.size());
     for (const run::Endpoint* end : found) {
         minima.push_back(end->search.unit);
     }

@@ -340,6 +340,7 @@ private:
         }
         std::vector<double> unit = start;
         std::vector<double> from;
+        from.reserve(open.size());
         for (const Index k : open) {
             from.push_back(start[static_cast<std::size_t>(k)]);
         }

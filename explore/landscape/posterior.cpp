@@ -464,6 +464,7 @@ std::optional<Posterior> posterior(run::Engine& engine, const problem::Problem& 
     Posterior result;
     Evaluator evaluate(engine, settings.show_progress);
     std::vector<Population> populations;
+    populations.reserve(static_cast<std::size_t>(settings.populations));
     for (int p = 0; p < settings.populations; ++p) {
         populations.emplace_back(problem, seed, p);
     }

@@ -64,6 +64,7 @@ Grid refined(const Grid& grid, int times) {
     fine.z.resize(fine.x.size() * fine.y.size());
     for (std::size_t i = 0; i < fine.x.size(); ++i) {
         std::vector<double> column;
+        column.reserve(rows.size());
         for (const auto& row : rows) {
             column.push_back(row[i]);
         }

@@ -129,7 +129,7 @@ void add(Drawn& drawn, const std::string& name, const Boxes& boxes) {
     }
     for (const auto& [colour, text] : rows) {
         const std::string block = fmt::format("{}_{:06X}", name, colour);
-        drawn.blocks += block + " << EOD\n" + text + "EOD\n";
+        drawn.blocks += fmt::format("{} << EOD\n{}EOD\n", block, text);
         drawn.elements.push_back(fmt::format("{} using 1:3:1:2:3:4 with boxxyerror {} fc rgb {} lw 0.3 notitle", block,
                                              boxes.hatched ? "fs transparent pattern 4 noborder"
                                                            : fmt::format("fs solid border lc rgb {}", rgb(colour)),
@@ -162,7 +162,7 @@ std::string axis_commands(const PlotAxis& axis, const std::string& name, bool gr
         text += grid ? fmt::format("set grid {}tics lc rgb '#E6E9EC' lw 0.6 dt 1\n", of) : std::string();
     }
     if (!axis.label.empty()) {
-        text += fmt::format("set {}label {} offset {}\n", of, quoted(axis.label), name == "x" ? "0,0.5" : "0.8,0");
+        text += fmt::format("set {}label {} offset {}\n", of, quoted(axis.label), name == "x" ? "0,0.5" : "0,0");
     }
     return text;
 }

@@ -39,6 +39,7 @@ struct Parameter {
     double physical(double unit) const { return log ? low * std::pow(high / low, unit) : low + unit * (high - low); }
     std::vector<double> units(const std::vector<double>& values) const {
         std::vector<double> all;
+        all.reserve(values.size());
         for (const double value : values) {
             all.push_back(unit(value));
         }
@@ -293,6 +294,7 @@ void draw_pair(Panel& panel, const Corner& corner, const Pair& pair, const std::
             z = std::sqrt(std::max(0.0, z)); // nearly linear around a minimum
         }
         std::vector<double> roots;
+        roots.reserve(levels.size());
         for (const double level : levels) {
             roots.push_back(std::sqrt(level));
         }
@@ -517,6 +519,7 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
     // A grid has a cell a value, other points so many cells that a few fall in each.
     const auto cells_of = [&](std::size_t k) {
         std::vector<double> values;
+        values.reserve(all.size());
         for (const Point& point : all) {
             values.push_back(point.unit[k]);
         }
@@ -608,6 +611,7 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
         }
     }
     std::vector<Colour> colours;
+    colours.reserve(shades);
     for (int i = 0; i < shades; ++i) {
         colours.push_back(shade((i + 0.5) / shades));
     }

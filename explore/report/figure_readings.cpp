@@ -123,9 +123,10 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
     figure.height = static_cast<double>(rows) * (height + bottom + above);
     for (std::size_t g = 0; g < groups.size(); ++g) {
         const Group& group = groups[g];
+        const std::size_t row = g / columns; // from the top
         Panel panel;
         panel.left = left + static_cast<double>(g % columns) * (width + left);
-        panel.bottom = bottom + static_cast<double>(rows - 1 - g / columns) * (height + bottom + above);
+        panel.bottom = bottom + static_cast<double>(rows - 1 - row) * (height + bottom + above);
         panel.width = width;
         panel.height = height;
         panel.grid = true;

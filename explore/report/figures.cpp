@@ -188,9 +188,10 @@ Figure profiles_figure(const Json& unique) {
     for (std::size_t n = 0; n < all.size(); ++n) {
         const One& one = all[n];
         const Json& profile = *one.profile;
+        const std::size_t row = n / columns;
         Panel panel;
         panel.left = 1.4 + static_cast<double>(n % columns) * (side + gap);
-        panel.bottom = 0.15 + below - 0.3 + static_cast<double>(rows - 1 - n / columns) * (high + below);
+        panel.bottom = 0.15 + below - 0.3 + static_cast<double>(rows - 1 - row) * (high + below);
         panel.width = side;
         panel.height = high;
         const std::string name = profile.at("name").get<std::string>();

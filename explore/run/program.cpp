@@ -20,6 +20,7 @@ ProgramEnd run_program(const std::vector<std::string>& words) {
     }
     std::vector<std::string> copies = words;
     std::vector<char*> arguments;
+    arguments.reserve(copies.size() + 1);
     for (std::string& word : copies) {
         arguments.push_back(word.data());
     }

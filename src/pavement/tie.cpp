@@ -36,7 +36,7 @@ void add_tie(Case& c, const std::string& path, const std::string& expression, co
             }
         }
         if (reached[i] == path) {
-            throw Error(place, "this expression reads the number it sets", "\"" + path + " = " + expression + "\"",
+            throw Error(place, "this expression reads the number it sets", fmt::format("\"{} = {}\"", path, expression),
                         "an expression of other numbers");
         }
     }
