@@ -34,6 +34,14 @@ std::string short_words(const problem::ParameterSpace& space, WalkEnd end, const
     return analysis::end_words(end, bounds);
 }
 
+// The same where a constraint that is no equality holds back there.
+std::string with_constraint(const std::string& words, const problem::Problem& problem,
+                            const std::vector<std::size_t>& limits) {
+    const bool holds =
+        std::any_of(limits.begin(), limits.end(), [&](std::size_t i) { return !problem.limits[i]->is_equality(); });
+    return holds ? words + ", a constraint" : words;
+}
+
 Json branch_json(const Branch& branch, double to_unit, const std::function<double(double)>& physical) {
     Json points = Json::array();
     for (const auto& p : branch.points) {
@@ -348,7 +356,8 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
             };
             table.add({space.axes[k].name, figure(result.best().evaluation.parameters[k]), figure(r.low),
                        figure(r.high), "", std::string(landscape::profile_kind_names[static_cast<int>(kind_of(r))]),
-                       stopped(r.low, r.low_end, r.low_bounds), stopped(r.high, r.high_end, r.high_bounds)});
+                       with_constraint(stopped(r.low, r.low_end, r.low_bounds), result.problem, r.low_limits),
+                       with_constraint(stopped(r.high, r.high_end, r.high_bounds), result.problem, r.high_limits)});
         }
         for (std::size_t o = 0; o < u.outputs.size(); ++o) {
             const Range& r = u.outputs[o];
@@ -356,7 +365,8 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
             table.add({output.output, figure(output.in_unit(result.best().evaluation.responses[outputs[o]])),
                        figure(output.in_unit(r.low)), figure(output.in_unit(r.high)), std::string(output.unit.name),
                        std::string(landscape::profile_kind_names[static_cast<int>(kind_of(r))]),
-                       short_words(space, r.low_end, r.low_bounds), short_words(space, r.high_end, r.high_bounds)});
+                       with_constraint(short_words(space, r.low_end, r.low_bounds), result.problem, r.low_limits),
+                       with_constraint(short_words(space, r.high_end, r.high_bounds), result.problem, r.high_limits)});
         }
         text += table.text();
     }
