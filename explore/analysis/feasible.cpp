@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "optimise/gauss_newton.h"
+#include "run/least_squares.h"
 #include "search/design.h"
 #include "study/constraints.h"
 
@@ -16,36 +17,23 @@ void refuse_contradictions(const study::Study& study) {
     if (study.constraints.empty() || space.axes.empty()) {
         return;
     }
+    problem::Problem problem =
+        problem::Problem(space, nullptr, problem::Misfit(study.data.misfit, {})).without_priors();
+    std::vector<int> lines;
+    problem::Evaluation at; // without responses
+    at.jacobian.setZero(0, static_cast<Eigen::Index>(space.axes.size()));
+    at.parameters = space.physical(std::vector<double>(space.axes.size(), 0.5));
     const auto all = study::limits_of(study);
-    const std::vector<double> no_responses;
-    std::vector<std::size_t> known; // without outputs
     for (std::size_t i = 0; i < all.size(); ++i) {
-        if (std::isfinite(all[i]->value(space.physical(std::vector<double>(space.axes.size(), 0.5)), no_responses))) {
-            known.push_back(i);
+        if (std::isfinite(all[i]->value(at.parameters, at.responses))) { // it reads no output
+            problem.limits.push_back(all[i]);
+            lines.push_back(study.constraints[i].line);
         }
     }
-    const auto rows = static_cast<Eigen::Index>(known.size());
-    const auto n = static_cast<Eigen::Index>(space.axes.size());
     const optimise::Objective objective = [&](std::span<const double> unit, optimise::Sample& sample) {
-        const auto parameters = space.physical(unit);
-        sample.residuals.setZero(rows);
-        sample.jacobian.setZero(rows, n);
-        for (Eigen::Index i = 0; i < rows; ++i) {
-            const problem::Limit& limit = *all[known[static_cast<std::size_t>(i)]];
-            const double value = limit.value(parameters, no_responses);
-            if (!std::isfinite(value)) {
-                return optimise::Answer::no_answer;
-            }
-            if (value > 0.0 || limit.is_equality()) {
-                sample.residuals[i] = value;
-                sample.jacobian.row(i) = limit.gradient(parameters, no_responses, Eigen::MatrixXd());
-                for (Eigen::Index k = 0; k < n; ++k) {
-                    sample.jacobian(i, k) *=
-                        space.axes[static_cast<std::size_t>(k)].d_physical(unit[static_cast<std::size_t>(k)]);
-                }
-            }
-        }
-        return optimise::Answer::computed;
+        at.parameters = space.physical(unit);
+        sample = run::sample_of(problem, at);
+        return sample.residuals.allFinite() ? optimise::Answer::computed : optimise::Answer::no_answer;
     };
     constexpr int starts = 64;
     std::vector<double> nearest;
@@ -64,17 +52,17 @@ void refuse_contradictions(const study::Study& study) {
     int line = 0;
     std::string found;
     if (!nearest.empty()) {
-        const auto parameters = space.physical(nearest);
-        for (const std::size_t i : known) {
-            const double value = all[i]->value(parameters, no_responses);
+        at.parameters = space.physical(nearest);
+        const Eigen::VectorXd beyond = problem.residuals(at);
+        for (std::size_t i = 0; i < problem.limits.size(); ++i) {
             constexpr double slightly = 0.1;
-            if (value > slightly || (all[i]->is_equality() && std::abs(value) > slightly)) {
-                unmet.push_back("\"" + all[i]->text() + "\"");
-                line = study.constraints[i].line;
+            if (std::abs(beyond[static_cast<Eigen::Index>(i)]) > slightly) {
+                unmet.push_back("\"" + problem.limits[i]->text() + "\"");
+                line = lines[i];
             }
         }
-        for (std::size_t k = 0; k < parameters.size(); ++k) {
-            found += fmt::format("{}{} = {}", k == 0 ? "" : ", ", space.axes[k].name, pave::figure(parameters[k]));
+        for (std::size_t k = 0; k < at.parameters.size(); ++k) {
+            found += fmt::format("{}{} = {}", k == 0 ? "" : ", ", space.axes[k].name, pave::figure(at.parameters[k]));
         }
     }
     throw pave::Error({.file = study.file, .line = line, .key = "[[constraints]] that"},

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "landscape/uniqueness.h"
 
 #include <fmt/format.h>
 
@@ -87,8 +88,8 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
         landscape::Minimum minimum = best;
         minimum.evaluation.misfit = by_noise.misfit(best.evaluation);
         if (const auto acceptance = landscape::acceptance_of(by_noise, minimum)) {
-            constexpr int first = 100'000'000; // beyond the searches' own
-            result.priors = landscape::prior_influence(engine, by_noise, *acceptance, minimum, first);
+            result.priors =
+                landscape::prior_influence(engine, by_noise, *acceptance, minimum, landscape::first_start_of_others);
             if (!result.priors) {
                 return std::nullopt;
             }

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "optimise/gauss_newton.h"
 #include "pavement/effects/effect.h"
+#include "run/least_squares.h"
 
 #include <algorithm>
 #include <cmath>
@@ -41,8 +42,7 @@ std::optional<WithoutFloor> fit_without_floor(const study::Study& study, const s
                 if (!e.converged()) {
                     return optimise::Answer::no_answer;
                 }
-                sample.residuals = problem.residuals(e);
-                sample.jacobian = problem.residual_jacobian(e);
+                sample = run::sample_of(problem, e);
                 if (e.misfit < best.misfit) {
                     best = {e.misfit, e.parameters};
                 }

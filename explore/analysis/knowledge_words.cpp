@@ -1,5 +1,7 @@
 #include "analysis/knowledge_words.h"
 
+#include "analysis/unique.h"
+
 #include "base/error.h"
 #include "base/text.h"
 
@@ -35,12 +37,9 @@ std::vector<std::string> prior_findings(const problem::Problem& problem, const l
                 : fmt::format("The readings do not contradict what is known beforehand (p = {:.2g}).",
                               influence.p_value));
     }
-    std::vector<std::string> only;
-    for (const std::size_t k : influence.only) {
-        only.push_back(axes[k].name);
-    }
-    if (!only.empty()) {
-        text.push_back(fmt::format("Without the priors the readings do not determine {}.", pave::join(only)));
+    if (!influence.only.empty()) {
+        text.push_back(fmt::format("Without the priors the readings do not determine {}.",
+                                   pave::join(names_of(problem.space, influence.only))));
     }
     std::vector<std::string> shares;
     for (std::size_t k = 0; k < axes.size(); ++k) {

@@ -1,6 +1,7 @@
 #include "diagnose/workbench.h"
 
 #include "optimise/gauss_newton.h"
+#include "run/least_squares.h"
 
 namespace explore::diagnose {
 
@@ -39,14 +40,11 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
         if (!e.converged()) {
             return optimise::Answer::no_answer;
         }
-        Eigen::VectorXd residuals = compared.residuals(e);
+        sample = run::sample_of(compared, e);
         if (target.offset.size() > 0) {
-            residuals += target.offset;
+            sample.residuals += target.offset;
         }
-        sample.residuals = residuals;
-        sample.jacobian = compared.residual_jacobian(e);
-        sample.limits = compared.beyond_limits(e);
-        sample.limit_jacobian = compared.limit_jacobian(e);
+        Eigen::VectorXd residuals = sample.residuals; // of what is left out, too
         for (std::size_t i = 0; i < target.left_out.size(); ++i) {
             if (target.left_out[i] != 0) {
                 sample.residuals[static_cast<Eigen::Index>(i)] = 0.0;

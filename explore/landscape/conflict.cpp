@@ -1,6 +1,8 @@
 #include "landscape/conflict.h"
 
+#include "landscape/rank.h"
 #include "optimise/gauss_newton.h"
+#include "run/least_squares.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
@@ -15,13 +17,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double determined = 2.0; // standard deviations over the box
-
-int rank_of(const MatrixXd& sensitivity) {
-    const Eigen::JacobiSVD<MatrixXd> svd(sensitivity);
-    return static_cast<int>((svd.singularValues().array() >= determined).count());
-}
 
 struct Fitted {
     std::vector<double> unit;
@@ -50,10 +45,7 @@ std::optional<Conflict> conflict_of(run::Engine& engine, const problem::Problem&
             if (!e.converged()) {
                 return optimise::Answer::no_answer;
             }
-            sample.residuals = own.residuals(e);
-            sample.jacobian = own.residual_jacobian(e);
-            sample.limits = own.beyond_limits(e);
-            sample.limit_jacobian = own.limit_jacobian(e);
+            sample = run::sample_of(own, e);
             if (sample.residuals.norm() < fit.misfit) {
                 fit.misfit = sample.residuals.norm();
                 fit.unit.assign(unit.begin(), unit.end());

@@ -1,6 +1,7 @@
 #include "landscape/pair_profile.h"
 
 #include "optimise/gauss_newton.h"
+#include "run/least_squares.h"
 
 #include <algorithm>
 #include <cmath>
@@ -354,10 +355,9 @@ private:
                 if (!e.converged()) {
                     return optimise::Answer::no_answer;
                 }
-                sample.residuals = problem_.residuals(e);
-                sample.jacobian = problem_.residual_jacobian(e)(Eigen::all, open);
-                sample.limits = problem_.beyond_limits(e);
-                sample.limit_jacobian = problem_.limit_jacobian(e)(Eigen::all, open);
+                sample = run::sample_of(problem_, e);
+                sample.jacobian = MatrixXd(sample.jacobian(Eigen::all, open));
+                sample.limit_jacobian = MatrixXd(sample.limit_jacobian(Eigen::all, open));
                 keep(unit, std::move(e));
                 return optimise::Answer::computed;
             } catch (...) { // no exception crosses the optimiser

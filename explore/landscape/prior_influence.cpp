@@ -1,8 +1,9 @@
 #include "landscape/prior_influence.h"
 
+#include "landscape/rank.h"
 #include "optimise/gauss_newton.h"
+#include "run/least_squares.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <gsl/gsl_cdf.h>
@@ -22,12 +23,6 @@ VectorXd informations(const MatrixXd& j) {
     MatrixXd h = j.transpose() * j;
     h.diagonal().array() += box;
     return (h.inverse().diagonal().cwiseInverse().array() - box).cwiseMax(0.0);
-}
-
-// Directions along which crossing the box moves the rows by two standard deviations or more.
-int rank_of(const MatrixXd& j) {
-    constexpr double seen = 2.0;
-    return static_cast<int>((Eigen::JacobiSVD<MatrixXd>(j).singularValues().array() > seen).count());
 }
 
 } // namespace
@@ -59,10 +54,7 @@ std::optional<PriorInfluence> prior_influence(run::Engine& engine, const problem
             if (!e.converged()) {
                 return optimise::Answer::no_answer;
             }
-            sample.residuals = alone.residuals(e);
-            sample.jacobian = alone.residual_jacobian(e);
-            sample.limits = alone.beyond_limits(e);
-            sample.limit_jacobian = alone.limit_jacobian(e);
+            sample = run::sample_of(alone, e);
             if (const double misfit = sample.residuals.norm(); misfit < result.readings_misfit) {
                 result.readings_misfit = misfit;
                 at = std::move(e);

@@ -1,6 +1,7 @@
 #include "landscape/profile.h"
 
 #include "optimise/gauss_newton.h"
+#include "run/least_squares.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -69,8 +70,9 @@ public:
                 return optimise::Answer::no_answer;
             }
             const std::vector<double> unit(at.begin(), at.end());
-            const VectorXd residuals = problem_.residuals(e);
-            const MatrixXd jacobian = problem_.residual_jacobian(e);
+            sample = run::sample_of(problem_, e);
+            const VectorXd residuals = sample.residuals;
+            const MatrixXd jacobian = sample.jacobian;
             const VectorXd gradient = quantity.gradient(unit, e);
             if (weight == 0.0) {
                 constexpr double stiffer = 3.0;
@@ -81,8 +83,6 @@ public:
             sample.residuals << residuals, weight * (quantity.value(unit, e) - target);
             sample.jacobian.resize(jacobian.rows() + 1, jacobian.cols());
             sample.jacobian << jacobian, weight * gradient.transpose();
-            sample.limits = problem_.beyond_limits(e);
-            sample.limit_jacobian = problem_.limit_jacobian(e);
             if (sample.residuals.squaredNorm() < lowest) {
                 lowest = sample.residuals.squaredNorm();
                 best = std::move(e);

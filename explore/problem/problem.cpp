@@ -5,6 +5,17 @@
 #include <numbers>
 
 namespace explore::problem {
+namespace {
+
+// Derivatives by physical parameters, a column each, to those by unit coordinates.
+void by_unit(const ParameterSpace& space, const std::vector<double>& parameters, Eigen::MatrixXd& derivatives) {
+    for (Eigen::Index k = 0; k < derivatives.cols(); ++k) {
+        const Axis& axis = space.axes[static_cast<std::size_t>(k)];
+        derivatives.col(k) *= axis.d_physical(axis.unit(parameters[static_cast<std::size_t>(k)]));
+    }
+}
+
+} // namespace
 
 Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
                              ForwardFunction::Workspace& workspace) const {
@@ -74,11 +85,8 @@ std::vector<std::size_t> Problem::active_limits(const Evaluation& evaluation) co
 }
 
 Eigen::RowVectorXd Problem::limit_gradient(const Limit& limit, const Evaluation& evaluation) const {
-    Eigen::RowVectorXd row = limit.gradient(evaluation.parameters, evaluation.responses, evaluation.jacobian);
-    for (Eigen::Index k = 0; k < row.size(); ++k) {
-        const Axis& axis = space.axes[static_cast<std::size_t>(k)];
-        row[k] *= axis.d_physical(axis.unit(evaluation.parameters[static_cast<std::size_t>(k)]));
-    }
+    Eigen::MatrixXd row = limit.gradient(evaluation.parameters, evaluation.responses, evaluation.jacobian);
+    by_unit(space, evaluation.parameters, row);
     return row;
 }
 
@@ -128,10 +136,7 @@ Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {
     if (misfit_.is_correlated()) {
         j = misfit_.whitened(std::move(j));
     }
-    for (Eigen::Index k = 0; k < j.cols(); ++k) {
-        const Axis& axis = space.axes[static_cast<std::size_t>(k)];
-        j.col(k) *= axis.d_physical(axis.unit(evaluation.parameters[static_cast<std::size_t>(k)]));
-    }
+    by_unit(space, evaluation.parameters, j);
     const auto known = priors();
     const Eigen::Index of_readings = j.rows();
     j.conservativeResize(of_readings + static_cast<Eigen::Index>(known.size() + limits.size()), Eigen::NoChange);

@@ -128,6 +128,18 @@ void add_minima(Panel& panel, const Json& minima, const Parameter& x, const Para
     panel.layers.emplace_back(minima_marks(minima, x, y, height, false));
 }
 
+// Where there is no answer; no boxes: nothing.
+void add_hatched(Panel& panel, Boxes boxes) {
+    if (boxes.left.empty()) {
+        return;
+    }
+    boxes.colours = {0xF0F0F0};
+    panel.layers.emplace_back(boxes);
+    boxes.colours = {grey};
+    boxes.hatched = true;
+    panel.layers.emplace_back(std::move(boxes));
+}
+
 // Levels a half decade apart, from a twelfth of the limit to beyond the highest.
 std::vector<double> levels_up_to(double highest) {
     std::vector<double> levels;
@@ -200,11 +212,10 @@ public:
         text(words);
     }
     void box(Colour colour, bool hatched, const std::string& words) {
-        Boxes boxes{{0.0}, {0.55}, {middle() - 0.32}, {middle() + 0.32}, {hatched ? 0xF0F0F0 : colour}, false};
-        panel_.layers.emplace_back(boxes);
+        Boxes boxes{{0.0}, {0.55}, {middle() - 0.32}, {middle() + 0.32}, {colour}, false};
         if (hatched) {
-            boxes.colours = {grey};
-            boxes.hatched = true;
+            add_hatched(panel_, std::move(boxes));
+        } else {
             panel_.layers.emplace_back(std::move(boxes));
         }
         text(words);
@@ -336,13 +347,7 @@ void draw_pair(Panel& panel, const Corner& corner, const Pair& pair, const std::
             holes.top.push_back(py.physical(ey[n / nx + 1]));
         }
     }
-    if (!holes.left.empty()) {
-        holes.colours = {0xF0F0F0};
-        panel.layers.emplace_back(holes);
-        holes.colours = {grey};
-        holes.hatched = true;
-        panel.layers.emplace_back(std::move(holes));
-    }
+    add_hatched(panel, std::move(holes));
 }
 
 void draw_profile(Panel& panel, const Json& profile, const Json& minima, const Parameter& p, double limit, double top) {
@@ -600,11 +605,7 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
             panel.layers.emplace_back(std::move(boxes));
             if (!failed.left.empty()) {
                 holes = true;
-                failed.colours = {0xF0F0F0};
-                panel.layers.emplace_back(failed);
-                failed.colours = {grey};
-                failed.hatched = true;
-                panel.layers.emplace_back(std::move(failed));
+                add_hatched(panel, std::move(failed));
             }
             add_minima(panel, minima, px, &py);
             figure.panels.push_back(std::move(panel));

@@ -1,6 +1,7 @@
 #include "run/engine.h"
 
 #include "run/cluster.h"
+#include "run/least_squares.h"
 #include "run/parallel.h"
 #include "run/progress.h"
 
@@ -250,11 +251,10 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
                     if (!e.converged()) {
                         return optimise::Answer::no_answer;
                     }
-                    sample.residuals = m.problem.residuals(e);
                     if (method.uses_gradient) {
-                        sample.jacobian = m.problem.residual_jacobian(e);
-                        sample.limits = m.problem.beyond_limits(e);
-                        sample.limit_jacobian = m.problem.limit_jacobian(e);
+                        sample = sample_of(m.problem, e);
+                    } else {
+                        sample.residuals = m.problem.residuals(e);
                     }
                     if (e.misfit < best) {
                         best = e.misfit;

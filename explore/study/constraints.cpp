@@ -45,6 +45,16 @@ struct Reads {
     }
 };
 
+// The case at physical values of its parameters, in range or not.
+Case case_of(const Case& nominal, const std::vector<Parameter>& parameters, std::span<const double> values) {
+    Case c = nominal;
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+        parameters[k].in(c) = values[k] * parameters[k].to_si;
+    }
+    apply_ties(c);
+    return c;
+}
+
 // LEFT - RIGHT, the other way round for >=.
 class Condition final : public problem::Limit {
 public:
@@ -109,14 +119,7 @@ private:
         }
         return false;
     }
-    Case at(std::span<const double> parameters) const {
-        Case c = nominal_;
-        for (std::size_t k = 0; k < parameters_.size(); ++k) {
-            parameters_[k].in(c) = parameters[k] * parameters_[k].to_si;
-        }
-        apply_ties(c);
-        return c;
-    }
+    Case at(std::span<const double> parameters) const { return case_of(nominal_, parameters_, parameters); }
     double difference(const Case& c, std::span<const double> responses) const {
         const double d =
             constraint_.left.value(left_.values(c, responses)) - constraint_.right.value(right_.values(c, responses));
@@ -176,12 +179,9 @@ Constraint read_constraint(const Study& study, const std::string& text, const pa
     const Reads left(study, constraint.left);
     const Reads right(study, constraint.right);
     for (std::uint64_t i = 0; i < points; ++i) {
-        Case c = study.model;
-        for (std::size_t k = 0; k < study.parameters.size(); ++k) {
-            study.parameters[k].in(c) =
-                study.space.axes[k].physical(random.uniform(next++)) * study.parameters[k].to_si;
-        }
-        apply_ties(c);
+        std::vector<double> unit(study.parameters.size());
+        std::generate(unit.begin(), unit.end(), [&] { return random.uniform(next++); });
+        const Case c = case_of(study.model, study.parameters, study.space.physical(unit));
         const double l = constraint.left.value(left.values(c, {}));
         const double r = constraint.right.value(right.values(c, {}));
         largest = std::isfinite(l - r) ? std::max(largest, std::abs(l - r)) : largest;

@@ -1,6 +1,4 @@
 """pavescape sample as a user meets it: the promised keys, the same bits for any number of threads, killed and continued."""
-import signal
-import time
 
 from support import *
 
@@ -57,13 +55,7 @@ for quantity, profile in zip(one["parameters"] + one["outputs"], unique["profile
           f"{quantity['name']}: {quantity['q025']} to {quantity['q975']}, profile {profile['low']} to {profile['high']}")
 
 total = evaluations(folder / "one")
-process = subprocess.Popen([PROGRAM, "sample", str(study), "--json", "--out", str(folder / "cut"), *map(str, options)],
-                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-while process.poll() is None and evaluations(folder / "cut") < total // 3:
-    time.sleep(0.01)
-process.send_signal(signal.SIGKILL)
-process.wait()
-before = evaluations(folder / "cut")
+before = kill_at(total // 3, folder / "cut", "sample", study, "--json", *options)
 check(sample("cut") == one, "a run that was killed and continued ends with the same draws")
 check(0 < before < total and evaluations(folder / "cut") == total, "and repeats nothing that was finished")
 check(len((folder / "cut" / "samples.csv").read_text().splitlines()) == 801, "a line a draw")

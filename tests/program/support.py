@@ -7,6 +7,7 @@ import sqlite3
 import subprocess
 import sys
 import tempfile
+import time
 
 PROGRAM = sys.argv[1]
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -77,6 +78,16 @@ def evaluations(out):
         return 0
     finally:
         database.close()
+
+
+def kill_at(count, out, *arguments):
+    """Starts the program with --out OUT and kills it once its store holds so many evaluations; how many it holds then."""
+    process = subprocess.Popen([PROGRAM, *map(str, arguments), "--out", str(out)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while process.poll() is None and evaluations(out) < count:
+        time.sleep(0.01)
+    process.kill()
+    process.wait()
+    return evaluations(out)
 
 
 # Of a result: what is of the process that printed it.

@@ -1,7 +1,5 @@
 """pavescape unique as a user meets it: the promised keys, the same answer for any number of threads, nothing lost."""
 import json
-import signal
-import time
 
 from support import *
 
@@ -31,13 +29,7 @@ check(one == two, "one thread and two give the same answer")
 
 # Killed half way and continued.
 total = evaluations(folder / "one")
-process = subprocess.Popen([PROGRAM, "unique", str(study), "--json", "--out", str(folder / "cut"), *map(str, options)],
-                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-while process.poll() is None and evaluations(folder / "cut") < total // 2:
-    time.sleep(0.01)
-process.send_signal(signal.SIGKILL)
-process.wait()
-before = evaluations(folder / "cut")
+before = kill_at(total // 2, folder / "cut", "unique", study, "--json", *options)
 cut = json.loads(run("unique", study, "--json", "--out", folder / "cut", *options).stdout)
 cut.pop("run")
 check(cut == one, "a run that was killed and continued ends with the same answer")
