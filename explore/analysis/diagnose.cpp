@@ -170,6 +170,11 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     study::Study study = asked;
     study.model.settings.layered = false; // most effects are beyond that engine, and models are compared by one engine
     const problem::Problem baseline = study::make_noise_problem(study, study::Scope::fitted);
+    if (baseline.noise_is_student()) {
+        throw pave::Error({.file = study.file, .line = study.data.noise_line, .key = "[data.noise] loss"},
+                          "the tests of diagnose are those of normal noise", "loss = \"student\"",
+                          "loss = \"normal\": a wrong reading is one of the causes that it looks for");
+    }
     for (const std::string& name : options.without) {
         study::effect_named(name, {.key = "--without"});
     }

@@ -3,7 +3,9 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "landscape/uniqueness.h"
+#include "problem/student.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace explore::analysis {
@@ -108,6 +110,16 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
     }
     result.tally = engine.tally();
     return result;
+}
+
+std::vector<double> reading_weights(const problem::Problem& problem, const problem::Evaluation& evaluation) {
+    std::vector<double> weights(problem.readings(), 1.0);
+    if (problem.noise_is_student()) {
+        const Eigen::VectorXd z = problem.standard_residuals(evaluation);
+        std::transform(z.begin(), z.end(), weights.begin(),
+                       [&](double value) { return problem::student_weight(value, problem.noise_degrees()); });
+    }
+    return weights;
 }
 
 } // namespace explore::analysis

@@ -49,13 +49,17 @@ std::string direction_words(const problem::ParameterSpace& space, const std::vec
 }
 
 // What chi2 says, where the noise is stated.
-std::string noise_words(const landscape::LocalAnalysis& local) {
+std::string noise_words(const landscape::LocalAnalysis& local, bool is_student) {
+    const std::string dof =
+        counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom");
     return fmt::format(
-        "{}: chi2 = {} with {}, p = {:.2g}.{}",
+        "{}: {}, p = {:.2g}.{}",
         local.p_value < 0.05 ? "The model does not fit these data within their stated noise"
                              : "The fit is consistent with the stated noise",
-        figure(local.chi2),
-        counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom"),
+        is_student ? fmt::format("-2 ln likelihood = {} above that of no residuals, where fits of such noise leave {} "
+                                 "(simulated, {})",
+                                 figure(local.chi2), figure(local.expected_chi2), dof)
+                   : fmt::format("chi2 = {} with {}", figure(local.chi2), dof),
         local.p_value,
         local.widened ? " The standard errors are those of a noise that much larger; diagnose looks for the cause."
                       : "");
@@ -93,6 +97,28 @@ void unknown_parameters(const FitResult& result, std::vector<std::string>& text)
                                           counted(best.on_bound.size(), "parameter", "parameters") + " on a bound")
                             : ""));
     }
+}
+
+// What Student's noise made of the readings.
+std::string downweighted(const FitResult& result) {
+    const std::vector<double> weights = reading_weights(result.problem, result.best().evaluation);
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        if (weights[i] < 0.5) {
+            names.push_back(fmt::format("{} ({:.2g})",
+                                        result.study.readings[result.problem.response_of(i)].label_with_unit(),
+                                        weights[i]));
+        }
+    }
+    const std::string noise = fmt::format("Noise of Student's t distribution with {:g} degrees of freedom",
+                                          result.problem.noise_degrees());
+    return names.empty() ? noise + ": no reading counts less than half of what it would with normal noise."
+                         : fmt::format("{}: {} {} less than half of what {} would with normal noise (1): {}. {}", noise,
+                                       counted(names.size(), "reading", "readings"),
+                                       names.size() == 1 ? "counts" : "count", names.size() == 1 ? "it" : "they",
+                                       pave::join(names),
+                                       names.size() == 1 ? "It or the model is wrong there."
+                                                         : "They or the model are wrong there.");
 }
 
 // A reading whose residual noise does not explain: its studentised residual (Cook and Weisberg 1982), the largest of
@@ -171,7 +197,7 @@ std::vector<std::string> findings(const FitResult& result) {
     const auto close = rivals(minima, local);
     // What matters most comes first: what is not known, then where the searches ended.
     if (local.noise_is_stated && local.p_value < landscape::contradicted && local.degrees_of_freedom > 0) {
-        text.push_back(noise_words(local));
+        text.push_back(noise_words(local, problem.noise_is_student()));
     }
     unknown_parameters(result, text);
     if (std::string words = constraint_words(problem, best.evaluation); !words.empty()) {
@@ -229,11 +255,13 @@ std::vector<std::string> findings(const FitResult& result) {
                                    "where their noise is {}.",
                                    change, figure(local.weakest_growth), figure(local.noise)));
     }
-    if (const std::string accused = accused_reading(result); !accused.empty()) {
+    if (problem.noise_is_student()) {
+        text.push_back(downweighted(result));
+    } else if (const std::string accused = accused_reading(result); !accused.empty()) {
         text.push_back(accused);
     }
     if (local.noise_is_stated && local.p_value >= landscape::contradicted && local.degrees_of_freedom > 0) {
-        text.push_back(noise_words(local));
+        text.push_back(noise_words(local, problem.noise_is_student()));
     }
     if (const std::string weights = weights_words(study); !weights.empty()) {
         text.push_back(weights);

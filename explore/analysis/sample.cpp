@@ -1,13 +1,13 @@
 #include "analysis/sample.h"
 
 #include "base/error.h"
+#include "landscape/goodness.h"
 #include "study/problems.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
-#include <gsl/gsl_cdf.h>
 #include <limits>
 
 namespace explore::analysis {
@@ -177,13 +177,17 @@ std::string SampleResult::reason() const {
     return text;
 }
 
-std::optional<SampleResult> sample(Session& session, const study::Study& study, const SampleOptions& asked) {
-    const auto begin = std::chrono::steady_clock::now();
-    const problem::Problem full = study::make_noise_problem(study, study::Scope::fitted);
-    if (!full.noise_is_stated()) {
+void check_noise_for_sample(const study::Study& study) {
+    if (!study::make_noise_problem(study, study::Scope::fitted).noise_is_stated()) {
         throw pave::Error({.file = study.file, .key = "data.noise"}, "a posterior needs the noise of every reading", {},
                           "sigma in the data, or [data.noise] with relative or absolute");
     }
+}
+
+std::optional<SampleResult> sample(Session& session, const study::Study& study, const SampleOptions& asked) {
+    const auto begin = std::chrono::steady_clock::now();
+    check_noise_for_sample(study);
+    const problem::Problem full = study::make_noise_problem(study, study::Scope::fitted);
     SampleOptions options = asked;
     if (options.any_model) {
         options.model.use = study::why_no_reduced_model(study).empty() ? ModelUse::automatic : ModelUse::full;
@@ -254,12 +258,14 @@ std::optional<SampleResult> sample(Session& session, const study::Study& study, 
     }
     if (!result.draws.empty()) {
         summarise(result);
-        result.chi2 = std::min_element(result.draws.begin(), result.draws.end(), [](const auto& a, const auto& b) {
-                          return a.chi2 < b.chi2;
-                      })->chi2;
+        const auto best = std::min_element(result.draws.begin(), result.draws.end(),
+                                           [](const auto& a, const auto& b) { return a.chi2 < b.chi2; });
+        result.chi2 = best->chi2;
         result.degrees_of_freedom = full.degrees_of_freedom(full.space.axes.size());
-        if (result.degrees_of_freedom > 0) {
-            result.p_value = gsl_cdf_chisq_Q(result.chi2, result.degrees_of_freedom);
+        if (const auto there = result.problem.evaluate(best->unit, true, *result.problem.function->make_workspace());
+            there.converged()) {
+            result.p_value =
+                landscape::goodness_of(result.problem, there, result.chi2, result.degrees_of_freedom).p_value;
         }
         judge(result);
     }

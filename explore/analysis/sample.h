@@ -61,6 +61,9 @@ struct SampleResult {
     std::string reason() const; // of not being converged
 };
 
+// Throws pave::Error for a study whose noise no sample can do without.
+void check_noise_for_sample(const study::Study& study);
+
 // Throws pave::Error for a study that cannot be fitted or does not state its noise. Nothing: interrupted.
 std::optional<SampleResult> sample(Session& session, const study::Study& study, const SampleOptions& options);
 

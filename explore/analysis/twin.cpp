@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "problem/student.h"
 #include "study/readings.h"
 
 #include <Eigen/Cholesky>
@@ -15,7 +16,10 @@ std::vector<double> relative_errors(const study::Study& study, const pave::Rando
     const auto n = static_cast<Eigen::Index>(study.measured().size());
     Eigen::VectorXd own(n);
     for (Eigen::Index i = 0; i < n; ++i) {
-        own[i] = random.normal(static_cast<std::uint64_t>(i));
+        const auto k = static_cast<std::uint64_t>(i);
+        own[i] = study.data.noise_degrees > 0.0
+                     ? problem::student_draw(random.uniform(2 * k), random.uniform(2 * k + 1), study.data.noise_degrees)
+                     : random.normal(k);
     }
     const auto place = [&](Eigen::Index i) {
         return study::noise_place(study.model.sensors[static_cast<std::size_t>(i)]);

@@ -55,6 +55,12 @@ void add_common(CLI::App& app, CommonOptions& options) {
     add_run_options(app, options, "output/<study name>");
 }
 
+void add_columns(CLI::App& app, std::string& columns) {
+    app.add_option("--columns", columns,
+                   "names of the columns of a table: \"load_kN = Force, D0_um = D1, radius_mm = 150\", or a file of "
+                   "such lines");
+}
+
 void add_model(CLI::App& app, analysis::ModelOptions& options, bool alone) {
     std::string text = "full; ";
     if (alone) {

@@ -62,6 +62,8 @@ void add_run_options(CLI::App& app, CommonOptions& options, const std::string& d
 void add_common(CLI::App& app, CommonOptions& options);
 // Adds --model and --model-error. alone: whether the command can do with the reduced model alone.
 void add_model(CLI::App& app, analysis::ModelOptions& options, bool alone = true);
+// Adds --columns.
+void add_columns(CLI::App& app, std::string& columns);
 
 // What main was called with; kept for the stores that this process writes to.
 void remember_command_line(int argc, const char* const* argv);

@@ -75,12 +75,7 @@ void check_folder(const std::string& folder, const std::vector<std::string>& fil
 
 int survey_road(const SurveyCommand& command) {
     const CommonOptions& common = command.common;
-    const data::ColumnMap columns =
-        command.columns.empty() ? data::ColumnMap{} : data::read_column_map(command.columns);
-    std::vector<data::FwdFile> files;
-    for (const std::string& file : command.files) {
-        files.push_back(data::read_fwd(file, columns));
-    }
+    std::vector<data::FwdFile> files = data::read_fwd_files(command.files, command.columns);
     const std::string stem = std::filesystem::path(command.files[0]).stem().string();
     const std::string folder = common.out.empty() ? "output/" + stem : common.out;
     const std::string content = content_of(command.files);
@@ -134,10 +129,7 @@ void add_survey(CLI::App& app, Action& action) {
     analysis::SurveyOptions& options = command->options;
     sub->add_option("FILE", command->files, "measured FWD files")->required();
     sub->add_option("--study", command->common.study, "study (TOML) whose section and parameters are fitted");
-    sub->add_option(
-        "--columns", command->columns,
-        "names of the columns of a table: \"load_kN = Force, D0_um = D1, radius_mm = 150\", or a file of such "
-        "lines");
+    add_columns(*sub, command->columns);
     sub->add_option("--drops", options.drops.numbers, "use these drops and no others: 2,3")
         ->delimiter(',')
         ->allow_extra_args(false)

@@ -66,6 +66,8 @@ std::span<const FwdFormat> fwd_formats();
 
 // Throws pave::Error for a file of no known format or one that cannot be read.
 FwdFile read_fwd(const std::string& file, const ColumnMap& columns = {});
+// Several. columns: as read_column_map takes them, or empty.
+std::vector<FwdFile> read_fwd_files(const std::vector<std::string>& files, const std::string& columns);
 
 // A column map from a list "load_kN = Force, D0_um = D1, radius_mm = 150" (comma or semicolon), or from a file with one
 // such entry a line and # comments. Throws pave::Error.

@@ -20,6 +20,9 @@ struct Noise {
     double common_relative = 0.0;
     // The rest of the errors of two readings of one quantity: their correlation is exp(-distance / this) [m]; 0: none.
     double correlation_length = 0.0;
+    // Of Student's t distribution, whose scale the deviations then are: more large errors than a normal one has; 0:
+    // normal.
+    double degrees = 0.0;
 
     bool is_stated() const { return absolute > 0.0 || relative > 0.0; }
     double deviation(double value) const;     // standard deviation [SI]

@@ -1,5 +1,7 @@
 #include "landscape/acceptance.h"
 
+#include "landscape/goodness.h"
+
 #include <cmath>
 #include <gsl/gsl_cdf.h>
 
@@ -17,17 +19,20 @@ std::optional<Acceptance> acceptance_of(const problem::Problem& problem, const M
                                                       problem.active_limits(best.evaluation).size());
     const double sum = best.evaluation.misfit * best.evaluation.misfit;
     const double dof = a.degrees_of_freedom;
+    double expected = dof;
     if (a.noise_is_stated) {
+        const Goodness goodness = goodness_of(problem, best.evaluation, sum, a.degrees_of_freedom);
         a.chi2 = sum;
-        a.p_value = a.degrees_of_freedom > 0 ? gsl_cdf_chisq_Q(sum, dof) : 1.0;
+        a.p_value = goodness.p_value;
         a.widened = a.p_value < contradicted;
+        expected = goodness.expected;
     } else if (a.degrees_of_freedom <= 0) {
         return std::nullopt;
     }
     if (a.noise_is_stated && !a.widened) {
         a.threshold = gsl_cdf_chisq_Pinv(level, 1.0);
     } else {
-        a.variance = std::max(sum / dof, 1e-24);
+        a.variance = std::max(sum / expected, 1e-24);
         a.threshold = gsl_cdf_fdist_Pinv(level, 1.0, dof);
     }
     return a;

@@ -1,5 +1,6 @@
 #include "landscape/conflict.h"
 
+#include "landscape/goodness.h"
 #include "landscape/rank.h"
 #include "optimise/gauss_newton.h"
 #include "run/least_squares.h"
@@ -63,6 +64,7 @@ std::optional<Conflict> conflict_of(run::Engine& engine, const problem::Problem&
     double separate = 0.0;
     int ranks = 0;
     std::vector<MatrixXd> informations;
+    std::vector<FittedProblem> fitted;
     for (std::size_t g = 0; g < groups.size(); ++g) {
         const auto begin = fits.begin() + static_cast<std::ptrdiff_t>(g * starts.size());
         const auto best = std::min_element(begin, begin + static_cast<std::ptrdiff_t>(starts.size()),
@@ -70,7 +72,7 @@ std::optional<Conflict> conflict_of(run::Engine& engine, const problem::Problem&
         if (best->unit.empty()) {
             return c;
         }
-        const MatrixXd s = problems[g].residual_jacobian(best->evaluation) / acceptance.noise();
+        const MatrixXd s = problems[g].information_jacobian(best->evaluation) / acceptance.noise();
         GroupAlone alone;
         alone.group = g;
         alone.unit = best->unit;
@@ -85,18 +87,19 @@ std::optional<Conflict> conflict_of(run::Engine& engine, const problem::Problem&
             alone.standard_error.push_back(error < 1.0 ? error : std::numeric_limits<double>::infinity());
         }
         informations.push_back(std::move(h));
+        fitted.push_back({problems[g], best->evaluation});
         separate += best->misfit * best->misfit;
         ranks += alone.rank;
         c.alone.push_back(std::move(alone));
     }
     const double sum = joint.evaluation.misfit * joint.evaluation.misfit;
-    c.degrees_of_freedom = ranks - rank_of(problem.residual_jacobian(joint.evaluation) / acceptance.noise());
+    c.degrees_of_freedom = ranks - rank_of(problem.information_jacobian(joint.evaluation) / acceptance.noise());
     c.remaining = problem.degrees_of_freedom(static_cast<std::size_t>(ranks));
     if (c.degrees_of_freedom > 0) {
         // Stated noise that even the separate fits contradict is no measure of their difference.
         constexpr double contradicted = 0.01;
         const bool noise_holds =
-            acceptance.noise_is_stated && (c.remaining <= 0 || gsl_cdf_chisq_Q(separate, c.remaining) >= contradicted);
+            acceptance.noise_is_stated && goodness_of(fitted, separate, c.remaining).p_value >= contradicted;
         if (noise_holds) {
             c.statistic = std::max(0.0, sum - separate);
             c.p_value = gsl_cdf_chisq_Q(c.statistic, c.degrees_of_freedom);

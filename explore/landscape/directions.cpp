@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 Directions directions(const problem::Problem& problem, const Acceptance& acceptance, const Minimum& minimum) {
     Directions d;
     const auto& axes = problem.space.axes;
-    const MatrixXd s = problem.residual_jacobian(minimum.evaluation) / acceptance.noise();
+    const MatrixXd s = problem.information_jacobian(minimum.evaluation) / acceptance.noise();
     std::vector<Index> open;
     for (std::size_t k = 0; k < minimum.unit.size(); ++k) {
         if (s.col(static_cast<Index>(k)).norm() < std::sqrt(acceptance.threshold)) {

@@ -1,8 +1,9 @@
 #include "landscape/minima.h"
 
+#include "landscape/goodness.h"
+
 #include <algorithm>
 #include <cmath>
-#include <gsl/gsl_cdf.h>
 
 namespace explore::landscape {
 namespace {
@@ -107,13 +108,14 @@ Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem
         return Eigen::VectorXd::Constant(static_cast<Eigen::Index>(problem.rows()), a.noise);
     }
     Eigen::VectorXd noise = problem.noise(minimum.evaluation);
-    a.chi2 = problem.in_units_of_noise().residuals(minimum.evaluation).squaredNorm();
-    if (a.degrees_of_freedom > 0) {
-        a.p_value = gsl_cdf_chisq_Q(a.chi2, a.degrees_of_freedom);
-        a.widened = a.p_value < contradicted;
-    }
+    const problem::Problem by_noise = problem.in_units_of_noise();
+    a.chi2 = by_noise.residuals(minimum.evaluation).squaredNorm();
+    const Goodness goodness = goodness_of(by_noise, minimum.evaluation, a.chi2, a.degrees_of_freedom);
+    a.expected_chi2 = goodness.expected;
+    a.p_value = goodness.p_value;
+    a.widened = a.p_value < contradicted;
     if (a.widened) {
-        noise *= std::sqrt(a.chi2 / a.degrees_of_freedom);
+        noise *= std::sqrt(a.chi2 / goodness.expected);
     }
     a.noise = noise.head(readings).norm() / std::sqrt(static_cast<double>(readings));
     return noise;
@@ -123,7 +125,7 @@ Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem
 
 LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     LocalAnalysis a;
-    const Eigen::MatrixXd j = problem.residual_jacobian(minimum.evaluation);
+    const Eigen::MatrixXd j = problem.information_jacobian(minimum.evaluation);
     const auto n = static_cast<Eigen::Index>(minimum.unit.size());
     const double infinity = std::numeric_limits<double>::infinity();
     a.standard_error.assign(minimum.unit.size(), infinity);

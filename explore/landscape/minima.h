@@ -42,8 +42,9 @@ struct LocalAnalysis {
     // left over, 0 without degrees of freedom.
     double noise = 0.0;
     bool noise_is_stated = false;
-    double chi2 = 0.0;    // by the stated noise
-    double p_value = 1.0; // of it
+    double chi2 = 0.0;          // by the stated noise; of Student's the sum of its rows (problem/student.h)
+    double expected_chi2 = 0.0; // by the noise: the degrees of freedom, of Student's by simulation (goodness.h)
+    double p_value = 1.0;       // of it
     // The stated noise is contradicted: all of it is taken larger, so that it explains the misfit.
     bool widened = false;
     // Of each parameter in unit coordinates; infinity: not determined. J^+ W J^+^T for the inverse J^+ of the jacobian

@@ -14,7 +14,7 @@ std::vector<CandidateEffect> rank_candidates(const problem::Problem& problem, co
                                              const Minimum& minimum, const MatrixXd& candidates,
                                              const MatrixXd& predictions) {
     constexpr double box_variance = 1.0 / 12.0;
-    const MatrixXd s = problem.residual_jacobian(minimum.evaluation) / acceptance.noise();
+    const MatrixXd s = problem.information_jacobian(minimum.evaluation) / acceptance.noise();
     MatrixXd h = s.transpose() * s;
     h.diagonal().array() += 1.0 / box_variance;
     const MatrixXd before = h.llt().solve(MatrixXd::Identity(h.rows(), h.cols()));

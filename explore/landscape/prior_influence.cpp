@@ -35,8 +35,8 @@ std::optional<PriorInfluence> prior_influence(run::Engine& engine, const problem
     }
     PriorInfluence result;
     const problem::Problem alone = problem.without_priors();
-    const MatrixXd all = problem.residual_jacobian(best.evaluation) / acceptance.noise();
-    const MatrixXd without = alone.residual_jacobian(best.evaluation) / acceptance.noise();
+    const MatrixXd all = problem.information_jacobian(best.evaluation) / acceptance.noise();
+    const MatrixXd without = alone.information_jacobian(best.evaluation) / acceptance.noise();
     const VectorXd of_all = informations(all);
     const VectorXd of_readings = informations(without);
     const double half_box = 4.0 * acceptance.threshold;

@@ -1,5 +1,7 @@
 #include "problem/misfit.h"
 
+#include "problem/student.h"
+
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <map>
@@ -65,7 +67,8 @@ Eigen::MatrixXd Misfit::whitened(Eigen::MatrixXd rows) const {
 double Misfit::log_normaliser() const {
     double sum = 0.0;
     for (const Term& t : terms_) {
-        sum += std::log(t.noise.slope(t.measured, t.measured)) - 0.5 * std::log(2.0 * std::numbers::pi);
+        sum += std::log(t.noise.slope(t.measured, t.measured)) +
+               (is_student() ? student_log_peak(t.noise.degrees) : -0.5 * std::log(2.0 * std::numbers::pi));
     }
     for (const Block& block : blocks_) {
         sum -= block.factor.diagonal().array().log().sum();
@@ -75,7 +78,40 @@ double Misfit::log_normaliser() const {
 
 Eigen::VectorXd Misfit::residuals(std::span<const double> responses) const {
     Eigen::VectorXd r = single_residuals(responses);
-    return is_correlated() ? Eigen::VectorXd(whitened(r)) : r;
+    if (is_correlated()) {
+        r = whitened(r);
+    }
+    for (std::size_t i = 0; is_student() && i < size(); ++i) {
+        double& value = r[static_cast<Eigen::Index>(i)];
+        const Term& t = terms_[i];
+        value = t.factor * student_row(value / t.factor, t.noise.degrees);
+    }
+    return r;
+}
+
+Eigen::VectorXd Misfit::standard_residuals(std::span<const double> responses) const {
+    Eigen::VectorXd z = whitened(single_residuals(responses));
+    for (std::size_t i = 0; i < size(); ++i) {
+        z[static_cast<Eigen::Index>(i)] /= terms_[i].factor;
+    }
+    return z;
+}
+
+Eigen::VectorXd Misfit::loss_slopes(std::span<const double> responses) const {
+    if (!is_student()) {
+        return Eigen::VectorXd::Ones(static_cast<Eigen::Index>(size()));
+    }
+    Eigen::VectorXd slope = standard_residuals(responses);
+    for (std::size_t i = 0; i < size(); ++i) {
+        double& value = slope[static_cast<Eigen::Index>(i)];
+        value = student_row_slope(value, terms_[i].noise.degrees);
+    }
+    return slope;
+}
+
+Eigen::VectorXd Misfit::loss_information() const {
+    const double each = is_student() ? std::sqrt(student_information(terms_[0].noise.degrees)) : 1.0;
+    return Eigen::VectorXd::Constant(static_cast<Eigen::Index>(size()), each);
 }
 
 Eigen::VectorXd Misfit::single_residuals(std::span<const double> responses) const {

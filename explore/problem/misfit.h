@@ -28,6 +28,11 @@ constexpr std::string_view to_string(MisfitKind kind) {
 //     R_ij = (s_i s_j rho_ij + c_i c_j v_i v_j) / (d_i d_j),   d_i^2 = s_i^2 + (c_i v_i)^2,   i, j of one load,
 // s own_deviation, rho own_correlation, c common_relative, v the measured value. Each L^-1 r belongs to its reading as
 // what the readings before it do not tell of it. Other kinds compare every reading by itself.
+//
+// Noise of Student's t distribution (data::Noise::degrees): these independent residuals z, in units of the noise, are t
+// distributed, and a row is student_row(z) (problem/student.h), whose square is -2 ln of their density but for a
+// constant. With a correlation that is L times independent t errors, not a multivariate t distribution: each reading
+// may be wrong alone.
 class Misfit {
 public:
     // One residual: which response it compares with what.
@@ -51,6 +56,14 @@ public:
     Eigen::VectorXd single_residuals(std::span<const double> responses) const;
     // d(single residual i)/d(its response).
     Eigen::VectorXd slopes(std::span<const double> responses) const;
+
+    bool is_student() const { return kind_ == MisfitKind::noise && !terms_.empty() && terms_[0].noise.degrees > 0.0; }
+    // One each row: residuals() before student_row, in units of the noise.
+    Eigen::VectorXd standard_residuals(std::span<const double> responses) const;
+    // d(residuals() i)/d(whitened single residual i): 1 of normal noise.
+    Eigen::VectorXd loss_slopes(std::span<const double> responses) const;
+    // What replaces it where a reading's mean information counts: the root of student_information; 1 of normal noise.
+    Eigen::VectorXd loss_information() const;
 
     // Of kind `noise` with factors of 1: the logarithm of the density of the measured values [SI] is this less half the
     // sum of the squares of residuals(). On the scale of data::Noise the density is that of the standard normal, so its

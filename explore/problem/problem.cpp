@@ -127,6 +127,14 @@ double Problem::log_density(const Evaluation& evaluation) const {
 }
 
 Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {
+    return rows_by_unit(evaluation, misfit_.loss_slopes(evaluation.responses));
+}
+
+Eigen::MatrixXd Problem::information_jacobian(const Evaluation& evaluation) const {
+    return rows_by_unit(evaluation, misfit_.loss_information());
+}
+
+Eigen::MatrixXd Problem::rows_by_unit(const Evaluation& evaluation, const Eigen::VectorXd& loss) const {
     const Eigen::VectorXd slopes = misfit_.slopes(evaluation.responses);
     Eigen::MatrixXd j(slopes.size(), evaluation.jacobian.cols());
     for (Eigen::Index i = 0; i < j.rows(); ++i) {
@@ -136,6 +144,7 @@ Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {
     if (misfit_.is_correlated()) {
         j = misfit_.whitened(std::move(j));
     }
+    j.array().colwise() *= loss.array();
     by_unit(space, evaluation.parameters, j);
     const auto known = priors();
     const Eigen::Index of_readings = j.rows();

@@ -62,6 +62,10 @@ public:
     double log_density(const Evaluation& evaluation) const;
     // d(residuals)/d(unit coordinates) of an evaluation with a jacobian; rows x parameters.
     Eigen::MatrixXd residual_jacobian(const Evaluation& evaluation) const;
+    // The same of what a reading tells on average: its product with its transpose is Fisher's information, in units of
+    // noise. Differs from the above for Student's noise alone, where the derivatives of single rows depend on their
+    // residuals. For errors of parameters, ranks and shares; not for steps.
+    Eigen::MatrixXd information_jacobian(const Evaluation& evaluation) const;
 
     // Where the stated noise of readings is correlated, residuals are combinations of them that are independent
     // (problem/misfit.h). Of each reading by itself, in the same unit: what to show, and to say of a single reading.
@@ -69,6 +73,13 @@ public:
         return misfit_.single_residuals(evaluation.responses);
     }
     bool noise_is_correlated() const { return misfit_.is_correlated(); }
+    // Whether their noise is of Student's t distribution; then with how many degrees of freedom, else 0.
+    bool noise_is_student() const { return misfit_.is_student(); }
+    double noise_degrees() const { return noise_is_student() ? misfit_.terms()[0].noise.degrees : 0.0; }
+    // One each reading: independent, in standard deviations (Student's: scales) of the noise, whatever the weights.
+    Eigen::VectorXd standard_residuals(const Evaluation& evaluation) const {
+        return misfit_.standard_residuals(evaluation.responses);
+    }
     // d(residuals of readings)/d(single residual i), the noise of the others fixed: how an error of that reading alone
     // shows.
     Eigen::VectorXd change_by(std::size_t i) const;
@@ -100,6 +111,8 @@ public:
 
 private:
     Problem with_misfit(Misfit misfit) const;
+    // loss: of each reading, what its whitened derivative is multiplied by.
+    Eigen::MatrixXd rows_by_unit(const Evaluation& evaluation, const Eigen::VectorXd& loss) const;
     Eigen::RowVectorXd limit_gradient(const Limit& limit, const Evaluation& evaluation) const;
 
     Misfit misfit_;

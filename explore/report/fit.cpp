@@ -139,6 +139,15 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
         json["priors"] = priors_json(result.problem, best.evaluation.parameters, *result.priors);
     }
     add_residuals(json["responses"], study, result.problem, best.evaluation, local.noise);
+    if (result.problem.noise_is_student()) {
+        json["noise"]["loss"] = "student";
+        json["noise"]["degrees"] = result.problem.noise_degrees();
+        json["noise"]["expected_chi2"] = local.expected_chi2;
+        const std::vector<double> weights = analysis::reading_weights(result.problem, best.evaluation);
+        for (std::size_t i = 0; i < weights.size(); ++i) {
+            json["responses"][result.problem.response_of(i)]["weight"] = weights[i];
+        }
+    }
     json["readings"] = result.problem.readings();
     json["free_parameters"] = space.axes.size() - best.on_bound.size();
     json["at_bounds"] = Json::array();
@@ -212,7 +221,14 @@ std::string fit_text(const FitResult& result, const analysis::RunOptions& run) {
                                                              : figure(error),
                         figure(axis.low), figure(axis.high)});
     }
-    text += parameters.text() + "\n" + response_table(study, best.evaluation.responses);
+    std::map<std::size_t, double> weights; // of responses
+    if (problem.noise_is_student()) {
+        const std::vector<double> each = analysis::reading_weights(problem, best.evaluation);
+        for (std::size_t i = 0; i < each.size(); ++i) {
+            weights[problem.response_of(i)] = each[i];
+        }
+    }
+    text += parameters.text() + "\n" + response_table(study, best.evaluation.responses, weights);
     text += warning_lines(best.evaluation);
     if (study.groups.size() > 1) {
         text += group_text(result);

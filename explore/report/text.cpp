@@ -27,17 +27,28 @@ std::string study_summary(const study::Study& study) {
     return text;
 }
 
-std::string response_table(const study::Study& study, const std::vector<double>& responses) {
-    Table table(
-        {"load", "quantity", "x mm", "y mm", "depth mm", "gauge mm", "measured", "model", "unit", "difference"});
+std::string response_table(const study::Study& study, const std::vector<double>& responses,
+                           const std::map<std::size_t, double>& weights) {
+    std::vector<std::string> header{"load",     "quantity", "x mm",  "y mm", "depth mm",
+                                    "gauge mm", "measured", "model", "unit", "difference"};
+    if (!weights.empty()) {
+        header.push_back("weight");
+    }
+    Table table(header);
     for (std::size_t i = 0; i < responses.size(); ++i) {
         const data::Reading& r = study.readings[i];
         const double model = r.in_unit(responses[i]);
         const auto mm = [](double value) { return fmt::format("{:g}", value); };
-        table.add({r.load, r.is_measured() ? r.quantity : r.output, mm(r.x_mm), mm(r.y_mm), mm(r.depth_mm),
+        std::vector<std::string> row{
+                   r.load, r.is_measured() ? r.quantity : r.output, mm(r.x_mm), mm(r.y_mm), mm(r.depth_mm),
                    mm(r.gauge_mm), r.is_measured() ? fmt::format("{}", r.value) : "", figure(model),
                    std::string(r.unit.name),
-                   r.is_measured() && r.value != 0.0 ? fmt::format("{:+.1f} %", 100.0 * (model / r.value - 1.0)) : ""});
+                   r.is_measured() && r.value != 0.0 ? fmt::format("{:+.1f} %", 100.0 * (model / r.value - 1.0)) : ""};
+        if (!weights.empty()) {
+            const auto weight = weights.find(i);
+            row.push_back(weight == weights.end() ? "" : fmt::format("{:.2f}", weight->second));
+        }
+        table.add(std::move(row));
     }
     return fmt::format("  {}\n{}", sign_convention, table.text());
 }

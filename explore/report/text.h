@@ -4,6 +4,7 @@
 #include "analysis/session.h"
 #include "report/table.h"
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,10 @@ std::string study_summary(const study::Study& study);
 inline constexpr std::string_view sign_convention =
     "deflection: positive down; strain and load-induced stress: positive in compression";
 
-// Measured against modelled, one row a response, with the line that states the signs.
-std::string response_table(const study::Study& study, const std::vector<double>& responses);
+// Measured against modelled, one row a response, with the line that states the signs. weights: of some of the
+// responses, in a column of its own where there are any.
+std::string response_table(const study::Study& study, const std::vector<double>& responses,
+                           const std::map<std::size_t, double>& weights = {});
 
 // A line a load: what a reduced model is worth.
 std::string reduced_words(const analysis::ReducedProblem& reduced);

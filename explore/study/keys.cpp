@@ -33,6 +33,8 @@ std::span<const Key> study_keys() {
         noise_absolute,
         noise_common_relative,
         noise_correlation,
+        noise_loss,
+        noise_degrees,
         data_held_out,
         data_weights,
         output_name,

@@ -209,6 +209,21 @@ inline constexpr Key noise_correlation{
     .high = 1e6,
     .default_value = 0.0,
     .meaning = "readings of one load and quantity have errors correlated by exp(-distance / this); 0: independent"};
+inline constexpr std::string_view noise_losses[] = {"normal", "student"};
+inline constexpr Key noise_loss{.table = "[data.noise]",
+                                .key = "loss",
+                                .kind = word,
+                                .default_value = 0,
+                                .choices = noise_losses,
+                                .meaning = "distribution of the errors; `student`: with heavier tails, so that a single "
+                                           "wrong reading counts little"};
+inline constexpr Key noise_degrees{.table = "[data.noise]",
+                                   .key = "degrees",
+                                   .kind = number,
+                                   .low = 1.0,
+                                   .high = 100.0,
+                                   .default_value = 4.0,
+                                   .meaning = "of loss `student`: degrees of freedom of Student's t distribution"};
 inline constexpr Key data_held_out{.table = "[data]",
                                    .key = "held_out",
                                    .kind = texts,

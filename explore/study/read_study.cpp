@@ -247,47 +247,6 @@ void read_tie(const toml::table& table, Study& study) {
     }
 }
 
-// of: the reader of [data].
-void read_noise(const toml::table& table, Study& study, const TableReader& of) {
-    TableReader reader(table, study.file, "[data.noise]");
-    if (reader.has(keys::noise_relative)) {
-        if (study.data.noise_relative) {
-            throw pave::Error(of.place(keys::data_noise_relative), "the relative noise stands twice",
-                              "noise_relative and [data.noise] relative", "one of them");
-        }
-        study.data.noise_relative = reader.number(keys::noise_relative);
-    }
-    study.data.noise_line = reader.place("").line;
-    study.data.noise_common_relative = reader.number(keys::noise_common_relative);
-    study.data.noise_correlation_length = unit::mm * reader.number(keys::noise_correlation);
-    if (study.data.correlates_noise() && study.data.misfit != problem::MisfitKind::weighted) {
-        throw pave::Error(reader.place(study.data.noise_common_relative > 0.0 ? keys::noise_common_relative
-                                                                              : keys::noise_correlation),
-                          "errors that readings have in common need a misfit by the stated noise",
-                          fmt::format("misfit = \"{}\"", to_string(study.data.misfit)),
-                          "misfit = \"weighted\" in [data]");
-    }
-    if (const auto* absolute = reader.table(keys::noise_absolute)) {
-        TableReader each(*absolute, study.file, "[data.noise] absolute");
-        for (const auto& [key, node] : *absolute) {
-            const std::string name(key.str());
-            const auto units = data::units();
-            const auto unit = std::find_if(units.begin(), units.end(), [&](const auto& u) { return u.name == name; });
-            if (unit == units.end()) {
-                throw pave::Error(each.place(name), "unknown unit", "\"" + name + "\"",
-                                  std::string(keys::noise_absolute.allowed));
-            }
-            double& value = study.data.noise_absolute[static_cast<std::size_t>(unit->dimension)];
-            if (value > 0.0) {
-                throw pave::Error(each.place(name), "this kind of reading has two absolute noises", "\"" + name + "\"",
-                                  "one unit a kind");
-            }
-            value = unit->to_si * each.number(name, 0.0, 1e9, false);
-        }
-    }
-    reader.done();
-}
-
 // The measured readings of a data file that the study names. place: of that name in the study.
 using DataReader = std::function<std::vector<data::Reading>(const std::string& name, const pave::Place& place)>;
 

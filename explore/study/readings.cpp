@@ -2,7 +2,6 @@
 
 #include "base/units.h"
 #include "data/hash.h"
-#include "study/table_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -133,6 +132,56 @@ void set_groups(Study& study, const pave::Place& place, const std::vector<std::s
     }
 }
 
+void read_noise(const toml::table& table, Study& study, const TableReader& of_data) {
+    TableReader reader(table, study.file, "[data.noise]");
+    if (reader.has(keys::noise_relative)) {
+        if (study.data.noise_relative) {
+            throw pave::Error(of_data.place(keys::data_noise_relative), "the relative noise stands twice",
+                              "noise_relative and [data.noise] relative", "one of them");
+        }
+        study.data.noise_relative = reader.number(keys::noise_relative);
+    }
+    study.data.noise_line = reader.place("").line;
+    study.data.noise_common_relative = reader.number(keys::noise_common_relative);
+    study.data.noise_correlation_length = unit::mm * reader.number(keys::noise_correlation);
+    const bool is_student = reader.choice(keys::noise_loss) == 1;
+    if (!is_student && reader.has(keys::noise_degrees)) {
+        throw pave::Error(reader.place(keys::noise_degrees), "degrees are of loss = \"student\"", "no such loss",
+                          "loss = \"student\" beside it, or no degrees");
+    }
+    const double degrees = reader.number(keys::noise_degrees);
+    study.data.noise_degrees = is_student ? degrees : 0.0;
+    if (study.data.shapes_noise() && study.data.misfit != problem::MisfitKind::weighted) {
+        throw pave::Error(reader.place(study.data.noise_common_relative > 0.0      ? keys::noise_common_relative
+                                       : study.data.noise_correlation_length > 0.0 ? keys::noise_correlation
+                                                                                   : keys::noise_loss),
+                          study.data.correlates_noise()
+                              ? "errors that readings have in common need a misfit by the stated noise"
+                              : "a distribution of errors needs a misfit by the stated noise",
+                          fmt::format("misfit = \"{}\"", to_string(study.data.misfit)),
+                          "misfit = \"weighted\" in [data]");
+    }
+    if (const auto* absolute = reader.table(keys::noise_absolute)) {
+        TableReader each(*absolute, study.file, "[data.noise] absolute");
+        for (const auto& [key, node] : *absolute) {
+            const std::string name(key.str());
+            const auto units = data::units();
+            const auto unit = std::find_if(units.begin(), units.end(), [&](const auto& u) { return u.name == name; });
+            if (unit == units.end()) {
+                throw pave::Error(each.place(name), "unknown unit", "\"" + name + "\"",
+                                  std::string(keys::noise_absolute.allowed));
+            }
+            double& value = study.data.noise_absolute[static_cast<std::size_t>(unit->dimension)];
+            if (value > 0.0) {
+                throw pave::Error(each.place(name), "this kind of reading has two absolute noises", "\"" + name + "\"",
+                                  "one unit a kind");
+            }
+            value = unit->to_si * each.number(name, 0.0, 1e9, false);
+        }
+    }
+    reader.done();
+}
+
 data::NoisePlace noise_place(const Sensor& sensor) {
     return {.load = sensor.load,
             .quantity = static_cast<int>(sensor.quantity),
@@ -143,17 +192,17 @@ data::NoisePlace noise_place(const Sensor& sensor) {
 
 namespace {
 
-// Adds what ties the errors of the readings of a load to those that are stated.
-void correlate_noise(Study& study) {
+// Adds to what each reading states what ties the errors of a load, and their distribution.
+void shape_noise(Study& study) {
     const DataSettings& data = study.data;
     const std::span<data::Reading> measured(study.readings.data(), study.measured().size());
-    if (!data.correlates_noise() || measured.empty()) {
+    if (!data.shapes_noise() || measured.empty()) {
         return;
     }
     if (study.noise != NoiseSource::stated) {
         throw pave::Error({.file = study.file, .line = data.noise_line, .key = "[data.noise]"},
-                          "errors can be tied only where each reading's own is stated",
-                          "common_relative or correlation_mm without the noise of a single reading",
+                          "errors can be tied, or given a distribution, only where each reading's own is stated",
+                          "common_relative, correlation_mm or loss without the noise of a single reading",
                           "relative or absolute beside them, or sigma in the measurement file");
     }
     for (std::size_t i = 0; i < measured.size(); ++i) {
@@ -161,6 +210,7 @@ void correlate_noise(Study& study) {
         noise.relative = std::hypot(noise.relative, data.noise_common_relative);
         noise.common_relative = data.noise_common_relative;
         noise.correlation_length = data.noise_correlation_length;
+        noise.degrees = data.noise_degrees;
         for (std::size_t j = 0; j < i && data.noise_correlation_length > 0.0; ++j) {
             if (data::own_correlation(noise_place(study.model.sensors[i]), noise_place(study.model.sensors[j]),
                                       data.noise_correlation_length) == 1.0) {
@@ -216,7 +266,7 @@ void set_noise(Study& study) {
     }
     if (std::all_of(measured.begin(), measured.end(), is_stated)) {
         study.noise = NoiseSource::stated;
-        correlate_noise(study);
+        shape_noise(study);
         return;
     }
     for (data::Reading& m : measured) {
@@ -224,7 +274,7 @@ void set_noise(Study& study) {
     }
     study.noise_assumed = 0;
     study.noise = NoiseSource::estimated;
-    correlate_noise(study);
+    shape_noise(study);
 }
 
 std::string hash_with_readings(std::string text, std::span<const data::Reading> readings) {

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "study/study.h"
+#include "study/table_reader.h"
 
 #include <toml++/toml.h>
 
@@ -32,6 +33,9 @@ std::vector<double> largest_of_group(const Study& study);
 // groups). Throws pave::Error for a name that no reading has.
 void set_groups(Study& study, const pave::Place& place, const std::vector<std::string>& held_out,
                 const toml::table* weights);
+
+// [data.noise]; of_data: the reader of [data]. Throws pave::Error.
+void read_noise(const toml::table& table, Study& study, const TableReader& of_data);
 
 // The standard deviation of every measured reading, and how those of a load are tied. Throws pave::Error where errors
 // are said to be correlated that no reading states, and for two readings of one place whose errors would be the same.

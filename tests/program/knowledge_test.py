@@ -58,6 +58,47 @@ loose = fit("loose", WEIGHTED + f'\n[[constraints]]\nthat = "base.k1 >= 0"\n')
 check(not loose["constraints"][0]["active"] and abs(loose["best"]["parameters"]["base.k1"] / k1 - 1) < 1e-3,
       "one that is met anyway changes nothing")
 
+# Student's noise: one reading three times as large as it is, which normal noise follows.
+NOISE = '\n[data.noise]\nrelative = 0.02\n{}\n'
+
+
+def with_noise(more):
+    return WEIGHTED.replace("noise_relative = 0.02", NOISE.format(more), 1)
+
+
+def spoilt(row):
+    """The data with the value of one reading wrong."""
+    lines = DATA.splitlines()
+    cells = lines[row].split(",")
+    at = lines[1].split(",").index("value")
+    cells[at] = str(3.0 * float(cells[at]))
+    lines[row] = ",".join(cells)
+    return "\n".join(lines) + "\n"
+
+
+def fitted(label, text, data):
+    done = run("fit", write_study(folder / label, text, data), "--json", "--out", folder / label / "out", "--explore", 32,
+               "--starts", 4, "--joint-only")
+    check(done.returncode == 0, f"{label}: {done.stderr}")
+    return json.loads(done.stdout)
+
+
+student = 'loss = "student"\ndegrees = 4'
+robust = fitted("robust", with_noise(student), spoilt(3))
+weights = [r["weight"] for r in robust["responses"] if "weight" in r]
+check(len(weights) == robust["readings"], "every reading has a weight")
+check(min(weights) == weights[1] < 0.1, f"the wrong reading has the lowest: {weights}")
+check(any("less than half" in f and "normal noise" in f for f in robust["findings"]), f"a finding names it: {robust['findings']}")
+check(robust["noise"]["loss"] == "student" and robust["noise"]["expected_chi2"] > robust["noise"]["degrees_of_freedom"],
+      "what is expected of Student's rows is simulated")
+normal = fitted("normal", with_noise(""), spoilt(3))
+off = [abs(f["best"]["parameters"]["base.k1"] / k1 - 1) for f in (robust, normal)]
+check(off[0] < off[1], f"the answer stays nearer to that of the clean readings: {off}")
+# By the definition of the weight, with what `fit` itself says of the residual.
+for r in robust["responses"]:
+    if "weight" in r:
+        check(abs(r["weight"] - 5 / (4 + r["residual"] ** 2)) < 1e-9, f"weight {r['weight']} of residual {r['residual']}")
+
 
 def refused(label, words, text, *command):
     case = folder / ("refused " + label)
@@ -77,6 +118,12 @@ refused("prior without spread", ["sd", "0 < value"], after("base.k1", "prior = {
 refused("prior with another key", ["median", "mean"], after("base.k1", "prior = { mean = 1000, median = 3, sd = 0.1 }"))
 refused("prior and no stated noise", ["prior", "noise"], after("base.k1", "prior = { mean = 1000, sd = 0.1 }").replace("noise_relative = 0.02", ""))
 refused("expression that reads itself", ["reads the number it sets"], WEIGHTED + TIE.format("base.k2", "2 * base.k2"))
+refused("unknown loss", ["loss", "huber", "student"], with_noise('loss = "huber"'))
+refused("no degrees", ["degrees", "1 <= value"], with_noise('loss = "student"\ndegrees = 0.5'))
+refused("degrees of a normal loss", ["degrees", "student"], with_noise("degrees = 4"))
+refused("student and another misfit", ["loss", "weighted"], with_noise(student).replace('misfit = "weighted"', 'misfit = "log"'))
+refused("student and no stated noise", ["loss", "stated"], with_noise(student).replace("relative = 0.02", ""))
+refused("student and diagnose", ["loss", "normal"], with_noise(student), "diagnose")
 refused("expressions in a circle", ["reads the number it sets"],
         WEIGHTED + TIE.format("base.k2", "-base.k3") + TIE.format("base.k3", "-base.k2"))
 refused("unknown name", ["base.k7", "no known name"], WEIGHTED + TIE.format("base.k2", "0.1 * base.k7"))

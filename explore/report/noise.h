@@ -1,0 +1,15 @@
+// The noise of FWD readings as JSON, as a page, and as it stands in a study.
+#pragma once
+
+#include "analysis/noise.h"
+#include "report/json.h"
+
+namespace explore::report {
+
+// The table [data.noise] of a study.
+std::string noise_block(const analysis::NoiseModel& model);
+
+Json noise_json(const analysis::NoiseResult& result);
+std::string noise_text(const analysis::NoiseResult& result);
+
+} // namespace explore::report

@@ -1,0 +1,62 @@
+"""The noise of FWD readings as a user meets it: drops made up here with a covariance that is known, in a file; what is
+printed goes into a study as it stands."""
+import json
+import math
+import random
+
+from support import *
+
+folder = workspace()
+OFFSETS = (0, 200, 300, 450, 600, 900, 1200)
+RELATIVE, COMMON, CORRELATION_MM = 0.012, 0.006, 400.0
+STATIONS, DROPS = 120, 4
+draw = random.Random(5)
+
+
+def errors():
+    """One drop's: a common part, and a chain along the sensors (Gauss and Markov), whose correlation is exp(-distance / length)."""
+    common = COMMON * draw.gauss(0, 1)
+    own, last, at = [], None, 0.0
+    for offset in OFFSETS:
+        rho = 0.0 if last is None else math.exp(-(offset - at) / CORRELATION_MM)
+        last = draw.gauss(0, 1) if last is None else rho * last + math.sqrt(1 - rho * rho) * draw.gauss(0, 1)
+        own.append(common + RELATIVE * last)
+        at = offset
+    return own
+
+
+rows = ["station,chainage_m,drop,radius_mm,pressure_kPa," + ",".join(f"D{o}_um" for o in OFFSETS)]
+for station in range(STATIONS):
+    for drop in range(DROPS):
+        pressure = 600 + 5 * drop
+        readings = [pressure * math.exp(-offset / 800 + e) for offset, e in zip(OFFSETS, errors())]
+        rows.append(",".join(map(str, [station, 10 * station, drop + 1, 150, pressure, *readings])))
+road = folder / "road.csv"
+road.write_text("\n".join(rows) + "\n")
+
+done = run("noise", road, "--json")
+check(done.returncode == 0 and done.stderr == "", done.stderr)
+told = json.loads(done.stdout)
+check((told["stations"], told["drops"]) == (STATIONS, STATIONS * DROPS), "every drop counts")
+for key, truth in (("relative", RELATIVE), ("common_relative", COMMON), ("correlation_mm", CORRELATION_MM)):
+    part = told["noise"][key]
+    # Within twice its 95 % range, on the logarithm.
+    half = math.log(part["high"] / part["low"]) / 2
+    check(abs(math.log(part["value"] / truth)) < 2 * half, f"{key} is {truth}: {part}")
+total = math.hypot(RELATIVE, COMMON)
+check(all(abs(s["scatter"] / total - 1) < 4 / math.sqrt(2 * STATIONS * (DROPS - 1)) for s in told["sensors"]), "scatter of each sensor")
+same = run("noise", road, "--json")
+check(same.stdout == done.stdout, "the same bits again")
+page = run("noise", road)
+check(page.returncode == 0 and told["block"] in page.stdout, "the page ends with what goes into a study")
+
+study = STUDY.replace('misfit = "log"', 'misfit = "weighted"\n' + told["block"])
+pasted = run("check", write_study(folder, study))
+check(pasted.returncode == 0, f"a study takes it: {pasted.stderr}")
+
+single = folder / "single.csv"
+single.write_text("\n".join(rows[:1] + rows[1::DROPS]) + "\n")
+refused = run("noise", single)
+check(refused.returncode == 2 and refused.stdout == "" and "no drop is repeated" in refused.stderr, refused.stderr)
+check(run("noise", folder / "missing.csv").returncode == 2, "a file that is not there")
+finish()
