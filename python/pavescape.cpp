@@ -4,6 +4,7 @@
 #include "report/diagnose.h"
 #include "report/fit.h"
 #include "report/map.h"
+#include "report/sample.h"
 #include "report/sensitivity.h"
 #include "report/unique.h"
 #include "run/blas.h"
@@ -194,6 +195,41 @@ public:
             },
             explore::report::map_json);
         return py::make_tuple(json, parameters, misfit);
+    }
+
+    // With the draws as arrays beside the JSON: parameters, outputs (file units; not a number: not computed), weights.
+    py::object sample(int samples, int confirm, const std::string& model, const std::string& out, int threads,
+                      std::uint64_t seed) const {
+        explore::analysis::SampleOptions options{.any_model = model.empty(), .samples = samples, .confirm = confirm};
+        if (!model.empty()) {
+            options.model = model_of(model);
+        }
+        Eigen::MatrixXd parameters;
+        Eigen::MatrixXd outputs;
+        Eigen::VectorXd weights;
+        py::object json = analysed(
+            run_options(out, threads, seed), "sample",
+            [&](auto& session) {
+                auto result = explore::analysis::sample(session, study_, options);
+                if (result) {
+                    const auto n = static_cast<Eigen::Index>(result->draws.size());
+                    const auto wanted = study_.outputs();
+                    parameters.resize(n, study_.space.dimension());
+                    outputs = Eigen::MatrixXd::Constant(n, static_cast<Eigen::Index>(wanted.size()), NAN);
+                    weights = array(result->descent.weight);
+                    for (Eigen::Index i = 0; i < n; ++i) {
+                        const auto& draw = result->draws[static_cast<std::size_t>(i)];
+                        parameters.row(i) = array(draw.parameters);
+                        for (std::size_t o = 0; o < draw.outputs.size(); ++o) {
+                            outputs(i, static_cast<Eigen::Index>(o)) =
+                                study_.readings[wanted[o]].in_unit(draw.outputs[o]);
+                        }
+                    }
+                }
+                return result;
+            },
+            explore::report::sample_json);
+        return py::make_tuple(json, parameters, outputs, weights);
     }
 
     py::object unique(int explore, int verify, int searches, const std::string& model, const std::string& out,
@@ -401,6 +437,10 @@ PYBIND11_MODULE(pavescape, m) {
              py::arg("explore") = explore::landscape::UniquenessSettings{}.explore,
              py::arg("verify") = explore::landscape::UniquenessSettings{}.verify, py::arg("out") = "",
              py::arg("threads") = 0, py::arg("seed") = 1, as_command("compare").c_str())
+        .def("sample", &Study::sample, py::arg("samples") = explore::analysis::SampleOptions{}.samples,
+             py::arg("confirm") = explore::analysis::SampleOptions{}.confirm, py::arg("model") = "",
+             py::arg("out") = "", py::arg("threads") = 0, py::arg("seed") = 1,
+             (as_command("sample") + " With it, as a tuple, the draws: parameters, outputs and weights.").c_str())
         .def("sensitivity", &Study::sensitivity, py::arg("parameters") = std::vector<std::string>{},
              py::arg("range") = explore::analysis::SensitivityOptions{}.range,
              py::arg("points") = explore::analysis::SensitivityOptions{}.points,

@@ -2,8 +2,10 @@
 
 #include "analysis/groups.h"
 #include "analysis/layout.h"
+#include "analysis/sample.h"
 #include "base/error.h"
 #include "base/text.h"
+#include "landscape/goodness.h"
 #include "material/catalog.h"
 #include "run/interrupt.h"
 #include "study/laws.h"
@@ -12,7 +14,6 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
-#include <gsl/gsl_cdf.h>
 
 namespace explore::analysis {
 namespace {
@@ -131,13 +132,46 @@ bool fit_law(Session& session, FittedLaw& f, const CompareOptions& options, cons
     f.chi2 = fitted.residuals(f.best).squaredNorm();
     f.dof = fitted.degrees_of_freedom(parameters - f.answer.directions.flat.size());
     if (fitted.noise_is_stated() && f.dof > 0) {
-        f.p_value = gsl_cdf_chisq_Q(f.chi2, f.dof);
+        f.p_value = landscape::goodness_of(fitted, f.best, f.chi2, f.dof).p_value;
     }
     f.aicc = diagnose::aicc(f.chi2, fitted.readings(), parameters, fitted.noise_is_stated());
     f.study_holds = held_out_rms(study, f.best.responses);
     f.group_rms = group_rms(study, f.best);
     f.by_place = left_out_rms(fitted, engine, layout_of(study), f.answer);
     return f.by_place.has_value() || !run::interrupted();
+}
+
+// False: interrupted.
+bool sample_law(Session& session, FittedLaw& f) {
+    const auto sampled = sample(session, f.study, {});
+    if (!sampled) {
+        return false;
+    }
+    if (!sampled->failed()) {
+        f.evidence = {.log = sampled->log_evidence,
+                      .error = sampled->log_evidence_error,
+                      .missing = sampled->missing.empty() ? "" : sampled->reason()};
+    }
+    return true;
+}
+
+void weigh_evidence(std::vector<FittedLaw>& laws) {
+    double most = -std::numeric_limits<double>::infinity();
+    for (const FittedLaw& f : laws) {
+        most = f.evidence ? std::max(most, f.evidence->log) : most;
+    }
+    double sum = 0.0;
+    for (FittedLaw& f : laws) {
+        if (f.evidence) {
+            f.evidence->weight = std::exp(f.evidence->log - most);
+            sum += f.evidence->weight;
+        }
+    }
+    for (FittedLaw& f : laws) {
+        if (f.evidence) {
+            f.evidence->weight /= sum;
+        }
+    }
 }
 
 void weigh(std::vector<FittedLaw>& laws) {
@@ -165,6 +199,9 @@ void weigh(std::vector<FittedLaw>& laws) {
 std::optional<CompareResult> compare(Session& session, const study::Study& study, const CompareOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
     study::make_problem(study, study::Scope::fitted); // complains of what is missing
+    if (options.evidence) {
+        check_noise_for_sample(study);
+    }
     const std::size_t layer = layer_of(study, options.layer);
     CompareResult result{.study = study, .layer = study.model.layers[layer].name, .laws = {}};
     for (const Law* law : laws_of(options)) {
@@ -178,6 +215,12 @@ std::optional<CompareResult> compare(Session& session, const study::Study& study
             return std::nullopt;
         }
     }
+    for (FittedLaw& f : result.laws) {
+        if (options.evidence && f.failed.empty() && !sample_law(session, f)) {
+            return std::nullopt;
+        }
+    }
+    weigh_evidence(result.laws);
     weigh(result.laws);
     session.begin(result.laws[0].study, "compare", settings); // the preferred law's run is the one used last
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

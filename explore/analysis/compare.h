@@ -10,6 +10,14 @@ struct CompareOptions {
     std::string layer{};             // empty: the one whose law depends on stress
     std::vector<std::string> laws{}; // empty: all
     landscape::UniquenessSettings settings{};
+    bool evidence = false; // each law's posterior is sampled too
+};
+
+// How probable the data are under a law, whatever its parameters within their ranges and priors.
+struct Evidence {
+    double log = 0.0, error = 0.0; // natural logarithm of the density of the readings [SI], standard error
+    double weight = 0.0;           // posterior probability among the laws, all alike before
+    std::string missing{};         // why the sample has not converged; "": it has
 };
 
 // One law and what the data say of it.
@@ -28,6 +36,7 @@ struct FittedLaw {
     std::optional<double> by_place{};    // rms of readings left out place by place
     std::optional<double> study_holds{}; // rms of what the study holds out
     std::vector<double> group_rms{};
+    std::optional<Evidence> evidence{};
 };
 
 struct CompareResult {

@@ -47,6 +47,20 @@ std::vector<std::string> findings(const CompareResult& result) {
                                        pave::join(unweighed), unweighed.size() == 1 ? "has" : "have"));
         }
     }
+    const auto most = std::max_element(laws.begin(), laws.end(), [](const FittedLaw& a, const FittedLaw& b) {
+        return (a.evidence ? a.evidence->weight : -1.0) < (b.evidence ? b.evidence->weight : -1.0);
+    });
+    if (most->evidence) {
+        text.push_back(fmt::format("By evidence {} is the most probable law ({:.0f} % among these, alike before). It "
+                                   "depends on the ranges and priors of the parameters, AICc does not.",
+                                   most->law->name(), 100.0 * most->evidence->weight));
+        for (const FittedLaw& f : laws) {
+            if (f.evidence && !f.evidence->missing.empty()) {
+                text.push_back(fmt::format("The sample of {} has {}: its evidence is no more than a hint.",
+                                           f.law->name(), f.evidence->missing));
+            }
+        }
+    }
     const auto fits = [](const FittedLaw& f) { return f.failed.empty() && f.p_value && *f.p_value >= 0.05; };
     if (std::any_of(laws.begin(), laws.end(), [](const FittedLaw& f) { return f.p_value.has_value(); })) {
         std::vector<std::string> names;

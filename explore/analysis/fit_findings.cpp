@@ -61,8 +61,11 @@ std::string noise_words(const landscape::LocalAnalysis& local, bool is_student) 
                                  figure(local.chi2), figure(local.expected_chi2), dof)
                    : fmt::format("chi2 = {} with {}", figure(local.chi2), dof),
         local.p_value,
-        local.widened ? " The standard errors are those of a noise that much larger; diagnose looks for the cause."
-                      : "");
+        !local.widened ? ""
+        : is_student
+            ? " The standard errors are those of a noise that much larger: leave out the readings named below, "
+              "where it is they that are wrong."
+            : " The standard errors are those of a noise that much larger; diagnose looks for the cause.");
 }
 
 // What the data do not determine: too few readings, parameters on bounds, errors as wide as the range.
@@ -105,20 +108,19 @@ std::string downweighted(const FitResult& result) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < weights.size(); ++i) {
         if (weights[i] < 0.5) {
-            names.push_back(fmt::format("{} ({:.2g})",
-                                        result.study.readings[result.problem.response_of(i)].label_with_unit(),
-                                        weights[i]));
+            names.push_back(fmt::format(
+                "{} ({:.2g})", result.study.readings[result.problem.response_of(i)].label_with_unit(), weights[i]));
         }
     }
-    const std::string noise = fmt::format("Noise of Student's t distribution with {:g} degrees of freedom",
-                                          result.problem.noise_degrees());
-    return names.empty() ? noise + ": no reading counts less than half of what it would with normal noise."
-                         : fmt::format("{}: {} {} less than half of what {} would with normal noise (1): {}. {}", noise,
-                                       counted(names.size(), "reading", "readings"),
-                                       names.size() == 1 ? "counts" : "count", names.size() == 1 ? "it" : "they",
-                                       pave::join(names),
-                                       names.size() == 1 ? "It or the model is wrong there."
-                                                         : "They or the model are wrong there.");
+    const std::string noise =
+        fmt::format("Noise of Student's t distribution with {:g} degrees of freedom", result.problem.noise_degrees());
+    return names.empty()
+               ? noise + ": no reading counts less than half of what it would with normal noise."
+               : fmt::format("{}: {} {} less than half of what {} would with normal noise (1): {}. {}", noise,
+                             counted(names.size(), "reading", "readings"), names.size() == 1 ? "counts" : "count",
+                             names.size() == 1 ? "it" : "they", pave::join(names),
+                             names.size() == 1 ? "It or the model is wrong there."
+                                               : "They or the model are wrong there.");
 }
 
 // A reading whose residual noise does not explain: its studentised residual (Cook and Weisberg 1982), the largest of

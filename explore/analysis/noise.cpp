@@ -100,8 +100,8 @@ Fit fit(const std::vector<RepeatedDrops>& groups, const Parts& start) {
         for (const RepeatedDrops& group : groups) {
             const Covariance model(group, f.p);
             const Eigen::LLT<MatrixXd> c(model.c);
-            const MatrixXd excess = c.solve(group.scatter) - (group.drops - 1) * MatrixXd::Identity(model.c.rows(),
-                                                                                                   model.c.cols());
+            const MatrixXd excess =
+                c.solve(group.scatter) - (group.drops - 1) * MatrixXd::Identity(model.c.rows(), model.c.cols());
             std::vector<MatrixXd> by;
             for (const int k : f.there) {
                 by.emplace_back(c.solve(model.by[static_cast<std::size_t>(k)]));
@@ -176,7 +176,8 @@ NoiseModel model_of(const std::vector<RepeatedDrops>& groups) {
             }
             auto fewer = there;
             fewer[k] = false;
-            if (Fit f = best_fit(groups, fewer); f.score - best.score < telling && (!simpler || f.score < simpler->score)) {
+            if (Fit f = best_fit(groups, fewer);
+                f.score - best.score < telling && (!simpler || f.score < simpler->score)) {
                 simpler = std::move(f);
                 without = k;
             }
@@ -287,9 +288,10 @@ NoiseResult noise_of_drops(const std::vector<data::FwdFile>& files) {
 std::vector<std::string> findings(const NoiseResult& result) {
     std::vector<std::string> text;
     const double* value = result.model.value;
-    const double largest = std::max_element(result.sensors.begin(), result.sensors.end(), [](const auto& a, const auto& b) {
-                               return a.scatter < b.scatter;
-                           })->scatter;
+    const double largest =
+        std::max_element(result.sensors.begin(), result.sensors.end(), [](const auto& a, const auto& b) {
+            return a.scatter < b.scatter;
+        })->scatter;
     text.push_back(fmt::format("One drop repeats another within {:.2g} % (one standard deviation) at its worst sensor.",
                                100.0 * largest));
     if (value[NoiseModel::common] > 0.0 || value[NoiseModel::correlation] > 0.0) {

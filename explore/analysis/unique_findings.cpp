@@ -1,5 +1,6 @@
 #include "analysis/knowledge_words.h"
 #include "analysis/layout.h"
+#include "analysis/range_shape.h"
 #include "analysis/unique.h"
 
 #include "base/error.h"
@@ -187,6 +188,9 @@ std::vector<std::string> findings(const UniqueResult& result) {
     if (!wide.empty()) {
         say(fmt::format("The data accept {}, if the others follow.", pave::join(wide)));
     }
+    if (std::string words = shape_words(result.problem, u); !words.empty()) {
+        say(std::move(words));
+    }
     for (std::size_t o = 0; o < u.outputs.size(); ++o) {
         const Range& r = u.outputs[o];
         const data::Reading& output = study.readings[outputs[o]];
@@ -227,10 +231,10 @@ std::vector<std::string> findings(const UniqueResult& result) {
     }
     if (acceptance.widened) {
         say(fmt::format(
-            "The model does not fit these data within their stated noise (chi2 = {} with {}, p = {:.2g}). The "
+            "The model does not fit these data within their stated noise ({} = {} with {}, p = {:.2g}). The "
             "ranges are widened as if the noise were as large as the residuals; with a wrong model they can still "
             "mislead.",
-            figure(acceptance.chi2),
+            result.problem.noise_is_student() ? "-2 ln likelihood" : "chi2", figure(acceptance.chi2),
             counted(static_cast<std::size_t>(std::max(0, acceptance.degrees_of_freedom)), "degree of freedom",
                     "degrees of freedom"),
             acceptance.p_value));

@@ -46,6 +46,7 @@ void add_compare(CLI::App& app, Action& action) {
                      "independent searches of each law that must find no new minimum before the search ends")
         ->check(CLI::Range(1, 100'000))
         ->capture_default_str();
+    command->add_flag("--evidence", options->compare.evidence, "sample each law's posterior too, for its evidence");
     command->footer("Example: pavescape compare grids/captif-p1-unique-fwd.toml --laws uzan,k-theta,linear");
     command->callback([=, &action] { action = [=] { return compare(*options); }; });
 }

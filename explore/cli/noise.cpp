@@ -15,8 +15,7 @@ struct Options {
 
 int noise(const Options& options) {
     const auto result = analysis::noise_of_drops(data::read_fwd_files(options.files, options.columns));
-    fmt::print("{}",
-               options.json ? report::json_text(report::noise_json(result)) + "\n" : report::noise_text(result));
+    fmt::print("{}", options.json ? report::json_text(report::noise_json(result)) + "\n" : report::noise_text(result));
     return done;
 }
 

@@ -25,8 +25,8 @@ struct Acceptance {
 // Where the readings state their noise, residuals are in units of it (variance 1, threshold the 95 % quantile of chi2
 // with one degree of freedom). Where chi2 contradicts that noise (p < 0.01) the variance is chi2 / degrees of freedom,
 // as without stated noise: s2 = f^2 / degrees of freedom and the threshold the 95 % quantile of F(1, degrees of
-// freedom). Of Student's noise the rows' sum takes the place of chi2 and what it is expected to be that of the degrees of
-// freedom (goodness.h). Nothing: without stated noise or degrees of freedom no error can be given.
+// freedom). Of Student's noise the rows' sum takes the place of chi2 and what it is expected to be that of the degrees
+// of freedom (goodness.h). Nothing: without stated noise or degrees of freedom no error can be given.
 std::optional<Acceptance> acceptance_of(const problem::Problem& problem, const Minimum& best);
 
 } // namespace explore::landscape

@@ -11,9 +11,8 @@ double student_row(double z, double degrees) {
 
 double student_row_slope(double z, double degrees) {
     constexpr double next_to_nothing = 1e-8; // the row is linear there, to the last bit
-    return std::abs(z) < next_to_nothing
-               ? std::sqrt((degrees + 1.0) / degrees)
-               : (degrees + 1.0) * z / ((degrees + z * z) * student_row(z, degrees));
+    return std::abs(z) < next_to_nothing ? std::sqrt((degrees + 1.0) / degrees)
+                                         : (degrees + 1.0) * z / ((degrees + z * z) * student_row(z, degrees));
 }
 
 double student_weight(double z, double degrees) {

@@ -1,5 +1,5 @@
-// Errors of Student's t distribution with nu degrees of freedom and scale 1: normal in the middle, with heavier tails, so
-// that a single wrong reading cannot pull an answer far (Lange, Little and Taylor 1989, Journal of the American
+// Errors of Student's t distribution with nu degrees of freedom and scale 1: normal in the middle, with heavier tails,
+// so that a single wrong reading cannot pull an answer far (Lange, Little and Taylor 1989, Journal of the American
 // Statistical Association 84).
 #pragma once
 

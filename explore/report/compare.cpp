@@ -34,6 +34,12 @@ Json laws_json(const CompareResult& result) {
         law["p_value"] = optional_json(f.p_value);
         law["aicc"] = std::isfinite(f.aicc) ? Json(f.aicc) : Json(nullptr);
         law["weight"] = f.weight;
+        if (f.evidence) {
+            law["log_evidence"] = f.evidence->log;
+            law["log_evidence_error"] = f.evidence->error;
+            law["evidence_weight"] = f.evidence->weight;
+            law["evidence_status"] = f.evidence->missing.empty() ? "converged" : "not-converged";
+        }
         law["held_out_rms"] = optional_json(f.by_place);
         law["study_held_out_rms"] = optional_json(f.study_holds);
         law["verdict"] = std::string(landscape::verdict_names[static_cast<int>(f.answer.verdict)]);
@@ -87,10 +93,21 @@ std::string comparison_text(const CompareResult& result) {
                    std::isfinite(f.aicc) ? fmt::format("{:.0f} %", 100.0 * f.weight) : "-", optional(f.by_place),
                    optional(f.study_holds), std::string(landscape::verdict_names[static_cast<int>(f.answer.verdict)])});
     }
+    Table evidences({"law", "ln evidence", "std. error", "weight"});
+    bool sampled = false;
+    for (const FittedLaw& f : result.laws) {
+        if (f.evidence) {
+            sampled = true;
+            evidences.add({std::string(f.law->name()), fmt::format("{:.2f}", f.evidence->log),
+                           fmt::format("{:.2f}", f.evidence->error),
+                           fmt::format("{:.1f} %", 100.0 * f.evidence->weight)});
+        }
+    }
     std::string text =
         table.text() +
         "  left out: error of readings predicted place by place by fits without them; held out: of those "
         "that the study\n  holds out; both root mean squares of residuals\n";
+    text += sampled ? "\n" + evidences.text() : "";
     if (!outputs.empty()) {
         text += fmt::format("  {}\n", sign_convention);
     }

@@ -35,19 +35,14 @@ std::string noise_block(const NoiseModel& model) {
 }
 
 Json noise_json(const analysis::NoiseResult& result) {
-    Json json = {{"stations", result.stations},
-                 {"groups", result.groups},
-                 {"drops", result.drops},
-                 {"degrees_of_freedom", result.degrees},
-                 {"noise", Json::object()},
-                 {"block", noise_block(result.model)},
-                 {"sensors", Json::array()},
-                 {"findings", findings(result)}};
+    Json json = {{"stations", result.stations}, {"groups", result.groups},
+                 {"drops", result.drops},       {"degrees_of_freedom", result.degrees},
+                 {"noise", Json::object()},     {"block", noise_block(result.model)},
+                 {"sensors", Json::array()},    {"findings", findings(result)}};
     for (const auto& [part, key, unit] : words) {
         const std::string name = part == NoiseModel::absolute ? "absolute_um" : key;
-        json["noise"][name] = {{"value", result.model.value[part]},
-                               {"low", result.model.low[part]},
-                               {"high", result.model.high[part]}};
+        json["noise"][name] = {
+            {"value", result.model.value[part]}, {"low", result.model.low[part]}, {"high", result.model.high[part]}};
     }
     for (const auto& s : result.sensors) {
         json["sensors"].push_back({{"x_mm", s.offset_mm},
@@ -64,12 +59,11 @@ Json noise_json(const analysis::NoiseResult& result) {
 }
 
 std::string noise_text(const analysis::NoiseResult& result) {
-    std::string text =
-        fmt::format("{}, {} of repeated drops, {} in them\n\nScatter of ln(deflection / pressure) of one drop, and its "
-                    "correlation: of the drops (of the model below)\n",
-                    pave::counted(result.stations, "station", "stations"),
-                    pave::counted(result.groups, "group", "groups"),
-                    pave::counted(static_cast<std::size_t>(result.drops), "drop", "drops"));
+    std::string text = fmt::format(
+        "{}, {} of repeated drops, {} in them\n\nScatter of ln(deflection / pressure) of one drop, and its "
+        "correlation: of the drops (of the model below)\n",
+        pave::counted(result.stations, "station", "stations"), pave::counted(result.groups, "group", "groups"),
+        pave::counted(static_cast<std::size_t>(result.drops), "drop", "drops"));
     Table sensors({"sensor mm", "deflection um", "scatter %", "with next", "with first"});
     const auto both = [](const std::optional<double>& drops, const std::optional<double>& model) {
         return drops && model ? fmt::format("{:.2f} ({:.2f})", *drops, *model) : std::string();

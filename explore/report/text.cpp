@@ -40,10 +40,16 @@ std::string response_table(const study::Study& study, const std::vector<double>&
         const double model = r.in_unit(responses[i]);
         const auto mm = [](double value) { return fmt::format("{:g}", value); };
         std::vector<std::string> row{
-                   r.load, r.is_measured() ? r.quantity : r.output, mm(r.x_mm), mm(r.y_mm), mm(r.depth_mm),
-                   mm(r.gauge_mm), r.is_measured() ? fmt::format("{}", r.value) : "", figure(model),
-                   std::string(r.unit.name),
-                   r.is_measured() && r.value != 0.0 ? fmt::format("{:+.1f} %", 100.0 * (model / r.value - 1.0)) : ""};
+            r.load,
+            r.is_measured() ? r.quantity : r.output,
+            mm(r.x_mm),
+            mm(r.y_mm),
+            mm(r.depth_mm),
+            mm(r.gauge_mm),
+            r.is_measured() ? fmt::format("{}", r.value) : "",
+            figure(model),
+            std::string(r.unit.name),
+            r.is_measured() && r.value != 0.0 ? fmt::format("{:+.1f} %", 100.0 * (model / r.value - 1.0)) : ""};
         if (!weights.empty()) {
             const auto weight = weights.find(i);
             row.push_back(weight == weights.end() ? "" : fmt::format("{:.2f}", weight->second));

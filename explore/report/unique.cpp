@@ -1,6 +1,7 @@
 #include "report/unique.h"
 
 #include "analysis/build.h"
+#include "analysis/range_shape.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "report/text.h"
@@ -177,9 +178,16 @@ Json answer_json(const UniqueResult& result) {
             {"profile", branches}};
     };
     json["profiles"] = Json::array();
+    const auto shapes = analysis::range_shapes(result.problem, u);
     for (std::size_t k = 0; k < u.parameters.size(); ++k) {
         Json profile = {{"name", space.axes[k].name}, {"best", u.minima[0].evaluation.parameters[k]}};
         profile.update(range_json(u.parameters[k], 1.0, [&](double unit) { return space.axes[k].physical(unit); }));
+        if (const auto& shape = shapes[k]) {
+            profile["first_order"] = {{"low", shape->gaussian_low},
+                                      {"high", shape->gaussian_high},
+                                      {"ratio", shape->ratio},
+                                      {"differs_by", shape->reason}};
+        }
         json["profiles"].push_back(std::move(profile));
     }
     for (std::size_t o = 0; o < u.outputs.size(); ++o) {

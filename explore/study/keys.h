@@ -215,8 +215,9 @@ inline constexpr Key noise_loss{.table = "[data.noise]",
                                 .kind = word,
                                 .default_value = 0,
                                 .choices = noise_losses,
-                                .meaning = "distribution of the errors; `student`: with heavier tails, so that a single "
-                                           "wrong reading counts little"};
+                                .meaning =
+                                    "distribution of the errors; `student`: with heavier tails, so that a single "
+                                    "wrong reading counts little"};
 inline constexpr Key noise_degrees{.table = "[data.noise]",
                                    .key = "degrees",
                                    .kind = number,

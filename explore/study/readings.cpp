@@ -152,14 +152,13 @@ void read_noise(const toml::table& table, Study& study, const TableReader& of_da
     const double degrees = reader.number(keys::noise_degrees);
     study.data.noise_degrees = is_student ? degrees : 0.0;
     if (study.data.shapes_noise() && study.data.misfit != problem::MisfitKind::weighted) {
-        throw pave::Error(reader.place(study.data.noise_common_relative > 0.0      ? keys::noise_common_relative
-                                       : study.data.noise_correlation_length > 0.0 ? keys::noise_correlation
-                                                                                   : keys::noise_loss),
-                          study.data.correlates_noise()
-                              ? "errors that readings have in common need a misfit by the stated noise"
-                              : "a distribution of errors needs a misfit by the stated noise",
-                          fmt::format("misfit = \"{}\"", to_string(study.data.misfit)),
-                          "misfit = \"weighted\" in [data]");
+        throw pave::Error(
+            reader.place(study.data.noise_common_relative > 0.0      ? keys::noise_common_relative
+                         : study.data.noise_correlation_length > 0.0 ? keys::noise_correlation
+                                                                     : keys::noise_loss),
+            study.data.correlates_noise() ? "errors that readings have in common need a misfit by the stated noise"
+                                          : "a distribution of errors needs a misfit by the stated noise",
+            fmt::format("misfit = \"{}\"", to_string(study.data.misfit)), "misfit = \"weighted\" in [data]");
     }
     if (const auto* absolute = reader.table(keys::noise_absolute)) {
         TableReader each(*absolute, study.file, "[data.noise] absolute");

@@ -1,5 +1,5 @@
-// Noise of Student's t distribution: its rows by the density that GSL has, estimates by a search of that likelihood, errors
-// and p-values by what such noise does when it is drawn.
+// Noise of Student's t distribution: its rows by the density that GSL has, estimates by a search of that likelihood,
+// errors and p-values by what such noise does when it is drawn.
 #include "landscape/goodness.h"
 #include "landscape/minima.h"
 #include "problem/student.h"
@@ -116,7 +116,8 @@ TEST(Student, RowsAreTheLogarithmOfTheDensity) {
             EXPECT_NEAR(problem::student_row_slope(z, nu),
                         (problem::student_row(z + step, nu) - problem::student_row(z - step, nu)) / (2.0 * step), 1e-8);
             // Half the derivative of row^2 is that of weighted least squares.
-            EXPECT_NEAR(row * problem::student_row_slope(z, nu), problem::student_weight(z, nu) * z, 1e-12 * std::abs(z));
+            EXPECT_NEAR(row * problem::student_row_slope(z, nu), problem::student_weight(z, nu) * z,
+                        1e-12 * std::abs(z));
         }
         EXPECT_NEAR(problem::student_row_slope(0.0, nu), std::sqrt((nu + 1.0) / nu), 1e-15);
         // Fisher's information: the mean of the square of d(ln density)/dz.
@@ -135,7 +136,8 @@ TEST(Student, DrawsHaveTheDistribution) {
     int beyond = 0; // the 5 % of GSL: |t| > 2.776 with 4 degrees of freedom
     for (int i = 0; i < draws; ++i) {
         const auto k = static_cast<std::uint64_t>(i);
-        beyond += std::abs(problem::student_draw(random.uniform(2 * k), random.uniform(2 * k + 1), 4.0)) > 2.776445 ? 1 : 0;
+        beyond +=
+            std::abs(problem::student_draw(random.uniform(2 * k), random.uniform(2 * k + 1), 4.0)) > 2.776445 ? 1 : 0;
     }
     EXPECT_NEAR(beyond, 0.05 * draws, 4.0 * std::sqrt(0.05 * 0.95 * draws));
 }
@@ -230,9 +232,9 @@ TEST(Student, PValuesAreUniform) {
         }
         const problem::Problem problem = line_problem(y);
         const auto minimum = fitted(problem);
-        const double p = landscape::goodness_of(problem, minimum.evaluation, std::pow(minimum.evaluation.misfit, 2),
-                                                count - 2)
-                             .p_value;
+        const double p =
+            landscape::goodness_of(problem, minimum.evaluation, std::pow(minimum.evaluation.misfit, 2), count - 2)
+                .p_value;
         low += p < 0.1 ? 1 : 0;
         lower_half += p < 0.5 ? 1 : 0;
         const auto local = landscape::analyse(minimum, problem);

@@ -79,4 +79,15 @@ effect = write_study(folder / "e", text + '\n[[effects]]\nname = "shear-ratio"\n
 wrong = run("compare", effect, "--laws", "lade-nelson")
 check(wrong.returncode == 2 and "shear-ratio" in wrong.stderr, f"an effect that a law cannot have: {wrong.stderr}")
 
+# Evidence: that of `sample` for each law, and shares of it.
+weighed = run("compare", study, "--laws", "linear,uzan", "--evidence", "--json", "--out", folder / "evidence", *options)
+check(weighed.returncode == 0, f"compare --evidence runs: {weighed.stderr}")
+told = json.loads(weighed.stdout)
+by_law = {law["law"]: law for law in told["laws"]}
+own = json.loads(run("sample", study, "--json", "--out", folder / "sample").stdout)
+check(by_law["uzan"]["log_evidence"] == own["log_evidence"], "the evidence of the study's own law is that of sample")
+check(by_law["uzan"]["evidence_weight"] > 0.99 and abs(sum(law["evidence_weight"] for law in told["laws"]) - 1) < 1e-9,
+      f"a linear base is not probable: {by_law}")
+check(any("evidence uzan" in f for f in told["findings"]), f"the findings say so: {told['findings']}")
+
 finish()

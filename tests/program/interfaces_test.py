@@ -81,13 +81,16 @@ answers = {"fit": noisy.fit(starts=3, explore=48, out=folder + "/fit"), "unique"
            "diagnose": noisy.diagnose(explore=16, starts=2, bootstrap=4, out=folder + "/diagnose")}
 mapped, points, misfits = noisy.map(design="sobol", points=20, out=folder + "/map")
 answers["map"] = mapped
+sampled, draws, outputs, weights = noisy.sample(samples=400, out=folder + "/sample")
+answers["sample"] = sampled
+mean = float((weights @ draws[:, 0]) / weights.sum())
 with open(sys.argv[3]) as text, open(sys.argv[4]) as readings:
     memory = pavescape.Study.from_text(text.read(), {"small.csv": readings.read()})
 print(json.dumps({"forward": own.tolist(), "parameters": study.parameters, "measured": study.measured.tolist(), "again": (study.forward(there) == responses).all().item(),
                   "jacobian": float(np.abs((jacobian - numeric) * there).max() / np.abs(jacobian * there).max()),
                   "residual_jacobian": float(np.abs((study.residual_jacobian(there) - numeric_residuals) * there).max() / np.abs(numeric_residuals * there).max()),
                   "fit": fit["best"]["misfit"], "fitted": float(np.linalg.norm(study.residuals(best))), "answers": answers,
-                  "lowest": float(np.nanmin(misfits)), "shape": list(points.shape), "in_memory": (memory.forward() == noisy.forward()).all().item(),
+                  "lowest": float(np.nanmin(misfits)), "shape": list(points.shape), "draws": [list(draws.shape), list(outputs.shape), list(weights.shape)], "mean": mean, "in_memory": (memory.forward() == noisy.forward()).all().item(),
                   "unknown": error(ValueError, lambda: noisy.unique(model="other")), "minima": len(fit["minima"]),
                   "length": error(ValueError, lambda: study.forward(there[:-1])), "range": error(pavescape.NoAnswer, lambda: study.forward(-there)),
                   "file": error(ValueError, lambda: pavescape.Study("nothing.toml")), "units": [r["unit"] for r in study.responses]}))
@@ -109,11 +112,15 @@ if found:
     same = json.loads(run("fit", study, "--starts", 3, "--explore", 48, "--out", folder / "fit", "--json").stdout)
     check(abs(found["fit"] - same["best"]["misfit"]) < 1e-12 and found["minima"] == len(same["minima"]), "fit is the command fit")
     for name, options in (("fit", ("--starts", 3, "--explore", 48)), ("unique", ("--explore", 24, "--verify", 4)),
-                          ("diagnose", ("--explore", 16, "--starts", 2, "--bootstrap", 4)), ("map", ("--design", "sobol", "--points", 20))):
+                          ("diagnose", ("--explore", 16, "--starts", 2, "--bootstrap", 4)), ("map", ("--design", "sobol", "--points", 20)),
+                          ("sample", ("--samples", 400))):
         printed = run(name, noisy, *options, "--out", folder / "program" / name, "--json").stdout.replace(str(folder / "program"), str(folder / "python"))
         check(lasting(json.loads(printed)) == lasting(found["answers"][name]), f"{name} in Python is the program's to the last bit")
         check((folder / "python" / name / f"{name}.json").exists(), f"{name} in Python keeps its result")
     check(found["lowest"] == found["answers"]["map"]["lowest"][0]["misfit"] and found["shape"] == [20, 2], f"the points of a map as arrays: {found['shape']}")
+    check(found["draws"][0] == [400, 2] and found["draws"][1] == [400, 1] and found["draws"][2] == [400], f"the draws as arrays: {found['draws']}")
+    told = found["answers"]["sample"]["parameters"][0]["mean"]
+    check(told is None or abs(found["mean"] / told - 1) < 1e-9, f"their mean is the one in the JSON: {found['mean']} {told}")
     check(found["in_memory"], "a study in memory is the one in the file")
     check(found["unknown"] and "full" in found["unknown"], "an unknown model is a message with what is allowed")
     check(abs(found["fitted"] - found["fit"]) < 1e-9 * found["fit"], "the norm of the residuals is the misfit")

@@ -17,6 +17,8 @@ for key in ("directions", "minima", "outputs", "unseen_volume_bound", "profiles"
 for output in one["outputs"]:
     check(output["low"] <= output["best"] <= output["high"], f"{output['name']}: the best lies in its range")
 for profile in one["profiles"]:
+    first = profile["first_order"]
+    check(first["low"] <= profile["best"] <= first["high"], f"{profile['name']}: the first-order range holds the best value: {first}")
     check(profile["low"] <= profile["best"] <= profile["high"], f"{profile['name']}: the best lies in its range")
     check(profile["kind"] in ("bounded", "bounded on one side", "flat", "incomplete"), "a profile is classified")
 check(abs(one["unseen_volume_bound"] - (1 - 0.05 ** (1 / 4))) < 1e-12, "four starts that find nothing new: 1 - 0.05^(1/4)")
