@@ -12,6 +12,7 @@ struct RunOptions {
     std::uint64_t seed = 1;
     bool show_progress = true;            // on a terminal
     std::vector<std::string> arguments{}; // of the command line, for the store
+    std::vector<data::InputFile> inputs{}; // that are read besides the studies, for the store
 };
 
 enum class ModelUse {

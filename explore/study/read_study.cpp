@@ -458,7 +458,7 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
         throw pave::Error({.file = file}, "the study asks for nothing", "neither measurements nor outputs",
                           "[data] files, or [[outputs]]");
     }
-    study.hash = hash_of(table, study);
+    study.hash = study.file_hash = hash_of(table, study);
     study.text = std::move(text);
     return study;
 }
@@ -466,18 +466,23 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
 } // namespace
 
 Study load_study(const std::string& file, Readings readings) {
+    std::vector<data::InputFile> inputs{{file, data::read_file(file, "study")}};
     DataReader read;
     if (readings == Readings::own) {
-        read = [folder = std::filesystem::path(file).parent_path()](const std::string& name, const pave::Place& place) {
+        read = [&inputs, folder = std::filesystem::path(file).parent_path()](const std::string& name,
+                                                                              const pave::Place& place) {
             const std::string path = (folder / name).string();
             if (std::error_code error; !std::filesystem::exists(path, error)) {
                 throw pave::Error(place, "this measurement file does not exist", "\"" + path + "\"",
                                   "a path relative to the study's own folder");
             }
-            return data::read_measurements(path);
+            inputs.push_back({path, data::read_file(path, "measurement file")});
+            return data::measurements_of(inputs.back().bytes, path);
         };
     }
-    return parse(data::read_file(file, "study"), file, read);
+    Study study = parse(inputs[0].bytes, file, read);
+    study.inputs = std::make_shared<const std::vector<data::InputFile>>(std::move(inputs));
+    return study;
 }
 
 Study study_of(std::string text, const std::string& name, const std::map<std::string, std::string>& files) {
