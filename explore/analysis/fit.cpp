@@ -88,8 +88,7 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
     }
     if (!landscape::confirm(engine, result.problem, landscape::confirming_method(options.multistart.method),
                             landscape::analyse(result.best(), result.problem).noise,
-                            landscape::confirming_evaluations(searched), first_confirming,
-                            result.searches.minima)) {
+                            landscape::confirming_evaluations(searched), first_confirming, result.searches.minima)) {
         return std::nullopt;
     }
     const Predictor predictor(study);

@@ -364,8 +364,8 @@ private:
             if (candidate != effect.candidate && behind <= rejected &&
                 task_.candidates[candidate].effect == task_.candidates[effect.candidate].effect) {
                 const auto problem = bench_.problem(model.members);
-                list.push_back({candidate, behind,
-                                interval_of(*problem, model, problem->space.axes.size() - 1, d_.variance)});
+                list.push_back(
+                    {candidate, behind, interval_of(*problem, model, problem->space.axes.size() - 1, d_.variance)});
             }
         }
         std::stable_sort(list.begin(), list.end(), [](const Alike& a, const Alike& b) { return a.behind < b.behind; });

@@ -16,8 +16,8 @@ constexpr int least_evaluations = 4;
 constexpr int most_evaluations = 16;
 
 // A lower end matters where it lies off the first one and the noise tells the two misfits apart.
-constexpr double same_place = 1e-3;   // of the box
-constexpr double matters = 0.01;      // of the variance of one residual
+constexpr double same_place = 1e-3;    // of the box
+constexpr double matters = 0.01;       // of the variance of one residual
 constexpr double without_noise = 1e-3; // of the sum of squares
 
 void seek(run::Chain& chain, const problem::Problem& problem, const optimise::Method& method, double noise,

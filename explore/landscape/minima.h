@@ -33,8 +33,8 @@ struct Minimum {
     std::vector<double> unit;       // its unit coordinates
     std::vector<int> members;       // numbers of the starts that ended here, best first
     std::vector<BoundMet> on_bound;
-    std::vector<double> lowest, highest; // of each parameter over the members, physical
-    bool converged = false;              // the search of the best member met a tolerance
+    std::vector<double> lowest, highest;  // of each parameter over the members, physical
+    bool converged = false;               // the search of the best member met a tolerance
     std::optional<Confirmation> second{}; // nothing: no second method was asked
 };
 

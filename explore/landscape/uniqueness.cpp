@@ -430,8 +430,8 @@ private:
         }
         constexpr int first = first_of(polishing, groups_round);
         if (!landscape::confirm(task_.fitted_engine, task_.fitted, confirming_method(search_method),
-                     analyse(result_.minima[0], task_.fitted).noise, confirming_evaluations(searched), first,
-                     result_.minima)) {
+                                analyse(result_.minima[0], task_.fitted).noise, confirming_evaluations(searched), first,
+                                result_.minima)) {
             return false;
         }
         result_.confirmation = confirmation_words(result_.minima);

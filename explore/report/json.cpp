@@ -102,13 +102,13 @@ Json minimum_json(const problem::ParameterSpace& space, const landscape::Minimum
         errors[axis.name] = std::isfinite(error) ? Json(error) : Json(nullptr);
     }
     Json json = {{"misfit", minimum.evaluation.misfit},
-            {"parameters", parameters_json(space, minimum.evaluation.parameters)},
-            {"standard_errors", std::move(errors)},
-            {"starts", minimum.members},
-            {"converged", minimum.converged},
-            {"on_bound", bound_words(space, minimum.on_bound)},
-            {"lowest", parameters_json(space, minimum.lowest)},
-            {"highest", parameters_json(space, minimum.highest)}};
+                 {"parameters", parameters_json(space, minimum.evaluation.parameters)},
+                 {"standard_errors", std::move(errors)},
+                 {"starts", minimum.members},
+                 {"converged", minimum.converged},
+                 {"on_bound", bound_words(space, minimum.on_bound)},
+                 {"lowest", parameters_json(space, minimum.lowest)},
+                 {"highest", parameters_json(space, minimum.highest)}};
     if (minimum.second) {
         json["confirmed"] = {{"method", minimum.second->method},
                              {"agrees", minimum.second->agrees},

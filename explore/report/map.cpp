@@ -92,8 +92,8 @@ Json map_json(const MapResult& map, const analysis::RunOptions& run) {
         }
         for (const std::size_t i : map.study.outputs()) {
             const data::Reading& output = map.study.readings[i];
-            const double value = low.evaluation.converged() ? low.evaluation.responses[i]
-                                                            : std::numeric_limits<double>::quiet_NaN();
+            const double value =
+                low.evaluation.converged() ? low.evaluation.responses[i] : std::numeric_limits<double>::quiet_NaN();
             entry["outputs"].push_back(
                 {{"name", output.output}, {"value", output.in_unit(value)}, {"unit", output.unit.name}});
         }
@@ -146,7 +146,8 @@ std::string map_text(const MapResult& map, const analysis::RunOptions& run) {
         }
         for (const std::size_t i : map.study.outputs()) {
             const data::Reading& output = map.study.readings[i];
-            const double value = low.evaluation.converged() ? output.in_unit(low.evaluation.responses[i]) : std::nan("");
+            const double value =
+                low.evaluation.converged() ? output.in_unit(low.evaluation.responses[i]) : std::nan("");
             row.push_back(std::isfinite(value) ? figure(value) : "-");
         }
         table.add(std::move(row));

@@ -169,9 +169,9 @@ struct Store::Implementation {
         std::string study_hash; // of a study's own file
         data::InputFile file;
     };
-    std::vector<Input> inputs{};   // of this session
-    std::size_t inputs_kept = 0;   // of these, in the file
-    std::int64_t session_id = 0;   // 0: not yet in the file
+    std::vector<Input> inputs{}; // of this session
+    std::size_t inputs_kept = 0; // of these, in the file
+    std::int64_t session_id = 0; // 0: not yet in the file
 
     // The write-ahead log. SQLite does not wait for another process that is about to ask for the same.
     void use_log() {

@@ -467,20 +467,17 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
 
 Study load_study(const std::string& file, Readings readings) {
     std::vector<data::InputFile> inputs{{file, data::read_file(file, "study")}};
-    DataReader read;
-    if (readings == Readings::own) {
-        read = [&inputs, folder = std::filesystem::path(file).parent_path()](const std::string& name,
-                                                                              const pave::Place& place) {
-            const std::string path = (folder / name).string();
-            if (std::error_code error; !std::filesystem::exists(path, error)) {
-                throw pave::Error(place, "this measurement file does not exist", "\"" + path + "\"",
-                                  "a path relative to the study's own folder");
-            }
-            inputs.push_back({path, data::read_file(path, "measurement file")});
-            return data::measurements_of(inputs.back().bytes, path);
-        };
-    }
-    Study study = parse(inputs[0].bytes, file, read);
+    const auto own = [&inputs, folder = std::filesystem::path(file).parent_path()](const std::string& name,
+                                                                                   const pave::Place& place) {
+        const std::string path = (folder / name).string();
+        if (std::error_code error; !std::filesystem::exists(path, error)) {
+            throw pave::Error(place, "this measurement file does not exist", "\"" + path + "\"",
+                              "a path relative to the study's own folder");
+        }
+        inputs.push_back({path, data::read_file(path, "measurement file")});
+        return data::measurements_of(inputs.back().bytes, path);
+    };
+    Study study = parse(inputs[0].bytes, file, readings == Readings::own ? DataReader(own) : DataReader());
     study.inputs = std::make_shared<const std::vector<data::InputFile>>(std::move(inputs));
     return study;
 }
@@ -489,12 +486,11 @@ Study study_of(std::string text, const std::string& name, const std::map<std::st
     return parse(std::move(text), name, [&](const std::string& file, const pave::Place& place) {
         const auto found = files.find(file);
         if (found == files.end()) {
-            std::vector<std::string> names;
-            names.reserve(files.size());
+            std::string names;
             for (const auto& [known, content] : files) {
-                names.push_back(known);
+                names += (names.empty() ? "" : ", ") + known;
             }
-            throw pave::Error(place, "this measurement file was not given", "\"" + file + "\"", pave::join(names));
+            throw pave::Error(place, "this measurement file was not given", "\"" + file + "\"", names);
         }
         return data::measurements_of(found->second, file);
     });
