@@ -2,7 +2,7 @@
 #include "analysis/build.h"
 #include "base/text.h"
 #include "cli/commands.h"
-#include "run/files.h"
+#include "run/inputs.h"
 #include "run/interrupt.h"
 #include "run/message.h"
 
@@ -15,7 +15,6 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
-#include <fstream>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <thread>
@@ -65,46 +64,6 @@ std::vector<std::string> redirected(const std::vector<std::string>& arguments, c
     }
     list.insert(list.begin() + 1, {"--out", out}); // after the command: a "--" may follow
     return list;
-}
-
-// The command line and the folder that it is started in.
-struct Start {
-    std::vector<std::string> arguments;
-    std::string directory;
-    bool changed = false; // a file is no longer what the session read
-};
-
-// What a session read, laid out anew below `root` in folders of the same names: a repetition does not depend on what
-// became of the files. Without kept files: as it was.
-Start laid_out(const run::Session& session, const std::vector<data::InputFile>& inputs, const std::string& root) {
-    namespace fs = std::filesystem;
-    Start start{session.arguments, session.directory};
-    if (inputs.empty()) {
-        return start;
-    }
-    const auto below = [&](const fs::path& path) {
-        return fs::path(root) / (fs::path(session.directory) / path).lexically_normal().relative_path();
-    };
-    start.directory = below("").string();
-    fs::create_directories(start.directory);
-    for (const data::InputFile& input : inputs) {
-        const fs::path path = below(input.path);
-        fs::create_directories(path.parent_path());
-        run::write_file(path.parent_path().string(), path.filename().string(), input.bytes);
-        std::ifstream now(fs::path(session.directory) / input.path, std::ios::binary);
-        const std::string bytes{std::istreambuf_iterator<char>(now), {}};
-        start.changed = start.changed || !now || bytes != input.bytes;
-        if (fs::path(input.path).is_absolute()) {
-            for (std::string& argument : start.arguments) {
-                if (argument == input.path) {
-                    argument = path.string();
-                } else if (argument.ends_with("=" + input.path)) { // --study=PATH
-                    argument.replace(argument.size() - input.path.size(), input.path.size(), path.string());
-                }
-            }
-        }
-    }
-    return start;
 }
 
 // This program, started with other arguments in another folder; what it prints goes nowhere. Its exit status.
@@ -260,7 +219,8 @@ int rerun(const std::string& folder, bool json) {
             throw pave::Error({.file = folder, .key = "RUN"}, "the store names a command that is not repeated",
                               "\"" + command + "\"", pave::join(repeatable));
         }
-        const Start again = laid_out(session, old_store.inputs(session.id), files.path());
+        const run::Start again =
+            run::laid_out({session.arguments, session.directory}, old_store.inputs(session.id), files.path());
         run::message("repeating: pavescape {}{}\n", fmt::join(session.arguments, " "),
                      again.changed ? " (a file has been changed since: from the texts that the run keeps)" : "");
         const int status = start(redirected(again.arguments, scratch.path()), again.directory);

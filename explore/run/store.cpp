@@ -1,10 +1,9 @@
 #include "run/store.h"
 
 #include "base/error.h"
-#include "data/hash.h"
+#include "run/inputs.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
-#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
@@ -55,22 +54,6 @@ CREATE TABLE session (
     began TEXT NOT NULL,
     seconds REAL NOT NULL,
     evaluations INTEGER NOT NULL
-);
-)";
-
-// What the sessions read; contents once each. Stores of programs before have no such tables.
-constexpr const char* schema_of_inputs = R"(
-CREATE TABLE IF NOT EXISTS content (
-    hash TEXT PRIMARY KEY,
-    bytes BLOB NOT NULL
-);
-CREATE TABLE IF NOT EXISTS input (
-    session INTEGER NOT NULL REFERENCES session (id),
-    number INTEGER NOT NULL,
-    path TEXT NOT NULL,
-    study_hash TEXT NOT NULL,
-    content TEXT NOT NULL REFERENCES content (hash),
-    PRIMARY KEY (session, path)
 );
 )";
 
@@ -165,12 +148,7 @@ struct Store::Implementation {
     std::unique_ptr<SQLite::Statement> insert, count;
     std::optional<Session> session;
     std::chrono::steady_clock::time_point opened;
-    struct Input {
-        std::string study_hash; // of a study's own file
-        data::InputFile file;
-    };
-    std::vector<Input> inputs{}; // of this session
-    std::size_t inputs_kept = 0; // of these, in the file
+    Inputs inputs{};             // of this session
     std::int64_t session_id = 0; // 0: not yet in the file
 
     // The write-ahead log. SQLite does not wait for another process that is about to ask for the same.
@@ -277,7 +255,7 @@ Store::Store(const std::string& folder, std::optional<Session> session) {
             }
             transaction.commit();
         }
-        m.database.exec(schema_of_inputs);
+        make_input_tables(m.database);
         m.insert = std::make_unique<SQLite::Statement>(
             m.database, "INSERT OR IGNORE INTO evaluation (run, start, number, status, reason, parameters, responses, "
                         "jacobian, warnings, misfit, in_place_of_reduced) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
@@ -393,7 +371,7 @@ void Store::count_evaluation() {
             m.database,
             fmt::format("UPDATE session SET seconds = ?, evaluations = evaluations + 1 WHERE id = {}", m.session_id));
     }
-    write_inputs();
+    m.inputs.write(m.database, m.session_id);
     m.count->reset();
     m.count->bind(1, std::chrono::duration<double>(std::chrono::steady_clock::now() - m.opened).count());
     m.count->exec();
@@ -401,59 +379,17 @@ void Store::count_evaluation() {
 
 void Store::keep_inputs(const std::string& study_hash, const std::vector<data::InputFile>& files) {
     const std::scoped_lock lock(mutex_);
-    auto& kept = implementation_->inputs;
-    for (const data::InputFile& file : files) {
-        if (std::none_of(kept.begin(), kept.end(), [&](const auto& old) { return old.file.path == file.path; })) {
-            kept.push_back({&file == files.data() ? study_hash : std::string(), file});
-        }
-    }
-}
-
-// Within the transaction of an evaluation.
-void Store::write_inputs() {
-    auto& m = *implementation_;
-    for (; m.inputs_kept < m.inputs.size(); ++m.inputs_kept) {
-        const auto& [study_hash, file] = m.inputs[m.inputs_kept];
-        const std::string hash = data::hash_of(file.bytes);
-        SQLite::Statement content(m.database, "INSERT OR IGNORE INTO content (hash, bytes) VALUES (?, ?)");
-        content.bind(1, hash);
-        content.bind(2, file.bytes.data(), static_cast<int>(file.bytes.size()));
-        content.exec();
-        SQLite::Statement input(m.database, "INSERT OR IGNORE INTO input (session, number, path, study_hash, content) "
-                                            "VALUES (?, ?, ?, ?, ?)");
-        input.bind(1, m.session_id);
-        input.bind(2, static_cast<std::int64_t>(m.inputs_kept));
-        input.bind(3, file.path);
-        input.bind(4, study_hash);
-        input.bind(5, hash);
-        input.exec();
-    }
+    implementation_->inputs.add(study_hash, files);
 }
 
 std::vector<data::InputFile> Store::inputs(std::int64_t session) const {
     const std::scoped_lock lock(mutex_);
-    const auto& m = *implementation_;
-    return m.guarded([&] {
-        SQLite::Statement row(m.database, "SELECT path, bytes FROM input JOIN content ON content = hash "
-                                          "WHERE session = ? ORDER BY number");
-        row.bind(1, session);
-        std::vector<data::InputFile> files;
-        while (row.executeStep()) {
-            files.push_back({row.getColumn(0).getString(), row.getColumn(1).getString()});
-        }
-        return files;
-    });
+    return implementation_->guarded([&] { return inputs_of(implementation_->database, session); });
 }
 
 std::optional<std::string> Store::study_text(const std::string& study_hash) const {
     const std::scoped_lock lock(mutex_);
-    const auto& m = *implementation_;
-    return m.guarded([&]() -> std::optional<std::string> {
-        SQLite::Statement row(m.database, "SELECT bytes FROM input JOIN content ON content = hash "
-                                          "WHERE study_hash = ? ORDER BY session DESC, number");
-        row.bind(1, study_hash);
-        return row.executeStep() ? std::optional(row.getColumn(0).getString()) : std::nullopt;
-    });
+    return implementation_->guarded([&] { return study_text_of(implementation_->database, study_hash); });
 }
 
 std::vector<Session> Store::sessions() const {

@@ -94,7 +94,6 @@ public:
 private:
     Store(const std::string& folder, std::optional<Session> session);
     void count_evaluation();
-    void write_inputs();
 
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
