@@ -104,14 +104,14 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
     const landscape::UniquenessSettings settings;
     const int searches = settings.verify + 2 * count;
     constexpr int walk = 30; // runs from the best fit to one end of a range
+    const std::size_t ranges = study.space.axes.size() + study.outputs().size();
     const auto outputs = static_cast<int>(study.outputs().size());
     const double unique =
         (settings.explore + steps * searches + 2 * walk * count) * with + 2 * walk * outputs * timing.with_derivatives;
-    list.push_back(
-        {"unique",
-         fmt::format("{} and {} searches with derivatives, then some {} a range of {}", settings.explore, searches,
-                     2 * walk, pave::counted(static_cast<std::size_t>(count + outputs), "quantity", "quantities")),
-         shared(unique)});
+    list.push_back({"unique",
+                    fmt::format("{} and {} searches with derivatives, then some {} a range of {}", settings.explore,
+                                searches, 2 * walk, pave::counted(ranges, "quantity", "quantities")),
+                    shared(unique)});
     const auto candidates = static_cast<double>(study::variants(study, {}).size());
     constexpr int single = 8;    // runs with derivatives of a candidate
     constexpr int screening = 6; // and without
