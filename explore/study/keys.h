@@ -367,6 +367,19 @@ inline constexpr Key parameter_points{.table = "[[parameters]]",
                                       .without = "as many as the design asks for",
                                       .meaning = "of a grid along this axis; 1 holds it at the study's value"};
 
+inline constexpr Key correlation_between{.table = "[[prior_correlations]]",
+                                         .key = "between",
+                                         .kind = texts,
+                                         .allowed = "the names of two parameters with a prior",
+                                         .meaning = "whose errors are correlated"};
+inline constexpr Key correlation_value{.table = "[[prior_correlations]]",
+                                       .key = "value",
+                                       .kind = number,
+                                       .low = -1.0,
+                                       .high = 1.0,
+                                       .low_is_open = true,
+                                       .meaning = "by how much, on the scales of the parameters"};
+
 inline constexpr Key constraint_that{
     .table = "[[constraints]]",
     .key = "that",
