@@ -19,6 +19,7 @@ std::span<const Command> commands() {
         {"survey", add_survey, true},
         {"report", add_report},
         {"plot", add_plot},
+        {"explore", add_explore},
         {"export", add_export},
         {"rerun", add_rerun},
     };

@@ -31,6 +31,7 @@ struct PairProfileSettings {
     int most_lines = 21;
     int least_lines = 9;
     int first_start = 0; // of the chains of the engine
+    std::optional<std::pair<std::size_t, std::size_t>> only{}; // this pair, the lower number first, and nothing else
 };
 
 // Lines over [0, 1]: half of them evenly over the box, half over the reach and a quarter of its width on either side,
