@@ -52,6 +52,7 @@ std::unique_ptr<Explorer> Explorer::make(Session& session, study::Study study, d
     }
     explorer->engine_.show_progress = false;
     const auto best = explorer->minima_.front().minimum.evaluation.parameters;
+    explorer->curves_ = curves(explorer->study_, best);
     explorer->evaluate(best, {}); // the first run of a workspace makes it
     const auto begin = std::chrono::steady_clock::now();
     explorer->evaluate(best, {});

@@ -52,6 +52,7 @@ public:
     const std::optional<ReducedProblem>& reduced() const { return reduced_; }
     std::string why_full() const { return why_full_; }
     const std::vector<FoundMinimum>& minima() const { return minima_; } // of the study's readings, best first
+    const std::vector<Curve>& curves_of_minimum() const { return curves_; } // of the full model at the best
     double seconds_a_point() const { return seconds_a_point_; }         // of evaluate(), measured
 
     // Variance of a residual: 1 where the noise is stated and not contradicted.
@@ -87,6 +88,7 @@ private:
     std::optional<ReducedProblem> reduced_;
     std::string why_full_;
     std::vector<FoundMinimum> minima_;
+    std::vector<Curve> curves_;
     double seconds_a_point_ = 0.0;
 
     std::shared_ptr<const problem::Problem> problem_; // of the study's own readings

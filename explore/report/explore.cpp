@@ -57,6 +57,7 @@ Json curves_json(const std::vector<analysis::Curve>& curves) {
                         {"depth_mm", c.depth_mm},
                         {"gauge_mm", c.gauge_mm},
                         {"unit", c.unit},
+                        {"to_si", data::unit_named(c.unit).to_si},
                         {"at_mm", c.at_mm},
                         {"values", numbers(c.values)}});
     }
@@ -113,7 +114,8 @@ Json explore_state_json(const Explorer& explorer) {
               {"stated", acceptance && acceptance->noise_is_stated}}},
             {"degrees_of_freedom", best.local.degrees_of_freedom},
             {"limit", acceptance ? Json(acceptance->threshold) : Json(nullptr)},
-            {"minima", std::move(minima)}};
+            {"minima", std::move(minima)},
+            {"curves", curves_json(explorer.curves_of_minimum())}};
 }
 
 Json explore_point_json(Explorer& explorer, const problem::Evaluation& evaluation,

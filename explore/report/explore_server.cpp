@@ -155,6 +155,10 @@ void serve_explorer(analysis::Explorer& explorer, int wanted_port,
                     const std::function<void(const std::string& address)>& ready) {
     httplib::Server server;
     server.set_tcp_nodelay(true);
+    server.set_socket_options([](socket_t socket) { // not that another program may listen there too
+        const int yes = 1;
+        setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+    });
     server.set_keep_alive_max_count(1'000'000); // a slider asks many times
     server.set_keep_alive_timeout(1);           // s; a stop waits so long for idle connections
     server.set_default_headers({{"Cache-Control", "no-store"},

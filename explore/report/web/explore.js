@@ -55,24 +55,28 @@
     const unitOf = (p, v) => (p.scale === "log" ? Math.log(v / p.min) / Math.log(p.max / p.min) : (v - p.min) / (p.max - p.min));
     const valueAt = (p, u) => (p.scale === "log" ? p.min * (p.max / p.min) ** u : p.min + u * (p.max - p.min));
     const within = (p, v) => Math.min(p.max, Math.max(p.min, v));
+    const signed = (v, digits) => (v < 0 ? "−" : "+") + Math.abs(v).toFixed(digits);
     const exact = (v) => String(Number(v.toPrecision(12)));
-    // A monotone cubic through points that rise in x (Fritsch and Carlson 1980).
-    const smooth = (x, y) => {
+    // A monotone cubic through three points or more that rise in x (Fritsch and Carlson 1980), at `wanted` or between them.
+    const smooth = (x, y, wanted) => {
         if (x.length < 3) return { x, y };
         const d = x.slice(1).map((v, i) => (y[i + 1] - y[i]) / (v - x[i]));
-        const m = x.map((_, i) => (i === 0 ? d[0] : i === x.length - 1 ? d[i - 1] : d[i - 1] * d[i] <= 0 ? 0 : 2 / (1 / d[i - 1] + 1 / d[i])));
-        const out = { x: [], y: [] };
-        for (let i = 0; i + 1 < x.length; ++i) {
+        const n = x.length;
+        // At an end: the parabola through three points, no steeper than keeps the curve monotone.
+        const end = (h, next, slope, other) => {
+            const m = ((2 * h + next) * slope - h * other) / (h + next);
+            return m * slope <= 0 ? 0 : slope * other <= 0 && Math.abs(m) > 3 * Math.abs(slope) ? 3 * slope : m;
+        };
+        const m = x.map((_, i) => (i === 0 ? end(x[1] - x[0], x[2] - x[1], d[0], d[1]) : i === n - 1 ? end(x[n - 1] - x[n - 2], x[n - 2] - x[n - 3], d[n - 2], d[n - 3])
+            : d[i - 1] * d[i] <= 0 ? 0 : 2 / (1 / d[i - 1] + 1 / d[i])));
+        const places = wanted || x.slice(1).flatMap((v, i) => Array.from({ length: 12 }, (_, k) => x[i] + (v - x[i]) * k / 12)).concat(x[n - 1]);
+        return { x: places, y: places.map((v) => {
+            const i = Math.max(0, Math.min(n - 2, x.findIndex((w) => w > v) - 1));
             const h = x[i + 1] - x[i];
-            for (let k = 0; k < 12; ++k) {
-                const t = k / 12;
-                out.x.push(x[i] + t * h);
-                out.y.push((1 + 2 * t) * (1 - t) ** 2 * y[i] + t * (1 - t) ** 2 * h * m[i] + t * t * (3 - 2 * t) * y[i + 1] + t * t * (t - 1) * h * m[i + 1]);
-            }
-        }
-        out.x.push(x[x.length - 1]);
-        out.y.push(y[y.length - 1]);
-        return out;
+            const t = v >= x[n - 1] ? 1 : (v - x[i]) / h;
+            const k = v >= x[n - 1] ? n - 2 : i;
+            return (1 + 2 * t) * (1 - t) ** 2 * y[k] + t * (1 - t) ** 2 * h * m[k] + t * t * (3 - 2 * t) * y[k + 1] + t * t * (t - 1) * h * m[k + 1];
+        }) };
     };
 
     const begin = (state) => {
@@ -109,6 +113,9 @@
         // -- the charts of the readings ---------------------------------------------------------------------------
 
         const groups = [];
+        const keyOf = (g, r) => JSON.stringify([g.byDepth ? r.x_mm : r.depth_mm, r.y_mm, r.gauge_mm]); // of its line
+        const curvesOf = (g, curves) => curves.filter((c) => c.load === g.load && c.quantity === g.quantity && c.by_depth === g.byDepth)
+            .map((c) => ({ key: keyOf(g, c), x: c.at_mm, y: c.values.map((v) => v * c.to_si / g.to_si) }));
         readings.forEach((r, i) => {
             let group = groups.find((g) => g.load === r.load && g.quantity === r.quantity);
             if (!group) groups.push(group = { load: r.load, quantity: r.quantity, rows: [], unit: r.unit_words, to_si: r.to_si, title: `${r.load}: ${r.quantity_words}` });
@@ -122,21 +129,33 @@
             // Readings of one line, whose places differ.
             g.lines = [];
             for (const i of g.rows) {
-                const key = JSON.stringify([g.byDepth ? readings[i].x_mm : readings[i].depth_mm, readings[i].y_mm, readings[i].gauge_mm]);
+                const key = keyOf(g, readings[i]);
                 const line = g.lines.find((l) => l.key === key) || g.lines[g.lines.push({ key, rows: [] }) - 1];
                 if (line.rows.length === 0 || g.along(line.rows[line.rows.length - 1]) < g.along(i)) line.rows.push(i);
             }
             g.place = make("div", { className: "chart" });
             g.place.dataset.chart = "readings";
         }
+        // The full model's curve at the minimum, scaled, and bent by a cubic to what the model reads at the sensors.
         const curveOf = (g, values, extra) => {
             const x = [];
             const y = [];
             for (const line of g.lines) {
                 const known = line.rows.filter((i) => values[i] !== null);
-                const curve = smooth(known.map(g.along), known.map((i) => values[i] * g.factor(i)));
-                x.push(...curve.x, null);
-                y.push(...curve.y, null);
+                const at = known.map(g.along);
+                const read = known.map((i) => values[i] * g.factor(i));
+                const reference = curvesOf(g, state.curves).find((c) => c.key === line.key);
+                if (!reference || known.length < line.rows.length) {
+                    const curve = smooth(at, read);
+                    x.push(...curve.x, null);
+                    y.push(...curve.y, null);
+                    continue;
+                }
+                const of = at.map((v) => reference.y[reference.x.indexOf(v)]);
+                const scale = of.reduce((sum, v, k) => sum + v * read[k], 0) / of.reduce((sum, v) => sum + v * v, 0);
+                const bend = smooth(at, read.map((v, k) => v - scale * of[k]), reference.x);
+                x.push(...reference.x, null);
+                y.push(...reference.y.map((v, k) => scale * v + bend.y[k]), null);
             }
             return { type: "scatter", mode: "lines", x: g.byDepth ? y : x, y: g.byDepth ? x : y, hoverinfo: "skip", ...extra };
         };
@@ -153,21 +172,28 @@
             traces.push(answered ? curveOf(g, point.values, { name: "model", line: { color: colours[0], width: 2.5 } }) : { name: "model", x: [], y: [] });
             if (answered) traces.push(marks(point.values, { name: "model", showlegend: false, marker: { color: colours[0], size: 6 } }));
             if (full) {
-                const own = full.curves.filter((c) => c.load === g.load && c.quantity === g.quantity && c.by_depth === g.byDepth);
-                const scale = readings[g.rows[0]].to_si / g.to_si;
-                for (const [k, c] of own.entries()) {
-                    const values = c.values.map((v) => v * scale);
-                    traces.push({ type: "scatter", mode: "lines", name: "full model", showlegend: k === 0, hoverinfo: "skip", line: { color: colours[2], width: 2, dash: "dash" },
-                        x: g.byDepth ? values : c.at_mm, y: g.byDepth ? c.at_mm : values });
-                }
+                const own = curvesOf(g, full.curves);
+                own.forEach((c, k) => traces.push({ type: "scatter", mode: "lines", name: "full model", showlegend: k === 0, hoverinfo: "skip",
+                    line: { color: colours[2], width: 2, dash: "dash" }, x: g.byDepth ? c.y : c.x, y: g.byDepth ? c.x : c.y }));
                 traces.push(marks(full.values, { name: "full model", showlegend: own.length === 0, marker: { color: colours[2], size: 9, symbol: "diamond-open", line: { width: 2 } } }));
             }
             if (changes()) traces.push(marks(readings.map((r) => r.measured), { name: "as measured", marker: { color: "#777", size: 9, symbol: "circle-open" } }));
             traces.push(marks(taken, { name: changes() ? "taken to be" : "measured", marker: { color: "#000", size: 10,
                 symbol: g.rows.map((i) => (readings[i].fitted ? "circle" : "square-open")) }, ...bars }));
-            const value = axis(`${readings[g.rows[0]].quantity_words} (${g.unit})`, g.quantity === "deflection" ? { autorange: "reversed" } : {});
-            const layout = dressed({ height: 330, title: { text: g.title }, dragmode: false, margin: { l: 64, r: 12, t: 36, b: 50 }, legend: { orientation: "h", y: 1.13, x: 1, xanchor: "right" },
-                xaxis: g.byDepth ? value : axis("distance from the load (mm)"), yaxis: g.byDepth ? axis("depth (mm)", { autorange: "reversed" }) : value });
+            const ends = (list) => {
+                const known = list.filter((v) => v !== null && v !== undefined);
+                const low = Math.min(...known);
+                const high = Math.max(...known);
+                const margin = 0.07 * (high - low || Math.abs(high) || 1);
+                return [low - margin, high + margin];
+            };
+            const wanted = ends([...traces.flatMap((t) => (g.byDepth ? t.x : t.y)), ...g.rows.flatMap((i, k) => [-1, 1].map((side) => taken[i] * g.factor(i) + side * sigma[k]))]);
+            const size = (r) => r[1] - r[0];
+            // The axis stays while the values fit in it: it is cheaper to draw, and easier to see what moves.
+            if (!g.range || wanted[0] < g.range[0] || wanted[1] > g.range[1] || size(wanted) < 0.6 * size(g.range)) g.range = wanted;
+            const value = axis(`${readings[g.rows[0]].quantity_words} (${g.unit})`, { range: g.quantity === "deflection" ? [g.range[1], g.range[0]] : g.range });
+            const layout = dressed({ height: 350, title: { text: g.title }, dragmode: false, margin: { l: 64, r: 12, t: 36, b: 80 }, legend: { orientation: "h", y: -0.24 },
+                xaxis: g.byDepth ? value : axis("distance from the load (mm)", { range: ends(at) }), yaxis: g.byDepth ? axis("depth (mm)", { range: ends(at).reverse() }) : value });
             return Plotly.react(g.place, traces, layout, { displayModeBar: false, responsive: true });
         }));
         // A measured point is dragged along the axis of its value.
@@ -228,7 +254,7 @@
             const set = (cell, text) => { if (cell.textContent !== text) cell.textContent = text; };
             cells.forEach((c, i) => {
                 set(c.now, answered ? figure(point.values[i]) : "–");
-                set(c.off, answered && point.residuals[i] !== null ? (point.residuals[i] > 0 ? "+" : "") + point.residuals[i].toFixed(2) : "–");
+                set(c.off, answered && point.residuals[i] !== null ? signed(point.residuals[i], 2) : "–");
                 set(c.byFull, full ? figure(full.values[i]) : "");
                 c.row.classList.toggle("changed", taken[i] !== readings[i].measured);
             });
@@ -245,7 +271,7 @@
             moved.append(part("How the minimum moves"), table(["parameter", "as measured", "with these readings", "change", "in standard errors"], parameters.map((p, k) => {
                 const from = first.at[k];
                 const to = lowest.at[k];
-                return [p.words, from, to, `${to >= from ? "+" : "−"}${figure(Math.abs(100 * (to / from - 1)))} %`, error(p) ? figure((to - from) / error(p)) : "–"];
+                return [p.words, from, to, from === 0 ? "–" : `${signed(100 * (to - from) / Math.abs(from), 1)} %`, error(p) ? signed((to - from) / error(p), 2) : "–"];
             })), make("p", { className: "soft" }, `χ² of the minimum: ${figure(first.chi2)} as measured, ${figure(lowest.chi2)} with these readings` +
                 (lowest.on_bound.length ? `; ${lowest.on_bound.join(", ")}.` : ".")));
         };
@@ -260,6 +286,13 @@
         const computeButton = make("button", { type: "button", hidden: !slow }, "compute the landscape");
         const landscapePlace = make("div", { className: "chart" });
         landscapePlace.dataset.chart = "landscape";
+        const mark = make("div", { className: "here", title: "here" }); // over the chart: it moves without drawing the chart again
+        const moveMark = () => {
+            const [x, y] = pairs[Number(pairField.value)];
+            const { xaxis, yaxis } = landscapePlace._fullLayout;
+            mark.style.left = `${xaxis._offset + xaxis.d2p(here[x])}px`;
+            mark.style.top = `${yaxis._offset + yaxis.d2p(here[y])}px`;
+        };
         const landscapeNote = make("figcaption");
         const drawLandscape = () => {
             const [x, y] = pairs[Number(pairField.value)];
@@ -269,7 +302,7 @@
             if (grid && grid.x === px.name && grid.y === py.name) {
                 const limit = state.limit === null ? 1 : state.limit;
                 const least = limit / 30;
-                const level = (v) => (v === null ? null : Math.log10(Math.max(v - grid.lowest, least)));
+                const level = (v) => (v === null ? null : Math.log10(Math.max(v - grid.lowest, least / 2)));
                 const z = grid.chi2.map((row) => row.map(level));
                 const most = Math.max(...z.flat().filter((v) => v !== null), Math.log10(10 * limit));
                 const ticks = [0.1, 0.3, 1, 3, 10, 30, 100, 300, 1e3, 3e3, 1e4, 1e5, 1e6].filter((v) => v >= least && Math.log10(v) <= most);
@@ -287,11 +320,10 @@
                 traces.push({ type: "scatter", mode: "lines", showlegend: false, hoverinfo: "skip", x: [first.at[x], lowest.at[x]], y: [first.at[y], lowest.at[y]], line: { color: colours[1], width: 2 } },
                     star(lowest, "with these readings", { color: colours[1] }));
             }
-            traces.push({ type: "scatter", mode: "markers", name: "here", x: [here[x]], y: [here[y]], marker: { symbol: "circle", size: 13, color: "#fff", line: { color: "#000", width: 3 } } });
             const along = (p) => axis(p.words, { type: p.scale === "log" ? "log" : "linear",
                 range: p.scale === "log" ? [Math.log10(p.min), Math.log10(p.max)] : [p.min, p.max] });
-            return Plotly.react(landscapePlace, traces, dressed({ height: 430, dragmode: false, margin: { l: 70, r: 10, t: 30, b: 50 }, legend: { orientation: "h", y: 1.1 },
-                xaxis: along(px), yaxis: along(py) }), { displayModeBar: false, responsive: true });
+            return Plotly.react(landscapePlace, traces, dressed({ height: 450, dragmode: false, margin: { l: 70, r: 10, t: 14, b: 100 }, legend: { orientation: "h", y: -0.2 },
+                xaxis: along(px), yaxis: along(py) }), { displayModeBar: false, responsive: true }).then(moveMark);
         };
         const computeLandscape = latest(async () => {
             if (pairs.length === 0) return;
@@ -327,15 +359,24 @@
         // -- moving -----------------------------------------------------------------------------------------------
 
         let updates = 0;
+        let waits = false;
+        // Once a frame, while the next answer is on its way.
+        const draw = () => {
+            if (waits) return;
+            waits = true;
+            requestAnimationFrame(() => {
+                waits = false;
+                say();
+                fill();
+                if (pairs.length && landscapePlace._fullLayout) moveMark();
+                drawReadings().then(() => { document.documentElement.dataset.updates = String(++updates); }).catch(note);
+            });
+        };
         const update = latest(async () => {
             const answer = await ask("evaluate", place());
             if (!answer) return;
             point = answer;
-            say();
-            fill();
-            await Promise.all([drawReadings(), pairs.length ? drawLandscape() : null]);
-            await new Promise((drawn) => requestAnimationFrame(drawn));
-            document.documentElement.dataset.updates = String(++updates);
+            draw();
         });
         const sliders = parameters.map((p, k) => {
             const range = make("input", { type: "range", min: 0, max: 1000, step: 1, id: "p" + k });
@@ -377,6 +418,7 @@
                 lowest = { ...answer.minimum, values: answer.point.values, outputs: answer.point.outputs };
             }
             sayMoved();
+            if (pairs.length) drawLandscape();
             if (follow.checked) go(lowest.at.slice());
             else update();
             landscapeSoon();
@@ -408,7 +450,7 @@
             if (answer.at.every((v, k) => Math.abs(v - here[k]) <= 1e-9 * Math.abs(v))) {
                 full = answer;
                 const differences = readings.map((_, i) => (point.values[i] === null ? 0 : Math.abs(answer.values[i] / point.values[i] - 1)));
-                confirmed.textContent = `Full model: χ² = ${figure(answer.chi2)} (here ${figure(point.chi2)}); readings differ by at most ${figure(100 * Math.max(...differences))} %; ${figure(answer.seconds)} s.`;
+                confirmed.textContent = `Full model: χ² = ${figure(answer.chi2)} (here ${figure(point.chi2)}); readings differ by at most ${(100 * Math.max(...differences)).toFixed(2)} %; ${answer.seconds.toPrecision(2)} s.`;
                 fill();
                 drawReadings();
             }
@@ -423,20 +465,24 @@
 
         document.title = `${state.study.title} – explore`;
         const header = (names) => make("thead", {}, make("tr", {}, names.map((n) => make("th", {}, n))));
-        root.append(make("header", {}, make("h1", {}, state.study.title), make("p", { className: "soft" }, state.model_words)), trouble, sentence,
+        root.append(make("header", {}, make("h1", {}, state.study.title), make("p", { className: "soft" }, state.model_words + (state.noise.stated && !state.noise.widened ? ""
+            : state.noise.widened ? " The stated noise does not explain the misfit: χ² counts in what the best fit leaves over." : " The noise is not stated: χ² counts in what the best fit leaves over."))), trouble, sentence,
             make("div", { className: "panes" },
                 make("section", { className: "hands" }, make("h2", {}, "Parameters"), sliders.map((s) => s.box),
                     make("div", { className: "choices" }, state.minima.slice(0, 6).map((m, k) => button(state.minima.length > 1 ? `minimum ${k + 1} (χ² ${figure(m.chi2)})` : "to the minimum", () => go(m.at.slice()))),
                         button("fit from here", fitHere), button("study's values", () => go(parameters.map((p) => within(p, p.start))))),
-                    make("div", { className: "choices" }, confirmButton), confirmed,
+                    make("div", { className: "choices" }, confirmButton), confirmed),
+                make("div", { className: "work" },
+                    make("div", { className: "two" },
+                        make("section", {}, make("h2", {}, "Readings"), groups.map((g) => make("figure", {}, g.place)),
+                            make("p", { className: "soft" }, `${readings.some((r) => r.sigma !== null) ? "Bars: one standard deviation. " : ""}Between the sensors the curve is the full model's at the minimum, scaled, and bent by a cubic to what the model reads at them; a confirmed curve is the full model's own. Drag a measured point, or change it below: the parameters are fitted again.`)),
+                        pairs.length ? make("section", {}, make("h2", {}, "Landscape"), make("div", { className: "choices" }, pairField, make("label", {}, fittedField, " others fitted"), computeButton),
+                            make("figure", {}, make("div", { className: "marked" }, landscapePlace, mark), landscapeNote)) : null),
                     outputs.length ? [make("h2", {}, "Outputs"), make("div", { className: "wide" }, make("table", {}, header(["output", "here", "minimum", "full model", "unit"]),
-                        make("tbody", {}, outputs.map((o, i) => make("tr", {}, make("td", { className: "words" }, o.name), outputCells[i].now, outputCells[i].best, outputCells[i].byFull, make("td", {}, o.unit))))))] : []),
-                make("section", {}, make("h2", {}, "Readings"), groups.map((g) => make("figure", {}, g.place)),
-                    make("p", { className: "soft" }, "Bars: one standard deviation. Between the sensors the curve is a monotone cubic through what the model reads at them; the full model's curve is its own. Drag a measured point, or change it below: the parameters are fitted again."),
+                        make("tbody", {}, outputs.map((o, i) => make("tr", {}, make("td", { className: "words" }, o.name), outputCells[i].now, outputCells[i].best, outputCells[i].byFull, make("td", {}, o.unit))))))] : [],
+                    make("h2", {}, "What if a sensor read something else?"),
                     make("div", { className: "choices" }, make("label", {}, follow, " sliders follow the minimum"), button("all as measured", () => { readings.forEach((r, i) => { taken[i] = r.measured; cells[i].field.value = figure(r.measured); }); refit(); })),
-                    make("div", { className: "wide" }, make("table", {}, header(["reading", "taken to be", "what if", "unit", "model", "off (sd)", "full model"]), make("tbody", {}, cells.map((c) => c.row)))), moved),
-                pairs.length ? make("section", {}, make("h2", {}, "Landscape"), make("div", { className: "choices" }, pairField, make("label", {}, fittedField, " others fitted"), computeButton),
-                    make("figure", {}, landscapePlace, landscapeNote)) : null));
+                    make("div", { className: "wide" }, make("table", {}, header(["reading", "taken to be", "", "unit", "model", "off (sd)", "full model"]), make("tbody", {}, cells.map((c) => c.row)))), moved)));
         let home = { values: readings.map(() => null), outputs: outputs.map(() => null) };
         showSliders();
         groups.forEach(draggable);
