@@ -1,6 +1,7 @@
 #include "report/explore.h"
 
 #include "analysis/build.h"
+#include "report/curves.h"
 #include "report/figure.h"
 
 #include <cmath>
@@ -45,24 +46,6 @@ Json minimum_of(const Explorer& explorer, const analysis::FoundMinimum& found) {
 }
 
 } // namespace
-
-Json curves_json(const std::vector<analysis::Curve>& curves) {
-    Json list = Json::array();
-    for (const analysis::Curve& c : curves) {
-        list.push_back({{"load", c.load},
-                        {"quantity", c.quantity},
-                        {"by_depth", c.by_depth},
-                        {"x_mm", c.x_mm},
-                        {"y_mm", c.y_mm},
-                        {"depth_mm", c.depth_mm},
-                        {"gauge_mm", c.gauge_mm},
-                        {"unit", c.unit},
-                        {"to_si", data::unit_named(c.unit).to_si},
-                        {"at_mm", c.at_mm},
-                        {"values", numbers(c.values)}});
-    }
-    return list;
-}
 
 Json explore_state_json(const Explorer& explorer) {
     const study::Study& study = explorer.study();

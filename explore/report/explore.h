@@ -6,10 +6,6 @@
 
 namespace explore::report {
 
-// Of one group of readings along a line: {"load", "quantity", "by_depth", "x_mm", "y_mm", "depth_mm", "gauge_mm",
-// "unit", "to_si", "at_mm", "values"}.
-Json curves_json(const std::vector<analysis::Curve>& curves);
-
 // {"study", "version", "model", "model_words", "seconds_a_point", "parameters": [{"name", "words", "min", "max",
 // "scale", "start"}], "readings": [place, "measured", "unit", "sigma", "fitted", "words"], "outputs": [{"name", "unit"}],
 // "noise", "degrees_of_freedom", "limit": the rise of chi2 that the data accept, "minima",

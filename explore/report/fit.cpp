@@ -3,6 +3,7 @@
 #include "analysis/build.h"
 #include "base/error.h"
 #include "base/text.h"
+#include "report/curves.h"
 #include "report/text.h"
 #include "run/progress.h"
 
@@ -139,6 +140,7 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
         json["priors"] = priors_json(result.problem, best.evaluation.parameters, *result.priors);
     }
     add_residuals(json["responses"], study, result.problem, best.evaluation, local.noise);
+    json["curves"] = curves_json(result.curves);
     json["readings"] = result.problem.readings();
     json["free_parameters"] = space.axes.size() - best.on_bound.size();
     json["at_bounds"] = Json::array();

@@ -60,5 +60,27 @@ const blocks = (() => {
     const axis = (title, more = {}) => ({ title: { text: title }, gridcolor: "#e6e9ec", zeroline: false, ...more });
     const scaleOf = (parameter) => (parameter && parameter.scale === "log" ? "log" : "linear");
 
-    return { note, colours, symbols, dashes, make, figure, part, words, table, dressed, pending, chart, axis, scaleOf };
+    // A monotone cubic through three points or more that rise in x (Fritsch and Carlson 1980), at `wanted` or between them.
+    const smooth = (x, y, wanted) => {
+        if (x.length < 3) return { x, y };
+        const d = x.slice(1).map((v, i) => (y[i + 1] - y[i]) / (v - x[i]));
+        const n = x.length;
+        // At an end: the parabola through three points, no steeper than keeps the curve monotone.
+        const end = (h, next, slope, other) => {
+            const m = ((2 * h + next) * slope - h * other) / (h + next);
+            return m * slope <= 0 ? 0 : slope * other <= 0 && Math.abs(m) > 3 * Math.abs(slope) ? 3 * slope : m;
+        };
+        const m = x.map((_, i) => (i === 0 ? end(x[1] - x[0], x[2] - x[1], d[0], d[1]) : i === n - 1 ? end(x[n - 1] - x[n - 2], x[n - 2] - x[n - 3], d[n - 2], d[n - 3])
+            : d[i - 1] * d[i] <= 0 ? 0 : 2 / (1 / d[i - 1] + 1 / d[i])));
+        const places = wanted || x.slice(1).flatMap((v, i) => Array.from({ length: 12 }, (_, k) => x[i] + (v - x[i]) * k / 12)).concat(x[n - 1]);
+        return { x: places, y: places.map((v) => {
+            const i = Math.max(0, Math.min(n - 2, x.findIndex((w) => w > v) - 1));
+            const h = x[i + 1] - x[i];
+            const t = v >= x[n - 1] ? 1 : (v - x[i]) / h;
+            const k = v >= x[n - 1] ? n - 2 : i;
+            return (1 + 2 * t) * (1 - t) ** 2 * y[k] + t * (1 - t) ** 2 * h * m[k] + t * t * (3 - 2 * t) * y[k + 1] + t * t * (t - 1) * h * m[k + 1];
+        }) };
+    };
+
+    return { note, colours, symbols, dashes, make, figure, part, words, table, dressed, pending, chart, axis, scaleOf, smooth };
 })();
