@@ -25,7 +25,7 @@ RUNS = {
     "sample": ("sample", linear, "--samples", 800),
     "sensitivity": ("sensitivity", linear, "--samples", 16),
     "diagnose": ("diagnose", linear),
-    "compare": ("compare", study, "--laws", "uzan,k-theta", "--explore", 16, "--starts", 2),
+    "compare": ("compare", study, "--laws", "uzan,k-theta", "--explore", 16, "--verify", 3),
     "survey": ("survey", ROOT / "grids" / "road-example.csv"),
 }
 # What stands out of the page, or of a box that does not scroll.

@@ -18,7 +18,7 @@ for name, word in (("road.txt", "NAME.toml"), ('a"b.toml', "letters")):
 
 page = run("check", study)
 check(page.returncode == 0, f"check of a new study: {page.stderr}")
-for word in ("fwd.deflection: 8", "noise stated", "1 output", "map", "fit", "with derivatives"):
+for word in ("fwd.deflection: 8", "noise stated", "2 outputs", "map", "fit", "with derivatives"):
     check(word in page.stdout, f"check says '{word}':\n{page.stdout}")
 found = json.loads(run("check", study, "--json").stdout)
 check(found["readings"] == 8 and found["parameters"] == 3, "check counts readings and parameters")

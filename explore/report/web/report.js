@@ -393,21 +393,28 @@
         const number = (i, j) => i * d + j + 1; // of a panel's axes
         const key = (n) => (n === 1 ? "" : String(n));
         const most = Math.max(...draws.map((q) => q[0]));
+        // From the lowest draw to the highest, with a margin, on the scale of the axis.
+        const ranges = shown.map((p, k) => {
+            const scaled = (v) => (p.scale === "log" ? Math.log10(v) : v);
+            const at = draws.map((q) => scaled(q[1 + k]));
+            const [low, high] = [Math.min(...at), Math.max(...at)];
+            const margin = 0.06 * (high - low || 1);
+            return [Math.max(scaled(p.min), low - margin), Math.min(scaled(p.max), high + margin)];
+        });
         const traces = [];
-        const layout = { height: Math.max(330, 150 * d + 80), showlegend: false, margin: { l: 70, r: 16, t: 30, b: 70 }, bargap: 0 };
+        const layout = { height: Math.max(330, 175 * d + 100), showlegend: false, margin: { l: 70, r: 16, t: 30, b: 70 }, bargap: 0 };
         shown.forEach((py, i) => shown.slice(0, i + 1).forEach((px, j) => {
             const n = key(number(i, j));
             const left = j * (side + gap);
             const bottom = (d - 1 - i) * (side + gap);
-            const range = (p) => (p.scale === "log" ? [Math.log10(p.min), Math.log10(p.max)] : [p.min, p.max]);
-            const ends = { showline: true, mirror: true, linecolor: "#999", nticks: 4, tickfont: { size: 10 } };
-            layout["xaxis" + n] = axis(i === d - 1 ? px.name : "", { ...ends, domain: [left, left + side], anchor: "y" + n, type: scaleOf(px), range: range(px), showticklabels: i === d - 1 });
+            const ends = { showline: true, mirror: true, linecolor: "#999", nticks: 5, tickfont: { size: 10 }, exponentformat: "none" };
+            layout["xaxis" + n] = axis(i === d - 1 ? px.name : "", { ...ends, domain: [left, left + side], anchor: "y" + n, type: scaleOf(px), range: ranges[j], showticklabels: i === d - 1 });
             layout["yaxis" + n] = axis(i > 0 && j === 0 ? py.name : "", { ...ends, domain: [bottom, bottom + side], anchor: "x" + n, showticklabels: i > 0 && j === 0,
-                ...(i === j ? { rangemode: "tozero" } : { type: scaleOf(py), range: range(py) }) });
+                ...(i === j ? { rangemode: "tozero" } : { type: scaleOf(py), range: ranges[i] }) });
             const on = { xaxis: "x" + n, yaxis: "y" + n };
             if (i === j) {
                 const bins = 24;
-                const [low, high] = range(px);
+                const [low, high] = ranges[j];
                 const heights = new Array(bins).fill(0);
                 for (const q of draws) {
                     const v = px.scale === "log" ? Math.log10(q[1 + j]) : q[1 + j];
@@ -427,7 +434,7 @@
                     marker: { color: colours[0], size: 4, opacity: draws.map((q) => 0.1 + 0.5 * q[0] / most), line: { width: 0 } } });
             }
         }));
-        return chart("corner", traces, layout, "Draws of the posterior over the box of the study, fainter where they weigh less; on the diagonal their histogram, with the median and the 95 % range." +
+        return chart("corner", traces, layout, "Draws of the posterior, fainter where they weigh less; on the diagonal their histogram, with the median and the 95 % range." +
             (parameters.length > d ? ` The first ${d} of ${parameters.length} parameters.` : ""));
     };
     const showSample = (r) => {
