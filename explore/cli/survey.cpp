@@ -46,12 +46,24 @@ CLI::Validator a_load() {
 }
 
 // What the files hold, whatever they are called.
-std::string content_of(const std::vector<std::string>& files) {
+std::string content_of(const std::vector<data::FwdFile>& files) {
     std::string text;
-    for (const std::string& file : files) {
-        text += data::read_file(file, "FWD file", data::Encoding::of_instruments) + '\f';
+    for (const data::FwdFile& file : files) {
+        text += file.inputs[0].bytes + '\f';
     }
     return data::hash_of(text);
+}
+
+std::vector<data::InputFile> inputs_of(const SurveyCommand& command, const std::vector<data::FwdFile>& files) {
+    std::vector<data::InputFile> inputs;
+    for (const data::FwdFile& file : files) {
+        inputs.insert(inputs.end(), file.inputs.begin(), file.inputs.end());
+    }
+    if (std::error_code error; !command.columns.empty() && std::filesystem::exists(command.columns, error)) {
+        inputs.push_back(
+            {command.columns, data::read_file(command.columns, "list of columns", data::Encoding::of_instruments)});
+    }
+    return inputs;
 }
 
 // A folder holds one road. Throws pave::Error when it holds another.
@@ -83,7 +95,7 @@ int survey_road(const SurveyCommand& command) {
     }
     const std::string stem = std::filesystem::path(command.files[0]).stem().string();
     const std::string folder = common.out.empty() ? "output/" + stem : common.out;
-    const std::string content = content_of(command.files);
+    const std::string content = content_of(files);
     check_folder(folder, command.files, content);
 
     analysis::SurveyOptions options = command.options;
@@ -96,7 +108,9 @@ int survey_road(const SurveyCommand& command) {
     if (!common.study.empty()) {
         study = study::load_survey_study(common.study);
     }
-    analysis::Session session(common.run(folder));
+    analysis::RunOptions run = common.run(folder);
+    run.inputs = inputs_of(command, files);
+    analysis::Session session(std::move(run));
     const auto result = analysis::survey(session, std::move(files), std::move(study), options);
     if (!result) {
         return report_interrupt(folder);

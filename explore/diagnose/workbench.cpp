@@ -89,7 +89,7 @@ std::shared_ptr<const problem::Problem> Workbench::problem(const Members& member
         return baseline_;
     }
     problems_[members] = made;
-    constexpr std::size_t kept = 4;
+    constexpr std::size_t kept = 1;
     recent_.push_back(made);
     if (recent_.size() > kept) {
         dropped = std::move(recent_.front());

@@ -35,7 +35,7 @@ SolidMesh solid_mesh(const SolidDemand& demand) {
     // the patch matter to it the less the farther away they are.
     std::vector<double> point_size;
     for (const double z : demand.point_depths) {
-        point_size.push_back(0.75 * std::max(z, std::min(bottoms.front(), 0.4 * half)));
+        point_size.push_back(0.9 * std::max(z, std::min(bottoms.front(), 0.4 * half)));
     }
     const auto lateral = [&](const std::vector<double>& edges, const std::vector<double>& gauges,
                              const std::vector<double>& points, const std::vector<double>& surface) {
@@ -67,12 +67,13 @@ SolidMesh solid_mesh(const SolidDemand& demand) {
         z_features.push_back({z, std::max(0.8 * half, 0.27 * z) * fine});
     }
     for (const double z : demand.point_depths) {
-        z_features.push_back({z, std::max(0.25 * half, 0.15 * z) * fine});
+        z_features.push_back({z, std::max(0.1 * half, 0.12 * z) * fine});
     }
     std::vector<double> z_breaks{0.0};
     z_breaks.insert(z_breaks.end(), bottoms.begin(), bottoms.end());
 
-    const Grading lateral_grading{.growth = 0.8 * fine, .max_size = demand.extent / 2.5 * fine};
+    const double growth = demand.point_depths.empty() ? 0.8 : 0.6;
+    const Grading lateral_grading{.growth = growth * fine, .max_size = demand.extent / 2.5 * fine};
     const Grading z_grading{.growth = 0.45 * fine, .max_size = depth / 3.0 * fine};
     const auto breaks = patch_breaks(demand);
     std::vector<double> x_edges{demand.x_outer};

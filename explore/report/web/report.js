@@ -391,6 +391,7 @@
         const gap = 0.02;
         const side = (1 - gap * (d - 1)) / d;
         const number = (i, j) => i * d + j + 1; // of a panel's axes
+        const broken = (name) => name.replace(".", ".<br>"); // over two lines
         const key = (n) => (n === 1 ? "" : String(n));
         const most = Math.max(...draws.map((q) => q[0]));
         // From the lowest draw to the highest, with a margin, on the scale of the axis.
@@ -408,8 +409,8 @@
             const left = j * (side + gap);
             const bottom = (d - 1 - i) * (side + gap);
             const ends = { showline: true, mirror: true, linecolor: "#999", nticks: 5, tickfont: { size: 10 }, exponentformat: "none" };
-            layout["xaxis" + n] = axis(i === d - 1 ? px.name : "", { ...ends, domain: [left, left + side], anchor: "y" + n, type: scaleOf(px), range: ranges[j], showticklabels: i === d - 1 });
-            layout["yaxis" + n] = axis(i > 0 && j === 0 ? py.name : "", { ...ends, domain: [bottom, bottom + side], anchor: "x" + n, showticklabels: i > 0 && j === 0,
+            layout["xaxis" + n] = axis(i === d - 1 ? broken(px.name) : "", { ...ends, domain: [left, left + side], anchor: "y" + n, type: scaleOf(px), range: ranges[j], showticklabels: i === d - 1 });
+            layout["yaxis" + n] = axis(i > 0 && j === 0 ? broken(py.name) : "", { ...ends, domain: [bottom, bottom + side], anchor: "x" + n, showticklabels: i > 0 && j === 0,
                 ...(i === j ? { rangemode: "tozero" } : { type: scaleOf(py), range: ranges[i] }) });
             const on = { xaxis: "x" + n, yaxis: "y" + n };
             if (i === j) {
