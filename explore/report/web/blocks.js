@@ -44,7 +44,7 @@ const blocks = (() => {
         font: { family: "system-ui, sans-serif", size: 12, color: "#1b1f24" },
         margin: { l: 64, r: 16, t: 40, b: 56 },
         height: 360, colorway: colours, hovermode: "closest",
-        legend: { orientation: "h", y: -0.22 }, paper_bgcolor: "#fff", plot_bgcolor: "#fff",
+        legend: { orientation: "h", y: -0.3 }, paper_bgcolor: "#fff", plot_bgcolor: "#fff",
         ...layout,
         ...(layout.title ? { title: { x: 0, xanchor: "left", ...layout.title } } : {}), // beside the buttons
     });
@@ -54,7 +54,9 @@ const blocks = (() => {
     const chart = (name, traces, layout, caption) => {
         const place = make("div", { className: "chart" });
         place.dataset.chart = name;
-        pending.push(() => Plotly.newPlot(place, traces, dressed(layout), buttons).catch(note));
+        const named = traces.filter((t) => t.showlegend !== false && t.name && !["heatmap", "contour", "bar"].includes(t.type));
+        const room = named.length > 1 ? { margin: { l: 64, r: 16, t: 40, b: 100 }, height: 400 } : {}; // for the legend
+        pending.push(() => Plotly.newPlot(place, traces, dressed({ ...room, ...layout }), buttons).catch(note));
         return make("figure", {}, place, caption ? make("figcaption", {}, caption) : null);
     };
     const axis = (title, more = {}) => ({ title: { text: title }, gridcolor: "#e6e9ec", zeroline: false, ...more });

@@ -227,6 +227,7 @@
             return { field, now, off, byFull, row };
         });
         const outputCells = outputs.map(() => ({ now: make("td"), best: make("td"), byFull: make("td") }));
+        const beyond = make("p", { className: "soft", hidden: true }, "–: under a load that is not fitted. The full model computes it on the button.");
         const fill = () => {
             const answered = point && point.status === "converged";
             const set = (cell, text) => { if (cell.textContent !== text) cell.textContent = text; };
@@ -236,6 +237,7 @@
                 set(c.byFull, full ? figure(full.values[i]) : "");
                 c.row.classList.toggle("changed", taken[i] !== readings[i].measured);
             });
+            beyond.hidden = !answered || !point.outputs.includes(null);
             outputCells.forEach((c, i) => {
                 set(c.now, answered ? figure(point.outputs[i]) : "–");
                 set(c.best, lowest ? figure(lowest.outputs[i]) : "–");
@@ -245,11 +247,11 @@
         const sayMoved = () => {
             moved.textContent = "";
             if (!changes() || !lowest) return;
-            const error = (p) => first.standard_errors[p.name];
+            const error = (p) => first.standard_errors[p.name]; // wider than the range: it says nothing
             moved.append(part("How the minimum moves"), table(["parameter", "as measured", "with these readings", "change", "in standard errors"], parameters.map((p, k) => {
                 const from = first.at[k];
                 const to = lowest.at[k];
-                return [p.words, from, to, from === 0 ? "–" : `${signed(100 * (to - from) / Math.abs(from), 1)} %`, error(p) ? signed((to - from) / error(p), 2) : "–"];
+                return [p.words, from, to, from === 0 ? "–" : `${signed(100 * (to - from) / Math.abs(from), 1)} %`, error(p) && error(p) < p.max - p.min ? signed((to - from) / error(p), 2) : "–"];
             })), make("p", { className: "soft" }, `χ² of the minimum: ${figure(first.chi2)} as measured, ${figure(lowest.chi2)} with these readings` +
                 (lowest.on_bound.length ? `; ${lowest.on_bound.join(", ")}.` : ".")));
         };
@@ -457,7 +459,7 @@
                         pairs.length ? make("section", {}, make("h2", {}, "Landscape"), make("div", { className: "choices" }, pairField, make("label", {}, fittedField, " others fitted"), computeButton),
                             make("figure", {}, make("div", { className: "marked" }, landscapePlace, mark), landscapeNote)) : null),
                     outputs.length ? [make("h2", {}, "Outputs"), make("div", { className: "wide" }, make("table", {}, header(["output", "here", "minimum", "full model", "unit"]),
-                        make("tbody", {}, outputs.map((o, i) => make("tr", {}, make("td", { className: "words" }, o.name), outputCells[i].now, outputCells[i].best, outputCells[i].byFull, make("td", {}, o.unit))))))] : [],
+                        make("tbody", {}, outputs.map((o, i) => make("tr", {}, make("td", { className: "words" }, o.name), outputCells[i].now, outputCells[i].best, outputCells[i].byFull, make("td", {}, o.unit)))))), beyond] : [],
                     make("h2", {}, "What if a sensor read something else?"),
                     make("div", { className: "choices" }, make("label", {}, follow, " sliders follow the minimum"), button("all as measured", () => { readings.forEach((r, i) => { taken[i] = r.measured; cells[i].field.value = figure(r.measured); }); refit(); })),
                     make("div", { className: "wide" }, make("table", {}, header(["reading", "taken to be", "", "unit", "model", "off (sd)", "full model"]), make("tbody", {}, cells.map((c) => c.row)))), moved)));
