@@ -8,10 +8,10 @@ namespace explore::analysis {
 // Readings of one quantity under one load at three places of a line or more, and what the model reads between them.
 struct Curve {
     std::string load, quantity;
-    bool by_depth = false;     // along the depth, else along x
+    bool by_depth = false;                                         // along the depth, else along x
     double x_mm = 0.0, y_mm = 0.0, depth_mm = 0.0, gauge_mm = 0.0; // of all its points; that which changes is the first
-    std::string unit;          // of the values: that of the first reading
-    std::vector<double> at_mm; // rising; the places of the readings are among them
+    std::string unit;                                              // of the values: that of the first reading
+    std::vector<double> at_mm;                                     // rising; the places of the readings are among them
     std::vector<double> values;
 };
 

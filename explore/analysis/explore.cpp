@@ -38,14 +38,13 @@ std::unique_ptr<Explorer> Explorer::make(Session& session, study::Study study, d
     const problem::Problem full = study::make_noise_problem(explorer->study_, study::Scope::fitted);
     explorer->why_full_ = study::why_no_reduced_model(explorer->study_);
     if (explorer->why_full_.empty()) {
-        explorer->reduced_ = session.reduced(full, explorer->study_,
-                                             {.use = ModelUse::reduced, .limit_percent = limit_percent});
+        explorer->reduced_ =
+            session.reduced(full, explorer->study_, {.use = ModelUse::reduced, .limit_percent = limit_percent});
         if (!explorer->reduced_) {
             return nullptr;
         }
     }
-    explorer->problem_ =
-        std::make_shared<problem::Problem>(explorer->reduced_ ? explorer->reduced_->problem : full);
+    explorer->problem_ = std::make_shared<problem::Problem>(explorer->reduced_ ? explorer->reduced_->problem : full);
     explorer->workspace_ = explorer->problem_->function->make_workspace();
     if (!explorer->search()) {
         return nullptr;

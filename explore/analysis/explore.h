@@ -51,13 +51,15 @@ public:
     // Nothing: the full model answers.
     const std::optional<ReducedProblem>& reduced() const { return reduced_; }
     std::string why_full() const { return why_full_; }
-    const std::vector<FoundMinimum>& minima() const { return minima_; } // of the study's readings, best first
+    const std::vector<FoundMinimum>& minima() const { return minima_; }     // of the study's readings, best first
     const std::vector<Curve>& curves_of_minimum() const { return curves_; } // of the full model at the best
-    double seconds_a_point() const { return seconds_a_point_; }         // of evaluate(), measured
+    double seconds_a_point() const { return seconds_a_point_; }             // of evaluate(), measured
 
     // Variance of a residual: 1 where the noise is stated and not contradicted.
     double variance() const { return minima_.front().acceptance ? minima_.front().acceptance->variance : 1.0; }
-    double chi2(const problem::Evaluation& evaluation) const { return evaluation.misfit * evaluation.misfit / variance(); }
+    double chi2(const problem::Evaluation& evaluation) const {
+        return evaluation.misfit * evaluation.misfit / variance();
+    }
     // In standard deviations, of every reading in the order of the study; not a number: not fitted.
     std::vector<double> residuals(const problem::Evaluation& evaluation, const ChangedReadings& changes);
 
@@ -79,7 +81,8 @@ private:
     std::vector<double> unit_of(const std::vector<double>& values) const;
     // The study's problem with these readings, its function that which answers here.
     std::shared_ptr<const problem::Problem> with(const ChangedReadings& changes);
-    std::optional<FoundMinimum> fit_from(const std::vector<std::vector<double>>& starts, const problem::Problem& problem);
+    std::optional<FoundMinimum> fit_from(const std::vector<std::vector<double>>& starts,
+                                         const problem::Problem& problem);
     std::optional<PairGrid> fitted_landscape(PairGrid grid, const std::vector<double>& unit,
                                              const problem::Problem& problem, int lines);
 

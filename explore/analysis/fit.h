@@ -1,8 +1,8 @@
 // Fit: explore, then refine the best distinct starts.
 #pragma once
 
-#include "analysis/floor.h"
 #include "analysis/curves.h"
+#include "analysis/floor.h"
 #include "analysis/groups.h"
 #include "landscape/prior_influence.h"
 

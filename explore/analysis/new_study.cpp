@@ -158,7 +158,8 @@ const data::FwdStation& chosen(const data::FwdFile& file, const std::string& pat
 
 NewStudy example_study(const std::string& name) {
     Parts parts;
-    parts.head = "# A study: one section, what was measured on it, what is to be found. Written by `pavescape new`; runs as it stands:\n";
+    parts.head = "# A study: one section, what was measured on it, what is to be found. Written by `pavescape new`; "
+                 "runs as it stands:\n";
     parts.title = name;
     parts.layers = "# Layers from the top down: replace the numbers by yours.";
     parts.loads = R"(# What loads it: "plate" (FWD), "wheel" or "dual-wheel".
@@ -168,14 +169,15 @@ type = "plate"
 radius_mm = 150
 pressure_kPa = 566            # 40 kN
 )";
-    parts.noise = fmt::format(R"(# What was read. Without noise here or a sigma in the file it is taken from what the fit leaves over.
+    parts.noise = fmt::format(
+        R"(# What was read. Without noise here or a sigma in the file it is taken from what the fit leaves over.
 [data]
 files = ["{}.csv"]
 misfit = "weighted"           # by the noise; "log": by the logarithms, for strains of all sizes
 noise_relative = 0.02
 noise_floor = 0.005           # of the largest reading under that load
 )",
-                              name);
+        name);
     parts.load = "fwd";
     // The section above with asphalt of 3500 MPa, k1 1400 and a subgrade of 65 MPa; `pavescape twin
     // --noise 0.015 --seed 2`, rounded to micrometres.
@@ -195,7 +197,7 @@ noise_floor = 0.005           # of the largest reading under that load
 }
 
 NewStudy study_of_station(const std::string& name, const data::FwdFile& file, const std::string& path,
-                       const std::string& wanted) {
+                          const std::string& wanted) {
     const data::FwdStation& station = chosen(file, path, wanted);
     const std::string source = harmless(std::filesystem::path(path).filename().string());
     const auto bowls = data::bowls_of(station);
@@ -234,9 +236,10 @@ NewStudy study_of_station(const std::string& name, const data::FwdFile& file, co
     parts.loads = "# The loads of the station, one a level.\n";
     for (const data::DeflectionBowl& bowl : bowls->levels) {
         const std::string load = fmt::format("fwd-{:.0f}kPa", bowl.pressure_kPa);
-        parts.loads += fmt::format("[[loads]]\nname = \"{}\"\ntype = \"plate\"\nradius_mm = {:g}\npressure_kPa = {:g}            # {:.1f} kN, drop{} {}\n\n",
-                                   load, bowl.radius_mm, bowl.pressure_kPa, bowl.force_kN(), bowl.drops.size() == 1 ? "" : "s",
-                                   fmt::join(bowl.drops, ", "));
+        parts.loads += fmt::format("[[loads]]\nname = \"{}\"\ntype = \"plate\"\nradius_mm = {:g}\npressure_kPa = {:g}  "
+                                   "          # {:.1f} kN, drop{} {}\n\n",
+                                   load, bowl.radius_mm, bowl.pressure_kPa, bowl.force_kN(),
+                                   bowl.drops.size() == 1 ? "" : "s", fmt::join(bowl.drops, ", "));
         if (&bowl == &bowls->bowl()) {
             parts.load = load;
         }
@@ -254,8 +257,10 @@ NewStudy study_of_station(const std::string& name, const data::FwdFile& file, co
     parts.loads.pop_back();
     for (const data::DropLeftOut& drop : bowls->left_out) {
         const bool used = drop.why == data::LeftOut::another_level; // its level is a load of its own
-        left_out += used ? "" : fmt::format("# Drop {} is left out{}{}\n", drop.number, drop.why == data::LeftOut::seating ? ": it seats the plate" : "",
-                                            drop.words.empty() ? "" : ": " + harmless(drop.words));
+        left_out += used ? ""
+                         : fmt::format("# Drop {} is left out{}{}\n", drop.number,
+                                       drop.why == data::LeftOut::seating ? ": it seats the plate" : "",
+                                       drop.words.empty() ? "" : ": " + harmless(drop.words));
     }
     parts.noise = fmt::format(R"(# What was read; every reading states its noise (sigma).
 [data]
@@ -273,8 +278,8 @@ misfit = "weighted"
     const std::string head = fmt::format(
         "# Station {} of {}: medians of the drops of each level. sigma: {}, with 1 um and 1 % of the sensor\n{}{}\n",
         harmless(station.name), source,
-        repeatability ? fmt::format("repeats scatter by {:.1f} %", 100.0 * *repeatability) : "no drop is repeated", left_out,
-        data::measurement_header());
+        repeatability ? fmt::format("repeats scatter by {:.1f} %", 100.0 * *repeatability) : "no drop is repeated",
+        left_out, data::measurement_header());
     return {study_text(name, parts), head + rows};
 }
 

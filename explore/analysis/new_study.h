@@ -19,7 +19,8 @@ NewStudy example_study(const std::string& name);
 // All load levels of the station, a load each; the noise of every reading by how the drops of the file repeat
 // (study/station.h). The layers are a template: the file does not say what they are. The subgrade's range is a quarter
 // to four times the surface modulus at the farthest sensor (data/bowl_indices.h). station: name or chainage; empty: the
-// first that can be used. Throws pave::Error where there is no such station, and for one whose readings cannot be right.
+// first that can be used. Throws pave::Error where there is no such station, and for one whose readings cannot be
+// right.
 NewStudy study_of_station(const std::string& name, const data::FwdFile& file, const std::string& path,
                           const std::string& station);
 

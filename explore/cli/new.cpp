@@ -15,7 +15,9 @@ struct Options {
 
 // Of a station, unless it is named.
 std::string file_of(const Options& options) {
-    return options.file.empty() ? analysis::plain_name(std::filesystem::path(options.from).stem().string() + (options.station.empty() ? "" : "-" + options.station)) + ".toml"
+    return options.file.empty() ? analysis::plain_name(std::filesystem::path(options.from).stem().string() +
+                                                       (options.station.empty() ? "" : "-" + options.station)) +
+                                      ".toml"
                                 : options.file;
 }
 
@@ -40,10 +42,15 @@ int write_study(const Options& options) {
     const analysis::NewStudy made =
         options.from.empty()
             ? analysis::example_study(stem)
-            : analysis::study_of_station(stem, data::read_fwd(options.from, options.columns.empty() ? data::ColumnMap{} : data::read_column_map(options.columns)), options.from, options.station);
+            : analysis::study_of_station(stem,
+                                         data::read_fwd(options.from, options.columns.empty()
+                                                                          ? data::ColumnMap{}
+                                                                          : data::read_column_map(options.columns)),
+                                         options.from, options.station);
     run::write_file(folder, stem + ".csv", made.readings);
     run::write_file(folder, stem + ".toml", made.study);
-    fmt::print("written: {0}/{1}.toml and {0}/{1}.csv\nnext:    {2}pavescape check {0}/{1}.toml\n", folder, stem, options.from.empty() ? "" : "state the layers of your road in it, then ");
+    fmt::print("written: {0}/{1}.toml and {0}/{1}.csv\nnext:    {2}pavescape check {0}/{1}.toml\n", folder, stem,
+               options.from.empty() ? "" : "state the layers of your road in it, then ");
     return done;
 }
 
@@ -53,8 +60,12 @@ void add_new(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("new", "writes a commented study to start from");
     auto options = std::make_shared<Options>();
     auto* file = command->add_option("FILE", options->file, "NAME.toml; the readings go to NAME.csv beside it");
-    auto* from = command->add_option("--from", options->from, "FWD file, of any format that survey reads: the study and the readings of a station")->type_name("FWD");
-    command->add_option("--station", options->station, "its name or chainage (default: the first that can be used)")->needs(from);
+    auto* from = command
+                     ->add_option("--from", options->from,
+                                  "FWD file, of any format that survey reads: the study and the readings of a station")
+                     ->type_name("FWD");
+    command->add_option("--station", options->station, "its name or chainage (default: the first that can be used)")
+        ->needs(from);
     command->add_option("--columns", options->columns, "names of the columns of a table, as for survey")->needs(from);
     command->footer("Example: pavescape new road.toml\n"
                     "         pavescape new station.toml --from grids/road-north.f25 --station 100");

@@ -7,9 +7,10 @@
 namespace explore::report {
 
 // {"study", "version", "model", "model_words", "seconds_a_point", "parameters": [{"name", "words", "min", "max",
-// "scale", "start"}], "readings": [place, "measured", "unit", "sigma", "fitted", "words"], "outputs": [{"name", "unit"}],
-// "noise", "degrees_of_freedom", "limit": the rise of chi2 that the data accept, "minima",
-// "curves": of the full model at the best}. minima: as minimum_json with "chi2", "at" (values in the order of the parameters) and "p_value".
+// "scale", "start"}], "readings": [place, "measured", "unit", "sigma", "fitted", "words"], "outputs": [{"name",
+// "unit"}], "noise", "degrees_of_freedom", "limit": the rise of chi2 that the data accept, "minima", "curves": of the
+// full model at the best}. minima: as minimum_json with "chi2", "at" (values in the order of the parameters) and
+// "p_value".
 Json explore_state_json(const analysis::Explorer& explorer);
 
 // {"status", ("reason"), "at", "chi2", "values": of the readings, "residuals" of them, "outputs", "full": whether the

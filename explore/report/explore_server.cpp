@@ -135,13 +135,10 @@ void route(httplib::Server& server, analysis::Explorer& explorer) {
         return explore_fit_json(explorer, explorer.fit(point_of(request), changes), changes);
     });
     answer(server, "/landscape", [&](const httplib::Request& request) {
-        const auto whole = [&](const char* name) {
-            return number_of<unsigned>(request.get_param_value(name), name);
-        };
-        return explore_landscape_json(explorer,
-                                      explorer.landscape(whole("x"), whole("y"), point_of(request), changes_of(request),
-                                                         static_cast<int>(std::min(whole("lines"), 1000U)),
-                                                         whole("fitted") != 0));
+        const auto whole = [&](const char* name) { return number_of<unsigned>(request.get_param_value(name), name); };
+        return explore_landscape_json(
+            explorer, explorer.landscape(whole("x"), whole("y"), point_of(request), changes_of(request),
+                                         static_cast<int>(std::min(whole("lines"), 1000U)), whole("fitted") != 0));
     });
     answer(server, "/confirm", [&](const httplib::Request& request) {
         const auto changes = changes_of(request);
@@ -166,9 +163,9 @@ void serve_explorer(analysis::Explorer& explorer, int wanted_port,
                                 {"X-Content-Type-Options", "nosniff"},
                                 {"X-Frame-Options", "DENY"},
                                 {"Cross-Origin-Resource-Policy", "same-origin"}});
-    const int port = wanted_port == 0                                 ? server.bind_to_any_port(machine)
+    const int port = wanted_port == 0                            ? server.bind_to_any_port(machine)
                      : server.bind_to_port(machine, wanted_port) ? wanted_port
-                                                                      : -1;
+                                                                 : -1;
     if (port <= 0) {
         throw pave::Error({.key = "--port"}, "nothing can listen there", fmt::format("{}", wanted_port),
                           "a port that is free, or 0 for any");

@@ -79,8 +79,8 @@ struct Strand {
 };
 
 // The curve of a model along a strand of a group (places, values), if there is one.
-std::optional<std::pair<std::vector<double>, std::vector<double>>>
-curve_along(const Json& curves, const Group& group, const Strand& strand, bool by_depth) {
+std::optional<std::pair<std::vector<double>, std::vector<double>>> curve_along(const Json& curves, const Group& group,
+                                                                               const Strand& strand, bool by_depth) {
     const Place& p = *strand.places.front();
     for (const Json& c : curves) {
         if (c.at("load") == group.load && c.at("quantity") == group.quantity && c.at("unit") == group.unit &&

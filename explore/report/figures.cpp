@@ -21,7 +21,8 @@ struct Compared {
 
 Compared of_best_fit(const Json& result) {
     Compared compared;
-    ComparedModel best{.name = "best fit", .values = {}, .residuals = {}, .curves = result.value("curves", Json::array())};
+    ComparedModel best{
+        .name = "best fit", .values = {}, .residuals = {}, .curves = result.value("curves", Json::array())};
     for (const Json& r : result.at("responses")) {
         if (r.contains("measured")) {
             compared.readings.push_back(r);

@@ -71,7 +71,8 @@ std::string page(const Json& data) {
 }
 
 std::string explore_page() {
-    return document("Pavescape explore", "; connect-src 'self'", text(pavescape_explore_style_begin, pavescape_explore_style_end),
+    return document("Pavescape explore", "; connect-src 'self'",
+                    text(pavescape_explore_style_begin, pavescape_explore_style_end),
                     "<main id=\"explore\"><noscript>This page draws itself: allow its own script.</noscript></main>",
                     text(pavescape_explore_begin, pavescape_explore_end));
 }

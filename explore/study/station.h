@@ -17,7 +17,8 @@ Study load_survey_study(const std::string& file);
 double bowl_sigma_um(const data::BowlReading& reading, double repeatability);
 
 // The survey's study under the station's own loads: one plate a bowl, and its deflections, whose noise is the above
-// unless the study states noise_relative or noise_floor. repeatability: nothing: not known. Throws pave::Error where the readings do not fit the model.
+// unless the study states noise_relative or noise_floor. repeatability: nothing: not known. Throws pave::Error where
+// the readings do not fit the model.
 Study station_study(const Study& survey, const data::FwdStation& station,
                     const std::vector<const data::DeflectionBowl*>& bowls, std::optional<double> repeatability);
 
