@@ -20,6 +20,7 @@ std::span<const Command> commands() {
         {"noise", add_noise},
         {"report", add_report},
         {"plot", add_plot},
+        {"explore", add_explore},
         {"export", add_export},
         {"rerun", add_rerun},
     };
