@@ -12,7 +12,7 @@ _pavescape() {
     else
         case $command in
             report | export | rerun) mapfile -t COMPREPLY < <(compgen -d -- "$word") ;;
-            survey) mapfile -t COMPREPLY < <(compgen -f -- "$word") ;;
+            survey | road) mapfile -t COMPREPLY < <(compgen -f -- "$word") ;;
             *) mapfile -t COMPREPLY < <(compgen -f -X '!*.toml' -- "$word"; compgen -d -- "$word") ;;
         esac
     fi

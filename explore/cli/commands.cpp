@@ -17,6 +17,7 @@ std::span<const Command> commands() {
         {"twin", add_twin},
         {"effects", add_effects},
         {"survey", add_survey, true},
+        {"road", add_road, true},
         {"report", add_report},
         {"plot", add_plot},
         {"export", add_export},

@@ -1,0 +1,46 @@
+#include "analysis/road_files.h"
+
+#include "base/error.h"
+#include "base/text.h"
+#include "data/csv.h"
+#include "data/hash.h"
+
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace explore::analysis {
+
+RoadFiles read_road(const std::vector<std::string>& names, const std::string& columns) {
+    const data::ColumnMap map = columns.empty() ? data::ColumnMap{} : data::read_column_map(columns);
+    RoadFiles road{.names = names, .files = {}, .content = {}};
+    std::string text;
+    for (const std::string& name : names) {
+        road.files.push_back(data::read_fwd(name, map));
+        text += data::read_file(name, "FWD file", data::Encoding::of_instruments) + '\f';
+    }
+    road.content = data::hash_of(text);
+    return road;
+}
+
+void refuse_other_road(const std::string& folder, const std::string& name, const RoadFiles& road) {
+    using Json = nlohmann::json;
+    std::ifstream stream(std::filesystem::path(folder) / (name + ".json"));
+    const auto before = Json::parse(stream, nullptr, false);
+    if (!before.is_object() || !before.contains("files") || !before["files"].is_array()) {
+        return;
+    }
+    const bool same_names = before["files"] == Json(road.names);
+    const bool same_content = before.value("content", Json()) == Json(road.content);
+    if (!same_names && !same_content) {
+        std::vector<std::string> names;
+        for (const auto& file : before["files"]) {
+            names.push_back(file.is_string() ? file.get<std::string>() : "?");
+        }
+        throw pave::Error({.file = folder}, fmt::format("this folder holds the {} of another road", name == "road" ? "fit" : name),
+                          pave::join(names), "another folder: --out DIR");
+    }
+}
+
+} // namespace explore::analysis
