@@ -1,6 +1,7 @@
 #include "analysis/road.h"
 
 #include "analysis/road_outliers.h"
+#include "analysis/road_withheld.h"
 #include "analysis/survey_road.h"
 #include "base/error.h"
 #include "landscape/batch.h"
@@ -105,8 +106,11 @@ public:
     Road(Session& session, RoadResult& result) : session_(session), result_(result), survey_(result.survey) {}
 
     // False: interrupted.
-    bool fit() {
+    bool fit(const std::optional<LoadLevel>& level_withheld) {
         sections_ = sections_of(survey_);
+        if (level_withheld) {
+            withheld_ = withhold(survey_, *level_withheld);
+        }
         tasks_ = station_tasks(survey_, 1, problem_of);
         drop_without_section();
         if (!explore() || tasks_.empty()) {
@@ -351,6 +355,10 @@ private:
         }
         conclude(state, judged_, alone, result_);
         result_.outliers = explain_outliers(state, judged_, alone, result_.station_noise_factor);
+        if (!withheld_.empty()) {
+            result_.withheld = predict(state, survey_, withheld_, problem_of, result_.noise_factor());
+            return result_.withheld.has_value();
+        }
         return true;
     }
 
@@ -365,6 +373,7 @@ private:
     RoadLayout layout_;
     std::vector<double> common_; // of the common unknowns, unit coordinates
     std::vector<RoadStation> judged_;
+    std::vector<WithheldBowls> withheld_;
 };
 
 } // namespace
@@ -374,14 +383,15 @@ double RoadResult::noise_factor() const {
 }
 
 std::optional<RoadResult> road(Session& session, std::vector<data::FwdFile> files, study::Study survey_study,
-                               const SurveyOptions& options) {
+                               const RoadOptions& options) {
     check_study(survey_study);
     const auto begin = std::chrono::steady_clock::now();
     RoadResult result;
-    result.survey = begin_survey(std::move(files), std::move(survey_study), options);
-    result.survey.fits_all_levels = !options.drops.target_pressure_kPa && !options.drops.target_force_kN;
+    result.survey = begin_survey(std::move(files), std::move(survey_study), options.survey);
+    const data::DropChoice& drops = options.survey.drops;
+    result.survey.fits_all_levels = !drops.target_pressure_kPa && !drops.target_force_kN;
     result.survey.sections = road_sections(result.survey);
-    if (!Road(session, result).fit()) {
+    if (!Road(session, result).fit(options.withhold)) {
         return std::nullopt;
     }
     finish_survey(result.survey);

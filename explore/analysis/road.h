@@ -14,6 +14,7 @@ struct CommonParameter {
     // Widths of 95 % ranges as shares of the box, ends beyond it cut off: of the range above, and the median of what
     // each of those stations says by itself.
     double width = 0.0, alone_width = 0.0;
+    double narrower = 1.0; // standard error of the median station by itself over that of the road; nothing is cut off
     std::size_t alone_determined = 0; // stations that determine it by themselves
 };
 
@@ -48,6 +49,27 @@ struct RoadOutlier {
     double model_percent = 0.0; // of sensor: mean of model over measured - 1
 };
 
+// A load level that was kept out of the fit, as the fit predicts it.
+struct WithheldLevel {
+    struct Sensor {
+        double offset_mm = 0.0;
+        std::size_t stations = 0;
+        double mean_percent = 0.0; // of measured over predicted - 1
+        double error_percent = 0.0; // its standard error: scatter over the stations, and what the fit leaves open
+        double p_familywise = 1.0; // that it is 0 (Holm over the sensors)
+    };
+    std::size_t stations = 0, readings = 0;
+    double rms_percent = 0.0;   // of measured over predicted - 1
+    double noise_percent = 0.0; // what the noise of these readings and of the prediction makes of it
+    double chi2 = 0.0, p_value = 1.0; // of all readings, with the covariance of the prediction at each station
+    std::vector<Sensor> sensors{};
+};
+
+struct RoadOptions {
+    SurveyOptions survey{};
+    std::optional<LoadLevel> withhold{}; // levels within a tenth of it are predicted, not fitted
+};
+
 struct RoadResult {
     SurveyResult survey; // with a fit at every station that has one
     std::vector<CommonParameter> common;
@@ -66,11 +88,13 @@ struct RoadResult {
     // Whether stations by themselves want other common parameters than the road has: how much lower chi2 is where each
     // has its own.
     double conflict_chi2 = 0.0, conflict_dof = 0.0, conflict_p = 1.0;
+    std::optional<WithheldLevel> withheld{};
     int rounds = 0; // of the last search
     bool converged = false;
     std::string ended{};
 };
 
+inline constexpr double road_familywise = 0.05;
 inline constexpr int road_first_stations = 8; // that are fitted by themselves, to begin from
 
 // survey_study: as load_survey_study() gives it; its levels say what is common. Each station is compared in units of
@@ -85,6 +109,6 @@ inline constexpr int road_first_stations = 8; // that are fitted by themselves, 
 // Nothing is returned when interrupted; what was computed is in the store. Throws pave::Error where no parameter is
 // common, and where no station fits the model.
 std::optional<RoadResult> road(Session& session, std::vector<data::FwdFile> files, study::Study survey_study,
-                               const SurveyOptions& options);
+                               const RoadOptions& options);
 
 } // namespace explore::analysis

@@ -26,8 +26,9 @@ std::string common_words(const RoadResult& result, const CommonParameter& p) {
                            : fmt::format("{} is not determined even by {} together ({}, range {} to {})",
                                          common_name(result, p), counted(p.stations, "station", "stations"),
                                          figure(p.range.value), figure(p.range.low), figure(p.range.high));
-    text += fmt::format(": {} of its box, where the median station by itself leaves {} ({:.1f} times as much)",
-                        percent(p.width), percent(p.alone_width), p.alone_width / p.width);
+    text += fmt::format(": {} of its box, where the median station by itself leaves {} (its standard error is {:.1f} times as "
+                        "large)",
+                        percent(p.width), percent(p.alone_width), p.narrower);
     if (p.range.determined && 2 * p.alone_determined < p.stations) {
         text += fmt::format("; unique together, and alone at {} of {}", p.alone_determined,
                             counted(p.stations, "station", "stations"));
@@ -50,6 +51,30 @@ std::string weakest_words(const RoadResult& result) {
         }
     }
     return text;
+}
+
+// Of sensors that the prediction misses: near ones tell of the top, far ones of what lies deep.
+std::string missed_words(const WithheldLevel& level) {
+    std::string text;
+    for (const auto& s : level.sensors) {
+        if (s.p_familywise < road_familywise) {
+            text += fmt::format("{}{:g} mm {:+.1f} % +- {:.1f}", text.empty() ? "" : ", ", s.offset_mm, s.mean_percent,
+                                1.96 * s.error_percent);
+        }
+    }
+    if (text.empty()) {
+        return " No sensor stands out.";
+    }
+    return " Measured over predicted at " + text +
+           ". Where readings are above, the pavement softens with load more, or hardens less, than the model: near the "
+           "plate the upper layers, far from it the subgrade.";
+}
+
+std::string withheld_words(const WithheldLevel& level) {
+    return fmt::format("The level that was withheld is predicted within {:.1f} % (root mean square of {} readings at {} "
+                       "stations), where noise and the ranges make {:.1f} %: chi2 = {}, p = {:.2g}.{}",
+                       level.rms_percent, level.readings, level.stations, level.noise_percent, figure(level.chi2),
+                       level.p_value, missed_words(level));
 }
 
 } // namespace
@@ -128,6 +153,9 @@ std::vector<std::string> findings_of(const RoadResult& result) {
                   "or the model errs in a way that differs along the road"
                 : "Stations by themselves do not contradict the road",
             figure(result.conflict_chi2), result.conflict_dof, result.conflict_p));
+    }
+    if (result.withheld) {
+        words.push_back(withheld_words(*result.withheld));
     }
     if (!result.converged) {
         words.push_back(fmt::format("The search over all stations did not converge: {}.", result.ended));

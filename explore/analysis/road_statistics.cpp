@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <gsl/gsl_cdf.h>
-#include <numeric>
 
 namespace explore::analysis {
 namespace {
@@ -24,74 +23,12 @@ MatrixXd inverse(MatrixXd matrix) {
     return n > 0 ? MatrixXd(matrix.llt().solve(MatrixXd::Identity(n, n))) : matrix;
 }
 
-// The unknowns of a station, its own eliminated.
-struct Station {
-    std::vector<Index> own, shared, to; // axes, axes, which of the common unknowns
-    MatrixXd normal;
-    MatrixXd alone;     // covariance of its own for fixed common ones
-    MatrixXd following; // how they follow those
-    MatrixXd schur;     // its information on the common ones
-    VectorXd pull;      // and its gradient by them
-
-    Station(const RoadState& state, std::size_t i) : normal(state.stations.normal(i, state.points[i])) {
-        const auto& common = state.layout.blocks[i].common;
-        for (std::size_t k = 0; k < common.size(); ++k) {
-            if (common[k] == optimise::own_unknown) {
-                own.push_back(static_cast<Index>(k));
-            } else {
-                shared.push_back(static_cast<Index>(k));
-                to.push_back(common[k]);
-            }
-        }
-        alone = inverse(normal(own, own));
-        const MatrixXd across = normal(own, shared);
-        following = -alone * across;
-        schur = normal(shared, shared) + across.transpose() * following;
-        const VectorXd gradient = state.stations.gradient(i, state.points[i]);
-        pull = gradient(shared) + following.transpose() * gradient(own);
-    }
-
-    // Of its unknowns, for a covariance of all common ones.
-    MatrixXd covariance(const MatrixXd& common) const {
-        MatrixXd all(normal.rows(), normal.rows());
-        const MatrixXd part = common(to, to);
-        all(shared, shared) = part;
-        all(own, shared) = following * part;
-        all(shared, own) = part * following.transpose();
-        all(own, own) = alone + following * part * following.transpose();
-        return all;
-    }
-};
-
 bool is_member(const RoadState& state, std::size_t i) {
     return std::find(state.members.begin(), state.members.end(), i) != state.members.end();
 }
 
 double rows(const RoadState& state, std::size_t i) {
     return static_cast<double>(state.tasks[i].problem.rows());
-}
-
-// The covariance of the common unknowns as the members give it; of those that no member has, all but infinite.
-MatrixXd common_covariance(const RoadState& state) {
-    const MatrixXd known = state.covariance().common;
-    const auto n = static_cast<Index>(state.layout.common.size());
-    MatrixXd all = MatrixXd::Identity(n, n) / least;
-    all.topLeftCorner(known.rows(), known.cols()) = known;
-    return all;
-}
-
-// Holm's step-down: p times the number of those not smaller, never falling.
-void correct(std::vector<RoadStation>& judged) {
-    std::vector<std::size_t> order(judged.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return judged[a].p_familywise < judged[b].p_familywise; });
-    double highest = 0.0;
-    for (std::size_t k = 0; k < order.size(); ++k) {
-        double& p = judged[order[k]].p_familywise;
-        highest = std::max(highest, std::min(1.0, p * static_cast<double>(order.size() - k)));
-        p = highest;
-    }
 }
 
 void add_common(const RoadState& state, const std::vector<RoadStation>& judged, const std::vector<MatrixXd>& by_itself,
@@ -102,13 +39,15 @@ void add_common(const RoadState& state, const std::vector<RoadStation>& judged, 
         CommonParameter parameter{.axis = unknown.axis, .section = unknown.section, .range = {}};
         const auto k = static_cast<Index>(unknown.axis);
         std::vector<double> widths;
+        std::vector<double> errors;
         double unit = 0.0;
         for (const std::size_t i : state.members) {
             if (state.layout.blocks[i].common[unknown.axis] != static_cast<int>(c)) {
                 continue;
             }
             unit = state.points[i].unit[unknown.axis];
-            const double half = quantile * std::sqrt(by_itself[i](k, k));
+            errors.push_back(std::sqrt(by_itself[i](k, k)));
+            const double half = quantile * errors.back();
             widths.push_back(std::min(1.0, unit + half) - std::max(0.0, unit - half));
             parameter.alone_determined += judged[i].alone[unknown.axis].determined ? 1 : 0;
         }
@@ -121,6 +60,7 @@ void add_common(const RoadState& state, const std::vector<RoadStation>& judged, 
         parameter.stations = widths.size();
         parameter.width = std::min(1.0, unit + half) - std::max(0.0, unit - half);
         parameter.alone_width = data::median(widths);
+        parameter.narrower = data::median(errors) / std::sqrt(covariance(at, at));
         result.common.push_back(parameter);
     }
 }
@@ -150,11 +90,58 @@ void add_weakest(const RoadState& state, const MatrixXd& covariance, RoadResult&
 
 } // namespace
 
+StationInformation::StationInformation(const RoadState& state, std::size_t i)
+    : normal(state.stations.normal(i, state.points[i])) {
+    const auto& common = state.layout.blocks[i].common;
+    for (std::size_t k = 0; k < common.size(); ++k) {
+        if (common[k] == optimise::own_unknown) {
+            own.push_back(static_cast<Index>(k));
+        } else {
+            shared.push_back(static_cast<Index>(k));
+            to.push_back(common[k]);
+        }
+    }
+    alone = inverse(normal(own, own));
+    const MatrixXd across = normal(own, shared);
+    following = -alone * across;
+    schur = normal(shared, shared) + across.transpose() * following;
+    const VectorXd gradient = state.stations.gradient(i, state.points[i]);
+    pull = gradient(shared) + following.transpose() * gradient(own);
+}
+
+MatrixXd StationInformation::covariance(const MatrixXd& common) const {
+    MatrixXd all(normal.rows(), normal.rows());
+    const MatrixXd part = common(to, to);
+    all(shared, shared) = part;
+    all(own, shared) = following * part;
+    all(shared, own) = part * following.transpose();
+    all(own, own) = alone + following * part * following.transpose();
+    return all;
+}
+
+MatrixXd common_covariance(const RoadState& state) {
+    const MatrixXd known = optimise::arrow_covariance(state.end.blocks, state.end.search.normal).common;
+    const auto n = static_cast<Index>(state.layout.common.size());
+    MatrixXd all = MatrixXd::Identity(n, n) / least;
+    all.topLeftCorner(known.rows(), known.cols()) = known;
+    return all;
+}
+
+void holm(const std::vector<double*>& p) {
+    std::vector<double*> order = p;
+    std::stable_sort(order.begin(), order.end(), [](const double* a, const double* b) { return *a < *b; });
+    double highest = 0.0;
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        highest = std::max(highest, std::min(1.0, *order[k] * static_cast<double>(order.size() - k)));
+        *order[k] = highest;
+    }
+}
+
 double judge(const RoadState& state, std::vector<RoadStation>& judged) {
     const MatrixXd common = common_covariance(state);
     for (std::size_t i = 0; i < judged.size(); ++i) {
         RoadStation& j = judged[i];
-        const Station station(state, i);
+        const StationInformation station(state, i);
         j.chi2 = state.tasks[i].problem.residuals(state.points[i].evaluation).squaredNorm();
         if (is_member(state, i)) {
             j.dof = rows(state, i) - station.covariance(common).cwiseProduct(station.normal).sum();
@@ -177,10 +164,12 @@ double judge(const RoadState& state, std::vector<RoadStation>& judged) {
     }
     const bool contradicts = dof > 0.0 && gsl_cdf_chisq_Q(chi2, dof) < landscape::contradicted;
     const double scale = contradicts ? std::max(1.0, data::median(ratios)) : 1.0;
+    std::vector<double*> p;
     for (RoadStation& j : judged) {
         j.p_familywise = j.dof > 0.0 ? gsl_cdf_chisq_Q(j.chi2 / scale, j.dof) : 1.0;
+        p.push_back(&j.p_familywise);
     }
-    correct(judged);
+    holm(p);
     return std::sqrt(scale);
 }
 
@@ -220,7 +209,7 @@ void conclude(const RoadState& state, const std::vector<RoadStation>& judged, co
         by_itself.push_back(inverse(state.stations.normal(i, alone[i])));
         RoadStation& j = result.stations[i];
         j.chi2_alone = state.tasks[i].problem.residuals(alone[i].evaluation).squaredNorm();
-        const Station station(state, i);
+        const StationInformation station(state, i);
         const MatrixXd own = station.covariance(covariance);
         StationFit& fit = *state.tasks[i].station->fit;
         for (std::size_t k = 0; k < axes.size(); ++k) {

@@ -38,6 +38,7 @@ Json common_json(const RoadResult& result, const CommonParameter& p) {
     json["stations"] = p.stations;
     json["width"] = p.width;
     json["median_width_alone"] = p.alone_width;
+    json["narrower"] = p.narrower;
     json["determined_alone"] = p.alone_determined;
     return json;
 }
@@ -93,6 +94,20 @@ Json road_json(const RoadResult& result) {
                         {"degrees_of_freedom", result.conflict_dof},
                         {"p_value", result.conflict_p}};
     json["weakest"] = {{"direction", result.weakest}, {"sd", result.weakest_sd}, {"condition", result.condition}};
+    if (result.withheld) {
+        const analysis::WithheldLevel& w = *result.withheld;
+        json["withheld"] = {{"stations", w.stations},       {"readings", w.readings},
+                            {"rms_percent", w.rms_percent}, {"noise_percent", w.noise_percent},
+                            {"chi2", w.chi2},               {"p_value", w.p_value},
+                            {"sensors", Json::array()}};
+        for (const auto& s : w.sensors) {
+            json["withheld"]["sensors"].push_back({{"offset_mm", s.offset_mm},
+                                                   {"stations", s.stations},
+                                                   {"mean_percent", s.mean_percent},
+                                                   {"error_percent", s.error_percent},
+                                                   {"p_familywise", s.p_familywise}});
+        }
+    }
     json["converged"] = result.converged;
     json["rounds"] = result.rounds;
     return json;
@@ -145,14 +160,15 @@ std::string road_text(const RoadResult& result) {
         std::count_if(result.stations.begin(), result.stations.end(), [](const auto& s) { return s.is_outlier; });
     std::string text = fmt::format(
         "{} as one experiment, {} left out as outliers; {}\n\nWhat the stations have in common (95 % ranges; ?: not "
-        "determined)\n",
+        "determined; times narrower: by standard errors)\n",
         pave::counted(result.stations.size(), "station", "stations"), outliers,
         result.converged ? fmt::format("converged in {} rounds", result.rounds) : "not converged");
-    Table table({"", "value", "from", "to", "% of its box", "median station alone", "stations"});
+    Table table({"", "value", "from", "to", "% of its box", "median station alone", "times narrower", "stations"});
     for (const CommonParameter& p : result.common) {
         table.add({common_name(result, p), figure(p.range.value) + (p.range.determined ? "" : " ?"),
                    figure(p.range.low), figure(p.range.high), fmt::format("{:.1f}", 100.0 * p.width),
-                   fmt::format("{:.1f}", 100.0 * p.alone_width), std::to_string(p.stations)});
+                   fmt::format("{:.1f}", 100.0 * p.alone_width), fmt::format("{:.1f}", p.narrower),
+                   std::to_string(p.stations)});
     }
     text += table.text() + "\nWhat that means\n";
     for (const std::string& words : analysis::findings_of(result)) {
