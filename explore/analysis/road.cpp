@@ -142,9 +142,9 @@ private:
     // Starts of every station from what is explored once for all.
     bool explore() {
         settings_.starts = searches;
-        Exploration exploration(
-            survey_, search::sobol(survey_.study->space, survey_explored_points, session_.options().seed), session_,
-            "road");
+        Exploration exploration(survey_,
+                                search::sobol(survey_.study->space, survey_explored_points, session_.options().seed),
+                                session_, "road");
         std::vector<std::string> why(tasks_.size());
         std::vector<std::vector<std::vector<double>>> starts;
         for (std::size_t i = 0; i < tasks_.size(); ++i) {
@@ -155,11 +155,11 @@ private:
             why[i] = found->why_none;
             if (why[i].empty()) {
                 starts.push_back(std::move(found->points));
-                runs_.push_back(session_.begin(
-                    tasks_[i].study, "road",
-                    fmt::format("{}; {} at {} kPa; {} starts, distance {}; {}", tasks_[i].words(),
-                                exploration.design().name, survey_.common_pressure_kPa, settings_.starts,
-                                settings_.start_distance, settings_.method)));
+                runs_.push_back(
+                    session_.begin(tasks_[i].study, "road",
+                                   fmt::format("{}; {} at {} kPa; {} starts, distance {}; {}", tasks_[i].words(),
+                                               exploration.design().name, survey_.common_pressure_kPa, settings_.starts,
+                                               settings_.start_distance, settings_.method)));
             }
         }
         drop(tasks_, why);
@@ -181,18 +181,17 @@ private:
         std::vector<std::vector<double>> found(count);
         std::mutex mutex;
         std::size_t finished = 0;
-        landscape::search_batch(
-            items, session_.store(), *optimise::find_method(settings_.method), settings_.search,
-            session_.options().threads,
-            [&](std::size_t f, const std::vector<run::Endpoint>& ends, const run::Tally& tally) {
-                const auto minima = landscape::distinct_minima(ends, items[f].problem);
-                const std::scoped_lock lock(mutex);
-                ++finished;
-                survey_.computed += tally.computed;
-                if (!minima.empty()) {
-                    found[f] = minima[0].unit;
-                }
-            });
+        landscape::search_batch(items, session_.store(), *optimise::find_method(settings_.method), settings_.search,
+                                session_.options().threads,
+                                [&](std::size_t f, const std::vector<run::Endpoint>& ends, const run::Tally& tally) {
+                                    const auto minima = landscape::distinct_minima(ends, items[f].problem);
+                                    const std::scoped_lock lock(mutex);
+                                    ++finished;
+                                    survey_.computed += tally.computed;
+                                    if (!minima.empty()) {
+                                        found[f] = minima[0].unit;
+                                    }
+                                });
         if (finished < count) {
             return false;
         }
@@ -232,8 +231,7 @@ private:
         std::vector<std::string> why(tasks_.size());
         const bool finished = state.stations.for_each(tasks_.size(), [&](std::size_t i) {
             for (const auto& start : starts_[i]) {
-                auto point =
-                    state.stations.search(i, with_common(start, i), layout_.own_axes(i), kept_as::own);
+                auto point = state.stations.search(i, with_common(start, i), layout_.own_axes(i), kept_as::own);
                 if (!point) {
                     return;
                 }

@@ -20,14 +20,14 @@ struct CommonParameter {
 
 // A station against what all say.
 struct RoadStation {
-    std::size_t station = 0;            // of the survey's
+    std::size_t station = 0;              // of the survey's
     std::optional<std::size_t> section{}; // of the survey's
     // Sum of squared residuals in units of the stated noise, and what is expected of it where the station belongs to
     // the road: readings less what its own and the common parameters follow of them.
     double chi2 = 0.0, dof = 0.0;
-    double p_familywise = 1.0; // that chance gives so much at any of the stations (Holm 1979)
-    bool is_outlier = false;   // then the common parameters are found without it
-    double chi2_alone = 0.0;   // with common parameters of its own
+    double p_familywise = 1.0;           // that chance gives so much at any of the stations (Holm 1979)
+    bool is_outlier = false;             // then the common parameters are found without it
+    double chi2_alone = 0.0;             // with common parameters of its own
     std::vector<ParameterRange> alone{}; // by itself, of all parameters
 };
 
@@ -41,11 +41,11 @@ enum class OutlierCause {
 struct RoadOutlier {
     std::size_t station = 0; // of RoadResult::stations
     OutlierCause cause = OutlierCause::not_explained;
-    double p_explained = 0.0;  // of the station's misfit, with the cause
-    std::size_t axis = 0;      // of common, unlike
-    double there = 0.0;        // its value there,
-    double typical = 0.0;      // and the road's, or the median of the neighbours
-    double offset_mm = 0.0;    // of sensor
+    double p_explained = 0.0;   // of the station's misfit, with the cause
+    std::size_t axis = 0;       // of common, unlike
+    double there = 0.0;         // its value there,
+    double typical = 0.0;       // and the road's, or the median of the neighbours
+    double offset_mm = 0.0;     // of sensor
     double model_percent = 0.0; // of sensor: mean of model over measured - 1
 };
 
@@ -54,13 +54,13 @@ struct WithheldLevel {
     struct Sensor {
         double offset_mm = 0.0;
         std::size_t stations = 0;
-        double mean_percent = 0.0; // of measured over predicted - 1
+        double mean_percent = 0.0;  // of measured over predicted - 1
         double error_percent = 0.0; // its standard error: scatter over the stations, and what the fit leaves open
-        double p_familywise = 1.0; // that it is 0 (Holm over the sensors)
+        double p_familywise = 1.0;  // that it is 0 (Holm over the sensors)
     };
     std::size_t stations = 0, readings = 0;
-    double rms_percent = 0.0;   // of measured over predicted - 1
-    double noise_percent = 0.0; // what the noise of these readings and of the prediction makes of it
+    double rms_percent = 0.0;         // of measured over predicted - 1
+    double noise_percent = 0.0;       // what the noise of these readings and of the prediction makes of it
     double chi2 = 0.0, p_value = 1.0; // of all readings, with the covariance of the prediction at each station
     std::vector<Sensor> sensors{};
 };

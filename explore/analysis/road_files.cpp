@@ -38,7 +38,8 @@ void refuse_other_road(const std::string& folder, const std::string& name, const
         for (const auto& file : before["files"]) {
             names.push_back(file.is_string() ? file.get<std::string>() : "?");
         }
-        throw pave::Error({.file = folder}, fmt::format("this folder holds the {} of another road", name == "road" ? "fit" : name),
+        throw pave::Error({.file = folder},
+                          fmt::format("this folder holds the {} of another road", name == "road" ? "fit" : name),
                           pave::join(names), "another folder: --out DIR");
     }
 }

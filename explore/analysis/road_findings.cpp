@@ -19,16 +19,17 @@ std::string percent(double share) {
 }
 
 std::string common_words(const RoadResult& result, const CommonParameter& p) {
-    std::string text = p.range.determined
-                           ? fmt::format("{} = {}, 95 % range {} to {}, from {}", common_name(result, p),
-                                         figure(p.range.value), figure(p.range.low), figure(p.range.high),
-                                         counted(p.stations, "station", "stations"))
-                           : fmt::format("{} is not determined even by {} together ({}, range {} to {})",
-                                         common_name(result, p), counted(p.stations, "station", "stations"),
-                                         figure(p.range.value), figure(p.range.low), figure(p.range.high));
-    text += fmt::format(": {} of its box, where the median station by itself leaves {} (its standard error is {:.1f} times as "
-                        "large)",
-                        percent(p.width), percent(p.alone_width), p.narrower);
+    std::string text =
+        p.range.determined
+            ? fmt::format("{} = {}, 95 % range {} to {}, from {}", common_name(result, p), figure(p.range.value),
+                          figure(p.range.low), figure(p.range.high), counted(p.stations, "station", "stations"))
+            : fmt::format("{} is not determined even by {} together ({}, range {} to {})", common_name(result, p),
+                          counted(p.stations, "station", "stations"), figure(p.range.value), figure(p.range.low),
+                          figure(p.range.high));
+    text += fmt::format(
+        ": {} of its box, where the median station by itself leaves {} (its standard error is {:.1f} times as "
+        "large)",
+        percent(p.width), percent(p.alone_width), p.narrower);
     if (p.range.determined && 2 * p.alone_determined < p.stations) {
         text += fmt::format("; unique together, and alone at {} of {}", p.alone_determined,
                             counted(p.stations, "station", "stations"));
@@ -71,10 +72,11 @@ std::string missed_words(const WithheldLevel& level) {
 }
 
 std::string withheld_words(const WithheldLevel& level) {
-    return fmt::format("The level that was withheld is predicted within {:.1f} % (root mean square of {} readings at {} "
-                       "stations), where noise and the ranges make {:.1f} %: chi2 = {}, p = {:.2g}.{}",
-                       level.rms_percent, level.readings, level.stations, level.noise_percent, figure(level.chi2),
-                       level.p_value, missed_words(level));
+    return fmt::format(
+        "The level that was withheld is predicted within {:.1f} % (root mean square of {} readings at {} "
+        "stations), where noise and the ranges make {:.1f} %: chi2 = {}, p = {:.2g}.{}",
+        level.rms_percent, level.readings, level.stations, level.noise_percent, figure(level.chi2), level.p_value,
+        missed_words(level));
 }
 
 } // namespace

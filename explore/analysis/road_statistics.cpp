@@ -185,7 +185,8 @@ void conclude(const RoadState& state, const std::vector<RoadStation>& judged, co
     result.dof = 0.0;
     for (std::size_t b = 0; b < state.end.blocks.size(); ++b) {
         const auto& block = state.end.blocks[b];
-        result.dof += b < state.members.size() ? rows(state, state.members[b]) : static_cast<double>(block.common.size());
+        result.dof +=
+            b < state.members.size() ? rows(state, state.members[b]) : static_cast<double>(block.common.size());
         for (std::size_t k = 0; k < block.common.size(); ++k) {
             const int c = block.common[k];
             const bool is_free = !landscape::is_at_bound(state.end.search.unit[b][k]);
@@ -214,10 +215,8 @@ void conclude(const RoadState& state, const std::vector<RoadStation>& judged, co
         StationFit& fit = *state.tasks[i].station->fit;
         for (std::size_t k = 0; k < axes.size(); ++k) {
             const auto at = static_cast<Index>(k);
-            j.alone.push_back(
-                range_about(axes[k], alone[i].unit[k], quantile * std::sqrt(by_itself.back()(at, at))));
-            fit.parameters.push_back(
-                range_about(axes[k], state.points[i].unit[k], quantile * std::sqrt(own(at, at))));
+            j.alone.push_back(range_about(axes[k], alone[i].unit[k], quantile * std::sqrt(by_itself.back()(at, at))));
+            fit.parameters.push_back(range_about(axes[k], state.points[i].unit[k], quantile * std::sqrt(own(at, at))));
         }
         fit.local.chi2 = j.chi2;
         fit.local.degrees_of_freedom = static_cast<int>(std::lround(j.dof));

@@ -52,7 +52,8 @@ Predicted predicted_at(const RoadState& state, std::size_t i, const study::Study
         }
     }
     p.spread = logarithmic * covariance * logarithmic.transpose();
-    const MatrixXd along = logarithmic(Eigen::all, station.shared) + logarithmic(Eigen::all, station.own) * station.following;
+    const MatrixXd along =
+        logarithmic(Eigen::all, station.shared) + logarithmic(Eigen::all, station.own) * station.following;
     for (std::size_t c = 0; c < station.to.size(); ++c) {
         p.by_common.col(station.to[c]) = along.col(static_cast<Index>(c));
     }
@@ -87,8 +88,7 @@ void add_sensors(const std::vector<Predicted>& all, const MatrixXd& common, With
         for (const auto& [p, r] : readings) {
             squares += std::pow(p->deviation[r] - mean, 2);
         }
-        const double error =
-            std::sqrt(squares / (n - 1.0) / n + (by_common * common * by_common.transpose()).value());
+        const double error = std::sqrt(squares / (n - 1.0) / n + (by_common * common * by_common.transpose()).value());
         level.sensors.push_back({.offset_mm = offset,
                                  .stations = readings.size(),
                                  .mean_percent = 100.0 * std::expm1(mean),
@@ -131,17 +131,18 @@ std::vector<WithheldBowls> withhold(SurveyResult& survey, const LoadLevel& level
         withheld.push_back(std::move(out));
     }
     if (withheld.empty()) {
-        throw pave::Error({.key = "--withhold"}, "no station has a load level near this one and another to be fitted to",
-                          level.pressure_kPa ? fmt::format("{:g} kPa", *level.pressure_kPa)
-                                             : fmt::format("{:g} kN", *level.force_kN),
-                          "one of several load levels");
+        throw pave::Error(
+            {.key = "--withhold"}, "no station has a load level near this one and another to be fitted to",
+            level.pressure_kPa ? fmt::format("{:g} kPa", *level.pressure_kPa) : fmt::format("{:g} kN", *level.force_kN),
+            "one of several load levels");
     }
     return withheld;
 }
 
-std::optional<WithheldLevel>
-predict(const RoadState& state, const SurveyResult& survey, const std::vector<WithheldBowls>& withheld,
-        const std::function<problem::Problem(const study::Study&)>& make_problem, double noise_factor) {
+std::optional<WithheldLevel> predict(const RoadState& state, const SurveyResult& survey,
+                                     const std::vector<WithheldBowls>& withheld,
+                                     const std::function<problem::Problem(const study::Study&)>& make_problem,
+                                     double noise_factor) {
     const MatrixXd common = common_covariance(state);
     std::vector<std::optional<Predicted>> found(state.members.size());
     const bool finished = state.stations.for_each(state.members.size(), [&](std::size_t m) {

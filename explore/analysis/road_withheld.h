@@ -16,8 +16,9 @@ struct WithheldBowls {
 std::vector<WithheldBowls> withhold(SurveyResult& survey, const LoadLevel& level);
 
 // What the members say of them. make_problem: of a station's study, in units of noise. Nothing: interrupted.
-std::optional<WithheldLevel>
-predict(const RoadState& state, const SurveyResult& survey, const std::vector<WithheldBowls>& withheld,
-        const std::function<problem::Problem(const study::Study&)>& make_problem, double noise_factor);
+std::optional<WithheldLevel> predict(const RoadState& state, const SurveyResult& survey,
+                                     const std::vector<WithheldBowls>& withheld,
+                                     const std::function<problem::Problem(const study::Study&)>& make_problem,
+                                     double noise_factor);
 
 } // namespace explore::analysis

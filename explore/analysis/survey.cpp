@@ -48,9 +48,8 @@ bool fit_stations(Session& session, SurveyResult& result) {
     const auto begin = std::chrono::steady_clock::now();
     std::vector<landscape::BatchItem> items;
     std::vector<std::string> why_none; // should a station end without a result
-    Exploration exploration(result,
-                            search::sobol(result.study->space, survey_explored_points, session.options().seed), session,
-                            "survey");
+    Exploration exploration(result, search::sobol(result.study->space, survey_explored_points, session.options().seed),
+                            session, "survey");
     for (const StationTask& task : tasks) {
         auto starts = exploration.starts(task, settings);
         if (!starts) {

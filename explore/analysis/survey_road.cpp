@@ -201,8 +201,7 @@ std::optional<SurveyResult::Floor> floor_of(const SurveyResult& result, const st
     if (!without) {
         return std::nullopt;
     }
-    return SurveyResult::Floor{static_cast<std::size_t>(task.station - result.stations.data()),
-                               std::move(*without)};
+    return SurveyResult::Floor{static_cast<std::size_t>(task.station - result.stations.data()), std::move(*without)};
 }
 
 } // namespace explore::analysis

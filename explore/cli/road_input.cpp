@@ -39,9 +39,8 @@ void add_road_input(CLI::App& app, RoadInput& input) {
 int run_road(const RoadInput& input, const std::string& name,
              const std::function<std::optional<RoadPages>(analysis::Session&, std::vector<data::FwdFile>)>& analyse) {
     analysis::RoadFiles road = analysis::read_road(input.files, input.columns);
-    const std::string folder = input.common.out.empty()
-                                   ? "output/" + std::filesystem::path(input.files[0]).stem().string()
-                                   : input.common.out;
+    const std::string folder =
+        input.common.out.empty() ? "output/" + std::filesystem::path(input.files[0]).stem().string() : input.common.out;
     analysis::refuse_other_road(folder, name, road);
     analysis::Session session(input.common.run(folder));
     auto pages = analyse(session, std::move(road.files));

@@ -1,6 +1,6 @@
 // pavescape survey: a road of FWD stations; deflection ratios, and the parameters of a study at every station.
-#include "cli/road_input.h"
 #include "report/survey.h"
+#include "cli/road_input.h"
 
 namespace explore::cli {
 namespace {

@@ -42,8 +42,8 @@ ArrowResult arrow_gauss_newton(const std::vector<ArrowBlock>& blocks, std::vecto
 
 // What the normal matrices say of the unknowns, for residuals of unit variance.
 struct ArrowCovariance {
-    Eigen::MatrixXd information; // of the common unknowns, the others free: the Schur complement
-    Eigen::MatrixXd common;      // its inverse
+    Eigen::MatrixXd information;         // of the common unknowns, the others free: the Schur complement
+    Eigen::MatrixXd common;              // its inverse
     std::vector<Eigen::MatrixXd> blocks; // covariance of the unknowns of each block, common and own
 };
 // Every unknown gets an information of 1e-6 besides (a standard deviation of a thousand boxes), so that one that no

@@ -90,16 +90,15 @@ Json road_json(const RoadResult& result) {
     json["degrees_of_freedom"] = result.dof;
     json["p_value"] = result.p_value;
     json["noise_factor"] = result.noise_factor();
-    json["conflict"] = {{"chi2", result.conflict_chi2},
-                        {"degrees_of_freedom", result.conflict_dof},
-                        {"p_value", result.conflict_p}};
+    json["conflict"] = {
+        {"chi2", result.conflict_chi2}, {"degrees_of_freedom", result.conflict_dof}, {"p_value", result.conflict_p}};
     json["weakest"] = {{"direction", result.weakest}, {"sd", result.weakest_sd}, {"condition", result.condition}};
     if (result.withheld) {
         const analysis::WithheldLevel& w = *result.withheld;
-        json["withheld"] = {{"stations", w.stations},       {"readings", w.readings},
-                            {"rms_percent", w.rms_percent}, {"noise_percent", w.noise_percent},
-                            {"chi2", w.chi2},               {"p_value", w.p_value},
-                            {"sensors", Json::array()}};
+        json["withheld"] = {
+            {"stations", w.stations},           {"readings", w.readings}, {"rms_percent", w.rms_percent},
+            {"noise_percent", w.noise_percent}, {"chi2", w.chi2},         {"p_value", w.p_value},
+            {"sensors", Json::array()}};
         for (const auto& s : w.sensors) {
             json["withheld"]["sensors"].push_back({{"offset_mm", s.offset_mm},
                                                    {"stations", s.stations},

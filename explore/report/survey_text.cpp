@@ -210,9 +210,8 @@ std::string section_table(const SurveyResult& result) {
 std::string survey_text(const SurveyResult& result) {
     const analysis::SurveyCounts counts = result.counts();
     std::string text = result.study ? study_summary(*result.study) + "\n" : "";
-    text +=
-        fmt::format("{}: {} pass, {} fail, {} rejected", counted(result.stations.size(), "station", "stations"),
-                    counts.pass, counts.fail, counts.rejected);
+    text += fmt::format("{}: {} pass, {} fail, {} rejected", counted(result.stations.size(), "station", "stations"),
+                        counts.pass, counts.fail, counts.rejected);
     if (result.study) {
         text += fmt::format(
             "; {} back-calculated, {} failed{}\n  {} in {}", counts.fitted, counts.failed,

@@ -50,9 +50,8 @@ struct Blocks {
         return Answer::computed;
     }
     ArrowObjective objective() const {
-        return [this](std::size_t block, std::span<const double> unit, Sample& sample) {
-            return at(block, unit, sample);
-        };
+        return
+            [this](std::size_t block, std::span<const double> unit, Sample& sample) { return at(block, unit, sample); };
     }
     std::vector<std::vector<double>> middle() const {
         std::vector<std::vector<double>> start;
@@ -160,9 +159,8 @@ TEST(ArrowGaussNewton, SolvesTheLinearProblemThatANormalEquationSolves) {
     const auto arrow = arrow_gauss_newton(blocks.blocks, blocks.middle(), blocks.objective(), one_by_one, exact);
     const std::vector<double> zero(static_cast<std::size_t>(blocks.unknowns()), 0.0);
     const Sample dense = blocks.dense(zero);
-    const VectorXd solution = (dense.jacobian.transpose() * dense.jacobian)
-                                  .ldlt()
-                                  .solve(-dense.jacobian.transpose() * dense.residuals);
+    const VectorXd solution =
+        (dense.jacobian.transpose() * dense.jacobian).ldlt().solve(-dense.jacobian.transpose() * dense.residuals);
     const auto columns = blocks.columns();
     for (std::size_t i = 0; i < columns.size(); ++i) {
         for (std::size_t k = 0; k < columns[i].size(); ++k) {
