@@ -2,8 +2,15 @@
 
 #include "analysis/feasible.h"
 
+#include "analysis/compare.h"
 #include "analysis/fit.h"
 #include "analysis/map.h"
+#include "analysis/sensitivity.h"
+#include "base/text.h"
+#include "landscape/uniqueness.h"
+#include "material/catalog.h"
+#include "study/laws.h"
+#include "study/variants.h"
 
 #include <algorithm>
 #include <chrono>
@@ -87,10 +94,48 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
                                 : grid > 0 ? ", a Sobol sample: the full grid has too many points"
                                            : ", a Sobol sample"),
                     shared(points * timing.forward)});
-    constexpr int steps = 15; // a search takes, on a deflection bowl
+    // What the searches and walks below take was counted on studies of two to five parameters; it varies twofold.
+    constexpr int steps = 15; // of a search, on a deflection bowl
+    const double with = timing.fitted_with_derivatives;
     const int starts = landscape::MultistartSettings{}.starts;
     list.push_back({"fit", fmt::format("{}, then {} searches of some {} with derivatives", fit_points, starts, steps),
-                    shared(fit_points * timing.fitted_forward + starts * steps * timing.fitted_with_derivatives)});
+                    shared(fit_points * timing.fitted_forward + starts * steps * with)});
+    const auto count = static_cast<int>(study.space.axes.size());
+    const landscape::UniquenessSettings settings;
+    const int searches = settings.verify + 2 * count;
+    constexpr int walk = 30; // runs from the best fit to one end of a range
+    const auto outputs = static_cast<int>(study.outputs().size());
+    const double unique =
+        (settings.explore + steps * searches + 2 * walk * count) * with + 2 * walk * outputs * timing.with_derivatives;
+    list.push_back(
+        {"unique",
+         fmt::format("{} and {} searches with derivatives, then some {} a range of {}", settings.explore, searches,
+                     2 * walk, pave::counted(static_cast<std::size_t>(count + outputs), "quantity", "quantities")),
+         shared(unique)});
+    const auto candidates = static_cast<double>(study::variants(study, {}).size());
+    constexpr int single = 8;    // runs with derivatives of a candidate
+    constexpr int screening = 6; // and without
+    constexpr double pairs_and_simulations = 2.0;
+    list.push_back({"diagnose",
+                    fmt::format("{:.0f} variants of effects alone and in pairs, of some {} runs each, and fits of "
+                                "simulated data",
+                                candidates, single + screening),
+                    shared(pairs_and_simulations * candidates * (single * with + screening * timing.fitted_forward))});
+    const SensitivityOptions sensitivity;
+    const int runs = sensitivity.samples * (count + 2) + sensitivity.points * count;
+    list.push_back(
+        {"sensitivity", fmt::format("{}, a sample of the box and curves", runs), shared(runs * timing.forward)});
+    if (study::stress_dependent_layers(study).size() == 1) {
+        const std::size_t laws = pave::material::laws().size();
+        list.push_back({"compare", fmt::format("what unique takes, for each of {} laws", laws),
+                        shared(static_cast<double>(laws) * unique)});
+    }
+    if (study.model.loads.size() == 1 && study.model.loads[0].type == pave::pavement::LoadType::plate) {
+        constexpr int station_starts = 4;
+        list.push_back({"survey, a station of one drop",
+                        fmt::format("{} searches of some {} with derivatives", station_starts, steps),
+                        shared(station_starts * steps * with)});
+    }
     return list;
 }
 

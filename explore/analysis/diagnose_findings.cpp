@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "pavement/effects/effect.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -91,6 +92,25 @@ private:
                            effect.in_words(applied));
     }
 
+    // The variants of the named effect that fit these readings as well.
+    std::string alike_words() const {
+        const auto& members = d.extended->model.members;
+        const auto found = std::find_if(d.effects.begin(), d.effects.end(), [&](const auto& effect) {
+            return members.size() == 1 && effect.candidate == members[0];
+        });
+        if (found == d.effects.end() || found->alike.empty()) {
+            return "";
+        }
+        std::vector<std::string> others;
+        for (const auto& other : found->alike) {
+            others.push_back(fmt::format("{} = {} (95 %: {} to {}; chi2 {:.1f} higher)",
+                                         variant_words(candidates[other.candidate]), figure(other.size.value),
+                                         figure(other.size.low), figure(other.size.high), other.behind));
+        }
+        return fmt::format("These readings do not tell it from {}: the effect is named, not where it acts.",
+                           pave::join(others, " or "));
+    }
+
     void verdict(std::vector<std::string>& text) const {
         switch (d.verdict) {
         case Verdict::adequate:
@@ -115,6 +135,9 @@ private:
                 found.push_back(effect_words(m));
             }
             text.push_back("CAUSE NAMED: the model lacks " + pave::join(found, " and ") + ".");
+            if (std::string words = alike_words(); !words.empty()) {
+                text.push_back(std::move(words));
+            }
             for (const std::size_t c : d.extended->model.members) {
                 text.emplace_back(variants[c].applied.effect->mechanism);
             }

@@ -2,12 +2,15 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "landscape/confirmation.h"
 #include "landscape/uniqueness.h"
 
 #include <fmt/format.h>
 
 namespace explore::analysis {
 namespace {
+
+constexpr int first_confirming = landscape::first_start_of_others + 1000; // start of a chain
 
 search::Design make_design(FitOptions& options, const study::Study& study, std::uint64_t seed) {
     if (options.scheme == Scheme::multistart) {
@@ -78,6 +81,15 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
     if (result.failed()) {
         result.tally = engine.tally();
         return result;
+    }
+    std::size_t searched = result.design.points.size();
+    for (const run::Endpoint& end : result.searches.ends) {
+        searched += static_cast<std::size_t>(end.search.evaluations);
+    }
+    if (!landscape::confirm(engine, result.problem, landscape::confirming_method(options.multistart.method),
+                            landscape::analyse(result.best(), result.problem).noise,
+                            landscape::confirming_evaluations(searched), first_confirming, result.searches.minima)) {
+        return std::nullopt;
     }
     const Predictor predictor(study);
     landscape::Minimum& best = result.searches.minima[0];

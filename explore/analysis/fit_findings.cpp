@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "landscape/confirmation.h"
 
 #include <Eigen/SVD>
 #include <cmath>
@@ -198,6 +199,9 @@ std::vector<std::string> findings(const FitResult& result) {
                                    minima[1].evaluation.misfit / best.evaluation.misfit));
     } else if (starts > 1) {
         text.push_back("No start ended anywhere else. That does not prove that there is no other minimum.");
+    }
+    if (std::string words = landscape::confirmation_words(minima); !words.empty()) {
+        text.push_back(std::move(words));
     }
     // How far each parameter reaches over everything that fits as well.
     std::vector<std::string> loose;

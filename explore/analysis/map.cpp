@@ -1,6 +1,7 @@
 #include "analysis/map.h"
 
 #include "base/error.h"
+#include "study/problems.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -26,8 +27,15 @@ search::Design make_design(const MapOptions& options, const study::Study& study,
     return search::full_grid(study.space, options.points);
 }
 
-// The full model at the points where the reduced one found the lowest misfits, by its own. False: interrupted.
-bool confirm(Session& session, MapResult& map, const std::string& settings) {
+// Whether some load is only asked for, or held out: a map explores without it.
+bool has_more_to_predict(const study::Study& study) {
+    const std::vector<bool> fitted = study::fitted_loads(study);
+    return std::any_of(study.model.sensors.begin(), study.model.sensors.end(),
+                       [&](const auto& sensor) { return !fitted[static_cast<std::size_t>(sensor.load)]; });
+}
+
+// The full model with every response at the lowest points. False: interrupted.
+bool complete(Session& session, MapResult& map, const std::string& settings) {
     search::Design again{map.design.name, {}};
     for (const auto& low : map.lowest) {
         again.points.push_back(map.design.points[low.number]);
@@ -36,12 +44,17 @@ bool confirm(Session& session, MapResult& map, const std::string& settings) {
     run::Engine engine(full, session.store(),
                        session.begin(map.study, "map", settings + ", its lowest by the full model"),
                        {.threads = session.options().threads, .show_progress = false});
-    auto confirmed = engine.evaluate(again);
-    if (!confirmed) {
+    auto computed = engine.evaluate(again);
+    if (!computed) {
         return false;
     }
     for (std::size_t k = 0; k < map.lowest.size(); ++k) {
-        map.lowest[k].evaluation = std::move((*confirmed)[k]);
+        if (!map.options.model.confirmed() && !(*computed)[k].converged()) {
+            // What the map found stands; what it did not ask for has no answer there.
+            map.lowest[k].evaluation.warnings.push_back("not all loads have an answer here: " + (*computed)[k].reason);
+            continue;
+        }
+        map.lowest[k].evaluation = std::move((*computed)[k]);
     }
     std::stable_sort(map.lowest.begin(), map.lowest.end(), [](const auto& a, const auto& b) {
         return a.evaluation.converged() && !(a.evaluation.misfit >= b.evaluation.misfit); // the others have no misfit
@@ -72,7 +85,8 @@ std::optional<MapResult> map(Session& session, const study::Study& study, const 
                      .explored = {},
                      .reduced = std::move(reduced),
                      .tally = {}};
-    const problem::Problem problem = result.reduced ? result.reduced->problem : study::make_problem(study);
+    const problem::Problem problem =
+        result.reduced ? result.reduced->problem : study::make_problem(study, study::Scope::fitted);
     const std::string settings = result.design.run_name() + (result.reduced ? result.reduced->settings : "");
     auto engine = session.engine(problem, session.begin(study, "map", settings));
     std::optional<std::vector<problem::Evaluation>> evaluations;
@@ -93,7 +107,8 @@ std::optional<MapResult> map(Session& session, const study::Study& study, const 
     for (const std::size_t i : run::distinct_starts(result.design, result.evaluations, 10, 0.0)) {
         result.lowest.push_back({i, result.evaluations[i]});
     }
-    if (options.model.confirmed() && !confirm(session, result, settings)) {
+    const bool to_complete = options.model.confirmed() || (!options.model.alone() && has_more_to_predict(study));
+    if (!result.failed() && to_complete && !complete(session, result, settings)) {
         return std::nullopt;
     }
     return result;

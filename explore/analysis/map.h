@@ -20,7 +20,7 @@ struct MapOptions {
 struct MapResult {
     struct Low {
         std::size_t number = 0;         // of the point
-        problem::Evaluation evaluation; // by the full model where that confirms
+        problem::Evaluation evaluation; // by the full model where that confirms; every response but by the reduced one
     };
     study::Study study;
     MapOptions options;

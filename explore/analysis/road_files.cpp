@@ -14,11 +14,16 @@ namespace explore::analysis {
 
 RoadFiles read_road(const std::vector<std::string>& names, const std::string& columns) {
     const data::ColumnMap map = columns.empty() ? data::ColumnMap{} : data::read_column_map(columns);
-    RoadFiles road{.names = names, .files = {}, .content = {}};
+    RoadFiles road{.names = names, .files = {}, .inputs = {}, .content = {}};
     std::string text;
     for (const std::string& name : names) {
         road.files.push_back(data::read_fwd(name, map));
-        text += data::read_file(name, "FWD file", data::Encoding::of_instruments) + '\f';
+        const auto& inputs = road.files.back().inputs;
+        road.inputs.insert(road.inputs.end(), inputs.begin(), inputs.end());
+        text += inputs[0].bytes + '\f';
+    }
+    if (std::error_code error; !columns.empty() && std::filesystem::exists(columns, error)) {
+        road.inputs.push_back({columns, data::read_file(columns, "list of columns", data::Encoding::of_instruments)});
     }
     road.content = data::hash_of(text);
     return road;

@@ -8,7 +8,8 @@ namespace explore::analysis {
 struct RoadFiles {
     std::vector<std::string> names;
     std::vector<data::FwdFile> files;
-    std::string content; // a hash of what they hold, whatever they are called
+    std::vector<data::InputFile> inputs; // of all that was read, the list of columns included
+    std::string content;                 // a hash of what the files hold, whatever they are called
 };
 
 // columns: as data::read_column_map takes it; empty: the columns' own names. Throws pave::Error.

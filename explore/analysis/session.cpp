@@ -59,6 +59,10 @@ int Session::begin(const study::Study& study, const std::string& name, const std
                                                      .arguments = options_.arguments,
                                                      .directory = std::filesystem::current_path().string(),
                                                      .threads = run::concurrency(options_.threads)});
+        store_->keep_inputs({}, options_.inputs);
+    }
+    if (study.inputs) {
+        store_->keep_inputs(study.file_hash, *study.inputs);
     }
     run::RunHeader header;
     header.key = {name, study.hash, settings};

@@ -10,8 +10,9 @@ struct RunOptions {
     std::string folder{}; // of the results; empty: nothing is kept
     int threads = 0;      // 0: as many as the machine has
     std::uint64_t seed = 1;
-    bool show_progress = true;            // on a terminal
-    std::vector<std::string> arguments{}; // of the command line, for the store
+    bool show_progress = true;             // on a terminal
+    std::vector<std::string> arguments{};  // of the command line, for the store
+    std::vector<data::InputFile> inputs{}; // that are read besides the studies, for the store
 };
 
 enum class ModelUse {

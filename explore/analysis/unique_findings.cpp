@@ -175,6 +175,9 @@ std::vector<std::string> findings(const UniqueResult& result) {
             "No reading is sensitive to {} here: crossing the whole range changes none by more than its noise.",
             pave::join(names_of(space, u.directions.dead))));
     }
+    if (!u.confirmation.empty()) {
+        say(u.confirmation);
+    }
     std::vector<std::string> wide;
     for (std::size_t k = 0; k < u.parameters.size(); ++k) {
         const Range& r = u.parameters[k];

@@ -29,8 +29,8 @@ Json sessions_in(const run::Store& store) {
     return sessions;
 }
 
-// The studies that the results came from, while they are still the same.
-Json studies_of(const Json& results) {
+// The studies that the results came from, as they were run. store: may be nullptr.
+Json studies_of(const Json& results, const run::Store* store) {
     Json studies = Json::array();
     std::set<std::string> seen;
     for (const auto& [command, result] : results.items()) {
@@ -46,14 +46,10 @@ Json studies_of(const Json& results) {
         Json study = {{"file", std::filesystem::path(file).filename().string()},
                       {"title", of.value("title", "")},
                       {"hash", hash}};
-        try {
-            if (study::load_study(file).hash == hash) {
-                study["text"] = contents(file);
-            } else {
-                study["note"] = "The study or its data have been changed since this run; they are not shown.";
-            }
-        } catch (const pave::Error&) {
-            study["note"] = "The study can no longer be read where it was.";
+        if (const auto text = store != nullptr ? store->study_text(hash) : std::nullopt) {
+            study["text"] = *text;
+        } else {
+            study["note"] = "This run has not kept the text of its study.";
         }
         studies.push_back(std::move(study));
     }
@@ -62,11 +58,12 @@ Json studies_of(const Json& results) {
 
 int make_report(const std::string& folder, const std::string& out) {
     RunFolder read = read_run_folder(folder);
-    Json sessions = Json::array();
+    std::optional<run::Store> store;
     if (std::filesystem::exists(std::filesystem::path(folder) / "run.sqlite")) {
-        sessions = sessions_in(run::Store(folder));
+        store.emplace(folder);
     }
-    Json studies = studies_of(read.results);
+    Json sessions = store ? sessions_in(*store) : Json::array();
+    Json studies = studies_of(read.results, store ? &*store : nullptr);
     const std::string text = report::page({{"folder", std::filesystem::canonical(folder).filename().string()},
                                            {"version", analysis::version},
                                            {"results", std::move(read.results)},

@@ -2,6 +2,7 @@
 #include "analysis/build.h"
 #include "base/text.h"
 #include "cli/commands.h"
+#include "run/inputs.h"
 #include "run/interrupt.h"
 #include "run/message.h"
 
@@ -211,14 +212,18 @@ int rerun(const std::string& folder, bool json) {
         }
     }
     const Scratch scratch;
+    const Scratch files;
     for (const run::Session& session : sessions) {
         const std::string command = session.arguments.empty() ? "" : session.arguments[0];
         if (std::find(repeatable.begin(), repeatable.end(), command) == repeatable.end()) {
             throw pave::Error({.file = folder, .key = "RUN"}, "the store names a command that is not repeated",
                               "\"" + command + "\"", pave::join(repeatable));
         }
-        run::message("repeating: pavescape {}\n", fmt::join(session.arguments, " "));
-        const int status = start(redirected(session.arguments, scratch.path()), session.directory);
+        const run::Start again =
+            run::laid_out({session.arguments, session.directory}, old_store.inputs(session.id), files.path());
+        run::message("repeating: pavescape {}{}\n", fmt::join(session.arguments, " "),
+                     again.changed ? " (a file has been changed since: from the texts that the run keeps)" : "");
+        const int status = start(redirected(again.arguments, scratch.path()), again.directory);
         if (status != done && status != computation_failed) {
             return status;
         }

@@ -42,7 +42,9 @@ int run_road(const RoadInput& input, const std::string& name,
     const std::string folder =
         input.common.out.empty() ? "output/" + std::filesystem::path(input.files[0]).stem().string() : input.common.out;
     analysis::refuse_other_road(folder, name, road);
-    analysis::Session session(input.common.run(folder));
+    analysis::RunOptions run = input.common.run(folder);
+    run.inputs = std::move(road.inputs);
+    analysis::Session session(std::move(run));
     auto pages = analyse(session, std::move(road.files));
     if (!pages) {
         return report_interrupt(folder);

@@ -43,4 +43,10 @@ enum class Encoding {
 };
 std::string read_file(const std::string& file, std::string_view what, Encoding encoding = Encoding::utf8);
 
+// A file that something was made from, as it was then.
+struct InputFile {
+    std::string path;  // as it was opened
+    std::string bytes; // what read_file made of it
+};
+
 } // namespace explore::data

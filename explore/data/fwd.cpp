@@ -34,7 +34,9 @@ FwdFile read_fwd(const std::string& file, const ColumnMap& columns) {
     std::string signs;
     for (const FwdFormat& format : fwd_formats()) {
         if (format.recognises(text, columns)) {
-            return format.read(text, file, columns);
+            FwdFile read = format.read(text, file, columns);
+            read.inputs.insert(read.inputs.begin(), {file, text});
+            return read;
         }
         signs += (signs.empty() ? "" : "; ") + std::string(format.name) + ": " + std::string(format.sign);
     }

@@ -1,6 +1,8 @@
 // What a falling weight deflectometer (FWD) measured along a road, whatever file it came from.
 #pragma once
 
+#include "data/csv.h"
+
 #include <map>
 #include <optional>
 #include <span>
@@ -46,6 +48,7 @@ struct FwdStation {
 struct FwdFile {
     std::vector<FwdStation> stations; // in its order
     std::vector<std::string> remarks; // of the file as a whole, in words
+    std::vector<InputFile> inputs{};  // the file, and the tables beside it that were read
 };
 
 // The file itself. Throws pave::Error where it holds no drops; allowed: what holds drops in its format, in words.

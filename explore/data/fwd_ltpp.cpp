@@ -84,8 +84,8 @@ private:
     std::map<std::string, std::size_t> columns_;
 };
 
-// Another table, from the folder of the first.
-Table table_beside(const std::string& file, std::string_view table) {
+// Another table, from the folder of the first; read: takes it up.
+Table table_beside(const std::string& file, std::string_view table, std::vector<InputFile>& read) {
     const std::filesystem::path path(file);
     std::string name = lower_case(path.filename().string());
     const std::size_t at = name.find(lower_case(drop_table));
@@ -96,7 +96,8 @@ Table table_beside(const std::string& file, std::string_view table) {
     for (const auto& entry : std::filesystem::directory_iterator(folder, unreadable)) {
         if (lower_case(entry.path().filename().string()) == name) {
             const std::string found = entry.path().string();
-            return {read_file(found, "LTPP table", Encoding::of_instruments), found};
+            read.push_back({found, read_file(found, "LTPP table", Encoding::of_instruments)});
+            return {read.back().bytes, found};
         }
     }
     throw pave::Error({.file = file}, fmt::format("the table {} is not beside it", table), {},
@@ -124,14 +125,14 @@ struct Configuration {
     std::vector<Sensor> sensors;
 };
 
-std::map<std::string, Configuration> read_configurations(const std::string& file) {
+std::map<std::string, Configuration> read_configurations(const std::string& file, std::vector<InputFile>& read) {
     std::map<std::string, Configuration> found;
-    const Table devices = table_beside(file, "MON_DEFL_DEV_CONFIG");
+    const Table devices = table_beside(file, "MON_DEFL_DEV_CONFIG", read);
     for (std::size_t r = 0; r < devices.rows(); ++r) {
         devices.cell(r, "PLATE_RADIUS"); // the column must be there
         found[devices.key(r, configuration_column)].radius_mm = devices.reading(r, "PLATE_RADIUS").value_or(NAN);
     }
-    const Table sensors = table_beside(file, "MON_DEFL_DEV_SENSORS");
+    const Table sensors = table_beside(file, "MON_DEFL_DEV_SENSORS", read);
     for (std::size_t r = 0; r < sensors.rows(); ++r) {
         sensors.cell(r, "CENTER_OFFSET");
         if (const auto offset = sensors.reading(r, "CENTER_OFFSET")) {
@@ -151,11 +152,11 @@ bool recognises_fwd_ltpp(std::string_view text, const ColumnMap& /*columns*/) {
 
 FwdFile read_fwd_ltpp(std::string_view text, const std::string& file, const ColumnMap& /*columns*/) {
     const Table drops(text, file);
-    const Table places = table_beside(file, "MON_DEFL_LOC_INFO");
-    const auto place_of = places.index(station_columns);
-    const auto configurations = read_configurations(file);
-
     FwdFile result;
+    const Table places = table_beside(file, "MON_DEFL_LOC_INFO", result.inputs);
+    const auto place_of = places.index(station_columns);
+    const auto configurations = read_configurations(file, result.inputs);
+
     auto& stations = result.stations;
     std::vector<const Configuration*> configuration_of; // null: not known
     std::unordered_map<std::string, std::size_t> known;

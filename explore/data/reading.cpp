@@ -64,10 +64,6 @@ std::string measurement_row(const Reading& r) {
                        r.gauge_mm, r.value, r.unit.name, r.sigma ? fmt::format("{}", *r.sigma) : "");
 }
 
-std::vector<Reading> read_measurements(const std::string& file) {
-    return measurements_of(read_file(file, "measurement file"), file);
-}
-
 std::vector<Reading> measurements_of(std::string_view text, const std::string& file) {
     const auto rows = parse_csv(text, file);
     const std::string header_words = "the header " + std::string(measurement_header());

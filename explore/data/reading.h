@@ -49,9 +49,8 @@ struct Reading {
 
 // Reads the measurement format of this project: RFC 4180 with a header
 // load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma; lines that start with # are comments; sigma may be
-// empty. Columns may come in any order; the ones named must all be there and no others. Throws pave::Error.
-std::vector<Reading> read_measurements(const std::string& file);
-// The same from the text of such a file, which messages call `file`.
+// empty. Columns may come in any order; the ones named must all be there and no others. text: of a file that messages
+// call `file`. Throws pave::Error.
 std::vector<Reading> measurements_of(std::string_view text, const std::string& file);
 
 // The header line of that format, and a reading as a row of it.

@@ -331,8 +331,12 @@ private:
                 effect.impossible = d_.screening.items[c].impossible;
             }
         }
+        singles_.clear();
         for (std::size_t i = 0; i < chosen.size(); ++i) {
             EffectResult& effect = d_.effects[index[task_.candidates[chosen[i]].effect]];
+            if (models[i]) {
+                singles_.emplace_back(chosen[i], *models[i]);
+            }
             if (models[i] && (!effect.fit || models[i]->sum < effect.fit->model.sum)) {
                 effect.candidate = chosen[i];
                 effect.fit = judge(std::move(*models[i]));
@@ -349,6 +353,23 @@ private:
             }
         }
         set_statistics();
+    }
+
+    // The other variants of an effect that were fitted and are not rejected beside its best one.
+    std::vector<Alike> alike_of(const EffectResult& effect) const {
+        constexpr double rejected = 3.84; // chi2, 95 %
+        std::vector<Alike> list;
+        for (const auto& [candidate, model] : singles_) {
+            const double behind = (model.sum - effect.fit->model.sum) / d_.variance;
+            if (candidate != effect.candidate && behind <= rejected &&
+                task_.candidates[candidate].effect == task_.candidates[effect.candidate].effect) {
+                const auto problem = bench_.problem(model.members);
+                list.push_back(
+                    {candidate, behind, interval_of(*problem, model, problem->space.axes.size() - 1, d_.variance)});
+            }
+        }
+        std::stable_sort(list.begin(), list.end(), [](const Alike& a, const Alike& b) { return a.behind < b.behind; });
+        return list;
     }
 
     // Everything that depends on the variance.
@@ -370,6 +391,7 @@ private:
                 effect.delta_aicc = effect.fit->aicc - d_.baseline.aicc;
                 const auto problem = bench_.problem(effect.fit->model.members);
                 effect.size = interval_of(*problem, effect.fit->model, problem->space.axes.size() - 1, d_.variance);
+                effect.alike = alike_of(effect);
             }
         }
         std::stable_sort(d_.effects.begin(), d_.effects.end(), [&](const EffectResult& a, const EffectResult& b) {
@@ -874,6 +896,7 @@ private:
     Diagnosis d_;
     std::vector<Model> explored_; // points of the sample: residuals, no derivatives
     std::vector<Judged> explanations_;
+    std::vector<std::pair<std::size_t, Model>> singles_; // every fit of one effect, by its candidate
     int attempts_ = 0;
 };
 

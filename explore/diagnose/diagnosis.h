@@ -55,6 +55,13 @@ struct Interval {
 // 95 % interval of a parameter of a fitted model, to first order, within its range.
 Interval interval_of(const problem::Problem& problem, const Model& model, std::size_t axis, double variance);
 
+// Another variant of an effect, which these readings do not tell from the one that explains most.
+struct Alike {
+    std::size_t candidate = 0;
+    double behind = 0.0; // chi2 above that of the variant that explains most
+    Interval size;
+};
+
 // What became of one effect.
 struct EffectResult {
     std::size_t candidate = 0; // its variant that explains most
@@ -66,6 +73,7 @@ struct EffectResult {
     double delta_aicc = 0.0;
     std::optional<Judged> fit; // with this effect alone
     Interval size;
+    std::vector<Alike> alike; // within what the data tell apart (95 %, one degree of freedom), nearest first
 };
 
 // A set of effects that explains the data, and how much worse than the best it is.

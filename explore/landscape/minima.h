@@ -3,6 +3,8 @@
 
 #include "run/engine.h"
 
+#include <optional>
+
 namespace explore::landscape {
 
 // A parameter of the best point that lies on a bound of its range.
@@ -17,13 +19,23 @@ bool is_at_bound(double unit);
 std::string bound_words(const problem::ParameterSpace& space, const BoundMet& bound);
 std::vector<std::string> bound_words(const problem::ParameterSpace& space, const std::vector<BoundMet>& bounds);
 
+// What a second method said of a minimum (landscape/confirmation.h).
+struct Confirmation {
+    std::string_view method;
+    bool agrees = false;        // it found nothing lower that the noise tells apart, or hardly moved
+    double misfit_before = 0.0; // where the first method ended
+    int evaluations = 0;
+    std::string ended; // in words
+};
+
 struct Minimum {
     problem::Evaluation evaluation; // of the best member, with jacobian
     std::vector<double> unit;       // its unit coordinates
     std::vector<int> members;       // numbers of the starts that ended here, best first
     std::vector<BoundMet> on_bound;
-    std::vector<double> lowest, highest; // of each parameter over the members, physical
-    bool converged = false;              // the search of the best member met a tolerance
+    std::vector<double> lowest, highest;  // of each parameter over the members, physical
+    bool converged = false;               // the search of the best member met a tolerance
+    std::optional<Confirmation> second{}; // nothing: no second method was asked
 };
 
 // Two ends are one minimum when they lie within 1 % of the box of each other, or when the misfit tells them apart by

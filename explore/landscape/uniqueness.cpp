@@ -1,6 +1,7 @@
 #include "landscape/uniqueness.h"
 
 #include "base/random.h"
+#include "landscape/confirmation.h"
 #include "landscape/multistart.h"
 
 #include <algorithm>
@@ -25,6 +26,7 @@ constexpr int groups_round = 99;
 constexpr int confirming_round = 98;
 static_assert(first_of(parts, groups_round) <= first_start_of_others);
 
+constexpr int most_rounds = 4;
 constexpr std::string_view search_method = "gauss-newton";
 
 class Analysis {
@@ -39,33 +41,14 @@ public:
             result_.missing.emplace_back("not one explored point has an answer");
             return std::move(result_);
         }
-        constexpr int most_rounds = 4; // a walk that finds a better minimum begins a new round
-        for (int round = 0; round < most_rounds; ++round) {
-            result_.acceptance = acceptance_of(task_.fitted, result_.minima[0]);
-            if (!result_.acceptance) {
-                result_.missing.emplace_back(
-                    "the noise of the readings: none is stated, and there are not more readings "
-                    "than parameters to estimate it from");
-                break;
-            }
-            std::vector<std::vector<double>> better;
-            if (!around_minimum(round, better)) {
-                return std::nullopt;
-            }
-            if (better.empty()) {
-                break;
-            }
-            if (round + 1 == most_rounds) {
-                result_.missing.emplace_back("the best minimum: walks from the minima kept finding lower ones");
-                break;
-            }
-            if (!polish(better, round)) {
-                return std::nullopt;
-            }
+        // Around minima that a second method moved, once more.
+        bool moved = false;
+        if (!walk_around(0) || !confirm_minima(moved) || (moved && !(group(), walk_around(most_rounds)))) {
+            return std::nullopt;
         }
         if (result_.acceptance && !task_.fitted.priors().empty()) {
             result_.priors = prior_influence(task_.fitted_engine, task_.fitted, *result_.acceptance, result_.minima[0],
-                                             first_of(polishing, groups_round));
+                                             first_of(traces, groups_round));
             if (!result_.priors) {
                 return std::nullopt;
             }
@@ -80,6 +63,34 @@ public:
     }
 
 private:
+    // The ranges around the minima. A walk that finds a better minimum begins a new round. False: interrupted.
+    bool walk_around(int first_round) {
+        for (int i = 0; i < most_rounds; ++i) {
+            result_.acceptance = acceptance_of(task_.fitted, result_.minima[0]);
+            if (!result_.acceptance) {
+                result_.missing.emplace_back(
+                    "the noise of the readings: none is stated, and there are not more readings "
+                    "than parameters to estimate it from");
+                break;
+            }
+            std::vector<std::vector<double>> better;
+            if (!around_minimum(first_round + i, better)) {
+                return false;
+            }
+            if (better.empty()) {
+                break;
+            }
+            if (i + 1 == most_rounds) {
+                result_.missing.emplace_back("the best minimum: walks from the minima kept finding lower ones");
+                break;
+            }
+            if (!polish(better, first_round + i)) {
+                return false;
+            }
+        }
+        return true;
+    }
+
     optimise::SearchSettings search_settings() const {
         optimise::SearchSettings s;
         s.max_evaluations = settings_.max_evaluations;
@@ -409,6 +420,36 @@ private:
             }
         }
         return ranges;
+    }
+
+    // The minima by a second method. moved: it found lower ones, which are ends from now on. False: interrupted.
+    bool confirm_minima(bool& moved) {
+        std::size_t searched = result_.explored.size();
+        for (const run::Endpoint& end : ends_) {
+            searched += static_cast<std::size_t>(end.search.evaluations);
+        }
+        constexpr int first = first_of(polishing, groups_round);
+        if (!landscape::confirm(task_.fitted_engine, task_.fitted, confirming_method(search_method),
+                                analyse(result_.minima[0], task_.fitted).noise, confirming_evaluations(searched), first,
+                                result_.minima)) {
+            return false;
+        }
+        result_.confirmation = confirmation_words(result_.minima);
+        for (const Minimum& m : result_.minima) {
+            if (m.second && !m.second->agrees) {
+                moved = true;
+                run::Endpoint& end = ends_.emplace_back();
+                end.start = first + chain_range / 2 + static_cast<int>(&m - result_.minima.data());
+                end.search = {.unit = m.unit,
+                              .misfit = m.evaluation.misfit,
+                              .evaluations = m.second->evaluations,
+                              .converged = true,
+                              .stopped = false,
+                              .ended = m.second->ended};
+                end.evaluation = m.evaluation;
+            }
+        }
+        return true;
     }
 
     bool compare_groups() {

@@ -96,6 +96,7 @@ struct Uniqueness {
     std::vector<Minimum> minima; // best first
     std::vector<ClassifiedEnd> ends;
     Unseen unseen;
+    std::string confirmation; // what a second method says of the minima, in words
     std::optional<Acceptance> acceptance;
     std::vector<std::size_t> accepted; // indices of the minima the data accept
     std::vector<std::size_t>

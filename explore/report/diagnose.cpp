@@ -147,6 +147,14 @@ Json diagnosis_json(const DiagnoseResult& f, const std::string& extended_path) {
             one["chi2"] = effect.fit->chi2;
             one["p_value"] = effect.fit->p_value;
             one["size"] = effect.size.value;
+            one["alike"] = Json::array();
+            for (const auto& other : effect.alike) {
+                one["alike"].push_back({{"on", f.candidates[other.candidate].on},
+                                        {"size", other.size.value},
+                                        {"size_low", other.size.low},
+                                        {"size_high", other.size.high},
+                                        {"delta_chi2", other.behind}});
+            }
             one["size_low"] = effect.size.low;
             one["size_high"] = effect.size.high;
         } else {
@@ -296,6 +304,10 @@ std::string diagnosis_page(const DiagnoseResult& f) {
                    fmt::format("{:.2g}", effect.p_familywise), figure(effect.gain), change_words(effect.delta_aicc),
                    figure(effect.size.value), figure(effect.size.low), figure(effect.size.high),
                    std::string(f.variants[effect.candidate].applied.effect->unit)});
+        for (const auto& other : effect.alike) {
+            table.add({"  or", f.candidates[other.candidate].on, "", "", figure(effect.gain - other.behind), "",
+                       figure(other.size.value), figure(other.size.low), figure(other.size.high), ""});
+        }
     }
     text += table.text();
     if (d.explanations.size() > 1) {

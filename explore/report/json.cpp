@@ -101,14 +101,22 @@ Json minimum_json(const problem::ParameterSpace& space, const landscape::Minimum
         const double error = analysis.standard_error[k] * axis.d_physical(minimum.unit[k]);
         errors[axis.name] = std::isfinite(error) ? Json(error) : Json(nullptr);
     }
-    return {{"misfit", minimum.evaluation.misfit},
-            {"parameters", parameters_json(space, minimum.evaluation.parameters)},
-            {"standard_errors", std::move(errors)},
-            {"starts", minimum.members},
-            {"converged", minimum.converged},
-            {"on_bound", bound_words(space, minimum.on_bound)},
-            {"lowest", parameters_json(space, minimum.lowest)},
-            {"highest", parameters_json(space, minimum.highest)}};
+    Json json = {{"misfit", minimum.evaluation.misfit},
+                 {"parameters", parameters_json(space, minimum.evaluation.parameters)},
+                 {"standard_errors", std::move(errors)},
+                 {"starts", minimum.members},
+                 {"converged", minimum.converged},
+                 {"on_bound", bound_words(space, minimum.on_bound)},
+                 {"lowest", parameters_json(space, minimum.lowest)},
+                 {"highest", parameters_json(space, minimum.highest)}};
+    if (minimum.second) {
+        json["confirmed"] = {{"method", minimum.second->method},
+                             {"agrees", minimum.second->agrees},
+                             {"misfit_before", minimum.second->misfit_before},
+                             {"evaluations", minimum.second->evaluations},
+                             {"ended", minimum.second->ended}};
+    }
+    return json;
 }
 
 Json warnings_json(const problem::Evaluation& evaluation) {

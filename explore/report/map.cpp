@@ -86,8 +86,16 @@ Json map_json(const MapResult& map, const analysis::RunOptions& run) {
         json["lowest"].push_back({{"number", low.number},
                                   {"misfit", low.evaluation.misfit},
                                   {"parameters", parameters_json(map.study.space, low.evaluation.parameters)}});
+        Json& entry = json["lowest"].back();
         if (map.options.model.confirmed()) {
-            json["lowest"].back()["misfit_of_reduced_model"] = map.evaluations[low.number].misfit;
+            entry["misfit_of_reduced_model"] = map.evaluations[low.number].misfit;
+        }
+        for (const std::size_t i : map.study.outputs()) {
+            const data::Reading& output = map.study.readings[i];
+            const double value =
+                low.evaluation.converged() ? low.evaluation.responses[i] : std::numeric_limits<double>::quiet_NaN();
+            entry["outputs"].push_back(
+                {{"name", output.output}, {"value", output.in_unit(value)}, {"unit", output.unit.name}});
         }
     }
     if (map.failed()) {
@@ -126,11 +134,21 @@ std::string map_text(const MapResult& map, const analysis::RunOptions& run) {
     if (map.design.name.starts_with("grid")) {
         text += "\n" + axis_profiles(map);
     }
-    Table table(with_axes({"lowest", "misfit"}, map.study.space));
+    std::vector<std::string> columns = with_axes({"lowest", "misfit"}, map.study.space);
+    for (const std::size_t i : map.study.outputs()) {
+        columns.push_back(fmt::format("{} ({})", map.study.readings[i].output, map.study.readings[i].unit.name));
+    }
+    Table table(columns);
     for (const auto& low : map.lowest) {
         std::vector<std::string> row{fmt::format("{}", low.number), figure(low.evaluation.misfit)};
         for (const double value : low.evaluation.parameters) {
             row.push_back(figure(value));
+        }
+        for (const std::size_t i : map.study.outputs()) {
+            const data::Reading& output = map.study.readings[i];
+            const double value =
+                low.evaluation.converged() ? output.in_unit(low.evaluation.responses[i]) : std::nan("");
+            row.push_back(std::isfinite(value) ? figure(value) : "-");
         }
         table.add(std::move(row));
     }

@@ -1,6 +1,7 @@
 #include "run/store.h"
 
 #include "base/error.h"
+#include "run/inputs.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <chrono>
@@ -147,6 +148,8 @@ struct Store::Implementation {
     std::unique_ptr<SQLite::Statement> insert, count;
     std::optional<Session> session;
     std::chrono::steady_clock::time_point opened;
+    Inputs inputs{};             // of this session
+    std::int64_t session_id = 0; // 0: not yet in the file
 
     // The write-ahead log. SQLite does not wait for another process that is about to ask for the same.
     void use_log() {
@@ -252,6 +255,7 @@ Store::Store(const std::string& folder, std::optional<Session> session) {
             }
             transaction.commit();
         }
+        make_input_tables(m.database);
         m.insert = std::make_unique<SQLite::Statement>(
             m.database, "INSERT OR IGNORE INTO evaluation (run, start, number, status, reason, parameters, responses, "
                         "jacobian, warnings, misfit, in_place_of_reduced) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
@@ -362,13 +366,30 @@ void Store::count_evaluation() {
         add.bind(5, m.session->threads);
         add.bind(6, m.session->began);
         add.exec();
+        m.session_id = m.database.getLastInsertRowid();
         m.count = std::make_unique<SQLite::Statement>(
-            m.database, fmt::format("UPDATE session SET seconds = ?, evaluations = evaluations + 1 WHERE id = {}",
-                                    m.database.getLastInsertRowid()));
+            m.database,
+            fmt::format("UPDATE session SET seconds = ?, evaluations = evaluations + 1 WHERE id = {}", m.session_id));
     }
+    m.inputs.write(m.database, m.session_id);
     m.count->reset();
     m.count->bind(1, std::chrono::duration<double>(std::chrono::steady_clock::now() - m.opened).count());
     m.count->exec();
+}
+
+void Store::keep_inputs(const std::string& study_hash, const std::vector<data::InputFile>& files) {
+    const std::scoped_lock lock(mutex_);
+    implementation_->inputs.add(study_hash, files);
+}
+
+std::vector<data::InputFile> Store::inputs(std::int64_t session) const {
+    const std::scoped_lock lock(mutex_);
+    return implementation_->guarded([&] { return inputs_of(implementation_->database, session); });
+}
+
+std::optional<std::string> Store::study_text(const std::string& study_hash) const {
+    const std::scoped_lock lock(mutex_);
+    return implementation_->guarded([&] { return study_text_of(implementation_->database, study_hash); });
 }
 
 std::vector<Session> Store::sessions() const {
@@ -377,8 +398,8 @@ std::vector<Session> Store::sessions() const {
     return m.guarded([&] {
         std::vector<Session> list;
         SQLite::Statement row(m.database,
-                              "SELECT version, libraries, arguments, directory, threads, began, seconds, evaluations "
-                              "FROM session ORDER BY id");
+                              "SELECT version, libraries, arguments, directory, threads, began, seconds, evaluations, "
+                              "id FROM session ORDER BY id");
         while (row.executeStep()) {
             list.push_back({.version = row.getColumn(0).getString(),
                             .libraries = row.getColumn(1).getString(),
@@ -387,7 +408,8 @@ std::vector<Session> Store::sessions() const {
                             .threads = row.getColumn(4).getInt(),
                             .began = row.getColumn(5).getString(),
                             .seconds = row.getColumn(6).getDouble(),
-                            .evaluations = row.getColumn(7).getInt64()});
+                            .evaluations = row.getColumn(7).getInt64(),
+                            .id = row.getColumn(8).getInt64()});
         }
         return list;
     });

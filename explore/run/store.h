@@ -1,6 +1,7 @@
 // The run store: every finished evaluation in an SQLite file, as it comes.
 #pragma once
 
+#include "data/csv.h"
 #include "problem/problem.h"
 
 #include <cstdint>
@@ -50,6 +51,7 @@ struct Session {
     std::string began{};          // UTC, ISO 8601; filled in by the store
     double seconds = 0.0;         // up to the last evaluation; by the store
     std::int64_t evaluations = 0; // that it computed, new to the store or not; by the store
+    std::int64_t id = 0;          // by the store
 };
 
 // One file. All functions may be called from any thread. Throws pave::Error for a file that is not a store, is of
@@ -77,6 +79,14 @@ public:
 
     // In the order they began.
     std::vector<Session> sessions() const;
+
+    // The files that this session reads: kept with it from its first evaluation on. study_hash: of the study among
+    // them, whose file is the first; may be empty.
+    void keep_inputs(const std::string& study_hash, const std::vector<data::InputFile>& files);
+    // Those of a session; none: a store of a program that did not keep them.
+    std::vector<data::InputFile> inputs(std::int64_t session) const;
+    // The text of a study with this hash, as it was last run; nothing: not kept.
+    std::optional<std::string> study_text(const std::string& study_hash) const;
 
     // Whole results, by name ("result" holds the JSON a command printed).
     void put_result(int run, const std::string& json);

@@ -459,7 +459,7 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
         throw pave::Error({.file = file}, "the study asks for nothing", "neither measurements nor outputs",
                           "[data] files, or [[outputs]]");
     }
-    study.hash = hash_of(table, study);
+    study.hash = study.file_hash = hash_of(table, study);
     study.text = std::move(text);
     return study;
 }
@@ -467,30 +467,31 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
 } // namespace
 
 Study load_study(const std::string& file, Readings readings) {
-    DataReader read;
-    if (readings == Readings::own) {
-        read = [folder = std::filesystem::path(file).parent_path()](const std::string& name, const pave::Place& place) {
-            const std::string path = (folder / name).string();
-            if (std::error_code error; !std::filesystem::exists(path, error)) {
-                throw pave::Error(place, "this measurement file does not exist", "\"" + path + "\"",
-                                  "a path relative to the study's own folder");
-            }
-            return data::read_measurements(path);
-        };
-    }
-    return parse(data::read_file(file, "study"), file, read);
+    std::vector<data::InputFile> inputs{{file, data::read_file(file, "study")}};
+    const auto own = [&inputs, folder = std::filesystem::path(file).parent_path()](const std::string& name,
+                                                                                   const pave::Place& place) {
+        const std::string path = (folder / name).string();
+        if (std::error_code error; !std::filesystem::exists(path, error)) {
+            throw pave::Error(place, "this measurement file does not exist", "\"" + path + "\"",
+                              "a path relative to the study's own folder");
+        }
+        inputs.push_back({path, data::read_file(path, "measurement file")});
+        return data::measurements_of(inputs.back().bytes, path);
+    };
+    Study study = parse(inputs[0].bytes, file, readings == Readings::own ? DataReader(own) : DataReader());
+    study.inputs = std::make_shared<const std::vector<data::InputFile>>(std::move(inputs));
+    return study;
 }
 
 Study study_of(std::string text, const std::string& name, const std::map<std::string, std::string>& files) {
     return parse(std::move(text), name, [&](const std::string& file, const pave::Place& place) {
         const auto found = files.find(file);
         if (found == files.end()) {
-            std::vector<std::string> names;
-            names.reserve(files.size());
+            std::string names;
             for (const auto& [known, content] : files) {
-                names.push_back(known);
+                names += (names.empty() ? "" : ", ") + known;
             }
-            throw pave::Error(place, "this measurement file was not given", "\"" + file + "\"", pave::join(names));
+            throw pave::Error(place, "this measurement file was not given", "\"" + file + "\"", names);
         }
         return data::measurements_of(found->second, file);
     });

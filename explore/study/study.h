@@ -2,6 +2,7 @@
 // problem of it, the part of the explorer that knows pavements.
 #pragma once
 
+#include "data/csv.h"
 #include "data/reading.h"
 #include "pavement/forward.h"
 #include "problem/misfit.h"
@@ -11,6 +12,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 
 namespace explore::study {
 
@@ -68,6 +70,9 @@ struct Study {
     // Of the measured readings, how many took their noise from the others: their median share of a reading.
     std::size_t noise_assumed = 0;
     std::string hash; // of everything that changes a result: model, parameters, data
+    // Of the file as it was read: a study that was derived from it (other laws, effects, readings) keeps it.
+    std::string file_hash;
+    std::shared_ptr<const std::vector<data::InputFile>> inputs; // the file, then its data files; null: from memory
 
     // Name without folder and ending: the default folder of its results.
     std::string stem() const;

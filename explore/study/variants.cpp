@@ -79,10 +79,11 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
                 }
             }
         } else {
-            add({}, "");
+            // What its own choice does is named by its load where it is that of one.
             for (std::size_t l = 0; effect->takes_load && study.model.loads.size() > 1 && l < loads.size(); ++l) {
                 add({.load = loads[l]}, load_name(loads[l]));
             }
+            add({}, "");
         }
     }
     return list;

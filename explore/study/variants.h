@@ -14,8 +14,8 @@ struct Variant {
 // Its size as a parameter: "NAME.size" over its prior range, from its null value.
 problem::Axis size_axis(const pave::pavement::Effect& effect);
 
-// Every effect of the catalogue that the study can have and does not have yet: acting on what it acts on by itself and,
-// where it takes a load, a quantity or a reading, on each of those with readings that are fitted. Effects named in
+// Every effect of the catalogue that the study can have and does not have yet: where it takes a load, a quantity or a
+// reading, on each of those with readings that are fitted; then on what it acts on by itself. Effects named in
 // `without` are left out.
 std::vector<Variant> variants(const Study& study, const std::vector<std::string>& without);
 

@@ -2,6 +2,9 @@
 import csv
 import io
 import json
+import math
+import sqlite3
+import struct
 
 from support import *
 
@@ -79,6 +82,24 @@ for row in rows:
 as_json = json.loads(run("export", folder / "map", "--format", "json").stdout)
 check([e["parameters"] for e in as_json["evaluations"]] ==
       [[float(row["base.k1"]), float(row["base.n"])] for row in rows], "export: JSON and CSV agree to the last bit")
+# What only an output needs is not computed at every point: a second load under which nothing is measured.
+other = """
+[[loads]]
+name = "heavy"
+type = "plate"
+radius_mm = 150
+pressure_kPa = 900
+
+[mesh]"""
+dear = write_study(folder, STUDY.replace("[mesh]", other.lstrip(), 1).replace('load = "fwd"\nquantity = "strain_zz"', 'load = "heavy"\nquantity = "strain_zz"'), name="dear")
+low = call("map", dear, "--out", folder / "dear")["lowest"]
+with sqlite3.connect(folder / "dear" / "run.sqlite") as database:
+    kept = [struct.unpack(f"{len(r) // 8}d", r) for r, in database.execute("SELECT responses FROM evaluation JOIN run ON run = id WHERE status = 0 AND settings NOT LIKE '%lowest%'")]
+check(kept and all(math.isnan(r[-1]) and not math.isnan(r[0]) for r in kept), "map: an output's own load is not computed at explored points")
+at_low = write_study(folder, (folder / "dear.toml").read_text().replace("k1 = 2000", f"k1 = {low[0]['parameters']['base.k1']!r}").replace(
+    "n = 0.5", f"n = {low[0]['parameters']['base.n']!r}"), name="at-low")
+wanted = call("forward", at_low)["responses"][-1]["value"]
+check(abs(low[0]["outputs"][0]["value"] - wanted) < 1e-9 * abs(wanted) and len(low) > 1, f"map: the output at the lowest point {low[0]['outputs']}, {wanted}")
 again = call("map", study, "--out", folder / "map")
 check(again["computed"] == 0 and again["kept"] == 12, "map: called again, nothing is computed again")
 

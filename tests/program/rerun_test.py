@@ -46,13 +46,23 @@ done = run("rerun", out)
 check(done.returncode == 2 and '"export"' in done.stderr and done.stdout == "", f"another command: {done.stderr}")
 database.close()
 
-# Other data.
-(folder / "small.csv").write_text(DATA.replace("520", "521"))
+# The study and its data are changed, then gone: the run keeps what it read.
 out = folder / "other"
+(folder / "small.csv").write_text(DATA.replace("520", "521"))
 check(run("map", study, "--design", "sobol", "--points", 4, "--out", out).returncode == 0, "map")
 (folder / "small.csv").write_text(DATA)
+check(run("fit", "small.toml", "--explore", 8, "--starts", 1, f"--out={out}", cwd=folder).returncode == 0, "fit on other data")
 done = run("rerun", out)
-check(done.returncode == 1 and "changed since" in done.stdout, f"other data: {done.stdout} {done.stderr}")
+check(done.returncode == 0 and "The same to the last bit" in done.stdout, f"changed data: {done.stdout} {done.stderr}")
+check(done.stderr.count("changed since") == 1, f"said of the session whose data were changed: {done.stderr}")
+kept = pathlib.Path(study).read_text()
+pathlib.Path(study).unlink()
+(folder / "small.csv").unlink()
+done = run("rerun", out)
+check(done.returncode == 0 and "The same to the last bit" in done.stdout, f"no study any more: {done.stdout} {done.stderr}")
+check(run("report", out).returncode == 0, "report")
+page = (out / "report.html").read_text()
+check("[[parameters]]" in page and "has not kept" not in page, "the page shows the study as it was run")
 check(run("rerun", folder / "nowhere").returncode == 2, "no such folder")
 
 finish()
