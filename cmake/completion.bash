@@ -38,7 +38,7 @@ _pavescape() {
                     mapfile -t COMPREPLY < <(compgen -W "landscape profiles fit residuals" -- "$word")
                 fi ;;
             report | export | rerun) mapfile -t COMPREPLY < <(compgen -d -- "$word") ;;
-            survey) mapfile -t COMPREPLY < <(compgen -f -- "$word") ;;
+            survey | road) mapfile -t COMPREPLY < <(compgen -f -- "$word") ;;
             *) mapfile -t COMPREPLY < <(compgen -f -X '!*.toml' -- "$word"; compgen -d -- "$word") ;;
         esac
     fi

@@ -551,7 +551,17 @@
     const strip2 = (fitted) => chart("strip", [{ type: "bar", x: fitted.map((s) => s.chainage_m), y: fitted.map((s) => s.fit.rms_percent) }],
         { xaxis: axis("chainage [m]"), yaxis: axis("rms of the fit [%]"), height: 220 });
 
-    const show = { unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: showSurvey };
+    const showRoad = (r) => {
+        section("The road as one experiment", words(r.findings),
+            table(["", "value", "from", "to", "% of its box", "median station alone [%]", "stations"],
+                [...r.shared, ...r.section_parameters].map((p) => [p.level === "section" ? `${p.name}, section ${p.section + 1}` : p.name, p.value, p.low,
+                    p.high, 100 * p.width, 100 * p.median_width_alone, p.stations])),
+            r.outliers.length ? [part("Stations that do not belong"),
+                table(["station", "chainage [m]", "why"], r.outliers.map((o) => [o.station, o.chainage_m, o.reason]), [2])] : []);
+        showSurvey({ ...r, findings: r.remarks });
+    };
+
+    const show = { unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: showSurvey, road: showRoad };
 
     // -- the page -------------------------------------------------------------------------------------------------
 
