@@ -56,6 +56,7 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
                      .reduced = std::move(reduced),
                      .without_floor = {},
                      .priors = {},
+                     .curves = {},
                      .tally = {}};
     const auto& search = options.multistart.search;
     const std::string settings =
@@ -111,6 +112,7 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
     }
     if (!options.model.alone()) {
         result.without_floor = fit_without_floor(study, best.unit);
+        result.curves = curves(study, best.evaluation.parameters);
     }
     if (!options.joint_only && !options.model.alone()) {
         auto alone = fit_alone(session, study, predictor, result.design, result.searches, settings, options.multistart);

@@ -1,6 +1,7 @@
 // Fit: explore, then refine the best distinct starts.
 #pragma once
 
+#include "analysis/curves.h"
 #include "analysis/floor.h"
 #include "analysis/groups.h"
 #include "landscape/prior_influence.h"
@@ -36,6 +37,7 @@ struct FitResult {
     std::optional<ReducedProblem> reduced;
     std::optional<WithoutFloor> without_floor;
     std::optional<landscape::PriorInfluence> priors;
+    std::vector<Curve> curves; // of the best minimum, by the full model; of the reduced model alone none
     run::Tally tally;
     double seconds_by_reduced_model = 0.0;
 

@@ -16,6 +16,8 @@ struct LoadLevel {
 
     double pressure_on(double radius_mm) const; // kPa
 };
+// "40kN", "566 kPa"; nothing: no load.
+std::optional<LoadLevel> load_level_of(const std::string& text);
 
 struct SurveyOptions {
     data::DropChoice drops{};

@@ -182,27 +182,26 @@ std::optional<SuspectSensor> suspect_sensor(const SurveyResult& result) {
     return worst;
 }
 
-std::optional<SurveyResult::Floor> floor_of(const SurveyResult& result, const std::vector<StationResult*>& stations,
-                                            const std::vector<study::Study>& studies) {
-    std::vector<std::size_t> fitted; // of the stations that have a study
-    for (std::size_t i = 0; i < stations.size(); ++i) {
-        if (stations[i]->fit) {
-            fitted.push_back(i);
+std::optional<SurveyResult::Floor> floor_of(const SurveyResult& result, const std::vector<StationTask>& tasks) {
+    std::vector<const StationTask*> fitted;
+    for (const StationTask& task : tasks) {
+        if (task.station->fit) {
+            fitted.push_back(&task);
         }
     }
     if (fitted.empty()) {
         return std::nullopt;
     }
     const auto middle = fitted.begin() + static_cast<std::ptrdiff_t>(fitted.size() / 2);
-    std::nth_element(fitted.begin(), middle, fitted.end(), [&](std::size_t a, std::size_t b) {
-        return result.d0_at_common(*stations[a]) < result.d0_at_common(*stations[b]);
+    std::nth_element(fitted.begin(), middle, fitted.end(), [&](const StationTask* a, const StationTask* b) {
+        return result.d0_at_common(*a->station) < result.d0_at_common(*b->station);
     });
-    auto without = fit_without_floor(studies[*middle], stations[*middle]->fit->best.unit);
+    const StationTask& task = **middle;
+    auto without = fit_without_floor(task.study, task.station->fit->best.unit);
     if (!without) {
         return std::nullopt;
     }
-    return SurveyResult::Floor{static_cast<std::size_t>(stations[*middle] - result.stations.data()),
-                               std::move(*without)};
+    return SurveyResult::Floor{static_cast<std::size_t>(task.station - result.stations.data()), std::move(*without)};
 }
 
 } // namespace explore::analysis

@@ -1,7 +1,7 @@
 // What the stations of a road say together: sections that are alike, a sensor that errs everywhere.
 #pragma once
 
-#include "analysis/survey.h"
+#include "analysis/survey_stations.h"
 
 namespace explore::analysis {
 
@@ -14,9 +14,8 @@ std::vector<RoadSection> road_sections(const SurveyResult& result);
 // chance gives that with p < 0.01 over all sensors (sign test). Needs eight fitted stations.
 std::optional<SuspectSensor> suspect_sensor(const SurveyResult& result);
 
-// What the floor does to the answer, at the fitted station with the median D0. stations: of the result, a study each.
-// Nothing: none is fitted, or the question does not arise (analysis/floor.h).
-std::optional<SurveyResult::Floor> floor_of(const SurveyResult& result, const std::vector<StationResult*>& stations,
-                                            const std::vector<study::Study>& studies);
+// What the floor does to the answer, at the fitted station with the median D0. tasks: of the result. Nothing: none
+// is fitted, or the question does not arise (analysis/floor.h).
+std::optional<SurveyResult::Floor> floor_of(const SurveyResult& result, const std::vector<StationTask>& tasks);
 
 } // namespace explore::analysis

@@ -89,7 +89,8 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
                         .answer = {},
                         .next = {},
                         .landscape = {},
-                        .reduced = std::move(reduced)};
+                        .reduced = std::move(reduced),
+                        .curves = {}};
     const std::string settings = fmt::format("searches of {} evaluations, seed {}{}", options.settings.max_evaluations,
                                              session.options().seed, result.reduced ? result.reduced->settings : "");
     std::optional<run::Engine> explorer;
@@ -125,6 +126,9 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
             return std::nullopt;
         }
         result.forward_cpu_seconds += own.tally().forward_cpu_seconds;
+    }
+    if (!result.failed() && !options.model.alone()) {
+        result.curves = curves(study, result.best().evaluation.parameters);
     }
     result.computed = engine.tally().computed + everything_engine.tally().computed;
     result.kept = engine.tally().kept + everything_engine.tally().kept;

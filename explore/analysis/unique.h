@@ -1,6 +1,7 @@
 // Is the answer unique, along what is it not, and what does that do to the outputs?
 #pragma once
 
+#include "analysis/curves.h"
 #include "analysis/next_reading.h"
 #include "analysis/session.h"
 #include "landscape/pair_profile.h"
@@ -30,6 +31,7 @@ struct UniqueResult {
     NextReading next;
     std::optional<UniqueLandscape> landscape;
     std::optional<ReducedProblem> reduced;
+    std::vector<Curve> curves; // of the best minimum, by the full model; of the reduced model alone none
     std::int64_t computed = 0; // runs of this process
     std::int64_t kept = 0;     // runs that were in the store
     std::int64_t computed_by_reduced_model = 0;

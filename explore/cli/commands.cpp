@@ -18,8 +18,10 @@ std::span<const Command> commands() {
         {"effects", add_effects},
         {"survey", add_survey, true},
         {"noise", add_noise},
+        {"road", add_road, true},
         {"report", add_report},
         {"plot", add_plot},
+        {"explore", add_explore},
         {"export", add_export},
         {"rerun", add_rerun},
     };

@@ -19,8 +19,10 @@ void add_twin(CLI::App& app, Action& action);
 void add_effects(CLI::App& app, Action& action);
 void add_survey(CLI::App& app, Action& action);
 void add_noise(CLI::App& app, Action& action);
+void add_road(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
 void add_plot(CLI::App& app, Action& action);
+void add_explore(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
 void add_rerun(CLI::App& app, Action& action);
 

@@ -44,7 +44,9 @@ void add_fit(CLI::App& app, Action& action) {
     command->add_option("--starts", options->fit.multistart.starts, "local searches")
         ->check(CLI::Range(1, 10'000))
         ->capture_default_str();
-    command->add_option("--method", options->fit.multistart.method, "local search: " + pave::join(names))
+    command
+        ->add_option("--method", options->fit.multistart.method,
+                     "local search: " + pave::join(names) + "; another method confirms its minima")
         ->check(CLI::IsMember(names))
         ->capture_default_str();
     command->add_flag("--joint-only", options->fit.joint_only,

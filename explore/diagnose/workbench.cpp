@@ -70,6 +70,7 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
 }
 
 std::shared_ptr<const problem::Problem> Workbench::problem(const Members& members) {
+    std::shared_ptr<const problem::Problem> dropped; // destroyed without the lock, before another one is made
     {
         const std::scoped_lock lock(mutex_);
         if (members.empty() && baseline_) {
@@ -80,21 +81,18 @@ std::shared_ptr<const problem::Problem> Workbench::problem(const Members& member
                 return kept;
             }
         }
+        dropped = std::move(recent_);
+        recent_.reset();
     }
+    dropped.reset();
     auto made = std::make_shared<const problem::Problem>(making_.problem(members));
-    std::shared_ptr<const problem::Problem> dropped; // destroyed after the lock is released
     const std::scoped_lock lock(mutex_);
     if (members.empty()) {
         baseline_ = std::move(made);
         return baseline_;
     }
     problems_[members] = made;
-    constexpr std::size_t kept = 1;
-    recent_.push_back(made);
-    if (recent_.size() > kept) {
-        dropped = std::move(recent_.front());
-        recent_.pop_front();
-    }
+    recent_ = made;
     return made;
 }
 

@@ -3,7 +3,6 @@
 
 #include "run/engine.h"
 
-#include <deque>
 #include <map>
 #include <mutex>
 
@@ -45,7 +44,7 @@ struct Model {
 std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, const Members& members,
                          const std::vector<double>& start, const Target& target, double enough);
 
-// Makes problems and engines of models. Those of the baseline are kept, of the others the few used last: a diagnosis
+// Makes problems and engines of models. Those of the baseline are kept, of the others the one used last: a diagnosis
 // makes hundreds, each with meshes and eliminated stiffnesses of its own. All functions may be called from any thread.
 class Workbench {
 public:
@@ -87,7 +86,7 @@ private:
     mutable std::mutex mutex_;
     std::shared_ptr<const problem::Problem> baseline_;
     std::map<Members, std::weak_ptr<const problem::Problem>> problems_; // in use somewhere, or recent
-    std::deque<std::shared_ptr<const problem::Problem>> recent_;
+    std::shared_ptr<const problem::Problem> recent_; // but the baseline: a model is asked for again when it was fitted
     std::map<Members, int> runs_;
     run::Tally tally_;
 };

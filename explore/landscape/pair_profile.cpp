@@ -429,12 +429,14 @@ std::optional<ProfiledLandscape> profiled_landscape(run::Engine& engine, const p
         lines.push_back(profile_lines(count, minima[0][k], reach[k]));
     }
     Landscape landscape(engine, problem, acceptance);
-    for (std::size_t x = 0; x < d; ++x) {
+    for (std::size_t x = 0; x < d && !settings.only; ++x) {
         landscape.add({x}, {profile_lines(2 * count - 1, minima[0][x], reach[x])});
     }
     for (std::size_t x = 0; x < d; ++x) {
         for (std::size_t y = x + 1; y < d; ++y) {
-            landscape.add({x, y}, {lines[x], lines[y]});
+            if (!settings.only || *settings.only == std::pair(x, y)) {
+                landscape.add({x, y}, {lines[x], lines[y]});
+            }
         }
     }
     if (!landscape.compute(minima, settings.first_start)) {

@@ -30,7 +30,8 @@ struct PairProfileSettings {
     int most_nodes = 8000; // of all pairs together; lines are as many as it allows, between the two below
     int most_lines = 21;
     int least_lines = 9;
-    int first_start = 0; // of the chains of the engine
+    int first_start = 0;                                       // of the chains of the engine
+    std::optional<std::pair<std::size_t, std::size_t>> only{}; // this pair, the lower number first, and nothing else
 };
 
 // Lines over [0, 1]: half of them evenly over the box, half over the reach and a quarter of its width on either side,

@@ -16,6 +16,9 @@ struct Prior {
     double sd = 1.0;   // physical; of a logarithmic axis that of the natural logarithm
 };
 
+// Of many problems that are one, the stations of a road: what has one value of a parameter.
+enum class Level { station, section, shared };
+
 struct Axis {
     std::string name; // with its unit, as in the study
     double low = 0.0;
@@ -24,6 +27,7 @@ struct Axis {
     int points = 0;     // of a full grid; 0 = not stated, 1 = held at `start`
     double start = 0.0; // the study's own value
     std::optional<Prior> prior{};
+    Level level = Level::station;
 
     double physical(double unit) const; // unit in [0, 1]; the ends are exact
     double unit(double physical) const;

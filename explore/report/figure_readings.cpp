@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
+#include <gsl/gsl_interp.h>
+#include <memory>
+#include <optional>
 #include <set>
 
 namespace explore::report {
@@ -13,7 +17,7 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 struct Place {
     std::size_t index = 0; // of the reading
-    double x = 0.0, y = 0.0, depth = 0.0, measured = 0.0, sigma = none;
+    double x = 0.0, y = 0.0, depth = 0.0, gauge = 0.0, measured = 0.0, sigma = none;
     bool held_out = false;
 };
 struct Group {
@@ -37,6 +41,7 @@ std::vector<Group> groups_of(const Json& readings) {
         place.x = r.at("x_mm").get<double>();
         place.y = r.at("y_mm").get<double>();
         place.depth = r.at("depth_mm").get<double>();
+        place.gauge = r.value("gauge_mm", 0.0);
         place.measured = r.at("measured").get<double>();
         if (r.at("unit") != group->unit) { // of another file: no line joins them
             continue;
@@ -72,6 +77,45 @@ struct Strand {
     std::string name;
     std::vector<const Place*> places;
 };
+
+// The curve of a model along a strand of a group (places, values), if there is one.
+std::optional<std::pair<std::vector<double>, std::vector<double>>> curve_along(const Json& curves, const Group& group,
+                                                                               const Strand& strand, bool by_depth) {
+    const Place& p = *strand.places.front();
+    for (const Json& c : curves) {
+        if (c.at("load") == group.load && c.at("quantity") == group.quantity && c.at("unit") == group.unit &&
+            c.at("by_depth") == by_depth && c.at("y_mm") == p.y && c.at("gauge_mm") == p.gauge &&
+            (by_depth ? c.at("x_mm") == p.x : c.at("depth_mm") == p.depth)) {
+            std::vector<double> values;
+            for (const Json& value : c.at("values")) {
+                values.push_back(value.is_number() ? value.get<double>() : none);
+            }
+            return std::pair{c.at("at_mm").get<std::vector<double>>(), std::move(values)};
+        }
+    }
+    return std::nullopt;
+}
+
+// The same by a monotone cubic through points whose places rise, at least three; nothing: there are no such.
+std::optional<std::pair<std::vector<double>, std::vector<double>>> cubic_through(const std::vector<double>& at,
+                                                                                 const std::vector<double>& values) {
+    const bool rises = std::adjacent_find(at.begin(), at.end(), std::greater_equal<>()) == at.end();
+    if (at.size() < gsl_interp_type_min_size(gsl_interp_steffen) || !rises ||
+        !std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) {
+        return std::nullopt;
+    }
+    const std::unique_ptr<gsl_interp, void (*)(gsl_interp*)> cubic(gsl_interp_alloc(gsl_interp_steffen, at.size()),
+                                                                   gsl_interp_free);
+    gsl_interp_init(cubic.get(), at.data(), values.data(), at.size());
+    constexpr int points = 60;
+    std::pair<std::vector<double>, std::vector<double>> curve;
+    for (int i = 0; i <= points; ++i) {
+        const double x = i == points ? at.back() : at.front() + (at.back() - at.front()) * i / points;
+        curve.first.push_back(x);
+        curve.second.push_back(gsl_interp_eval(cubic.get(), at.data(), values.data(), x, nullptr));
+    }
+    return curve;
+}
 
 DataTable readings_table(const std::string& name, const Json& readings, const std::vector<ComparedModel>& models,
                          bool residuals) {
@@ -179,7 +223,23 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
                 line.colour = okabe_ito[one ? m : s % std::size(okabe_ito)];
                 line.dashed = models.size() > 1 && m == 0;
                 line.width = 1.5;
-                line.name = s == 0 ? models[m].name : "";
+                std::string name = models[m].name;
+                const auto& at = by_depth ? line.y : line.x;
+                const auto& values = by_depth ? line.x : line.y;
+                auto curve = curve_along(models[m].curves, group, strand, by_depth);
+                if (!curve && group.quantity == "deflection") {
+                    curve = cubic_through(at, values);
+                    name += curve ? " (cubic between readings)" : "";
+                }
+                if (curve) {
+                    for (const double value : curve->second) {
+                        low = std::min(low, value);
+                        high = std::max(high, value);
+                    }
+                    (by_depth ? line.y : line.x) = std::move(curve->first);
+                    (by_depth ? line.x : line.y) = std::move(curve->second);
+                }
+                line.name = s == 0 ? name : "";
                 if (line.x.size() == 1) {
                     line.marker = Marker::star;
                 }

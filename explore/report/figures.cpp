@@ -21,7 +21,8 @@ struct Compared {
 
 Compared of_best_fit(const Json& result) {
     Compared compared;
-    ComparedModel best{"best fit", {}, {}};
+    ComparedModel best{
+        .name = "best fit", .values = {}, .residuals = {}, .curves = result.value("curves", Json::array())};
     for (const Json& r : result.at("responses")) {
         if (r.contains("measured")) {
             compared.readings.push_back(r);
@@ -46,7 +47,7 @@ Compared of_diagnosis(const Json& result) {
         if (values.at(key).size() != compared.readings.size()) {
             continue;
         }
-        ComparedModel model{name, {}, {}};
+        ComparedModel model{.name = name, .values = {}, .residuals = {}};
         for (std::size_t i = 0; i < compared.readings.size(); ++i) {
             model.values.push_back(number_of(values.at(key).at(i)));
             model.residuals.push_back(number_of(residuals.at(key).at(i)));
@@ -181,7 +182,7 @@ Figure profiles_figure(const Json& unique) {
     constexpr double below = 1.25;
     Figure figure{.name = "profiles"};
     figure.width = 1.4 + static_cast<double>(columns) * (side + gap);
-    figure.height = static_cast<double>(rows) * (high + below) + 1.0;
+    figure.height = static_cast<double>(rows) * (high + below) + 1.2;
     DataTable table{"profiles", {"name", "source", "value", "rise_of_chi2"}, {}};
     DataTable ranges{"ranges", {"name", "best", "low", "high", "unit"}, {}};
     const double top = 3.0 * limit;
@@ -191,7 +192,7 @@ Figure profiles_figure(const Json& unique) {
         const std::size_t row = n / columns;
         Panel panel;
         panel.left = 1.4 + static_cast<double>(n % columns) * (side + gap);
-        panel.bottom = 0.15 + below - 0.3 + static_cast<double>(rows - 1 - row) * (high + below);
+        panel.bottom = below + 0.1 + static_cast<double>(rows - 1 - row) * (high + below);
         panel.width = side;
         panel.height = high;
         const std::string name = profile.at("name").get<std::string>();

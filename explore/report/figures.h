@@ -29,6 +29,9 @@ Figure profiles_figure(const Json& unique);
 struct ComparedModel {
     std::string name;
     std::vector<double> values, residuals; // not a number: none
+    // Between the readings, as in report/curves.h; where there is none, bowls are joined by a monotone cubic (Steffen
+    // 1990, Astronomy and Astrophysics 239), which the legend says, other readings by straight lines.
+    Json curves = Json::array();
 };
 Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models);
 Figure residuals_figure(const Json& readings, const std::vector<ComparedModel>& models);

@@ -3,6 +3,7 @@
 #include "analysis/build.h"
 #include "base/error.h"
 #include "base/text.h"
+#include "report/curves.h"
 #include "report/text.h"
 #include "run/progress.h"
 
@@ -148,6 +149,7 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
             json["responses"][result.problem.response_of(i)]["weight"] = weights[i];
         }
     }
+    json["curves"] = curves_json(result.curves);
     json["readings"] = result.problem.readings();
     json["free_parameters"] = space.axes.size() - best.on_bound.size();
     json["at_bounds"] = Json::array();

@@ -10,7 +10,10 @@
     extern "C" const char name##_end[]
 
 PAVESCAPE_EMBED(pavescape_script, PAVESCAPE_WEB "/report.js");
+PAVESCAPE_EMBED(pavescape_blocks, PAVESCAPE_WEB "/blocks.js");
 PAVESCAPE_EMBED(pavescape_style, PAVESCAPE_WEB "/report.css");
+PAVESCAPE_EMBED(pavescape_explore, PAVESCAPE_WEB "/explore.js");
+PAVESCAPE_EMBED(pavescape_explore_style, PAVESCAPE_WEB "/explore.css");
 PAVESCAPE_EMBED(pavescape_charts, PAVESCAPE_CHARTS);
 
 namespace explore::report {
@@ -33,24 +36,45 @@ std::string harmless(const Json& data) {
     return safe;
 }
 
+// policy: what it may besides drawing itself; style: besides that of the report.
+std::string document(std::string_view title, std::string_view policy, std::string_view style, std::string_view body,
+                     std::string_view script) {
+    std::string html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+                       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src "
+                       "'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
+    html += policy;
+    html += "\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+            "<link rel=\"icon\" href=\"data:,\">\n<title>";
+    html += title;
+    html += "</title>\n<style>";
+    html += text(pavescape_style_begin, pavescape_style_end);
+    html += style;
+    html += "</style>\n</head>\n<body>\n";
+    html += body;
+    html += "\n<script>";
+    html += text(pavescape_charts_begin, pavescape_charts_end);
+    html += "</script>\n<script>";
+    html += text(pavescape_blocks_begin, pavescape_blocks_end);
+    html += script;
+    html += "</script>\n</body>\n</html>\n";
+    return html;
+}
+
 } // namespace
 
 std::string page(const Json& data) {
-    std::string html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-                       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src "
-                       "'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:\">\n"
-                       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-                       "<title>Pavescape report</title>\n<style>";
-    html += text(pavescape_style_begin, pavescape_style_end);
-    html += "</style>\n</head>\n<body>\n<main id=\"report\"><noscript>This report draws itself: allow its own "
-            "script.</noscript></main>\n<script type=\"application/json\" id=\"data\">";
-    html += harmless(data);
-    html += "</script>\n<script>";
-    html += text(pavescape_charts_begin, pavescape_charts_end);
-    html += "</script>\n<script>";
-    html += text(pavescape_script_begin, pavescape_script_end);
-    html += "</script>\n</body>\n</html>\n";
-    return html;
+    return document("Pavescape report", "", "",
+                    "<main id=\"report\"><noscript>This report draws itself: allow its own script.</noscript></main>\n"
+                    "<script type=\"application/json\" id=\"data\">" +
+                        harmless(data) + "</script>",
+                    text(pavescape_script_begin, pavescape_script_end));
+}
+
+std::string explore_page() {
+    return document("Pavescape explore", "; connect-src 'self'",
+                    text(pavescape_explore_style_begin, pavescape_explore_style_end),
+                    "<main id=\"explore\"><noscript>This page draws itself: allow its own script.</noscript></main>",
+                    text(pavescape_explore_begin, pavescape_explore_end));
 }
 
 } // namespace explore::report

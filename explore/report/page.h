@@ -11,4 +11,8 @@ namespace explore::report {
 // [{"file", "text" or "note"}]}. What is in it is shown as text, whatever it holds.
 std::string page(const Json& data);
 
+// The page of `explore`, which asks the server that it came from (report/explore_server.h) for everything that it
+// shows.
+std::string explore_page();
+
 } // namespace explore::report

@@ -2,6 +2,7 @@
 #include "base/text.h"
 #include "report/survey.h"
 #include "report/table.h"
+#include "report/text.h"
 #include "run/progress.h"
 
 #include <algorithm>
@@ -208,9 +209,9 @@ std::string section_table(const SurveyResult& result) {
 
 std::string survey_text(const SurveyResult& result) {
     const analysis::SurveyCounts counts = result.counts();
-    std::string text =
-        fmt::format("{}: {} pass, {} fail, {} rejected", counted(result.stations.size(), "station", "stations"),
-                    counts.pass, counts.fail, counts.rejected);
+    std::string text = result.study ? study_summary(*result.study) + "\n" : "";
+    text += fmt::format("{}: {} pass, {} fail, {} rejected", counted(result.stations.size(), "station", "stations"),
+                        counts.pass, counts.fail, counts.rejected);
     if (result.study) {
         text += fmt::format(
             "; {} back-calculated, {} failed{}\n  {} in {}", counts.fitted, counts.failed,

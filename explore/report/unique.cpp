@@ -4,6 +4,7 @@
 #include "analysis/range_shape.h"
 #include "base/error.h"
 #include "base/text.h"
+#include "report/curves.h"
 #include "report/text.h"
 #include "run/progress.h"
 
@@ -303,6 +304,7 @@ Json unique_json(const UniqueResult& result, const analysis::RunOptions& run) {
     json["responses"] = responses_json(study, result.best().evaluation.responses);
     add_residuals(json["responses"], study, result.problem, result.best().evaluation,
                   u.acceptance ? u.acceptance->noise() : 0.0);
+    json["curves"] = curves_json(result.curves);
     json["statuses"] = status_counts(u.explored);
     json["study"] = study_json(study);
     json["version"] = analysis::version;

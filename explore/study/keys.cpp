@@ -56,6 +56,7 @@ std::span<const Key> study_keys() {
         parameter_min,
         parameter_max,
         parameter_points,
+        parameter_level,
         parameter_prior,
         prior_mean,
         prior_sd,

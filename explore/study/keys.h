@@ -38,6 +38,7 @@ inline constexpr std::string_view bottoms[] = {"rigid", "half-space"};
 inline constexpr std::string_view patches[] = {"circle", "rectangle"};
 inline constexpr std::string_view integrations[] = {"incremental", "secant"};
 inline constexpr std::string_view scales[] = {"linear", "log"};
+inline constexpr std::string_view levels[] = {"station", "section", "shared"};
 
 inline constexpr Key schema{
     .table = "", .key = "schema", .kind = whole_number, .low = 1, .high = 1, .meaning = "version of this format"};
@@ -367,6 +368,14 @@ inline constexpr Key parameter_points{.table = "[[parameters]]",
                                       .without = "as many as the design asks for",
                                       .meaning = "of a grid along this axis; 1 holds it at the study's value"};
 
+inline constexpr Key parameter_level{
+    .table = "[[parameters]]",
+    .key = "level",
+    .kind = word,
+    .default_value = 0,
+    .choices = levels,
+    .meaning = "of a road: one value at every station, in every homogeneous section, or for the whole road; other "
+               "commands know one section only"};
 inline constexpr Key correlation_between{.table = "[[prior_correlations]]",
                                          .key = "between",
                                          .kind = texts,

@@ -193,6 +193,7 @@ void read_parameter(const toml::table& table, Study& study) {
         throw pave::Error(reader.place(keys::parameter_min), "the bounds are swapped or equal",
                           fmt::format("min = {}, max = {}", axis.low, axis.high), "min < max");
     }
+    axis.level = static_cast<problem::Level>(reader.choice(keys::parameter_level));
     axis.start = parameter.get(study.model);
     if (!std::isfinite(axis.start)) {
         throw pave::Error(reader.place("name"), "the layer does not state this key, so it cannot be varied",

@@ -45,12 +45,12 @@ namespace {
 constexpr double sensor_floor_um = 1.0;
 constexpr double sensor_share = 0.01;
 
-double sigma_um(const data::BowlReading& reading, double repeatability) {
+} // namespace
+
+double bowl_sigma_um(const data::BowlReading& reading, double repeatability) {
     return std::sqrt(std::pow(repeatability * reading.deflection_um, 2) / reading.drops + std::pow(sensor_floor_um, 2) +
                      std::pow(sensor_share * reading.deflection_um, 2));
 }
-
-} // namespace
 
 Study station_study(const Study& survey, const data::FwdStation& station,
                     const std::vector<const data::DeflectionBowl*>& bowls, std::optional<double> repeatability) {
@@ -73,7 +73,7 @@ Study station_study(const Study& survey, const data::FwdStation& station,
                                     .unit = data::unit_named("um"),
                                     .sigma = noise_is_stated
                                                  ? std::nullopt
-                                                 : std::optional(sigma_um(reading, repeatability.value_or(0.0))),
+                                                 : std::optional(bowl_sigma_um(reading, repeatability.value_or(0.0))),
                                     .file = station.file,
                                     .line = station.line});
         }

@@ -10,12 +10,15 @@ namespace explore::study {
 // data files are not read. Throws pave::Error.
 Study load_survey_study(const std::string& file);
 
-// The survey's study under the station's own loads: one plate a bowl, and its deflections. repeatability: standard
-// deviation of a reading over repeated drops, as a share of it; nothing: not known. A reading of n drops then has the
-// standard deviation
+// Standard deviation of a reading D of n drops in um. repeatability: standard deviation of a reading over repeated
+// drops, as a share of it.
 //     sqrt(repeatability^2 D^2 / n + (1 um)^2 + (0.01 D)^2),
-// the last two half of what a sensor is good to (2 um + 2 %, taken for two standard deviations), unless the study
-// states noise_relative or noise_floor. Throws pave::Error where the readings do not fit the model.
+// the last two half of what a sensor is good to (2 um + 2 %, taken for two standard deviations).
+double bowl_sigma_um(const data::BowlReading& reading, double repeatability);
+
+// The survey's study under the station's own loads: one plate a bowl, and its deflections, whose noise is the above
+// unless the study states noise_relative or noise_floor. repeatability: nothing: not known. Throws pave::Error where
+// the readings do not fit the model.
 Study station_study(const Study& survey, const data::FwdStation& station,
                     const std::vector<const data::DeflectionBowl*>& bowls, std::optional<double> repeatability);
 

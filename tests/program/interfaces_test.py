@@ -37,12 +37,15 @@ pages = prefix / "share" / "man" / "man1"
 for page, word in (("pavescape.1", "diagnose"), ("pavescape-fit.1", "--starts"), ("pavescape-forward.1", "--vtu")):
     text = (pages / page).read_text().replace("\\-", "-") if (pages / page).exists() else ""
     check(word in text and text.lstrip().startswith((".TH", ".\\\"")), f"{page} tells of {word}")
+    name = page.removesuffix(".1")
+    check(f'.TH {name.upper()} "1"' in text and f"\n{name} - " in text and '"Pavescape ' in text, f"{page} has its title")
 
 completion = prefix / "share" / "bash-completion" / "completions" / "pavescape"
 ask = ('source {0}; COMP_WORDS=({1} {2}); COMP_CWORD={3}; _pavescape; printf "%s\\n" "${{COMPREPLY[@]}}"')
-for words, place, wanted in (("dia", 1, "diagnose"), ("fit --sta", 2, "--starts")):
+for words, place, *wanted in (("dia", 1, "diagnose"), ("fit --sta", 2, "--starts"), ("fit --model a", 3, "auto"), ("plot run --format p", 4, "pdf", "png"),
+                             ("plot run res", 3, "residuals"), ("fit --starts 3", 3)):
     offered = command("bash", "-c", ask.format(completion, PROGRAM, words, place)).split()
-    check(offered == [wanted], f"completion of '{words}': {offered}")
+    check(sorted(offered) == wanted, f"completion of '{words}': {offered}")
 
 # The Debian package.
 command("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", folder / "package", cwd=BUILD)
@@ -50,7 +53,8 @@ packages = list((folder / "package").glob("*.deb"))
 check(len(packages) == 1, f"one package: {packages}")
 if packages:
     contents = command("dpkg-deb", "--contents", packages[0])
-    for path in ("./usr/bin/pavescape\n", "./usr/share/man/man1/pavescape.1", "completions/pavescape\n", "dist-packages/pavescape"):
+    for path in ("./usr/bin/pavescape\n", "./usr/share/man/man1/pavescape.1", "completions/pavescape\n", "dist-packages/pavescape",
+                 "doc/pavescape/docs/commands.md", "share/pavescape/grids/captif-p1-fwd.toml"):
         check(path in contents, f"the package holds {path.strip()}")
     check("libtbb" in command("dpkg-deb", "--field", packages[0], "Depends"), "the package names what it needs")
 

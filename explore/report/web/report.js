@@ -1,72 +1,18 @@
 // Draws the report from the JSON of the page. Everything from the data enters as text, never as markup.
 "use strict";
 (() => {
-    const failures = [];
-    const note = (what) => {
-        failures.push(String(what));
-        document.documentElement.dataset.failures = failures.join("\n");
-    };
-    window.addEventListener("error", (e) => note(e.message));
-    window.addEventListener("unhandledrejection", (e) => note(e.reason));
-    document.addEventListener("securitypolicyviolation", (e) => note(e.violatedDirective + " " + e.blockedURI));
-
+    const { colours, symbols, dashes, make, figure, part, words, table, pending, chart, axis, scaleOf, smooth } = blocks;
     const data = JSON.parse(document.getElementById("data").textContent);
     const results = data.results;
     const root = document.getElementById("report");
     root.textContent = "";
 
-    // Colours of Okabe and Ito: told apart by colour-blind people; lines and marks differ in form as well.
-    const colours = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999933"];
-    const symbols = ["circle", "square", "diamond", "triangle-up", "cross", "star", "x", "hexagon"];
-    const dashes = ["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"];
-
-    // -- building blocks ------------------------------------------------------------------------------------------
-
-    const make = (tag, properties = {}, ...children) => {
-        const element = document.createElement(tag);
-        Object.assign(element, properties);
-        for (const child of children.flat(Infinity)) {
-            if (child !== null && child !== undefined) element.append(child);
-        }
-        return element;
-    };
-    const figure = (v) => {
-        if (v === null || v === undefined || Number.isNaN(v)) return "–";
-        if (typeof v !== "number") return String(v);
-        if (v === 0) return "0";
-        const size = Math.abs(v);
-        return size >= 1e6 || size < 1e-4 ? v.toExponential(3) : String(Number(v.toPrecision(4)));
-    };
     const sections = [];
     const section = (title, ...children) => {
         const id = "s" + sections.length;
         sections.push({ id, title });
         root.append(make("section", {}, make("h2", { id }, title), ...children));
     };
-    const part = (title) => make("h3", {}, title);
-    const words = (sentences) => make("ul", {}, (sentences || []).map((s) => make("li", {}, s)));
-    const table = (header, rows, leftColumns = []) => make("div", { className: "wide" },
-        make("table", {}, make("thead", {}, make("tr", {}, header.map((h) => make("th", {}, h)))),
-            make("tbody", {}, rows.map((row) => make("tr", {}, row.map((cell, c) =>
-                make("td", { className: leftColumns.includes(c) ? "words" : "" }, figure(cell))))))));
-
-    const pending = []; // plots wait until their place is in the document
-    const chart = (name, traces, layout, caption) => {
-        const place = make("div", { className: "chart" });
-        place.dataset.chart = name;
-        pending.push(() => Plotly.newPlot(place, traces, {
-            font: { family: "system-ui, sans-serif", size: 12, color: "#1b1f24" },
-            margin: { l: 64, r: 16, t: 40, b: 56 },
-            height: 360, colorway: colours, hovermode: "closest",
-            legend: { orientation: "h", y: -0.22 }, paper_bgcolor: "#fff", plot_bgcolor: "#fff",
-            ...layout,
-            ...(layout.title ? { title: { x: 0, xanchor: "left", ...layout.title } } : {}), // beside the buttons
-        }, { displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: "",
-            modeBarButtonsToRemove: ["sendDataToCloud", "select2d", "lasso2d"] }).catch(note));
-        return make("figure", {}, place, caption ? make("figcaption", {}, caption) : null);
-    };
-    const axis = (title, more = {}) => ({ title: { text: title }, gridcolor: "#e6e9ec", zeroline: false, ...more });
-    const scaleOf = (parameter) => (parameter && parameter.scale === "log" ? "log" : "linear");
 
     // -- measured against modelled --------------------------------------------------------------------------------
 
@@ -82,24 +28,37 @@
     const placeOf = (r) => `x = ${figure(r.x_mm)}` + (r.y_mm ? `, y = ${figure(r.y_mm)}` : "") +
         (r.depth_mm ? `, depth ${figure(r.depth_mm)}` : "") + " mm";
 
-    // models: [{name, values}] beside readings with measured values, in the same order.
+    // models: [{name, values, curves}] beside readings with measured values, in the same order. Where a model has no curve between
+    // the readings of a bowl, a monotone cubic joins them; other readings are joined by straight lines.
     const againstMeasured = (readings, measured, models) => {
+        let cubic = false;
         const charts = [];
         for (const [name, rows] of groupsOf(readings)) {
             const byDepth = new Set(rows.map((r) => r.depth_mm)).size > 1;
-            const sorted = [...rows].sort((a, b) => (byDepth ? a.depth_mm - b.depth_mm : a.x_mm - b.x_mm));
-            const series = [{ name: "measured", values: measured, mode: "markers" },
-                ...models.map((m) => ({ ...m, mode: "lines+markers" }))];
-            const traces = series.map((s, k) => {
-                const at = sorted.map((r) => (byDepth ? r.depth_mm : r.x_mm));
-                const value = sorted.map((r) => s.values[r.index]);
-                return {
-                    type: "scatter", mode: s.mode, name: s.name, x: byDepth ? value : at, y: byDepth ? at : value,
-                    text: sorted.map(placeOf), line: { dash: dashes[k % dashes.length] },
-                    marker: { symbol: symbols[k], size: k === 0 ? 10 : 7, color: k === 0 ? "#000" : colours[k - 1] },
-                };
+            const along = (r) => (byDepth ? r.depth_mm : r.x_mm);
+            const sorted = [...rows].sort((a, b) => along(a) - along(b));
+            const traceOf = (s, more) => ({ type: "scatter", text: sorted.map(placeOf), x: sorted.map((r) => (byDepth ? s.values[r.index] : r.x_mm)),
+                y: sorted.map((r) => (byDepth ? r.depth_mm : s.values[r.index])), name: s.name, ...more });
+            const sigma = sorted.map((r) => r.sigma || 0);
+            const traces = [traceOf({ name: "measured", values: measured }, { mode: "markers", marker: { symbol: symbols[0], size: 10, color: "#000" },
+                ...(sigma.some((v) => v > 0) ? { [byDepth ? "error_x" : "error_y"]: { type: "data", array: sigma, thickness: 1.3, width: 4, color: "#000" } } : {}) })];
+            models.forEach((m, k) => {
+                const style = { color: colours[k % colours.length], dash: dashes[k % dashes.length] };
+                const own = (m.curves || []).filter((c) => c.load === rows[0].load && c.quantity === rows[0].quantity && c.unit === rows[0].unit && c.by_depth === byDepth);
+                const at = sorted.map(along);
+                const joined = own.length === 0 && rows[0].quantity === "deflection" && at.length > 2 && at.every((v, i) => i === 0 || v > at[i - 1]) &&
+                    sorted.every((r) => typeof m.values[r.index] === "number");
+                const marker = { symbol: symbols[(k + 1) % symbols.length], size: 7, color: style.color };
+                if (own.length === 0 && !joined) {
+                    traces.push(traceOf(m, { mode: "lines+markers", line: style, marker }));
+                    return;
+                }
+                cubic = cubic || joined;
+                const curves = joined ? [smooth(at, sorted.map((r) => m.values[r.index]))] : own.map((c) => ({ x: c.at_mm, y: c.values }));
+                traces.push({ type: "scatter", mode: "lines", name: m.name, line: style, hoverinfo: "skip",
+                    x: curves.flatMap((c) => [...(byDepth ? c.y : c.x), null]), y: curves.flatMap((c) => [...(byDepth ? c.x : c.y), null]) },
+                traceOf(m, { mode: "markers", showlegend: false, marker }));
             });
-            traces.forEach((t, k) => { if (k > 0) t.line.color = colours[k - 1]; });
             charts.push(chart("measured", traces, byDepth
                 ? { title: { text: name }, xaxis: axis(name.split(": ")[1]),
                     yaxis: axis("depth [mm]", { autorange: "reversed" }) }
@@ -107,14 +66,17 @@
                     yaxis: axis(name.split(": ")[1],
                         rows[0].quantity === "deflection" ? { autorange: "reversed" } : {}) }));
         }
-        return make("div", { className: "charts" }, charts);
+        const said = [readings.some((r) => r.sigma) ? "Bars: one standard deviation." : "",
+            models.some((m) => (m.curves || []).length) ? "Between the readings the curve is the model's own." : "",
+            cubic ? "Bowls are joined by a monotone cubic through what the model reads at the sensors." : ""].filter(Boolean);
+        return make("div", {}, make("div", { className: "charts" }, charts), said.length ? make("p", { className: "soft" }, said.join(" ")) : null);
     };
 
     const responsesPart = (result) => {
         const read = (result.responses || []).filter((r) => r.measured !== undefined);
         if (read.length === 0) return [];
         return [part("Measured and modelled"),
-            againstMeasured(read, read.map((r) => r.measured), [{ name: "best fit", values: read.map((r) => r.value) }]),
+            againstMeasured(read, read.map((r) => r.measured), [{ name: "best fit", values: read.map((r) => r.value), curves: result.curves }]),
             make("p", { className: "soft" }, "Deflection is positive downwards; strains and stresses are positive in compression."),
             table(["load", "quantity", "x [mm]", "y [mm]", "depth [mm]", "measured", "modelled", "difference", "unit"],
                 read.map((r) => [r.load, r.quantity, r.x_mm, r.y_mm, r.depth_mm, r.measured, r.value,
@@ -421,6 +383,73 @@
             table(["reading", "gain"], list.map((c) => [c.reading, c.gain]))];
     };
 
+    // The draws over every pair of parameters, and each alone as a histogram, all by their weights.
+    const mostInCorner = 7;
+    const corner = (parameters, draws) => {
+        const shown = parameters.slice(0, mostInCorner);
+        const d = shown.length;
+        const gap = 0.02;
+        const side = (1 - gap * (d - 1)) / d;
+        const number = (i, j) => i * d + j + 1; // of a panel's axes
+        const broken = (name) => name.replace(".", ".<br>"); // over two lines
+        const key = (n) => (n === 1 ? "" : String(n));
+        const most = Math.max(...draws.map((q) => q[0]));
+        // From the lowest draw to the highest, with a margin, on the scale of the axis.
+        const ranges = shown.map((p, k) => {
+            const scaled = (v) => (p.scale === "log" ? Math.log10(v) : v);
+            const at = draws.map((q) => scaled(q[1 + k]));
+            const [low, high] = [Math.min(...at), Math.max(...at)];
+            const margin = 0.06 * (high - low || 1);
+            return [Math.max(scaled(p.min), low - margin), Math.min(scaled(p.max), high + margin)];
+        });
+        const traces = [];
+        const layout = { height: Math.max(330, 175 * d + 100), showlegend: false, margin: { l: 70, r: 16, t: 30, b: 70 }, bargap: 0 };
+        shown.forEach((py, i) => shown.slice(0, i + 1).forEach((px, j) => {
+            const n = key(number(i, j));
+            const left = j * (side + gap);
+            const bottom = (d - 1 - i) * (side + gap);
+            const ends = { showline: true, mirror: true, linecolor: "#999", nticks: 5, tickfont: { size: 10 }, exponentformat: "none" };
+            layout["xaxis" + n] = axis(i === d - 1 ? broken(px.name) : "", { ...ends, domain: [left, left + side], anchor: "y" + n, type: scaleOf(px), range: ranges[j], showticklabels: i === d - 1 });
+            layout["yaxis" + n] = axis(i > 0 && j === 0 ? broken(py.name) : "", { ...ends, domain: [bottom, bottom + side], anchor: "x" + n, showticklabels: i > 0 && j === 0,
+                ...(i === j ? { rangemode: "tozero" } : { type: scaleOf(py), range: ranges[i] }) });
+            const on = { xaxis: "x" + n, yaxis: "y" + n };
+            if (i === j) {
+                const bins = 24;
+                const [low, high] = ranges[j];
+                const heights = new Array(bins).fill(0);
+                for (const q of draws) {
+                    const v = px.scale === "log" ? Math.log10(q[1 + j]) : q[1 + j];
+                    heights[Math.min(bins - 1, Math.max(0, Math.floor(bins * (v - low) / (high - low))))] += q[0];
+                }
+                const edge = (b) => (px.scale === "log" ? 10 ** (low + (high - low) * b / bins) : low + (high - low) * b / bins);
+                traces.push({ type: "scatter", mode: "lines", fill: "tozeroy", line: { shape: "hv", color: colours[0], width: 1.2 }, ...on, hoverinfo: "x",
+                    x: [...heights.map((_, b) => edge(b)), edge(bins)], y: [...heights, heights[bins - 1]] });
+                if (typeof px.q50 === "number") {
+                    const tall = Math.max(...heights);
+                    for (const [q, dash] of [["q025", "dot"], ["q50", "solid"], ["q975", "dot"]]) {
+                        traces.push({ type: "scatter", mode: "lines", ...on, x: [px[q], px[q]], y: [0, tall], hoverinfo: "x", line: { color: colours[1], width: 1.5, dash } });
+                    }
+                }
+            } else {
+                traces.push({ type: "scatter", mode: "markers", ...on, x: draws.map((q) => q[1 + j]), y: draws.map((q) => q[1 + i]), hoverinfo: "x+y",
+                    marker: { color: colours[0], size: 4, opacity: draws.map((q) => 0.1 + 0.5 * q[0] / most), line: { width: 0 } } });
+            }
+        }));
+        return chart("corner", traces, layout, "Draws of the posterior, fainter where they weigh less; on the diagonal their histogram, with the median and the 95 % range." +
+            (parameters.length > d ? ` The first ${d} of ${parameters.length} parameters.` : ""));
+    };
+    const showSample = (r) => {
+        const parameters = r.parameters || [];
+        const rows = [...parameters.map((p) => [p, ""]), ...(r.outputs || []).map((o) => [o, o.unit])];
+        section("The posterior", make("p", { className: "verdict" }, `Status: ${r.status}${r.reason ? " – " + r.reason : ""}`), asked(r, "What the readings leave of every parameter and output."),
+            words(r.findings), rows.length ? table(["", "unit", "mean", "sd", "2.5 %", "50 %", "97.5 %", "R-hat", "effective draws"],
+                rows.map(([q, unit]) => [q.name, unit, q.mean, q.sd, q.q025, q.q50, q.q975, q.rhat, Math.round(q.ess)])) : [],
+            (r.draws || []).length && parameters.length ? corner(parameters, r.draws) : [],
+            r.correlations && parameters.length > 1 ? [part("Correlations of the draws"), table(["", ...parameters.map((p) => p.name)],
+                parameters.map((p, i) => [p.name, ...r.correlations[i].map((v) => v.toFixed(2))]))] : [],
+            r.log_evidence === undefined ? [] : make("p", { className: "soft" }, `Log evidence ${figure(r.log_evidence)} ± ${figure(r.log_evidence_error)}: its difference between models of the same readings is their log odds.`));
+    };
+
     const showDiagnose = (r) => {
         const named = (r.readings || []).map((q, i) => `${i + 1}: ${q.load} ${q.quantity.replace("_", " ")}, ${placeOf(q)}`);
         const fitted = r.residuals.baseline.map((v, i) => (v === null ? -1 : i)).filter((i) => i >= 0); // not held out
@@ -522,7 +551,17 @@
     const strip2 = (fitted) => chart("strip", [{ type: "bar", x: fitted.map((s) => s.chainage_m), y: fitted.map((s) => s.fit.rms_percent) }],
         { xaxis: axis("chainage [m]"), yaxis: axis("rms of the fit [%]"), height: 220 });
 
-    const show = { unique: showUnique, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: showSurvey };
+    const showRoad = (r) => {
+        section("The road as one experiment", words(r.findings),
+            table(["", "value", "from", "to", "% of its box", "median station alone [%]", "stations"],
+                [...r.shared, ...r.section_parameters].map((p) => [p.level === "section" ? `${p.name}, section ${p.section + 1}` : p.name, p.value, p.low,
+                    p.high, 100 * p.width, 100 * p.median_width_alone, p.stations])),
+            r.outliers.length ? [part("Stations that do not belong"),
+                table(["station", "chainage [m]", "why"], r.outliers.map((o) => [o.station, o.chainage_m, o.reason]), [2])] : []);
+        showSurvey({ ...r, findings: r.remarks });
+    };
+
+    const show = { unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: showSurvey, road: showRoad };
 
     // -- the page -------------------------------------------------------------------------------------------------
 
@@ -532,7 +571,7 @@
     const navigation = make("nav");
     root.append(make("header", {}, make("h1", {}, titles[0] || data.folder),
         make("p", { className: "soft" }, `Pavescape ${data.version}, run “${data.folder}”: ${Object.keys(results).join(", ") || "not finished"}`)), navigation);
-    const summary = ["unique", "diagnose", "compare", "fit"].filter((c) => results[c] && (results[c].findings || []).length);
+    const summary = ["unique", "sample", "diagnose", "compare", "fit"].filter((c) => results[c] && (results[c].findings || []).length);
     if (summary.length > 0) {
         root.append(make("div", { className: "verdict" }, results[summary[0]].findings[0]));
     }

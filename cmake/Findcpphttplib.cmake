@@ -1,0 +1,15 @@
+# cpp-httplib as Debian packages it, a header and a library. Defines cpphttplib::cpphttplib. Where there is no library
+# (conda), the header holds everything.
+include(FindPackageHandleStandardArgs)
+find_package(Threads REQUIRED)
+find_path(cpphttplib_INCLUDE_DIR httplib.h)
+find_library(cpphttplib_LIBRARY cpp-httplib)
+find_package_handle_standard_args(cpphttplib REQUIRED_VARS cpphttplib_INCLUDE_DIR)
+if(cpphttplib_FOUND AND NOT TARGET cpphttplib::cpphttplib)
+    add_library(cpphttplib::cpphttplib INTERFACE IMPORTED)
+    target_include_directories(cpphttplib::cpphttplib INTERFACE ${cpphttplib_INCLUDE_DIR})
+    target_link_libraries(cpphttplib::cpphttplib INTERFACE Threads::Threads)
+    if(cpphttplib_LIBRARY)
+        target_link_libraries(cpphttplib::cpphttplib INTERFACE ${cpphttplib_LIBRARY})
+    endif()
+endif()

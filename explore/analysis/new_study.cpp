@@ -1,0 +1,294 @@
+#include "analysis/new_study.h"
+
+#include "base/error.h"
+#include "base/text.h"
+#include "data/bowl_indices.h"
+#include "data/reading.h"
+#include "study/station.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+
+namespace explore::analysis {
+namespace {
+
+// What the two kinds of study say differently.
+struct Parts {
+    std::string head;   // comment lines
+    std::string title;  // harmless in quotes
+    std::string layers; // a comment line on where the layers come from
+    std::string loads;  // [[loads]]
+    std::string noise;  // of [data]
+    std::string load;   // that the output is predicted under
+    double subgrade_MPa = 60.0, subgrade_low_MPa = 15.0, subgrade_high_MPa = 300.0;
+};
+
+std::string study_text(const std::string& name, const Parts& parts) {
+    return fmt::format(
+        R"({0}#     pavescape check {1}.toml
+#     pavescape fit {1}.toml
+#     pavescape explore {1}.toml
+# Keys carry their unit. `pavescape effects` lists what can be added to the model.
+schema = 1
+title = "{2}"
+
+# What the last layer stands on. "half-space": it goes on for ever. "rigid": on rock at the bottom of its thickness_mm,
+# which may be a parameter: a floor where there is none makes the subgrade look too soft.
+[section]
+bottom = "half-space"
+
+{3}
+[[layers]]
+name = "asphalt"
+thickness_mm = 120
+density_kg_m3 = 2300          # with k0: the stress that is there before the load
+k0 = 0.5                      # horizontal over vertical stress at rest
+law = "linear"
+modulus_MPa = 3000
+poisson = 0.35
+
+[[layers]]
+name = "base"
+thickness_mm = 300
+density_kg_m3 = 2200
+k0 = 0.5
+law = "uzan"                  # E = k1 pa (theta/pa)^k2 (tau/pa + 1)^k3, pa = 100 kPa
+modulus_axis = "vertical"     # E is that of the laboratory test; "horizontal": E1
+k1 = 1300                     # 900 to 1700 for crushed rock
+k2 = 0.65                     # 0.5 to 0.8: stiffens with confinement
+k3 = -0.3                     # -0.8 to 0: softens with shear
+n = 0.4                       # horizontal over vertical modulus
+poisson_12 = 0.35
+poisson_31 = 0.35
+
+[[layers]]
+name = "subgrade"
+density_kg_m3 = 1900
+k0 = 0.5
+law = "linear"
+modulus_MPa = {4:g}
+poisson = 0.40
+
+{5}
+{6}
+# What is to be found, and between which bounds.
+[[parameters]]
+name = "asphalt.modulus_MPa"
+min = 500
+max = 20000
+scale = "log"
+
+[[parameters]]
+name = "base.k1"
+min = 200
+max = 8000
+scale = "log"
+
+[[parameters]]
+name = "subgrade.modulus_MPa"
+min = {7:g}
+max = {8:g}
+scale = "log"
+
+# What the answer is for: predicted from every set of parameters that the readings allow.
+[[outputs]]
+name = "subgrade-top strain"
+load = "{9}"
+quantity = "strain_zz"
+depth_mm = 421
+
+[[outputs]]
+name = "asphalt-bottom strain"
+load = "{9}"
+quantity = "strain_xx"
+depth_mm = 119.9
+)",
+        parts.head, name, parts.title, parts.layers, parts.subgrade_MPa, parts.loads, parts.noise,
+        parts.subgrade_low_MPa, parts.subgrade_high_MPa, parts.load);
+}
+
+// Two significant digits.
+double rounded(double value) {
+    const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+    return std::round(value / unit) * unit;
+}
+
+double hundredths(double value) {
+    return std::round(100.0 * value) / 100.0;
+}
+
+// In a comment or between quotes of TOML.
+std::string harmless(const std::string& text) {
+    std::string safe = pave::printable(text, 80);
+    std::replace(safe.begin(), safe.end(), '"', '\'');
+    std::replace(safe.begin(), safe.end(), '\\', '/');
+    return safe;
+}
+
+const data::FwdStation& chosen(const data::FwdFile& file, const std::string& path, const std::string& station) {
+    std::vector<std::string> names;
+    std::string why;
+    for (const data::FwdStation& s : file.stations) {
+        if (station.empty()) {
+            const auto bowls = data::bowls_of(s);
+            if (bowls) {
+                return s;
+            }
+            why = why.empty() ? "station " + s.name + ": " + bowls.failure().reason : why;
+        } else if (s.name == station || (s.chainage_m && fmt::format("{:g}", *s.chainage_m) == station)) {
+            return s;
+        }
+        names.push_back(s.name);
+    }
+    constexpr std::size_t most = 40;
+    if (names.size() > most) {
+        names.resize(most);
+        names.emplace_back("...");
+    }
+    if (station.empty()) {
+        throw pave::Error({.file = path}, "no station of this file can be used", why, "pavescape survey shows all");
+    }
+    throw pave::Error({.file = path, .key = "--station"}, "this station is not in the file", "\"" + station + "\"",
+                      pave::join(names));
+}
+
+} // namespace
+
+NewStudy example_study(const std::string& name) {
+    Parts parts;
+    parts.head = "# A study: one section, what was measured on it, what is to be found. Written by `pavescape new`; "
+                 "runs as it stands:\n";
+    parts.title = name;
+    parts.layers = "# Layers from the top down: replace the numbers by yours.";
+    parts.loads = R"(# What loads it: "plate" (FWD), "wheel" or "dual-wheel".
+[[loads]]
+name = "fwd"
+type = "plate"
+radius_mm = 150
+pressure_kPa = 566            # 40 kN
+)";
+    parts.noise = fmt::format(
+        R"(# What was read. Without noise here or a sigma in the file it is taken from what the fit leaves over.
+[data]
+files = ["{}.csv"]
+misfit = "weighted"           # by the noise; "log": by the logarithms, for strains of all sizes
+noise_relative = 0.02
+noise_floor = 0.005           # of the largest reading under that load
+)",
+        name);
+    parts.load = "fwd";
+    // The section above with asphalt of 3500 MPa, k1 1400 and a subgrade of 65 MPa; `pavescape twin
+    // --noise 0.015 --seed 2`, rounded to micrometres.
+    const std::string readings =
+        "# An example bowl, not a measurement: replace it. quantity: deflection, strain_zz, strain_xx, stress_zz, ...\n"
+        "# Deflections are positive down, strains and stresses in compression. sigma may be empty.\n"
+        "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n"
+        "fwd,deflection,0,0,0,0,0.815,mm,\n"
+        "fwd,deflection,200,0,0,0,0.685,mm,\n"
+        "fwd,deflection,300,0,0,0,0.584,mm,\n"
+        "fwd,deflection,450,0,0,0,0.449,mm,\n"
+        "fwd,deflection,600,0,0,0,0.344,mm,\n"
+        "fwd,deflection,900,0,0,0,0.219,mm,\n"
+        "fwd,deflection,1200,0,0,0,0.142,mm,\n"
+        "fwd,deflection,1500,0,0,0,0.107,mm,\n";
+    return {study_text(name, parts), readings};
+}
+
+NewStudy study_of_station(const std::string& name, const data::FwdFile& file, const std::string& path,
+                          const std::string& wanted) {
+    const data::FwdStation& station = chosen(file, path, wanted);
+    const std::string source = harmless(std::filesystem::path(path).filename().string());
+    const auto bowls = data::bowls_of(station);
+    if (!bowls) {
+        throw pave::Error({.file = path, .line = station.line, .key = "station " + station.name},
+                          "its readings cannot be right", bowls.failure().reason, "another station");
+    }
+    // Repeats along the whole road tell more than those of one station.
+    std::vector<data::StationBowls> road;
+    for (const data::FwdStation& s : file.stations) {
+        if (auto own = data::bowls_of(s)) {
+            road.push_back(std::move(own).value());
+        }
+    }
+    std::vector<const data::DeflectionBowl*> all;
+    for (const auto& s : road) {
+        for (const auto& level : s.levels) {
+            all.push_back(&level);
+        }
+    }
+    const auto repeatability = data::repeatability(all);
+
+    Parts parts;
+    const auto given = [](const char* what, const std::optional<double>& celsius) {
+        return celsius ? fmt::format(", {} {:g} C", what, *celsius) : std::string();
+    };
+    parts.head = fmt::format("# Station {} of {}{}{}{}{}{}. Written by `pavescape new`:\n", harmless(station.name),
+                             source, station.date.empty() ? "" : ", " + harmless(station.date),
+                             station.time.empty() ? "" : " " + harmless(station.time), given("air", station.air_C),
+                             given("surface", station.surface_C), given("asphalt", station.asphalt_C));
+    parts.title = fmt::format("Station {} of {}", harmless(station.name), source);
+    parts.layers = "# Layers from the top down. The file does not say what they are: REPLACE thicknesses and laws by "
+                   "those of your road.\n# depth_mm of the outputs below goes with the thicknesses.";
+    std::string rows;
+    std::string left_out;
+    parts.loads = "# The loads of the station, one a level.\n";
+    for (const data::DeflectionBowl& bowl : bowls->levels) {
+        const std::string load = fmt::format("fwd-{:.0f}kPa", bowl.pressure_kPa);
+        parts.loads += fmt::format("[[loads]]\nname = \"{}\"\ntype = \"plate\"\nradius_mm = {:g}\npressure_kPa = {:g}  "
+                                   "          # {:.1f} kN, drop{} {}\n\n",
+                                   load, bowl.radius_mm, bowl.pressure_kPa, bowl.force_kN(),
+                                   bowl.drops.size() == 1 ? "" : "s", fmt::join(bowl.drops, ", "));
+        if (&bowl == &bowls->bowl()) {
+            parts.load = load;
+        }
+        for (const data::BowlReading& reading : bowl.readings) {
+            data::Reading row;
+            row.load = load;
+            row.quantity = "deflection";
+            row.x_mm = reading.offset_mm;
+            row.value = hundredths(reading.deflection_um);
+            row.unit = data::unit_named("um");
+            row.sigma = hundredths(study::bowl_sigma_um(reading, repeatability.value_or(0.0)));
+            rows += data::measurement_row(row);
+        }
+    }
+    parts.loads.pop_back();
+    for (const data::DropLeftOut& drop : bowls->left_out) {
+        const bool used = drop.why == data::LeftOut::another_level; // its level is a load of its own
+        left_out += used ? ""
+                         : fmt::format("# Drop {} is left out{}{}\n", drop.number,
+                                       drop.why == data::LeftOut::seating ? ": it seats the plate" : "",
+                                       drop.words.empty() ? "" : ": " + harmless(drop.words));
+    }
+    parts.noise = fmt::format(R"(# What was read; every reading states its noise (sigma).
+[data]
+files = ["{}.csv"]
+misfit = "weighted"
+)",
+                              name);
+    const auto moduli = data::indices_of(bowls->bowl(), bowls->bowl().pressure_kPa).surface_moduli;
+    if (!moduli.empty() && moduli.back().offset_mm > 0.0) {
+        const double modulus = std::clamp(moduli.back().modulus_MPa, 10.0, 1000.0);
+        parts.subgrade_MPa = rounded(modulus);
+        parts.subgrade_low_MPa = rounded(modulus / 4.0);
+        parts.subgrade_high_MPa = rounded(modulus * 4.0);
+    }
+    const std::string head = fmt::format(
+        "# Station {} of {}: medians of the drops of each level. sigma: {}, with 1 um and 1 % of the sensor\n{}{}\n",
+        harmless(station.name), source,
+        repeatability ? fmt::format("repeats scatter by {:.1f} %", 100.0 * *repeatability) : "no drop is repeated",
+        left_out, data::measurement_header());
+    return {study_text(name, parts), head + rows};
+}
+
+std::string plain_name(const std::string& name) {
+    constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
+    std::string made;
+    std::copy_if(name.begin(), name.end(), std::back_inserter(made),
+                 [&](char c) { return plain.find(c) != std::string_view::npos; });
+    return made;
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,170 @@
+#include "analysis/road_findings.h"
+
+#include "base/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace explore::analysis {
+namespace {
+
+using pave::counted;
+using pave::figure;
+
+constexpr double poorly_conditioned = 1e4;
+
+std::string percent(double share) {
+    return fmt::format("{:.{}f} %", 100.0 * share, share < 0.0995 ? 1 : 0);
+}
+
+std::string common_words(const RoadResult& result, const CommonParameter& p) {
+    std::string text =
+        p.range.determined
+            ? fmt::format("{} = {}, 95 % range {} to {}, from {}", common_name(result, p), figure(p.range.value),
+                          figure(p.range.low), figure(p.range.high), counted(p.stations, "station", "stations"))
+            : fmt::format("{} is not determined even by {} together ({}, range {} to {})", common_name(result, p),
+                          counted(p.stations, "station", "stations"), figure(p.range.value), figure(p.range.low),
+                          figure(p.range.high));
+    text += fmt::format(
+        ": {} of its box, where the median station by itself leaves {} (its standard error is {:.1f} times as "
+        "large)",
+        percent(p.width), percent(p.alone_width), p.narrower);
+    if (p.range.determined && 2 * p.alone_determined < p.stations) {
+        text += fmt::format("; unique together, and alone at {} of {}", p.alone_determined,
+                            counted(p.stations, "station", "stations"));
+    }
+    return text + ".";
+}
+
+// The combination of the road's common parameters that is known least.
+std::string weakest_words(const RoadResult& result) {
+    std::string text;
+    std::size_t next = 0;
+    for (const CommonParameter& p : result.common) {
+        if (p.section) {
+            continue;
+        }
+        const double part = result.weakest[next++];
+        if (std::abs(part) >= 0.1) {
+            text += fmt::format("{}{} {}", text.empty() ? "" : ", ", result.survey.study->space.axes[p.axis].name,
+                                part > 0.0 ? "up" : "down");
+        }
+    }
+    return text;
+}
+
+// Of sensors that the prediction misses: near ones tell of the top, far ones of what lies deep.
+std::string missed_words(const WithheldLevel& level) {
+    std::string text;
+    for (const auto& s : level.sensors) {
+        if (s.p_familywise < road_familywise) {
+            text += fmt::format("{}{:g} mm {:+.1f} % +- {:.1f}", text.empty() ? "" : ", ", s.offset_mm, s.mean_percent,
+                                1.96 * s.error_percent);
+        }
+    }
+    if (text.empty()) {
+        return " No sensor stands out.";
+    }
+    return " Measured over predicted at " + text +
+           ". Where readings are above, the pavement softens with load more, or hardens less, than the model: near the "
+           "plate the upper layers, far from it the subgrade.";
+}
+
+std::string withheld_words(const WithheldLevel& level) {
+    return fmt::format(
+        "The level that was withheld is predicted within {:.1f} % (root mean square of {} readings at {} "
+        "stations), where noise and the ranges make {:.1f} %: chi2 = {}, p = {:.2g}.{}",
+        level.rms_percent, level.readings, level.stations, level.noise_percent, figure(level.chi2), level.p_value,
+        missed_words(level));
+}
+
+} // namespace
+
+std::string common_name(const RoadResult& result, const CommonParameter& p) {
+    const std::string& name = result.survey.study->space.axes[p.axis].name;
+    if (!p.section) {
+        return name;
+    }
+    const RoadSection& section = result.survey.sections[*p.section];
+    const auto chainage = [&](std::size_t i) { return *result.survey.stations[i].station.chainage_m; };
+    return fmt::format("{} at {:g} to {:g} m", name, chainage(section.first), chainage(section.last)) +
+           (section.lane.empty() ? "" : " of lane " + section.lane);
+}
+
+std::string outlier_words(const RoadResult& result, const RoadOutlier& o) {
+    const std::string name = result.survey.study->space.axes[o.axis].name;
+    switch (o.cause) {
+    case OutlierCause::sensor:
+        return fmt::format("without the sensor at {:g} mm it fits (p = {:.2g}): the model is {:+.1f} % off there",
+                           o.offset_mm, o.p_explained, o.model_percent);
+    case OutlierCause::common:
+        return fmt::format("with common parameters of its own it fits (p = {:.2g}): above all {} = {}, {} elsewhere",
+                           o.p_explained, name, figure(o.there), figure(o.typical));
+    case OutlierCause::unlike:
+        return fmt::format("no single sensor and no common parameters of its own explain it; {} = {} is far from that "
+                           "of its neighbours ({}): another thickness or construction, or the floor",
+                           name, figure(o.there), figure(o.typical));
+    case OutlierCause::not_explained: break;
+    }
+    return "no single sensor and no common parameters of its own explain it: another thickness, construction or depth "
+           "of the floor, or several readings are wrong";
+}
+
+std::vector<std::string> findings_of(const RoadResult& result) {
+    std::vector<std::string> words;
+    for (const CommonParameter& p : result.common) {
+        words.push_back(common_words(result, p));
+    }
+    if (result.stations.empty()) {
+        words.emplace_back("No station could be fitted.");
+        return words;
+    }
+    if (result.weakest.size() > 1 && result.condition > poorly_conditioned) {
+        words.push_back(fmt::format(
+            "The common parameters are known less well together than each by itself: along {} by {} of the box (one "
+            "standard deviation), {:.0f} times worse than along the best known combination.",
+            weakest_words(result), percent(result.weakest_sd), std::sqrt(result.condition)));
+    }
+    words.push_back(
+        result.widened
+            ? fmt::format("The model misses the readings by {:.1f} times their noise (chi2 = {} with {:.0f} degrees of "
+                          "freedom, p = {:.2g}): ranges are wider by that much, and an error that the model makes at "
+                          "every station shifts the common parameters by more than they say.",
+                          result.noise_factor(), figure(result.chi2), result.dof, result.p_value)
+            : fmt::format("The fit is consistent with the noise of the readings: chi2 = {} with {:.0f} degrees of "
+                          "freedom, p = {:.2g}.",
+                          figure(result.chi2), result.dof, result.p_value));
+    if (result.outliers.empty()) {
+        words.push_back(fmt::format("No station stands out (5 % over all {}).",
+                                    counted(result.stations.size(), "station", "stations")));
+    }
+    for (const RoadOutlier& o : result.outliers) {
+        const RoadStation& s = result.stations[o.station];
+        words.push_back(fmt::format("{} does not belong to this road (chi2 = {} where {:.0f} is expected, p = {:.2g} "
+                                    "over all stations) and is left out of what is common: {}.",
+                                    result.survey.stations[s.station].station.name, figure(s.chi2), s.dof,
+                                    s.p_familywise, outlier_words(result, o)));
+    }
+    if (result.conflict_dof > 0.0) {
+        words.push_back(fmt::format(
+            "{}: with common parameters of their own at every station chi2 falls by {} for {:.0f} more parameters, p = "
+            "{:.2g}.",
+            result.conflict_p < 0.05
+                ? "Stations by themselves contradict the road, so that what is common here is not the same everywhere, "
+                  "or the model errs in a way that differs along the road"
+                : "Stations by themselves do not contradict the road",
+            figure(result.conflict_chi2), result.conflict_dof, result.conflict_p));
+    }
+    if (result.withheld) {
+        words.push_back(withheld_words(*result.withheld));
+    }
+    if (!result.converged) {
+        words.push_back(fmt::format("The search over all stations did not converge: {}.", result.ended));
+    }
+    words.emplace_back("Ranges hold for errors that are new at every reading. What is wrong in the same way at every "
+                       "station, as a sensor's calibration or a thickness, is not in them.");
+    return words;
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,352 @@
+#include "analysis/survey_stations.h"
+
+#include "analysis/survey_road.h"
+#include "base/units.h"
+#include "data/asphalt_temperature.h"
+#include "data/fwd_values.h"
+#include "study/laws.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <span>
+#include <tuple>
+
+namespace explore::analysis {
+namespace {
+
+constexpr double no_place = std::numeric_limits<double>::infinity(); // a station without chainage goes to the end
+
+// Whether at most of the stations where it can be told the first drop seats the plate.
+bool first_drops_seat(const std::vector<StationResult>& stations) {
+    std::size_t told = 0;
+    std::size_t seating = 0;
+    for (const StationResult& s : stations) {
+        if (s.bowls && s.station.drops.size() >= 3) {
+            ++told;
+            seating += std::any_of(s.bowls->left_out.begin(), s.bowls->left_out.end(),
+                                   [](const auto& drop) { return drop.why == data::LeftOut::seating; })
+                           ? 1
+                           : 0;
+        }
+    }
+    return 2 * seating > told;
+}
+
+// Temperatures that no road has are not there; Fahrenheit under Celsius is the likely slip.
+void check_temperatures(data::FwdStation& station) {
+    constexpr double coldest = -50.0;
+    constexpr double hottest = 75.0;
+    for (auto [name, celsius] : {std::pair{"air", &station.air_C}, std::pair{"surface", &station.surface_C},
+                                 std::pair{"asphalt", &station.asphalt_C}}) {
+        if (*celsius && !(**celsius >= coldest && **celsius <= hottest)) {
+            station.remarks.push_back(fmt::format("the {} temperature of {:g} C is not used{}", name, **celsius,
+                                                  **celsius > hottest ? ": Fahrenheit in a Celsius column?" : ""));
+            celsius->reset();
+        }
+    }
+}
+
+void make_bowls(StationResult& s, const data::DropChoice& choice) {
+    auto bowls = data::bowls_of(s.station, choice);
+    if (bowls) {
+        s.bowls = *bowls;
+    } else {
+        s.state = StationState::rejected;
+        s.reason = bowls.failure().reason;
+    }
+}
+
+SurveyResult read_stations(std::vector<data::FwdFile> files, data::DropChoice choice) {
+    SurveyResult result;
+    for (data::FwdFile& file : files) {
+        for (std::string& remark : file.remarks) {
+            result.remarks.push_back(std::move(remark));
+        }
+        for (data::FwdStation& station : file.stations) {
+            check_temperatures(station);
+            result.stations.push_back({.station = std::move(station)});
+            make_bowls(result.stations.back(), choice);
+        }
+    }
+    if (first_drops_seat(result.stations)) {
+        choice.first_of_two_seats = true;
+        for (StationResult& s : result.stations) {
+            if (s.bowls && s.station.drops.size() == 2) {
+                make_bowls(s, choice);
+            }
+        }
+    }
+    const auto order = [](const StationResult& s) {
+        return std::tuple<const std::string&, const std::string&, double>(s.station.profile, s.station.lane,
+                                                                          s.station.chainage_m.value_or(no_place));
+    };
+    std::stable_sort(result.stations.begin(), result.stations.end(),
+                     [&](const StationResult& a, const StationResult& b) { return order(a) < order(b); });
+    return result;
+}
+
+std::optional<double> repeatability_of(std::span<const StationResult> stations) {
+    std::vector<const data::DeflectionBowl*> bowls;
+    for (const StationResult& s : stations) {
+        for (std::size_t i = 0; s.has_bowl() && i < s.bowls->levels.size(); ++i) {
+            bowls.push_back(&s.bowls->levels[i]);
+        }
+    }
+    return data::repeatability(bowls);
+}
+
+// Levels that are fitted at a station: all of them tell how a stress-dependent section changes with the load.
+std::vector<std::size_t> levels_to_fit(const StationResult& s, bool all) {
+    if (!all) {
+        return {s.bowls->main};
+    }
+    std::vector<std::size_t> levels(s.bowls->levels.size());
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+        levels[i] = i;
+    }
+    return levels;
+}
+
+double rms_percent(const problem::Problem& problem, const std::vector<double>& responses) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < problem.readings(); ++i) {
+        sum += std::pow(responses[problem.response_of(i)] / problem.measured(i) - 1.0, 2);
+    }
+    return 100.0 * std::sqrt(sum / static_cast<double>(problem.readings()));
+}
+
+void add_temperature(StationResult& s, const SurveyOptions& options, std::optional<double> thickness_mm) {
+    const data::FwdStation& station = s.station;
+    // Writers without a reading put 0 there.
+    const bool is_measured =
+        station.asphalt_C && (*station.asphalt_C != 0.0 || (station.surface_C && std::abs(*station.surface_C) < 2.0));
+    if (is_measured) {
+        s.asphalt = {*station.asphalt_C, TemperatureSource::measured};
+        return;
+    }
+    const auto hour = data::hour_of_day(station.time);
+    const auto air = options.air_of_day_before_C ? options.air_of_day_before_C : station.air_C;
+    if (station.surface_C && hour && air && thickness_mm) {
+        s.asphalt = {data::bells3(*station.surface_C, *air, *hour, *thickness_mm / 2.0),
+                     options.air_of_day_before_C ? TemperatureSource::bells3 : TemperatureSource::bells3_of_the_hour};
+    }
+}
+
+// A bowl with the sensors of all these.
+data::DeflectionBowl all_sensors(const std::vector<const data::DeflectionBowl*>& bowls) {
+    data::DeflectionBowl all = *bowls[0];
+    for (const data::DeflectionBowl* bowl : bowls) {
+        for (const auto& reading : bowl->readings) {
+            if (!all.has_sensor_at(reading.offset_mm)) {
+                all.readings.push_back(reading);
+            }
+        }
+    }
+    std::sort(all.readings.begin(), all.readings.end(),
+              [](const auto& a, const auto& b) { return a.offset_mm < b.offset_mm; });
+    return all;
+}
+
+} // namespace
+
+std::vector<const data::DeflectionBowl*> StationTask::bowls() const {
+    std::vector<const data::DeflectionBowl*> found;
+    found.reserve(levels.size());
+    for (const std::size_t level : levels) {
+        found.push_back(&station->bowls->levels[level]);
+    }
+    return found;
+}
+
+std::string StationTask::words() const {
+    const data::FwdStation& s = station->station;
+    return fmt::format("station {} at {} m",
+                       pave::join(s.lane.empty() ? std::vector{s.name} : std::vector{s.name, s.lane}),
+                       s.chainage_m.value_or(NAN));
+}
+
+std::vector<StationTask> station_tasks(SurveyResult& result, std::size_t unknowns,
+                                       const std::function<problem::Problem(const study::Study&)>& make_problem) {
+    std::vector<StationTask> tasks;
+    std::optional<pave::Error> complaint;
+    for (StationResult& s : result.stations) {
+        if (!s.has_bowl()) {
+            continue;
+        }
+        auto levels = levels_to_fit(s, result.fits_all_levels);
+        std::vector<const data::DeflectionBowl*> bowls;
+        std::size_t readings = 0;
+        for (const std::size_t level : levels) {
+            bowls.push_back(&s.bowls->levels[level]);
+            readings += bowls.back()->readings.size();
+        }
+        if (readings < unknowns) {
+            s.state = StationState::failed;
+            s.reason = fmt::format("{} readings cannot tell {} parameters", readings, unknowns);
+            continue;
+        }
+        try {
+            const auto own = repeatability_of({&s, 1});
+            auto study = study::station_study(*result.study, s.station, bowls, own ? own : result.repeatability);
+            problem::Problem problem = make_problem(study);
+            tasks.push_back({&s, std::move(levels), std::move(study), std::move(problem)});
+        } catch (const pave::Error& error) {
+            s.state = StationState::failed;
+            s.reason = error.what();
+            complaint = complaint ? complaint : error;
+        }
+    }
+    if (tasks.empty() && complaint) {
+        throw *complaint;
+    }
+    return tasks;
+}
+
+StationFit fit_at(const StationTask& task, const landscape::Minimum& best) {
+    StationFit fit;
+    fit.best = best;
+    fit.rms_percent = rms_percent(task.problem, best.evaluation.responses);
+    std::size_t next = 0;
+    for (const data::DeflectionBowl* bowl : task.bowls()) {
+        auto& um = fit.model_um.emplace_back();
+        for (std::size_t i = 0; i < bowl->readings.size(); ++i) {
+            um.push_back(best.evaluation.responses[next++] / pave::unit::um);
+        }
+    }
+    fit.levels = task.levels;
+    return fit;
+}
+
+std::optional<NoFit> no_fit_of(const StationFit& fit) {
+    if (!(fit.rms_percent <= no_fit_percent)) {
+        return NoFit::far_off;
+    }
+    return fit.best.on_bound.size() == fit.best.unit.size() ? std::optional(NoFit::all_on_bounds) : std::nullopt;
+}
+
+ParameterRange range_about(const problem::Axis& axis, double unit, double half) {
+    constexpr double half_box = 0.5;
+    const double low = std::max(0.0, unit - half);
+    const double high = std::min(1.0, unit + half);
+    return {.value = axis.physical(unit),
+            .low = axis.physical(low),
+            .high = axis.physical(high),
+            .determined = low > 0.0 && high < 1.0 && high - low < half_box};
+}
+
+Exploration::Exploration(const SurveyResult& result, search::Design design, Session& session, std::string command)
+    : result_(result),
+      design_(std::move(design)),
+      session_(session),
+      command_(std::move(command)) {}
+
+std::optional<Exploration::Starts> Exploration::starts(const StationTask& task,
+                                                       const landscape::MultistartSettings& settings) {
+    const auto bowls = task.bowls();
+    const data::DeflectionBowl layout = all_sensors(bowls);
+    auto* explored = at(*task.station, layout);
+    if (explored == nullptr) {
+        return std::nullopt;
+    }
+    // Where each response of the problem stands among those explored, and by what it is scaled.
+    std::vector<std::pair<std::size_t, double>> from;
+    for (const data::DeflectionBowl* bowl : bowls) {
+        for (const auto& reading : bowl->readings) {
+            const auto same = std::find_if(layout.readings.begin(), layout.readings.end(),
+                                           [&](const auto& r) { return r.offset_mm == reading.offset_mm; });
+            from.emplace_back(static_cast<std::size_t>(same - layout.readings.begin()),
+                              bowl->pressure_kPa / result_.common_pressure_kPa);
+        }
+    }
+    std::vector<problem::Evaluation> scaled = *explored;
+    for (auto& e : scaled) {
+        if (!e.converged()) {
+            continue;
+        }
+        std::vector<double> responses;
+        responses.reserve(from.size());
+        for (const auto& [index, factor] : from) {
+            responses.push_back(factor * e.responses[index]);
+        }
+        e.responses = std::move(responses);
+        e.misfit = task.problem.misfit(e);
+    }
+    Starts starts;
+    for (const std::size_t i : run::distinct_starts(design_, scaled, settings.starts, settings.start_distance)) {
+        starts.points.push_back(design_.points[i]);
+    }
+    if (starts.points.empty()) {
+        starts.why_none = run::why_no_start(*explored);
+    }
+    return starts;
+}
+
+const std::vector<problem::Evaluation>* Exploration::at(const StationResult& s, data::DeflectionBowl bowl) {
+    std::vector<double> layout{bowl.radius_mm};
+    for (const auto& reading : bowl.readings) {
+        layout.push_back(reading.offset_mm);
+    }
+    if (const auto known = explored_.find(layout); known != explored_.end()) {
+        return &known->second;
+    }
+    bowl.pressure_kPa = result_.common_pressure_kPa;
+    const study::Study study = study::station_study(*result_.study, s.station, {&bowl}, std::nullopt);
+    const problem::Problem problem = study::make_problem(study);
+    auto engine = session_.engine(problem, session_.begin(study, command_, "explored: " + design_.run_name()));
+    auto evaluations = engine.evaluate(design_);
+    tally_.computed += engine.tally().computed;
+    if (!evaluations) {
+        return nullptr;
+    }
+    return &explored_.emplace(std::move(layout), std::move(*evaluations)).first->second;
+}
+
+SurveyResult begin_survey(std::vector<data::FwdFile> files, std::optional<study::Study> survey_study,
+                          const SurveyOptions& options) {
+    SurveyResult result = read_stations(std::move(files), options.drops);
+    result.study = std::move(survey_study);
+    result.normalise = options.normalise;
+    result.reference_C = options.reference_C;
+    std::vector<double> pressures;
+    for (const StationResult& s : result.stations) {
+        if (s.has_bowl()) {
+            pressures.push_back(s.bowl().pressure_kPa);
+        }
+    }
+    result.common_pressure_kPa = pressures.empty() ? 0.0 : data::median(pressures);
+    result.repeatability = repeatability_of(result.stations);
+    const bool is_targeted = options.drops.target_pressure_kPa || options.drops.target_force_kN;
+    result.fits_all_levels = result.study && !is_targeted && !study::stress_dependent_layers(*result.study).empty();
+    auto thickness_mm = options.asphalt_thickness_mm;
+    if (result.study && !thickness_mm) {
+        thickness_mm = result.study->model.layers[0].thickness / pave::unit::mm;
+    }
+    for (StationResult& s : result.stations) {
+        if (s.has_bowl()) {
+            s.normalised_kPa =
+                options.normalise ? options.normalise->pressure_on(s.bowl().radius_mm) : result.common_pressure_kPa;
+            s.indices = data::indices_of(s.bowl(), s.normalised_kPa);
+            add_temperature(s, options, thickness_mm);
+        }
+    }
+    return result;
+}
+
+void finish_survey(SurveyResult& result) {
+    if (result.study && result.reference_C) {
+        const auto names = result.parameter_names();
+        const auto at = std::find(names.begin(), names.end(), result.study->model.layers[0].name + ".modulus_MPa");
+        const auto asphalt = static_cast<std::size_t>(at - names.begin());
+        for (StationResult& s : result.stations) {
+            if (asphalt < names.size() && s.asphalt && s.is_fitted()) {
+                s.asphalt_at_reference_MPa =
+                    s.fit->parameters[asphalt].value * data::modulus_factor(s.asphalt->celsius, *result.reference_C);
+            }
+        }
+    }
+    result.sections = road_sections(result);
+    result.suspect = suspect_sensor(result);
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,68 @@
+#include "cli/road_input.h"
+
+#include "analysis/build.h"
+#include "run/files.h"
+
+#include <filesystem>
+#include <fmt/format.h>
+
+namespace explore::cli {
+
+void add_load(CLI::App& app, const std::string& name, const std::string& help,
+              const std::function<void(const analysis::LoadLevel&)>& keep) {
+    const auto is_load = [](std::string& text) {
+        return analysis::load_level_of(text) ? std::string() : text + " is no load: 40kN, 566kPa";
+    };
+    app.add_option_function<std::string>(
+           name, [keep](const std::string& text) { keep(*analysis::load_level_of(text)); }, help)
+        ->check(CLI::Validator(is_load, "LOAD"));
+}
+
+void add_road_input(CLI::App& app, RoadInput& input) {
+    data::DropChoice& drops = input.options.drops;
+    app.add_option("FILE", input.files, "measured FWD files")->required();
+    add_columns(app, input.columns);
+    app.add_option("--drops", drops.numbers, "use these drops and no others: 2,3")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(CLI::Range(0, 1000000));
+    add_load(app, "--target-load", "use the drops nearest to this load: 40kN, 566kPa",
+             [&drops](const analysis::LoadLevel& level) {
+                 drops.target_pressure_kPa = level.pressure_kPa;
+                 drops.target_force_kN = level.force_kN;
+             });
+    add_run_options(app, input.common, "output/<name of the first file>");
+}
+
+int run_road(const RoadInput& input, const std::string& name,
+             const std::function<std::optional<RoadPages>(analysis::Session&, std::vector<data::FwdFile>)>& analyse) {
+    analysis::RoadFiles road = analysis::read_road(input.files, input.columns);
+    const std::string folder =
+        input.common.out.empty() ? "output/" + std::filesystem::path(input.files[0]).stem().string() : input.common.out;
+    analysis::refuse_other_road(folder, name, road);
+    analysis::RunOptions run = input.common.run(folder);
+    run.inputs = std::move(road.inputs);
+    analysis::Session session(std::move(run));
+    auto pages = analyse(session, std::move(road.files));
+    if (!pages) {
+        return report_interrupt(folder);
+    }
+    report::Json& json = pages->json;
+    json["seed"] = input.common.seed;
+    json["files"] = road.names;
+    json["content"] = road.content;
+    json["version"] = analysis::version;
+    json["run"] = folder;
+    std::string written = name + ".csv, " + name + ".json";
+    run::write_file(folder, name + ".csv", pages->csv);
+    session.keep(name, report::json_text(json));
+    if (pages->map) {
+        run::write_file(folder, name + ".geojson", report::json_text(*pages->map) + "\n");
+        written += ", " + name + ".geojson";
+    }
+    fmt::print("{}\n", input.common.json ? report::json_text(json)
+                                         : fmt::format("{}\n  results: {}/{}", pages->text, folder, written));
+    return pages->nothing ? computation_failed : done;
+}
+
+} // namespace explore::cli

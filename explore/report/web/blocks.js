@@ -1,0 +1,88 @@
+// What the pages are built of. Everything from the data enters as text, never as markup.
+"use strict";
+const blocks = (() => {
+    const failures = [];
+    const note = (what) => {
+        failures.push(String(what));
+        document.documentElement.dataset.failures = failures.join("\n");
+    };
+    window.addEventListener("error", (e) => note(e.message));
+    window.addEventListener("unhandledrejection", (e) => note(e.reason));
+    document.addEventListener("securitypolicyviolation", (e) => note(e.violatedDirective + " " + e.blockedURI));
+
+    // Colours of Okabe and Ito: told apart by colour-blind people; lines and marks differ in form as well.
+    const colours = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999933"];
+    const symbols = ["circle", "square", "diamond", "triangle-up", "cross", "star", "x", "hexagon"];
+    const dashes = ["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"];
+
+    // -- building blocks ------------------------------------------------------------------------------------------
+
+    const make = (tag, properties = {}, ...children) => {
+        const element = document.createElement(tag);
+        Object.assign(element, properties);
+        for (const child of children.flat(Infinity)) {
+            if (child !== null && child !== undefined) element.append(child);
+        }
+        return element;
+    };
+    const figure = (v) => {
+        if (v === null || v === undefined || Number.isNaN(v)) return "–";
+        if (typeof v !== "number") return String(v);
+        if (v === 0) return "0";
+        const size = Math.abs(v);
+        return size >= 1e6 || size < 1e-4 ? v.toExponential(3) : String(Number(v.toPrecision(4)));
+    };
+    const part = (title) => make("h3", {}, title);
+    const words = (sentences) => make("ul", {}, (sentences || []).map((s) => make("li", {}, s)));
+    const table = (header, rows, leftColumns = []) => make("div", { className: "wide" },
+        make("table", {}, make("thead", {}, make("tr", {}, header.map((h) => make("th", {}, h)))),
+            make("tbody", {}, rows.map((row) => make("tr", {}, row.map((cell, c) =>
+                make("td", { className: leftColumns.includes(c) ? "words" : "" }, figure(cell))))))));
+
+    // What all charts have in common.
+    const dressed = (layout) => ({
+        font: { family: "system-ui, sans-serif", size: 12, color: "#1b1f24" },
+        margin: { l: 64, r: 16, t: 40, b: 56 },
+        height: 360, colorway: colours, hovermode: "closest",
+        legend: { orientation: "h", y: -0.3 }, paper_bgcolor: "#fff", plot_bgcolor: "#fff",
+        ...layout,
+        ...(layout.title ? { title: { x: 0, xanchor: "left", ...layout.title } } : {}), // beside the buttons
+    });
+    const buttons = { displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: "",
+        modeBarButtonsToRemove: ["sendDataToCloud", "select2d", "lasso2d"] };
+    const pending = []; // plots wait until their place is in the document
+    const chart = (name, traces, layout, caption) => {
+        const place = make("div", { className: "chart" });
+        place.dataset.chart = name;
+        const named = traces.filter((t) => t.showlegend !== false && t.name && !["heatmap", "contour", "bar"].includes(t.type));
+        const room = named.length > 1 ? { margin: { l: 64, r: 16, t: 40, b: 100 }, height: 400 } : {}; // for the legend
+        pending.push(() => Plotly.newPlot(place, traces, dressed({ ...room, ...layout }), buttons).catch(note));
+        return make("figure", {}, place, caption ? make("figcaption", {}, caption) : null);
+    };
+    const axis = (title, more = {}) => ({ title: { text: title }, gridcolor: "#e6e9ec", zeroline: false, ...more });
+    const scaleOf = (parameter) => (parameter && parameter.scale === "log" ? "log" : "linear");
+
+    // A monotone cubic through three points or more that rise in x (Fritsch and Carlson 1980), at `wanted` or between them.
+    const smooth = (x, y, wanted) => {
+        if (x.length < 3) return { x, y };
+        const d = x.slice(1).map((v, i) => (y[i + 1] - y[i]) / (v - x[i]));
+        const n = x.length;
+        // At an end: the parabola through three points, no steeper than keeps the curve monotone.
+        const end = (h, next, slope, other) => {
+            const m = ((2 * h + next) * slope - h * other) / (h + next);
+            return m * slope <= 0 ? 0 : slope * other <= 0 && Math.abs(m) > 3 * Math.abs(slope) ? 3 * slope : m;
+        };
+        const m = x.map((_, i) => (i === 0 ? end(x[1] - x[0], x[2] - x[1], d[0], d[1]) : i === n - 1 ? end(x[n - 1] - x[n - 2], x[n - 2] - x[n - 3], d[n - 2], d[n - 3])
+            : d[i - 1] * d[i] <= 0 ? 0 : 2 / (1 / d[i - 1] + 1 / d[i])));
+        const places = wanted || x.slice(1).flatMap((v, i) => Array.from({ length: 12 }, (_, k) => x[i] + (v - x[i]) * k / 12)).concat(x[n - 1]);
+        return { x: places, y: places.map((v) => {
+            const i = Math.max(0, Math.min(n - 2, x.findIndex((w) => w > v) - 1));
+            const h = x[i + 1] - x[i];
+            const t = v >= x[n - 1] ? 1 : (v - x[i]) / h;
+            const k = v >= x[n - 1] ? n - 2 : i;
+            return (1 + 2 * t) * (1 - t) ** 2 * y[k] + t * (1 - t) ** 2 * h * m[k] + t * t * (3 - 2 * t) * y[k + 1] + t * t * (t - 1) * h * m[k + 1];
+        }) };
+    };
+
+    return { note, colours, symbols, dashes, make, figure, part, words, table, dressed, pending, chart, axis, scaleOf, smooth };
+})();

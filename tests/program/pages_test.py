@@ -1,0 +1,72 @@
+"""The page of every kind of run in headless Chromium, 1400 and 400 px wide: no table is cut off, nothing is printed as [object, nothing is
+on the console, every chart is drawn."""
+from browser import CHROMIUM, Browser
+from support import *
+
+folder = workspace()
+if CHROMIUM is None:
+    check(False, "chromium is needed to open the pages")
+    finish()
+SIGMAS = [0.04, 20.0, 0.01, 0.00004]
+lines = DATA.strip().splitlines()
+data = "\n".join(lines[:2] + [line + str(sigma) for line, sigma in zip(lines[2:], SIGMAS)]) + "\n"
+study = write_study(folder / "s", STUDY.replace('misfit = "log"', 'misfit = "weighted"'), data)
+# Linear layers: quick enough for what needs many runs.
+linear = folder / "linear.toml"
+check(run("new", linear).returncode == 0, "new")
+text = linear.read_text()
+base = text[text.index('law = "uzan"'):text.index("poisson_12")]
+text = text.replace(base, 'law = "linear"\nmodulus_MPa = 300\n').replace("poisson_12 = 0.35\npoisson_31 = 0.35", "poisson = 0.35")
+linear.write_text(text.replace("base.k1", "base.modulus_MPa").replace("min = 200\nmax = 8000", "min = 50\nmax = 2000"))
+RUNS = {
+    "fit": ("fit", linear, "--explore", 32, "--starts", 4),
+    "map": ("map", linear, "--design", "sobol", "--points", 64),
+    "unique": ("unique", linear, "--explore", 32, "--verify", 6, "--landscape"),
+    "sample": ("sample", linear, "--samples", 800),
+    "sensitivity": ("sensitivity", linear, "--samples", 16),
+    "diagnose": ("diagnose", linear),
+    "compare": ("compare", study, "--laws", "uzan,k-theta", "--explore", 16, "--verify", 3),
+    "survey": ("survey", ROOT / "grids" / "road-example.csv"),
+}
+# What stands out of the page, or of a box that does not scroll.
+CLIPPED = """[...document.querySelectorAll("main *")].filter((e) => !e.closest(".chart") && e.tagName !== "MAIN").filter((e) => {
+    const scrolls = (b) => ["auto", "scroll"].includes(getComputedStyle(b).overflowX);
+    for (let b = e.parentElement; b; b = b.parentElement) if (scrolls(b)) return false;
+    return (e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0 && !scrolls(e) && getComputedStyle(e).display !== "inline" && !["TBODY", "THEAD", "TR"].includes(e.tagName))
+        || e.getBoundingClientRect().right > document.documentElement.clientWidth + 1;
+}).map((e) => e.tagName + "." + e.className + ": " + e.textContent.slice(0, 60))"""
+browser = Browser(folder / "profile")
+for name, arguments in RUNS.items():
+    out = folder / name
+    done = run(*arguments, "--out", out)
+    check(done.returncode in (0, 1) and (out / f"{name}.json").exists(), f"{name} runs: {done.returncode} {done.stderr[-300:]}")
+    made = run("report", out)
+    check(made.returncode == 0, f"report of {name}: {made.stderr}")
+    for width in (1400, 400):
+        browser.console.clear()
+        browser.resize(width, 900)
+        browser.open((out / "report.html").as_uri())
+        check(browser.wait("[...document.querySelectorAll('.chart')].every((c) => c.querySelector('svg.main-svg'))", 60), f"{name}: every chart is drawn")
+        check(browser.evaluate("document.documentElement.dataset.failures") is None, f"{name}: {browser.evaluate('document.documentElement.dataset.failures')}")
+        check(browser.console == [], f"{name}, {width} px: the console: {browser.console}")
+        check(browser.evaluate("document.querySelectorAll('h2').length") > 0, f"{name} has a part")
+        check("[object" not in browser.evaluate("document.body.innerText"), f"{name}: no object is printed as such")
+        clipped = browser.evaluate(CLIPPED)
+        check(clipped == [], f"{name}, {width} px: cut off: {clipped[:4]}")
+        check(browser.evaluate("document.documentElement.scrollWidth <= document.documentElement.clientWidth"), f"{name}: no wider than {width} px")
+    if os.environ.get("PAVESCAPE_SHOTS"):
+        for width in (1400, 400):
+            browser.resize(width, 900)
+            time.sleep(1)
+            browser.screenshot(pathlib.Path(os.environ["PAVESCAPE_SHOTS"]) / f"{name}-{width}.png")
+sample = json.loads((folder / "sample" / "sample.json").read_text())
+browser.open((folder / "sample" / "report.html").as_uri())
+cells = browser.evaluate("[...document.querySelectorAll('table')].map((t) => [...t.querySelectorAll('tr')].map((r) => [...r.children].map((c) => c.textContent)))")
+marginals = next(t for t in cells if "R-hat" in t[0])
+for quantity in sample["parameters"] + sample["outputs"]:
+    row = next((r for r in marginals if r[0] == quantity["name"]), None)
+    check(row is not None and abs(float(row[2]) / quantity["mean"] - 1) < 1e-3 and abs(float(row[6]) / quantity["q975"] - 1) < 1e-3, f"{quantity['name']}: {row}")
+counts = browser.evaluate("document.querySelector('[data-chart=corner]').data.filter((t) => t.mode === 'markers').map((t) => t.x.length)")
+check(counts == [len(sample["draws"])] * 3, f"every pair of three parameters holds all draws: {counts}")
+browser.close()
+finish()
