@@ -32,6 +32,11 @@ void check_study(const study::Study& study) {
         throw pave::Error({.file = study.file, .line = study.constraints[0].line, .key = "constraints"},
                           "constraints are not taken of a road", study.constraints[0].text, "pavescape survey");
     }
+    if (study.data.noise_degrees > 0.0) {
+        throw pave::Error({.file = study.file, .line = study.data.noise_line, .key = "[data.noise] loss"},
+                          "the tests of a road are those of normal noise", "loss = \"student\"",
+                          "loss = \"normal\": stations that do not belong are found by themselves");
+    }
 }
 
 // The problem of a station in units of its noise. What is known of common unknowns is left out: it counts once.

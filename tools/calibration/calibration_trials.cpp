@@ -8,7 +8,7 @@
 // coverage: ranges of the parameters of fit and unique at the study's own values. A reading is the mean of three drops
 // with the study's noise each. How often do ranges of 95 % hold the truth, with that noise stated, with the same
 // standard deviations taken as independent, and with noise estimated from repeated drops? usage: calibration_trials
-// ranks|coverage STUDY [--trials 500] [--samples 400] [--seed 1]
+// ranks|coverage STUDY [--trials 500] [--samples 200] [--seed 1]
 #include "analysis/noise.h"
 #include "base/random.h"
 #include "landscape/acceptance.h"
@@ -36,7 +36,7 @@ using Eigen::VectorXd;
 struct Options {
     std::string study;
     int trials = 500;
-    int samples = 400;
+    int samples = 200;
     std::uint64_t seed = 1;
 };
 
