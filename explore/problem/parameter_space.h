@@ -37,8 +37,15 @@ struct Axis {
     double d_pull() const; // d(pull)/d(unit)
 };
 
+// That the errors of two priors are correlated, each on the scale of its axis.
+struct PriorCorrelation {
+    std::string a, b; // names of axes
+    double value = 0.0;
+};
+
 struct ParameterSpace {
     std::vector<Axis> axes;
+    std::vector<PriorCorrelation> prior_correlations{}; // of the pairs that have one; positive definite
 
     int dimension() const { return static_cast<int>(axes.size()); }
     std::vector<double> physical(std::span<const double> unit) const;

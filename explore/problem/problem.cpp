@@ -1,5 +1,6 @@
 #include "problem/problem.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,6 +14,26 @@ void by_unit(const ParameterSpace& space, const std::vector<double>& parameters,
         const Axis& axis = space.axes[static_cast<std::size_t>(k)];
         derivatives.col(k) *= axis.d_physical(axis.unit(parameters[static_cast<std::size_t>(k)]));
     }
+}
+
+// L of the correlation matrix L L' of these priors; empty: they are independent.
+Eigen::MatrixXd prior_root(const ParameterSpace& space, const std::vector<std::size_t>& known) {
+    if (space.prior_correlations.empty()) {
+        return {};
+    }
+    const auto n = static_cast<Eigen::Index>(known.size());
+    Eigen::MatrixXd r = Eigen::MatrixXd::Identity(n, n);
+    for (const PriorCorrelation& tie : space.prior_correlations) {
+        for (Eigen::Index i = 0; i < n; ++i) {
+            for (Eigen::Index j = 0; j < n; ++j) {
+                if (space.axes[known[static_cast<std::size_t>(i)]].name == tie.a &&
+                    space.axes[known[static_cast<std::size_t>(j)]].name == tie.b) {
+                    r(i, j) = r(j, i) = tie.value;
+                }
+            }
+        }
+    }
+    return r.llt().matrixL();
 }
 
 } // namespace
@@ -64,6 +85,9 @@ Eigen::VectorXd Problem::residuals(const Evaluation& evaluation) const {
     for (std::size_t i = 0; i < known.size(); ++i) {
         all[of_readings.size() + static_cast<Eigen::Index>(i)] =
             space.axes[known[i]].pull(evaluation.parameters[known[i]]);
+    }
+    if (const Eigen::MatrixXd root = prior_root(space, known); root.size() > 0) {
+        root.triangularView<Eigen::Lower>().solveInPlace(all.segment(of_readings.size(), root.rows()));
     }
     Eigen::Index row = all.size() - static_cast<Eigen::Index>(limits.size());
     for (const auto& limit : limits) {
@@ -123,6 +147,9 @@ double Problem::log_density(const Evaluation& evaluation) const {
         log += std::log(axis.d_pull() / std::sqrt(2.0 * std::numbers::pi)) -
                std::log(below(axis.pull(axis.high)) - below(axis.pull(axis.low)));
     }
+    if (const Eigen::MatrixXd root = prior_root(space, priors()); root.size() > 0) {
+        log -= root.diagonal().array().log().sum();
+    }
     return log;
 }
 
@@ -153,6 +180,10 @@ Eigen::MatrixXd Problem::rows_by_unit(const Evaluation& evaluation, const Eigen:
         j.row(of_readings + static_cast<Eigen::Index>(i)).setZero();
         j(of_readings + static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(known[i])) =
             space.axes[known[i]].d_pull();
+    }
+    if (const Eigen::MatrixXd root = prior_root(space, known); root.size() > 0) {
+        auto rows_of_priors = j.middleRows(of_readings, root.rows());
+        root.triangularView<Eigen::Lower>().solveInPlace(rows_of_priors);
     }
     Eigen::Index row = j.rows() - static_cast<Eigen::Index>(limits.size());
     for (const auto& limit : limits) {

@@ -30,7 +30,8 @@ struct Evaluation {
 //
 // Rows are what the sum of squares is of: a residual each reading, then the pull of every prior in standard deviations,
 // in the order of the axes, then how far each limit is not met (problem/limit.h). With the readings in units of their
-// noise the sum is -2 ln(posterior density) but for a constant.
+// noise the sum is -2 ln(posterior density) but for a constant. Where priors are correlated, their correlation matrix
+// R = L L', their rows are L^-1 times the pulls.
 class Problem {
 public:
     Problem(ParameterSpace own_space, std::shared_ptr<const ForwardFunction> own_function, Misfit misfit)
@@ -58,7 +59,8 @@ public:
     Eigen::VectorXd residuals(const Evaluation& evaluation) const;
     double misfit(const Evaluation& evaluation) const { return residuals(evaluation).norm(); }
     // Of a problem in units of noise that every reading states: the logarithm of the density of the measured values
-    // [SI] times that of the priors over what is uniform in the box; minus infinity without an answer.
+    // [SI] times that of the priors over what is uniform in the box; minus infinity without an answer. Priors are cut
+    // off at the box, each by itself: of correlated ones that reach beyond it the constant is an approximation.
     double log_density(const Evaluation& evaluation) const;
     // d(residuals)/d(unit coordinates) of an evaluation with a jacobian; rows x parameters.
     Eigen::MatrixXd residual_jacobian(const Evaluation& evaluation) const;

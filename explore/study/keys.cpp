@@ -61,6 +61,8 @@ std::span<const Key> study_keys() {
         prior_mean,
         prior_sd,
         parameter_equals,
+        correlation_between,
+        correlation_value,
         constraint_that,
     };
     return all;

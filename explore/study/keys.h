@@ -376,6 +376,18 @@ inline constexpr Key parameter_level{
     .choices = levels,
     .meaning = "of a road: one value at every station, in every homogeneous section, or for the whole road; other "
                "commands know one section only"};
+inline constexpr Key correlation_between{.table = "[[prior_correlations]]",
+                                         .key = "between",
+                                         .kind = texts,
+                                         .allowed = "the names of two parameters with a prior",
+                                         .meaning = "whose errors are correlated"};
+inline constexpr Key correlation_value{.table = "[[prior_correlations]]",
+                                       .key = "value",
+                                       .kind = number,
+                                       .low = -1.0,
+                                       .high = 1.0,
+                                       .low_is_open = true,
+                                       .meaning = "by how much, on the scales of the parameters"};
 
 inline constexpr Key constraint_that{
     .table = "[[constraints]]",

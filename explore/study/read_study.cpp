@@ -6,6 +6,7 @@
 #include "pavement/effects/catalog.h"
 #include "pavement/tie.h"
 #include "study/constraints.h"
+#include "study/prior_correlations.h"
 #include "study/readings.h"
 #include "study/table_reader.h"
 
@@ -407,6 +408,7 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
                           "a number that follows others is out of range", wrong,
                           "values of the others that keep it in range");
     }
+    read_prior_correlations(reader.tables("prior_correlations"), study);
     for (const auto* constraint : reader.tables("constraints")) {
         TableReader r(*constraint, file, "[[constraints]]");
         const std::string text = r.text(keys::constraint_that);

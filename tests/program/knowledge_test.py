@@ -124,6 +124,21 @@ refused("degrees of a normal loss", ["degrees", "student"], with_noise("degrees 
 refused("student and another misfit", ["loss", "weighted"], with_noise(student).replace('misfit = "weighted"', 'misfit = "log"'))
 refused("student and no stated noise", ["loss", "stated"], with_noise(student).replace("relative = 0.02", ""))
 refused("student and diagnose", ["loss", "normal"], with_noise(student), "diagnose")
+# Both parameters have a prior, whose errors are tied.
+BOTH = after("base.k1", "prior = { mean = 2000, sd = 0.3 }").replace('name = "base.n"\n', 'name = "base.n"\nprior = { mean = 0.5, sd = 0.2 }\n')
+TIED = '\n[[prior_correlations]]\nbetween = {}\nvalue = {}\n'
+untied = fit("untied", BOTH)
+null = fit("null", BOTH + TIED.format('["base.k1", "base.n"]', 0))
+check(untied["best"]["parameters"] == null["best"]["parameters"], "a correlation of 0 changes no bit")
+tied_priors = fit("tied priors", BOTH + TIED.format('["base.n", "base.k1"]', -0.9))
+pulls = [next(p["pull"] for p in tied_priors["priors"]["parameters"] if p["name"] == name) for name in ("base.k1", "base.n")]
+check(untied["best"]["parameters"] != tied_priors["best"]["parameters"], f"one of -0.9 does: {pulls}")
+refused("correlation without a prior", ["base.k2", "prior"], BOTH + TIED.format('["base.k1", "base.k2"]', 0.5))
+refused("correlation with itself", ["two parameters"], BOTH + TIED.format('["base.k1", "base.k1"]', 0.5))
+refused("correlation of three", ["two parameters"], BOTH + TIED.format('["base.k1", "base.n", "base.k2"]', 0.5))
+refused("correlation beyond 1", ["value", "1"], BOTH + TIED.format('["base.k1", "base.n"]', 1.5))
+refused("correlation of 1", ["positive definite"], BOTH + TIED.format('["base.k1", "base.n"]', 1.0))
+refused("correlation that stands twice", ["twice"], BOTH + 2 * TIED.format('["base.k1", "base.n"]', 0.5))
 refused("expressions in a circle", ["reads the number it sets"],
         WEIGHTED + TIE.format("base.k2", "-base.k3") + TIE.format("base.k3", "-base.k2"))
 refused("unknown name", ["base.k7", "no known name"], WEIGHTED + TIE.format("base.k2", "0.1 * base.k7"))
