@@ -246,7 +246,7 @@ private:
         std::vector<std::size_t> order;
         for (std::size_t c = 0; c < screening.items.size(); ++c) {
             const Screened& item = screening.items[c];
-            if (item.impossible.empty() && !item.duplicate && !item.starts.empty()) {
+            if (item.impossible.empty() && !item.identical && !item.starts.empty()) {
                 order.push_back(c);
             }
         }

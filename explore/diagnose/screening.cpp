@@ -253,6 +253,7 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
     Screening screening;
     screening.items.resize(candidates.size());
     std::vector<VectorXd> directions;
+    std::vector<VectorXd> wholes; // before what parameters follow was taken out
     std::vector<int> sense;
     std::vector<std::size_t> owner;
     const double left = static_cast<double>(base.residuals.size() - mimicry.rank());
@@ -283,7 +284,9 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
         } else {
             item.change = s.derivative;
         }
+        const VectorXd whole = item.change;
         item.change = mimicry.beyond(item.change);
+        constexpr double same = 1e-6;
         constexpr double invisible = 0.05; // standard deviations, crossing the whole range
         const double length = item.change.norm();
         if (length < invisible * noise) {
@@ -296,6 +299,7 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
             if (candidates[owner[other]].effect == candidate.effect &&
                 std::abs(directions[other].dot(direction)) > 1.0 - 1e-6) {
                 item.duplicate = true;
+                item.identical = item.identical || (whole - wholes[other]).norm() <= same * whole.norm();
             }
         }
         // Where to start a fit.
@@ -322,6 +326,7 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
         }
         if (!item.duplicate) {
             directions.push_back(direction);
+            wholes.push_back(whole);
             sense.push_back(item.sense);
             owner.push_back(c);
         }

@@ -51,7 +51,10 @@ struct Screened {
     int sense = 0;             // +1: only larger sizes than null exist, -1: only smaller
     double score = 0.0;        // > 0: the data want a larger size [standard deviations]
     double p_familywise = 1.0; // of the score among all candidates
-    bool duplicate = false;    // the same as an earlier candidate of the same effect
+    // Beside an earlier candidate of the same effect: the same in every reading; the same as far as no parameter
+    // follows it, so that linear theory cannot tell the two apart.
+    bool identical = false;
+    bool duplicate = false;
     // Starts for a fit, by the sum of squares predicted there: unit coordinates with the size.
     struct Start {
         std::vector<double> unit;

@@ -248,6 +248,8 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
             Line measured = values_along([](const Place& p) { return p.measured; });
             for (const Place* p : strand.places) {
                 measured.error.push_back(std::isnan(p->sigma) ? 0.0 : p->sigma);
+                low = std::min(low, p->measured - measured.error.back());
+                high = std::max(high, p->measured + measured.error.back());
             }
             if (std::all_of(measured.error.begin(), measured.error.end(), [](double e) { return e == 0.0; })) {
                 measured.error.clear();

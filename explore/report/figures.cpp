@@ -179,7 +179,15 @@ Figure profiles_figure(const Json& unique) {
     constexpr double side = 4.5;
     constexpr double high = 3.4;
     constexpr double gap = 0.75;
-    constexpr double below = 1.25;
+    constexpr std::size_t widest = 24; // letters of a label that fits under its panel
+    bool two_lines = false;
+    for (One& one : all) {
+        if (const auto unit = one.label.rfind(" ("); one.label.size() > widest && unit != std::string::npos) {
+            one.label.replace(unit, 1, "\n");
+            two_lines = true;
+        }
+    }
+    const double below = two_lines ? 1.65 : 1.25;
     Figure figure{.name = "profiles"};
     figure.width = 1.4 + static_cast<double>(columns) * (side + gap);
     figure.height = static_cast<double>(rows) * (high + below) + 1.2;

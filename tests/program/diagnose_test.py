@@ -87,4 +87,33 @@ check(done.returncode == 2 and "did you mean \"floor-depth\"" in done.stderr, f"
 write_study(folder, study=STUDY.replace('[data]\nfiles = ["small.csv"]\nmisfit = "log"\n', ""), data=None, name="nodata")
 done = run("diagnose", folder / "nodata.toml")
 check(done.returncode == 2 and "needs measurements" in done.stderr, f"no data: {done.stderr}")
+
+# An effect that acts under one load is named with it; another load that would do as well stands beside it.
+(folder / "loads").mkdir()
+two_loads = STUDY.replace("[mesh]", """[[loads]]
+name = "light"
+type = "plate"
+radius_mm = 150
+pressure_kPa = 300
+
+[mesh]""").replace("k2 = 0.5", "k2 = 0.0").replace("k3 = -0.3", "k3 = 0.0") + "".join(
+    f'\n[[parameters]]\nname = "{name}"\nmin = {low}\nmax = {high}\nscale = "log"\n'
+    for name, low, high in (("asphalt.modulus_MPa", 500, 20000), ("subgrade.modulus_MPa", 15, 150)))
+rows = "".join(f"{load},deflection,{x},0,0,0,1,mm,\n" for load in ("fwd", "light") for x in (0, 200, 300, 450, 600, 900))
+write_study(folder / "loads", study=two_loads, data=LAYOUT.splitlines()[0] + "\n" + rows, name="truth")
+done = run("twin", folder / "loads" / "truth.toml", "--noise", 0.05, "--seed", 3, "--effect", "load-magnitude=1.4", "--out", folder / "loads" / "twin")
+check(done.returncode == 0, f"twin of two loads: {done.stderr}")
+shutil.copy(folder / "loads" / "twin" / "twin.csv", folder / "loads" / "data.csv")
+(folder / "loads" / "study.toml").write_text(two_loads.replace("small.csv", "data.csv"))
+done = run("diagnose", folder / "loads" / "study.toml", "--json", "--out", folder / "loads" / "run", *QUICK)
+found = json.loads(done.stdout)
+magnitude = next(c for c in found["candidates"] if c["effect"] == "load-magnitude")
+check(magnitude["on"] in ("fwd", "light") and magnitude["size"] is not None, f"which load: {magnitude}")
+check(all(other["on"] in ("fwd", "light") and other["on"] != magnitude["on"] and 0 <= other["delta_chi2"] <= 3.84 for other in magnitude["alike"]),
+      f"the other load: {magnitude}")
+by_load = {entry["on"]: entry["size"] for entry in [magnitude, *magnitude["alike"]]}
+check("fwd" not in by_load or abs(by_load["fwd"] / 1.4 - 1) < 0.2, f"the first load is 1.4 times as large: {by_load}")
+check("light" not in by_load or abs(by_load["light"] * 1.4 - 1) < 0.2, f"or the other 1.4 times smaller: {by_load}")
+check(len(by_load) == 2, f"a linear section cannot tell which of two loads is meant: {by_load}")
+
 finish()
