@@ -35,7 +35,7 @@ SolidMesh solid_mesh(const SolidDemand& demand) {
     // the patch matter to it the less the farther away they are.
     std::vector<double> point_size;
     for (const double z : demand.point_depths) {
-        point_size.push_back(0.9 * std::max(z, std::min(bottoms.front(), 0.4 * half)));
+        point_size.push_back(0.8 * std::max(z, std::min(bottoms.front(), 0.4 * half)));
     }
     const auto lateral = [&](const std::vector<double>& edges, const std::vector<double>& gauges,
                              const std::vector<double>& points, const std::vector<double>& surface) {

@@ -55,7 +55,12 @@ while killed < 3:
         process.communicate()
         shutil.rmtree(out)
         continue
-    os.kill(int(random.choice(children)), signal.SIGKILL)
+    try:
+        os.kill(int(random.choice(children)), signal.SIGKILL)
+    except ProcessLookupError: # it has just ended
+        process.communicate()
+        shutil.rmtree(out)
+        continue
     process.communicate(timeout=60)
     kept = evaluations(out)
     if process.returncode == 0 and kept == 200: # it had ended
