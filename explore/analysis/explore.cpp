@@ -246,6 +246,7 @@ std::optional<PairGrid> Explorer::fitted_landscape(PairGrid grid, const std::vec
     const landscape::Slice& slice = profiled->pairs.front();
     const auto physical = [&](std::size_t axis, const std::vector<double>& at) {
         std::vector<double> list;
+        list.reserve(at.size());
         for (const double u : at) {
             list.push_back(study_.space.axes[axis].physical(u));
         }

@@ -37,6 +37,7 @@ void try_sensors(const RoadState& state, std::size_t i, double noise_factor, Roa
     const auto axes = state.layout.own_axes(i);
     for (const double offset : offsets) {
         std::vector<VectorXd> columns;
+        columns.reserve(axes.size());
         double relative = 0.0;
         for (const std::size_t k : axes) {
             columns.emplace_back(jacobian.col(static_cast<Index>(k)));

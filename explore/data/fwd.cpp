@@ -77,6 +77,7 @@ ColumnMap read_column_map(const std::string& list_or_file) {
 std::vector<FwdFile> read_fwd_files(const std::vector<std::string>& files, const std::string& columns) {
     const ColumnMap map = columns.empty() ? ColumnMap{} : read_column_map(columns);
     std::vector<FwdFile> read;
+    read.reserve(files.size());
     for (const std::string& file : files) {
         read.push_back(read_fwd(file, map));
     }

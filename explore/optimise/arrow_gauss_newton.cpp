@@ -32,7 +32,7 @@ std::vector<Index> places(const ArrowBlock& block, bool own) {
 }
 
 // Where each unknown stands: held at a bound of its step (-1 low, 1 high) or open (0).
-using Held = std::vector<signed char>;
+using Held = std::vector<int>;
 
 // One linear problem: min of d.(H + damping) d / 2 + g.d over all blocks, with bounds of d.
 class ArrowSystem {
@@ -103,12 +103,12 @@ public:
     }
 
 private:
-    static signed char at_first(double gradient, double low, double high) {
+    static int at_first(double gradient, double low, double high) {
         return gradient > 0.0 && low >= 0.0 ? -1 : gradient < 0.0 && high <= 0.0 ? 1 : 0;
     }
 
     // Whether an unknown has to be held or let go.
-    static bool move(signed char& held, double d, double low, double high, double slope, bool release) {
+    static bool move(int& held, double d, double low, double high, double slope, bool release) {
         if (held == 0) {
             held = d < low ? -1 : d > high ? 1 : 0;
             return held != 0;
