@@ -112,15 +112,17 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
                     fmt::format("{} and {} searches with derivatives, then some {} a range of {}", settings.explore,
                                 searches, 2 * walk, pave::counted(ranges, "quantity", "quantities")),
                     shared(unique)});
-    const auto candidates = static_cast<double>(study::variants(study, {}).size());
-    constexpr int single = 8;    // runs with derivatives of a candidate
-    constexpr int screening = 6; // and without
-    constexpr double pairs_and_simulations = 2.0;
-    list.push_back({"diagnose",
-                    fmt::format("{:.0f} variants of effects alone and in pairs, of some {} runs each, and fits of "
-                                "simulated data",
-                                candidates, single + screening),
-                    shared(pairs_and_simulations * candidates * (single * with + screening * timing.fitted_forward))});
+    const auto candidates = static_cast<int>(study::variants(study, {}).size());
+    constexpr int screening = 6; // runs of a variant
+    constexpr int fitted = 30;   // variants at most, where there are many readings
+    constexpr int single = 9;    // runs with derivatives of a fit
+    constexpr int further = 1000;
+    list.push_back(
+        {"diagnose",
+         fmt::format("{} variants of effects and {} fits; where the model is not adequate as many as {} more",
+                     candidates, std::min(candidates, fitted), further),
+         shared(screening * candidates * timing.fitted_forward + single * std::min(candidates, fitted) * with +
+                further * timing.fitted_forward)});
     const SensitivityOptions sensitivity;
     const int runs = sensitivity.samples * (count + 2) + sensitivity.points * count;
     list.push_back(
