@@ -85,10 +85,8 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
         result.tally = engine.tally();
         return result;
     }
-    std::size_t searched = result.design.points.size();
-    for (const run::Endpoint& end : result.searches.ends) {
-        searched += static_cast<std::size_t>(end.search.evaluations);
-    }
+    const std::size_t searched =
+        result.design.points.size() + static_cast<std::size_t>(landscape::search_evaluations(result.searches.ends));
     if (!landscape::confirm(engine, result.problem, landscape::confirming_method(options.multistart.method),
                             landscape::analyse(result.best(), result.problem).noise,
                             landscape::confirming_evaluations(searched), first_confirming, result.searches.minima)) {

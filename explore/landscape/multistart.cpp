@@ -1,6 +1,13 @@
 #include "landscape/multistart.h"
 
+#include <numeric>
+
 namespace explore::landscape {
+
+int search_evaluations(const std::vector<run::Endpoint>& ends) {
+    return std::accumulate(ends.begin(), ends.end(), 0,
+                           [](int sum, const run::Endpoint& end) { return sum + end.search.evaluations; });
+}
 
 std::optional<MultistartResult> multistart(run::Engine& engine, const problem::Problem& problem,
                                            const search::Design& design, const MultistartSettings& settings) {

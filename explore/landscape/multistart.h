@@ -19,6 +19,9 @@ struct MultistartResult {
     std::vector<Minimum> minima; // best first; empty: not one point has an answer
 };
 
+// Of all the searches together.
+int search_evaluations(const std::vector<run::Endpoint>& ends);
+
 // Nothing: interrupted.
 std::optional<MultistartResult> multistart(run::Engine& engine, const problem::Problem& problem,
                                            const search::Design& design, const MultistartSettings& settings);

@@ -424,10 +424,7 @@ private:
 
     // The minima by a second method. moved: it found lower ones, which are ends from now on. False: interrupted.
     bool confirm_minima(bool& moved) {
-        std::size_t searched = result_.explored.size();
-        for (const run::Endpoint& end : ends_) {
-            searched += static_cast<std::size_t>(end.search.evaluations);
-        }
+        const std::size_t searched = result_.explored.size() + static_cast<std::size_t>(search_evaluations(ends_));
         constexpr int first = first_of(polishing, groups_round);
         if (!landscape::confirm(task_.fitted_engine, task_.fitted, confirming_method(search_method),
                                 analyse(result_.minima[0], task_.fitted).noise, confirming_evaluations(searched), first,

@@ -19,14 +19,6 @@ using landscape::Minimum;
 using pave::counted;
 using pave::figure;
 
-int search_evaluations(const FitResult& result) {
-    int evaluations = 0;
-    for (const auto& end : result.searches.ends) {
-        evaluations += end.search.evaluations;
-    }
-    return evaluations;
-}
-
 Json group_json(const FitResult& result) {
     const study::Study& study = result.study;
     const auto fit_json = [&](const GroupFit& fit) {
@@ -104,7 +96,7 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
     const problem::ParameterSpace& space = result.problem.space;
     const landscape::LocalAnalysis& local = result.local;
     const Minimum& best = result.best();
-    const int evaluations = search_evaluations(result);
+    const int evaluations = landscape::search_evaluations(result.searches.ends);
     Json json = {{"best", minimum_json(space, best, local)},
                  {"minima", Json::array()},
                  {"evaluations", static_cast<std::int64_t>(result.design.points.size()) + evaluations},
@@ -185,7 +177,7 @@ std::string fit_text(const FitResult& result, const analysis::RunOptions& run) {
     const landscape::LocalAnalysis& local = result.local;
     const auto& ends = result.searches.ends;
     const Minimum& best = result.best();
-    const int evaluations = search_evaluations(result);
+    const int evaluations = landscape::search_evaluations(result.searches.ends);
     const run::Tally& tally = result.tally;
     std::string text =
         fmt::format("{}\n  explored {}, then {} searches by {} ({} evaluations, {:.0f} a search)\n",

@@ -80,21 +80,7 @@ wrong = run("compare", effect, "--laws", "lade-nelson")
 check(wrong.returncode == 2 and "shear-ratio" in wrong.stderr, f"an effect that a law cannot have: {wrong.stderr}")
 
 # Evidence: that of `sample` for each law, and shares of it. On linear layers, where a run takes a millisecond.
-layered = (ROOT / "grids" / "layered-bowl.toml").read_text().split("[[outputs]]")[0] + """
-[data]
-files = ["small.csv"]
-misfit = "weighted"
-
-[[parameters]]
-name = "base.modulus_MPa"
-min = 100
-max = 1500
-scale = "log"
-"""
-bowl = {0: 0.5118775, 300: 0.3770507, 600: 0.2719947, 900: 0.2076303, 1800: 0.1101516}  # mm, of that section at 450 MPa
-bowl_rows = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + "".join(
-    f"fwd,deflection,{x},0,0,0,{v},mm,{0.01 * v}\n" for x, v in bowl.items())
-linear = write_study(folder / "evidence", layered, bowl_rows)
+linear = write_study(folder / "evidence", LAYERED, LAYERED_BOWL)
 weighed = run("compare", linear, "--layer", "base", "--laws", "linear", "--evidence", "--json", "--out", folder / "evidence" / "run", *options)
 check(weighed.returncode == 0, f"compare --evidence runs: {weighed.stderr}")
 law, = json.loads(weighed.stdout)["laws"]

@@ -3,17 +3,7 @@
 from support import *
 
 folder = workspace()
-LAYERED = (ROOT / "grids" / "layered-bowl.toml").read_text().split("[[outputs]]")[0] + """
-[data]
-files = ["small.csv"]
-misfit = "weighted"
-
-[[parameters]]
-name = "base.modulus_MPa"
-min = 100
-max = 1500
-scale = "log"
-
+TWO = LAYERED + """
 [[parameters]]
 name = "subgrade.modulus_MPa"
 min = 20
@@ -26,10 +16,7 @@ load = "fwd"
 quantity = "strain_zz"
 depth_mm = 630
 """
-BOWL = {0: 0.5118775, 300: 0.3770507, 600: 0.2719947, 900: 0.2076303, 1800: 0.1101516}
-rows = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + "".join(
-    f"fwd,deflection,{x},0,0,0,{v},mm,{0.01 * v}\n" for x, v in BOWL.items())
-study = write_study(folder / "s", LAYERED, rows)
+study = write_study(folder / "s", TWO, LAYERED_BOWL)
 options = ["--samples", 800]
 
 
@@ -60,7 +47,7 @@ check(sample("cut") == one, "a run that was killed and continued ends with the s
 check(0 < before < total and evaluations(folder / "cut") == total, "and repeats nothing that was finished")
 check(len((folder / "cut" / "samples.csv").read_text().splitlines()) == 801, "a line a draw")
 
-bare = write_study(folder / "bare", LAYERED, rows.split("\n")[0] + "\nfwd,deflection,0,0,0,0,0.5,mm,\n")
+bare = write_study(folder / "bare", TWO, LAYERED_BOWL.split("\n")[0] + "\nfwd,deflection,0,0,0,0,0.5,mm,\n")
 done = run("sample", bare, "--out", folder / "b")
 check(done.returncode == 2 and done.stdout == "" and "noise" in done.stderr, "without noise: refused")
 finish()

@@ -184,6 +184,23 @@ fwd,strain_zz,0,0,180,75,0.0008,strain,
 """
 
 
+# Linear layers under a plate, where a run takes a millisecond: one parameter, and the bowl of the section at 450 MPa with 1 % noise stated.
+LAYERED = (ROOT / "grids" / "layered-bowl.toml").read_text().split("[[outputs]]")[0] + """
+[data]
+files = ["small.csv"]
+misfit = "weighted"
+
+[[parameters]]
+name = "base.modulus_MPa"
+min = 100
+max = 1500
+scale = "log"
+"""
+LAYERED_BOWL = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + "".join(
+    f"fwd,deflection,{x},0,0,0,{v},mm,{0.01 * v}\n"
+    for x, v in {0: 0.5118775, 300: 0.3770507, 600: 0.2719947, 900: 0.2076303, 1800: 0.1101516}.items())
+
+
 def write_study(folder, study=STUDY, data=DATA, name="small"):
     folder.mkdir(parents=True, exist_ok=True)
     (folder / f"{name}.toml").write_text(study)
