@@ -24,13 +24,11 @@
         return answer.ok ? json : null;
     };
     // Calls work() again and again while it is asked for more, one call at a time: what was asked for last is done last.
+    // Each call answers a promise that is kept when nothing more is asked for.
     const latest = (work) => {
-        let busy = false;
+        let running = null;
         let again = false;
-        return async () => {
-            again = true;
-            if (busy) return;
-            busy = true;
+        const run = async () => {
             while (again) {
                 again = false;
                 try {
@@ -39,7 +37,12 @@
                     note(e);
                 }
             }
-            busy = false;
+            running = null;
+        };
+        return () => {
+            again = true;
+            running ??= run();
+            return running;
         };
     };
     const after = (pause, work) => {
@@ -403,12 +406,13 @@
             else update();
             landscapeSoon();
         });
+        let moving = Promise.resolve(); // kept when the fit that moves the sliders has ended
         const take = (i, value) => {
             if (!Number.isFinite(value)) return;
             taken[i] = value;
             cells[i].field.value = figure(value);
             full = null;
-            refit();
+            moving = refit();
         };
         const fitHere = latest(async () => {
             const answer = await ask("fit", place());
@@ -419,6 +423,7 @@
         confirmButton.addEventListener("click", async () => {
             confirmButton.disabled = true;
             confirmed.textContent = "The full model runs ...";
+            await moving;
             const answer = await ask("confirm", place());
             confirmButton.disabled = false;
             confirmed.textContent = "";
@@ -433,6 +438,8 @@
                 confirmed.textContent = `Full model: χ² = ${figure(answer.chi2)} (here ${figure(point.chi2)}); readings differ by at most ${(100 * Math.max(...differences)).toFixed(2)} %; ${answer.seconds.toPrecision(2)} s.`;
                 fill();
                 drawReadings();
+            } else {
+                confirmed.textContent = "The sliders moved while the full model ran: press again for where they stand now.";
             }
         });
         const button = (text, action, more = {}) => {
@@ -450,7 +457,7 @@
             make("div", { className: "panes" },
                 make("section", { className: "hands" }, make("h2", {}, "Parameters"), sliders.map((s) => s.box),
                     make("div", { className: "choices" }, state.minima.slice(0, 6).map((m, k) => button(state.minima.length > 1 ? `minimum ${k + 1} (χ² ${figure(m.chi2)})` : "to the minimum", () => go(m.at.slice()))),
-                        button("fit from here", fitHere), button("study's values", () => go(parameters.map((p) => within(p, p.start))))),
+                        button("fit from here", () => { moving = fitHere(); }), button("study's values", () => go(parameters.map((p) => within(p, p.start))))),
                     make("div", { className: "choices" }, confirmButton), confirmed),
                 make("div", { className: "work" },
                     make("div", { className: "two" },
@@ -461,7 +468,7 @@
                     outputs.length ? [make("h2", {}, "Outputs"), make("div", { className: "wide" }, make("table", {}, header(["output", "here", "minimum", "full model", "unit"]),
                         make("tbody", {}, outputs.map((o, i) => make("tr", {}, make("td", { className: "words" }, o.name), outputCells[i].now, outputCells[i].best, outputCells[i].byFull, make("td", {}, o.unit)))))), beyond] : [],
                     make("h2", {}, "What if a sensor read something else?"),
-                    make("div", { className: "choices" }, make("label", {}, follow, " sliders follow the minimum"), button("all as measured", () => { readings.forEach((r, i) => { taken[i] = r.measured; cells[i].field.value = figure(r.measured); }); refit(); })),
+                    make("div", { className: "choices" }, make("label", {}, follow, " sliders follow the minimum"), button("all as measured", () => { readings.forEach((r, i) => { taken[i] = r.measured; cells[i].field.value = figure(r.measured); }); moving = refit(); })),
                     make("div", { className: "wide" }, make("table", {}, header(["reading", "taken to be", "", "unit", "model", "off (sd)", "full model"]), make("tbody", {}, cells.map((c) => c.row)))), moved)));
         let home = { values: readings.map(() => null), outputs: outputs.map(() => null) };
         showSliders();
