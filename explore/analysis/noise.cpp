@@ -20,14 +20,14 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int parts = NoiseModel::parts;
-using Parts = std::array<double, parts>; // 0: not there
+using NoiseParts = std::array<double, parts>; // 0: not there
 
 // The covariance of a drop of such a group, and its derivatives by the logarithms of the parts that are there.
 struct Covariance {
     MatrixXd c;
     std::array<MatrixXd, parts> by;
 
-    Covariance(const RepeatedDrops& group, const Parts& p) {
+    Covariance(const RepeatedDrops& group, const NoiseParts& p) {
         const auto n = static_cast<Index>(group.offsets_mm.size());
         VectorXd own(n);
         VectorXd by_relative(n);
@@ -60,18 +60,18 @@ struct Covariance {
 };
 
 // What a part may be.
-constexpr Parts lowest = {1e-5, 1e-5, 1e-3, 1.0};
-constexpr Parts highest = {0.5, 0.5, 100.0, 1e5};
+constexpr NoiseParts lowest = {1e-5, 1e-5, 1e-3, 1.0};
+constexpr NoiseParts highest = {0.5, 0.5, 100.0, 1e5};
 
 struct Fit {
-    Parts p{};
+    NoiseParts p{};
     double score = INFINITY; // -2 ln likelihood, but for a constant
     MatrixXd information;    // on the logarithms of the parts that are there
     std::vector<int> there;
 };
 
 // Nothing where the covariance of a group is not positive definite.
-std::optional<double> score_of(const std::vector<RepeatedDrops>& groups, const Parts& p) {
+std::optional<double> score_of(const std::vector<RepeatedDrops>& groups, const NoiseParts& p) {
     double sum = 0.0;
     for (const RepeatedDrops& group : groups) {
         const Eigen::LLT<MatrixXd> c(Covariance(group, p).c);
@@ -83,7 +83,7 @@ std::optional<double> score_of(const std::vector<RepeatedDrops>& groups, const P
     return sum;
 }
 
-Fit fit(const std::vector<RepeatedDrops>& groups, const Parts& start) {
+Fit fit(const std::vector<RepeatedDrops>& groups, const NoiseParts& start) {
     Fit f{.p = start};
     for (int k = 0; k < parts; ++k) {
         if (start[static_cast<std::size_t>(k)] > 0.0) {
@@ -122,7 +122,7 @@ Fit fit(const std::vector<RepeatedDrops>& groups, const Parts& start) {
             damped.diagonal() *= 1.0 + damping;
             damped.diagonal().array() += 1e-9;
             const VectorXd step = damped.ldlt().solve(slope);
-            Parts there = f.p;
+            NoiseParts there = f.p;
             for (Index a = 0; a < count; ++a) {
                 const auto k = static_cast<std::size_t>(f.there[static_cast<std::size_t>(a)]);
                 there[k] = std::clamp(f.p[k] * std::exp(std::clamp(step[a], -1.0, 1.0)), lowest[k], highest[k]);
@@ -146,7 +146,7 @@ Fit fit(const std::vector<RepeatedDrops>& groups, const Parts& start) {
 Fit best_fit(const std::vector<RepeatedDrops>& groups, const std::array<bool, parts>& there) {
     Fit best;
     for (const double length_mm : {100.0, 400.0, 1500.0}) {
-        Parts start = {0.01, 0.005, 1.0, length_mm};
+        NoiseParts start = {0.01, 0.005, 1.0, length_mm};
         for (std::size_t k = 0; k < parts; ++k) {
             start[k] = there[k] ? start[k] : 0.0;
         }
@@ -209,7 +209,7 @@ struct Pair {
 };
 
 std::vector<SensorNoise> sensors_of(const std::vector<RepeatedDrops>& groups, const NoiseModel& model) {
-    Parts p{};
+    NoiseParts p{};
     std::copy(std::begin(model.value), std::end(model.value), p.begin());
     std::map<std::pair<double, double>, Pair> pairs;
     std::map<double, std::vector<double>> deflections;

@@ -20,6 +20,7 @@ constexpr Known known[] = {
     {{"mma", true, "method of moving asymptotes (Svanberg)"}, nlopt::LD_MMA},
     {{"tnewton", true, "preconditioned truncated Newton (Dembo, Steihaug)"}, nlopt::LD_TNEWTON_PRECOND_RESTART},
     {{"bobyqa", false, "quadratic models without derivatives (Powell)"}, nlopt::LN_BOBYQA},
+    {{"cobyla", false, "linear models without derivatives (Powell)"}, nlopt::LN_COBYLA},
     {{"sbplx", false, "subspace simplex without derivatives (Rowan)"}, nlopt::LN_SBPLX},
 };
 
@@ -165,7 +166,8 @@ SearchResult local_search(const Method& method, const std::vector<double>& start
     optimiser.set_xtol_abs(settings.step_tolerance);
     optimiser.set_ftol_rel(settings.misfit_tolerance);
     optimiser.set_stopval(1e-24);
-    if (*algorithm == nlopt::LD_SLSQP && search.ask(start) == Answer::computed && search.sample.limits.size() > 0) {
+    const bool constrains = *algorithm == nlopt::LD_SLSQP || *algorithm == nlopt::LN_COBYLA;
+    if (constrains && search.ask(start) == Answer::computed && search.sample.limits.size() > 0) {
         search.takes_limits = true;
         constexpr double met = 1e-3; // of the tolerance of a limit
         optimiser.add_inequality_mconstraint(&Search::limits_callback, &search,

@@ -29,7 +29,7 @@ std::string rgb(Colour colour) {
     return fmt::format("'#{:06X}'", colour);
 }
 
-std::string number(double value) {
+std::string gnuplot_number(double value) {
     return std::isfinite(value) ? fmt::format("{:.8g}", value) : std::string("NaN");
 }
 
@@ -82,9 +82,9 @@ void add(Drawn& drawn, const std::string& name, const Line& line) {
             drawn.blocks += "\n";
             continue;
         }
-        drawn.blocks += number(line.x[i]) + " " + number(line.y[i]);
+        drawn.blocks += gnuplot_number(line.x[i]) + " " + gnuplot_number(line.y[i]);
         if (!line.error.empty()) {
-            drawn.blocks += " " + number(line.error[i]);
+            drawn.blocks += " " + gnuplot_number(line.error[i]);
         }
         drawn.blocks += "\n";
     }
@@ -109,7 +109,7 @@ void add(Drawn& drawn, const std::string& name, const Line& line) {
 void add(Drawn& drawn, const std::string& name, const Area& area) {
     drawn.blocks += name + " << EOD\n";
     for (std::size_t i = 0; i < area.x.size(); ++i) {
-        drawn.blocks += number(area.x[i]) + " " + number(area.y[i]) + "\n";
+        drawn.blocks += gnuplot_number(area.x[i]) + " " + gnuplot_number(area.y[i]) + "\n";
     }
     drawn.blocks += "EOD\n";
     drawn.elements.push_back(fmt::format("{} using 1:2 with filledcurves closed fc rgb {} fs solid noborder notitle",
@@ -124,8 +124,8 @@ void add(Drawn& drawn, const std::string& name, const Boxes& boxes) {
     std::map<Colour, std::string> rows;
     for (std::size_t i = 0; i < boxes.left.size(); ++i) {
         const Colour colour = boxes.colours[boxes.colours.size() == 1 ? 0 : i];
-        rows[colour] += fmt::format("{} {} {} {}\n", number(boxes.left[i]), number(boxes.right[i]),
-                                    number(boxes.bottom[i]), number(boxes.top[i]));
+        rows[colour] += fmt::format("{} {} {} {}\n", gnuplot_number(boxes.left[i]), gnuplot_number(boxes.right[i]),
+                                    gnuplot_number(boxes.bottom[i]), gnuplot_number(boxes.top[i]));
     }
     for (const auto& [colour, text] : rows) {
         const std::string block = fmt::format("{}_{:06X}", name, colour);
@@ -143,15 +143,15 @@ std::string axis_commands(const PlotAxis& axis, const std::string& name, bool gr
     std::string text =
         fmt::format("unset {0}tics\nunset {1}tics\nunset m{0}tics\nset {0}label ''\nset {1}label ''\n"
                     "{2} logscale {0}\nset {0}range [{3}:{4}]\n",
-                    name, other, axis.log ? "set" : "unset", number(axis.reversed ? axis.high : axis.low),
-                    number(axis.reversed ? axis.low : axis.high));
+                    name, other, axis.log ? "set" : "unset", gnuplot_number(axis.reversed ? axis.high : axis.low),
+                    gnuplot_number(axis.reversed ? axis.low : axis.high));
     if (axis.at_far_side) {
         text += fmt::format("set link {}\n", other);
     }
     std::string ticks;
     for (const Tick& tick : axis.ticks) {
-        ticks +=
-            fmt::format("{}{} {}", ticks.empty() ? "" : ", ", quoted(axis.labelled ? tick.text : ""), number(tick.at));
+        ticks += fmt::format("{}{} {}", ticks.empty() ? "" : ", ", quoted(axis.labelled ? tick.text : ""),
+                             gnuplot_number(tick.at));
     }
     if (!ticks.empty()) {
         text += fmt::format("set {}tics out nomirror scale 0.5 offset {} ({})\n", of,
@@ -193,7 +193,8 @@ std::string gnuplot_script(const Figure& figure, FigureFormat format, const std:
                              : "unset key\n";
         for (const Note& note : panel.notes) {
             text += fmt::format("set label {} at graph {},{} {} front textcolor rgb {}\n", quoted(note.text),
-                                number(note.x), number(note.y), note.at_right ? "right" : "left", rgb(note.colour));
+                                gnuplot_number(note.x), gnuplot_number(note.y), note.at_right ? "right" : "left",
+                                rgb(note.colour));
         }
         std::string plot;
         for (const std::string& element : drawn.elements) {

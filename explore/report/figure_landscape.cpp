@@ -10,15 +10,9 @@
 namespace explore::report {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
-double number_of(const Json& value) {
-    return value.is_number() ? value.get<double>() : none;
-}
-
 std::vector<double> numbers_of(const Json& list) {
     std::vector<double> values;
-    std::transform(list.begin(), list.end(), std::back_inserter(values), number_of);
+    std::transform(list.begin(), list.end(), std::back_inserter(values), number_or_none);
     return values;
 }
 
@@ -385,9 +379,9 @@ DataTable minima_table(const Json& minima, const std::vector<Parameter>& paramet
     for (const Json& m : minima) {
         std::vector<std::string> row{fmt::format("{}", table.rows.size() + 1),
                                      m.contains("accepted") ? (m.at("accepted") ? "yes" : "no") : "",
-                                     cell(number_of(m.value("misfit", Json())))};
+                                     cell(number_or_none(m.value("misfit", Json())))};
         for (const Parameter& p : parameters) {
-            row.push_back(cell(number_of(m.at("parameters").at(p.name))));
+            row.push_back(cell(number_or_none(m.at("parameters").at(p.name))));
         }
         table.rows.push_back(std::move(row));
     }
@@ -417,7 +411,7 @@ Figure profiled_landscape_figure(const Json& unique) {
         pair.grid = {corner.parameters[pair.x].units(x), corner.parameters[pair.y].units(y), {}};
         for (std::size_t j = 0; j < y.size(); ++j) {
             for (std::size_t i = 0; i < x.size(); ++i) {
-                const double rise = number_of(json.at("rise").at(j).at(i));
+                const double rise = number_or_none(json.at("rise").at(j).at(i));
                 pair.grid.z.push_back(rise);
                 highest = std::max(highest, std::isnan(rise) ? 0.0 : rise);
                 nodes.rows.push_back({corner.parameters[pair.x].name, corner.parameters[pair.y].name, cell(x[i]),
@@ -497,7 +491,7 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
     std::vector<Point> all;
     std::vector<double> misfits;
     for (const Json& row : evaluations.at("rows")) {
-        Point point{number_of(row.at(1)), {}};
+        Point point{number_or_none(row.at(1)), {}};
         std::vector<std::string> cells{row.at(0).get<std::string>(), cell(point.misfit)};
         for (std::size_t k = 0; k < n; ++k) {
             const double value = row.at(2 + k).get<double>();

@@ -13,8 +13,6 @@
 namespace explore::report {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
 struct Place {
     std::size_t index = 0; // of the reading
     double x = 0.0, y = 0.0, depth = 0.0, gauge = 0.0, measured = 0.0, sigma = none;
@@ -88,7 +86,7 @@ std::optional<std::pair<std::vector<double>, std::vector<double>>> curve_along(c
             (by_depth ? c.at("x_mm") == p.x : c.at("depth_mm") == p.depth)) {
             std::vector<double> values;
             for (const Json& value : c.at("values")) {
-                values.push_back(value.is_number() ? value.get<double>() : none);
+                values.push_back(number_or_none(value));
             }
             return std::pair{c.at("at_mm").get<std::vector<double>>(), std::move(values)};
         }

@@ -7,12 +7,6 @@
 namespace explore::report {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
-double number_of(const Json& value) {
-    return value.is_number() ? value.get<double>() : none;
-}
-
 // Readings of a folder and the models that were compared with them.
 struct Compared {
     Json readings = Json::array();
@@ -26,8 +20,8 @@ Compared of_best_fit(const Json& result) {
     for (const Json& r : result.at("responses")) {
         if (r.contains("measured")) {
             compared.readings.push_back(r);
-            best.values.push_back(number_of(r.at("value")));
-            best.residuals.push_back(number_of(r.value("residual", Json())));
+            best.values.push_back(number_or_none(r.at("value")));
+            best.residuals.push_back(number_or_none(r.value("residual", Json())));
         }
     }
     compared.models.push_back(std::move(best));
@@ -49,8 +43,8 @@ Compared of_diagnosis(const Json& result) {
         }
         ComparedModel model{.name = name, .values = {}, .residuals = {}};
         for (std::size_t i = 0; i < compared.readings.size(); ++i) {
-            model.values.push_back(number_of(values.at(key).at(i)));
-            model.residuals.push_back(number_of(residuals.at(key).at(i)));
+            model.values.push_back(number_or_none(values.at(key).at(i)));
+            model.residuals.push_back(number_or_none(residuals.at(key).at(i)));
         }
         compared.models.push_back(std::move(model));
     }
@@ -107,6 +101,10 @@ bool has_profiles(const Json& results) {
 }
 
 } // namespace
+
+double number_or_none(const Json& value) {
+    return value.is_number() ? value.get<double>() : none;
+}
 
 std::vector<std::string> figures_of(const FolderContents& contents) {
     std::vector<std::string> names;
@@ -204,9 +202,9 @@ Figure profiles_figure(const Json& unique) {
         panel.width = side;
         panel.height = high;
         const std::string name = profile.at("name").get<std::string>();
-        const double best = number_of(profile.at("best"));
-        const double accepted_low = number_of(profile.at("low"));
-        const double accepted_high = number_of(profile.at("high"));
+        const double best = number_or_none(profile.at("best"));
+        const double accepted_low = number_or_none(profile.at("low"));
+        const double accepted_high = number_or_none(profile.at("high"));
         double from = one.low;
         double to = one.high;
         Line walked{.colour = okabe_ito[0], .width = 1.5};
@@ -214,7 +212,7 @@ Figure profiles_figure(const Json& unique) {
         for (const Json& branch : profile.at("profile")) {
             branches.emplace_back();
             for (const Json& point : branch) {
-                branches.back().emplace_back(number_of(point.at(0)), number_of(point.at(1)));
+                branches.back().emplace_back(number_or_none(point.at(0)), number_or_none(point.at(1)));
                 table.rows.push_back(
                     {name, "walk", cell(branches.back().back().first), cell(branches.back().back().second)});
             }
@@ -252,8 +250,8 @@ Figure profiles_figure(const Json& unique) {
             const Json& values = one.whole->at("values");
             const Json& rises = one.whole->at("rise");
             for (std::size_t i = 0; i < values.size(); ++i) {
-                const double rise = number_of(rises.at(i));
-                whole.x.push_back(number_of(values.at(i)));
+                const double rise = number_or_none(rises.at(i));
+                whole.x.push_back(number_or_none(values.at(i)));
                 whole.y.push_back(std::isnan(rise) ? none : std::min(rise, 1e3 * top));
                 table.rows.push_back({name, "landscape", cell(whole.x.back()), cell(rise)});
             }

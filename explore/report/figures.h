@@ -6,6 +6,10 @@
 
 namespace explore::report {
 
+inline constexpr double none = std::numeric_limits<double>::quiet_NaN();
+// Of JSON; none where it is not a number.
+double number_or_none(const Json& value);
+
 // What a folder holds. results: {command: its JSON}; evaluations: as in report/page.h, or null.
 struct FolderContents {
     Json results;

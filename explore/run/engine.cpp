@@ -254,7 +254,8 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
                     if (method.uses_gradient) {
                         sample = sample_of(m.problem, e);
                     } else {
-                        sample.residuals = m.problem.residuals(e);
+                        sample = {
+                            .residuals = m.problem.residuals(e), .jacobian = {}, .limits = m.problem.beyond_limits(e)};
                     }
                     if (e.misfit < best) {
                         best = e.misfit;

@@ -12,7 +12,7 @@ using namespace explore;
 
 namespace {
 
-std::vector<data::FwdStation> read(const std::string& text) {
+std::vector<data::FwdStation> stations_of(const std::string& text) {
     const std::string file = test::own_folder() + "road.fwd";
     std::ofstream(file, std::ios::binary) << text;
     return data::read_fwd(file).stations;
@@ -20,7 +20,7 @@ std::vector<data::FwdStation> read(const std::string& text) {
 
 std::string complaint(const std::string& text) {
     try {
-        read(text);
+        stations_of(text);
     } catch (const pave::Error& error) {
         return error.what();
     }
@@ -73,7 +73,7 @@ std::string r80(const std::string& drops) {
 } // namespace
 
 TEST(Primax, GivesStationsDropsAndSensors) {
-    const auto stations = read(primax);
+    const auto stations = stations_of(primax);
     ASSERT_EQ(stations.size(), 1U);
     const data::FwdStation& s = stations[0];
     EXPECT_EQ(s.chainage_m, 20.0);
@@ -96,17 +96,18 @@ TEST(Primax, GivesStationsDropsAndSensors) {
 }
 
 TEST(Primax, WhatIsMissingCostsThatReadingAndNothingElse) {
-    EXPECT_EQ(read(changed(primax, "114.5", ""))[0].drops[0].readings.size(), 2U);
-    EXPECT_EQ(read(changed(primax, "114.5", "-"))[0].drops[0].readings.size(), 2U);
-    EXPECT_EQ(read(changed(primax, "\t71.1\t822\t58.1\t8.6\t2.9\t4.0\t25.40", ""))[0].drops[0].readings.size(), 2U);
-    EXPECT_FALSE(read(changed(primax, "\t20\r\nLane", "\t?\r\nLane"))[0].chainage_m);
+    EXPECT_EQ(stations_of(changed(primax, "114.5", ""))[0].drops[0].readings.size(), 2U);
+    EXPECT_EQ(stations_of(changed(primax, "114.5", "-"))[0].drops[0].readings.size(), 2U);
+    EXPECT_EQ(stations_of(changed(primax, "\t71.1\t822\t58.1\t8.6\t2.9\t4.0\t25.40", ""))[0].drops[0].readings.size(),
+              2U);
+    EXPECT_FALSE(stations_of(changed(primax, "\t20\r\nLane", "\t?\r\nLane"))[0].chainage_m);
     EXPECT_NE(complaint(changed(primax, "Load plate radius [mm].\t150", "")).find("before the plate"),
               std::string::npos);
     EXPECT_NE(complaint(primax.substr(0, primax.find("Drop\tD(1)"))).find("no drops"), std::string::npos);
 }
 
 TEST(Kuab, GivesStationsDropsAndSensors) {
-    const auto stations = read(kuab);
+    const auto stations = stations_of(kuab);
     ASSERT_EQ(stations.size(), 2U);
     const data::FwdStation& s = stations[0];
     EXPECT_EQ(s.chainage_m, 200.0);
@@ -127,7 +128,7 @@ TEST(Kuab, GivesStationsDropsAndSensors) {
 
 TEST(Kuab, ReadsItsOwnUnits) {
     std::string text = changed(kuab, "m num    kN   My   My   My    C    C", "ft num   lbf  mil  mil  mil    F    F");
-    const data::FwdStation s = read(changed(text, "41.5 388 184 124 30 31", "9000 20 10 6 50 77"))[0];
+    const data::FwdStation s = stations_of(changed(text, "41.5 388 184 124 30 31", "9000 20 10 6 50 77"))[0];
     EXPECT_NEAR(*s.chainage_m, 60.96, 1e-9);
     EXPECT_NEAR(*s.drops[0].force_kN, 9.0 * 4.4482216, 1e-5);
     EXPECT_NEAR(s.drops[0].readings[0].deflection_um, 508.0, 1e-9);
@@ -139,8 +140,8 @@ TEST(Kuab, ReadsItsOwnUnits) {
 
 TEST(R80, GivesStationsDropsAndSensors) {
     const auto stations =
-        read(r80("821 115  71  57  43  36  27  20\r\n 820 116  72  58  44  36  27  20\r\n"
-                 "S    20.00  8.800  3  0I20933   48   37   32\r\n82111411002  72  48  37  28  21\r\n"));
+        stations_of(r80("821 115  71  57  43  36  27  20\r\n 820 116  72  58  44  36  27  20\r\n"
+                        "S    20.00  8.800  3  0I20933   48   37   32\r\n82111411002  72  48  37  28  21\r\n"));
     ASSERT_EQ(stations.size(), 2U); // those of the header are none
     const data::FwdStation& s = stations[0];
     EXPECT_EQ(s.chainage_m, 0.0);
@@ -163,7 +164,7 @@ TEST(R80, GivesStationsDropsAndSensors) {
     EXPECT_EQ(stations[1].drops[0].readings[1].deflection_um, 1002.0);
     EXPECT_EQ(stations[1].drops[0].pressure_kPa, 821.0);
     // Decimals, which touch in some files.
-    const auto decimals = read(r80("821.25115.20 71.10 57.00 43.00 36.00 27.00 20.50\r\n"));
+    const auto decimals = stations_of(r80("821.25115.20 71.10 57.00 43.00 36.00 27.00 20.50\r\n"));
     EXPECT_EQ(decimals[0].drops[0].pressure_kPa, 821.25);
     EXPECT_EQ(decimals[0].drops[0].readings[0].deflection_um, 115.2);
     EXPECT_EQ(decimals[0].drops[0].readings[6].deflection_um, 20.5);

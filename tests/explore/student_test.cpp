@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double degrees = 4.0;
-constexpr double sigma = 0.05;
+constexpr double noise_sigma = 0.05;
 constexpr Index count = 12;
 
 // A level and a slope.
@@ -49,7 +49,7 @@ problem::Problem line_problem(const VectorXd& y, const Layout& layout = {}) {
         terms.push_back({.response = static_cast<std::size_t>(i),
                          .measured = y[i],
                          .factor = i % 2 == 0 ? 1.0 : layout.factor,
-                         .noise = {.absolute = sigma,
+                         .noise = {.absolute = noise_sigma,
                                    .correlation_length = layout.correlation_length,
                                    .degrees = layout.degrees_of_freedom},
                          .place = {.load = 0, .x = 0.1 * static_cast<double>(i)}});
@@ -76,7 +76,7 @@ landscape::Minimum fitted(const problem::Problem& problem) {
 VectorXd readings() {
     VectorXd y = line() * Eigen::Vector2d(0.4, 0.3);
     for (Index i = 0; i < count; ++i) {
-        y[i] += sigma * std::sin(3.0 * static_cast<double>(i) + 1.0);
+        y[i] += noise_sigma * std::sin(3.0 * static_cast<double>(i) + 1.0);
     }
     return y;
 }
@@ -95,7 +95,7 @@ double lowest_at(const F& f, double low, double high) {
 // -ln likelihood by GSL's density.
 double minus_log(const VectorXd& y, double level, double slope) {
     double sum = 0.0;
-    const VectorXd z = (line() * Eigen::Vector2d(level, slope) - y) / sigma;
+    const VectorXd z = (line() * Eigen::Vector2d(level, slope) - y) / noise_sigma;
     for (const double value : z) {
         sum -= std::log(gsl_ran_tdist_pdf(value, degrees));
     }
@@ -158,14 +158,14 @@ TEST(Student, AWrongReadingHardlyMovesTheAnswer) {
     EXPECT_NEAR(found.parameters[0], level, 1e-6);
     EXPECT_NEAR(found.parameters[1], slope_of(level), 1e-6);
     // And it lies near that of the clean readings, where normal noise is pulled away.
-    EXPECT_LT(std::abs(found.parameters[1] - clean[1]), sigma);
-    EXPECT_GT(std::abs(pulled[1] - normal[1]), 4.0 * sigma);
+    EXPECT_LT(std::abs(found.parameters[1] - clean[1]), noise_sigma);
+    EXPECT_GT(std::abs(pulled[1] - normal[1]), 4.0 * noise_sigma);
     // Clean readings: close to least squares.
     for (std::size_t k = 0; k < 2; ++k) {
-        EXPECT_NEAR(clean[k], normal[k], 0.3 * sigma);
+        EXPECT_NEAR(clean[k], normal[k], 0.3 * noise_sigma);
     }
     // log_density is GSL's, of the readings in SI; no priors.
-    const double density = -minus_log(y, found.parameters[0], found.parameters[1]) - count * std::log(sigma);
+    const double density = -minus_log(y, found.parameters[0], found.parameters[1]) - count * std::log(noise_sigma);
     EXPECT_NEAR(problem.log_density(found), density, 1e-9);
 }
 
@@ -189,7 +189,7 @@ TEST(Student, StandardErrorsAreThoseOfFishersInformation) {
     const auto local = landscape::analyse(fitted(problem), problem);
     ASSERT_FALSE(local.widened);
     const MatrixXd covariance =
-        (degrees + 3.0) / (degrees + 1.0) * sigma * sigma * (line().transpose() * line()).inverse();
+        (degrees + 3.0) / (degrees + 1.0) * noise_sigma * noise_sigma * (line().transpose() * line()).inverse();
     for (Index k = 0; k < 2; ++k) {
         EXPECT_NEAR(3.0 * local.standard_error[static_cast<std::size_t>(k)], std::sqrt(covariance(k, k)), 1e-9);
     }
@@ -228,7 +228,7 @@ TEST(Student, PValuesAreUniform) {
             for (std::uint64_t m = 0; m < 4; ++m) {
                 squares += std::pow(random.normal(100 + 4 * k + m), 2);
             }
-            y[i] += sigma * random.normal(k) / std::sqrt(squares / 4.0);
+            y[i] += noise_sigma * random.normal(k) / std::sqrt(squares / 4.0);
         }
         const problem::Problem problem = line_problem(y);
         const auto minimum = fitted(problem);

@@ -1,5 +1,5 @@
-"""The page of every kind of run in headless Chromium, 1400 and 400 px wide: no table is cut off, nothing is printed as [object, nothing is
-on the console, every chart is drawn."""
+"""The page of every kind of run in headless Chromium, 1400 and 400 px wide and printed on A4: no table is cut off, nothing is printed as
+[object, nothing is on the console, every chart is drawn."""
 from browser import CHROMIUM, Browser
 from support import *
 
@@ -42,9 +42,10 @@ for name, arguments in RUNS.items():
     check(done.returncode in (0, 1) and (out / f"{name}.json").exists(), f"{name} runs: {done.returncode} {done.stderr[-300:]}")
     made = run("report", out)
     check(made.returncode == 0, f"report of {name}: {made.stderr}")
-    for width in (1400, 400):
+    for width, media in ((1400, "screen"), (400, "screen"), (718, "print")):  # 718 px: A4 less margins of 1 cm
         browser.console.clear()
         browser.resize(width, 900)
+        browser.call("Emulation.setEmulatedMedia", media=media)
         browser.open((out / "report.html").as_uri())
         check(browser.wait("[...document.querySelectorAll('.chart')].every((c) => c.querySelector('svg.main-svg'))", 60), f"{name}: every chart is drawn")
         check(browser.evaluate("document.documentElement.dataset.failures") is None, f"{name}: {browser.evaluate('document.documentElement.dataset.failures')}")
@@ -52,8 +53,9 @@ for name, arguments in RUNS.items():
         check(browser.evaluate("document.querySelectorAll('h2').length") > 0, f"{name} has a part")
         check("[object" not in browser.evaluate("document.body.innerText"), f"{name}: no object is printed as such")
         clipped = browser.evaluate(CLIPPED)
-        check(clipped == [], f"{name}, {width} px: cut off: {clipped[:4]}")
-        check(browser.evaluate("document.documentElement.scrollWidth <= document.documentElement.clientWidth"), f"{name}: no wider than {width} px")
+        check(clipped == [], f"{name}, {width} px on {media}: cut off: {clipped[:4]}")
+        check(browser.evaluate("document.documentElement.scrollWidth <= document.documentElement.clientWidth"), f"{name}: no wider than {width} px on {media}")
+    browser.call("Emulation.setEmulatedMedia", media="screen")
     if os.environ.get("PAVESCAPE_SHOTS"):
         for width in (1400, 400):
             browser.resize(width, 900)

@@ -50,7 +50,7 @@ def study():
 def tried(*command):
     """The finished command; None: it takes too long to wait for, which is not asked here."""
     try:
-        return subprocess.run([PROGRAM, *map(str, command)], capture_output=True, text=True, timeout=60)
+        return subprocess.run([PROGRAM, *map(str, command)], capture_output=True, text=True, timeout=20)
     except subprocess.TimeoutExpired:
         return None
 
