@@ -62,6 +62,8 @@ struct Springs {
     std::vector<int> slipping_layers{};
     // Axisymmetric: under a plate of this radius on the surface [m] (0: none), the integral of (w - mean w)^2.
     double plate_radius = 0.0;
+
+    bool operator==(const Springs&) const = default;
 };
 
 template <class Element>

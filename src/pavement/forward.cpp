@@ -10,6 +10,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <set>
 
 namespace pave::pavement {
 namespace {
@@ -110,6 +111,7 @@ Neighbours neighbours(const Case& values, const Parameter& parameter, int load) 
 class ForwardModel::Workspace {
 public:
     std::vector<std::unique_ptr<LoadModel::Workspace>> of_load; // made when first needed
+    LoadModel::Lent lent;
 };
 
 void ForwardModel::WorkspaceDeleter::operator()(Workspace* workspace) const {
@@ -167,7 +169,7 @@ ForwardModel::ForwardModel(Case nominal, const std::vector<bool>& loads) : nomin
                                          [&](const Sensor& s) { return s.load == static_cast<int>(l); });
         const bool wanted = is_read && (loads.empty() || loads[l]);
         const auto load = static_cast<int>(l);
-        models_.push_back(wanted ? make_load_model(with_effects(nominal_, load), load) : nullptr);
+        models_.push_back(wanted ? make_load_model(with_effects(nominal_, load), load, models_) : nullptr);
     }
 }
 
@@ -185,9 +187,12 @@ std::vector<int> ForwardModel::unknowns() const {
 
 ForwardModel::Cost ForwardModel::cost() const {
     Cost cost;
+    std::set<const void*> counted;
     for (std::size_t l = 0; l < models_.size(); ++l) {
         if (models_[l] && !nominal_.loads[l].is_axisymmetric()) {
-            cost.memory += solid_memory(models_[l]->unknowns());
+            if (counted.insert(models_[l]->shared_model()).second) {
+                cost.memory += solid_memory(models_[l]->unknowns());
+            }
             cost.seconds += solid_seconds(models_[l]->unknowns());
         }
     }
@@ -309,7 +314,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         }
         auto& own = workspace.of_load[l];
         if (!own) {
-            own = models_[l]->make_workspace();
+            own = models_[l]->make_workspace(workspace.lent);
         }
         const auto load = static_cast<int>(l);
         Case c = with_effects(values, load);

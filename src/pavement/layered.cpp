@@ -125,7 +125,7 @@ public:
         }
     }
 
-    std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Own>(); }
+    std::unique_ptr<Workspace> make_workspace(Lent&) const override { return std::make_unique<Own>(); }
     int unknowns() const override { return 0; }
     double reach(const Case& values) const override {
         return values.half_space ? std::numeric_limits<double>::infinity() : values.depth();

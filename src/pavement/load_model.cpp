@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <numbers>
 #include <unistd.h>
+#include <utility>
 
 namespace pave::pavement {
 namespace {
@@ -112,15 +113,29 @@ class LoadModelOf final : public LoadModel {
 public:
     using Element = typename Kind::Element;
 
-    LoadModelOf(const Case& nominal, int load)
+    LoadModelOf(const Case& nominal, int load, const LoadModels& others)
         : load_(load),
           breaks_(Kind::breaks(nominal, load)),
           mesh_(affordable_mesh<Kind>(nominal, load)),
-          model_(fe::make_model(mesh_, linear_layers(nominal), springs_of(nominal, load))),
-          incompressible_(incompressible_layers(nominal)) {}
+          springs_(springs_of(nominal, load)),
+          model_(model_among(others)),
+          incompressible_(incompressible_layers(nominal)) {
+        if (!model_) {
+            model_ = std::make_shared<fe::Model<Element>>(fe::make_model(mesh_, linear_layers(nominal), springs_));
+        }
+    }
 
-    std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Own>(); }
-    int unknowns() const override { return model_.free_unknowns(); }
+    std::unique_ptr<Workspace> make_workspace(Lent& lent) const override {
+        std::shared_ptr<void>& shared = lent[model_.get()];
+        if (!shared) {
+            shared = std::make_shared<Geometry>();
+        }
+        auto own = std::make_unique<Own>();
+        own->geometry = std::static_pointer_cast<Geometry>(shared);
+        return own;
+    }
+    int unknowns() const override { return model_->free_unknowns(); }
+    const void* shared_model() const override { return model_.get(); }
 
     Outcome<Reading> run(const Case& values, const std::vector<fe::LayerMaterial>& layers,
                          const std::vector<fe::Variation>& variations, const std::vector<Neighbours>& moving,
@@ -173,19 +188,33 @@ public:
         }
         const Eigen::VectorXd force = load.pressure * load.factor * own.unit_load;
         if (values.relaxes()) {
-            const auto relaxed = own.solver->over_time(layers, force, fe::haversine(load.duration, relaxing_steps), {},
-                                                       {}, values.settings.solver, spring_stiffness(values));
-            return relaxed ? Outcome<Fields>(fields_of(*own.model, layers, relaxed->at_largest)) : relaxed.failure();
+            const auto relaxed =
+                own.geometry->solver->over_time(layers, force, fe::haversine(load.duration, relaxing_steps), {}, {},
+                                                values.settings.solver, spring_stiffness(values));
+            return relaxed ? Outcome<Fields>(fields_of(*own.geometry->model, layers, relaxed->at_largest))
+                           : relaxed.failure();
         }
         const auto solved = solve(values, layers, force, {}, {}, own);
         if (!solved) {
             return solved.failure();
         }
-        return fields_of(*own.model, layers, solved.value());
+        return fields_of(*own.geometry->model, layers, solved.value());
     }
 
 private:
+    struct Geometry;
     struct Own;
+
+    // The model of one of the others whose mesh is this one's; none.
+    std::shared_ptr<const fe::Model<Element>> model_among(const LoadModels& others) const {
+        for (const auto& other : others) {
+            const auto* like = dynamic_cast<const LoadModelOf*>(other.get());
+            if (like != nullptr && like->springs_ == springs_ && Kind::lines_of(like->mesh_) == Kind::lines_of(mesh_)) {
+                return like->model_;
+            }
+        }
+        return nullptr;
+    }
 
     Outcome<fe::Solution<Element>> solve(const Case& values, const std::vector<fe::LayerMaterial>& layers,
                                          const Eigen::VectorXd& force, const std::vector<fe::Variation>& by,
@@ -193,8 +222,8 @@ private:
         const auto& settings = values.settings.solver;
         const std::vector<double> springs = spring_stiffness(values);
         return values.settings.integration == Integration::secant
-                   ? own.solver->secant(layers, force, by, settings, springs, motions)
-                   : own.solver->incremental(layers, force, by, settings, springs, motions);
+                   ? own.geometry->solver->secant(layers, force, by, settings, springs, motions)
+                   : own.geometry->solver->incremental(layers, force, by, settings, springs, motions);
     }
 
     // The sensors that this model reads.
@@ -224,8 +253,8 @@ private:
         Responses responses;
         if (values.relaxes()) {
             const fe::History history = fe::haversine(values.loads[load_].duration, relaxing_steps);
-            auto relaxed = own.solver->over_time(layers, force, history, functionals(values, own), by,
-                                                 values.settings.solver, spring_stiffness(values));
+            auto relaxed = own.geometry->solver->over_time(layers, force, history, functionals(values, own), by,
+                                                           values.settings.solver, spring_stiffness(values));
             if (!relaxed) {
                 return relaxed.failure();
             }
@@ -296,8 +325,8 @@ private:
                 inertia.reach = std::max(inertia.reach, std::hypot(values.sensors[i].x, values.sensors[i].y));
             }
         }
-        auto followed = own.solver->inertial(solved, force, fe::haversine(load.duration, moving_steps), inertia,
-                                             functionals(values, own));
+        auto followed = own.geometry->solver->inertial(solved, force, fe::haversine(load.duration, moving_steps),
+                                                       inertia, functionals(values, own));
         if (!followed) {
             return followed.failure();
         }
@@ -326,11 +355,18 @@ private:
         return stiffness;
     }
 
-    struct Own : Workspace {
+    // Where the mesh stands, for all loads on it.
+    struct Geometry {
         Lines lines;
         typename Kind::Mesh mesh;
         std::unique_ptr<fe::Model<Element>> model;
         std::unique_ptr<fe::Solver<Element>> solver;
+        int moves = 0;
+    };
+
+    struct Own : Workspace {
+        std::shared_ptr<Geometry> geometry;
+        int moves = 0;               // of the geometry, when the rest was made
         double pressure_shape = 0.0; // of unit_load
         Eigen::VectorXd unit_load;   // pressure 1 Pa
         std::vector<Sensor> sensors; // of the observations
@@ -339,7 +375,7 @@ private:
         // d(unit_load)/d(pressure_shape): the pressure is linear in it.
         Eigen::VectorXd unit_load_rate(Load load) const {
             load.pressure_shape += 1.0;
-            return Kind::unit_load(mesh, *model, load) - unit_load;
+            return Kind::unit_load(geometry->mesh, *geometry->model, load) - unit_load;
         }
 
         // False: the load does not fit into the mesh of this geometry.
@@ -352,29 +388,31 @@ private:
             }
             Lines wanted = of.lines_for(breaks);
             const Load& load = values.loads[of.load_];
-            const bool moves = wanted != lines;
-            if (moves) {
-                lines = wanted;
-                mesh = Kind::mesh_of(std::move(wanted), values);
-                auto moved =
-                    std::make_unique<fe::Model<Element>>(fe::make_model(mesh, of.model_, springs_of(values, of.load_)));
-                if (solver == nullptr) {
-                    solver = std::make_unique<fe::Solver<Element>>(*moved);
+            Geometry& g = *geometry;
+            if (wanted != g.lines) {
+                g.lines = wanted;
+                g.mesh = Kind::mesh_of(std::move(wanted), values);
+                auto moved = std::make_unique<fe::Model<Element>>(
+                    fe::make_model(g.mesh, *of.model_, springs_of(values, of.load_)));
+                if (g.solver == nullptr) {
+                    g.solver = std::make_unique<fe::Solver<Element>>(*moved);
                 } else {
-                    solver->move(*moved);
+                    g.solver->move(*moved);
                 }
-                model = std::move(moved);
+                g.model = std::move(moved);
+                ++g.moves;
             }
-            if (moves || load.pressure_shape != pressure_shape) {
-                unit_load = Kind::unit_load(mesh, *model, load);
+            const bool has_moved = std::exchange(moves, g.moves) != g.moves;
+            if (has_moved || load.pressure_shape != pressure_shape) {
+                unit_load = Kind::unit_load(g.mesh, *g.model, load);
                 pressure_shape = load.pressure_shape;
             }
-            if (moves || sensors != values.sensors) {
+            if (has_moved || sensors != values.sensors) {
                 sensors = values.sensors;
                 observations.clear();
                 for (const Sensor& sensor : sensors) {
                     observations.push_back(sensor.load == of.load_
-                                               ? observe(sensor, mesh, *model, mesh, of.incompressible_)
+                                               ? observe(sensor, g.mesh, *g.model, g.mesh, of.incompressible_)
                                                : Observation<Element>{});
                 }
             }
@@ -394,16 +432,16 @@ private:
     std::pair<fe::Motion<Element>, std::vector<Observation<Element>>> move(const Case& values, const Neighbours& near,
                                                                            const Own& own) const {
         fe::Motion<Element> motion;
-        motion.points.resize(model_.points.size());
+        motion.points.resize(model_->points.size());
         for (auto& point : motion.points) {
             point.rows.setZero();
         }
-        motion.vertical_stress.assign(model_.points.size(), 0.0);
-        motion.load = Eigen::VectorXd::Zero(model_.free_unknowns());
+        motion.vertical_stress.assign(model_->points.size(), 0.0);
+        motion.load = Eigen::VectorXd::Zero(model_->free_unknowns());
         std::vector<Observation<Element>> rates(values.sensors.size());
         for (const auto& [weight, there] : near) {
             const auto mesh = Kind::mesh_of(lines_for(Kind::breaks(there, load_)), there);
-            const auto model = fe::make_model(mesh, model_);
+            const auto model = fe::make_model(mesh, *model_);
             const auto layers = materials_of(there);
             for (std::size_t q = 0; q < model.points.size(); ++q) {
                 motion.points[q].weight += weight * model.points[q].weight;
@@ -417,7 +455,7 @@ private:
                 if (values.sensors[i].load != load_) {
                     continue;
                 }
-                const auto o = observe(values.sensors[i], mesh, model, own.mesh, incompressible_);
+                const auto o = observe(values.sensors[i], mesh, model, own.geometry->mesh, incompressible_);
                 for (const auto& [unknown, part] : o.on_displacement) {
                     rates[i].on_displacement.emplace_back(unknown, weight * part);
                 }
@@ -432,8 +470,9 @@ private:
     int load_;
     Lines breaks_;
     typename Kind::Mesh mesh_;
-    fe::Model<Element> model_;
-    std::vector<bool> incompressible_; // layers
+    fe::Springs springs_;
+    std::shared_ptr<const fe::Model<Element>> model_; // nominal; loads on one mesh have one
+    std::vector<bool> incompressible_;                // layers
 };
 
 } // namespace
@@ -512,7 +551,7 @@ std::vector<bool> incompressible_layers(const Case& c) {
     return incompressible;
 }
 
-std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int number) {
+std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int number, const LoadModels& others) {
     const Load& load = nominal.loads[number];
     const std::string why_not = why_not_layered(nominal, number);
     if (load.type == LoadType::gear && !why_not.empty()) {
@@ -522,10 +561,10 @@ std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int number
     if ((nominal.settings.layered || load.type == LoadType::gear) && why_not.empty()) {
         return make_layered_model(nominal, number);
     }
-    return make_finite_element_model(nominal, number);
+    return make_finite_element_model(nominal, number, others);
 }
 
-std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, int number) {
+std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, int number, const LoadModels& others) {
     const Load& load = nominal.loads[number];
     const auto footprint = load.footprint();
     const double reach = std::max(footprint.outer(), footprint.half_y);
@@ -539,9 +578,9 @@ std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, 
                     fmt::format("at least the width of a patch, {:.4g} mm", 2.0 * footprint.half_x / unit::mm));
     }
     if (load.is_axisymmetric()) {
-        return std::make_unique<LoadModelOf<Axisymmetric>>(nominal, number);
+        return std::make_unique<LoadModelOf<Axisymmetric>>(nominal, number, others);
     }
-    return std::make_unique<LoadModelOf<Solid>>(nominal, number);
+    return std::make_unique<LoadModelOf<Solid>>(nominal, number, others);
 }
 
 } // namespace pave::pavement

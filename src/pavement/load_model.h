@@ -7,6 +7,7 @@
 #include "pavement/observation.h"
 #include "pavement/section.h"
 
+#include <map>
 #include <memory>
 
 namespace pave::pavement {
@@ -68,9 +69,19 @@ public:
     public:
         virtual ~Workspace() = default;
     };
-    virtual std::unique_ptr<Workspace> make_workspace() const = 0;
+    // What the loads of one thread use in turn: a solver serves all whose finite element model is the same one. By that
+    // model; what is under it is the model's business.
+    using Lent = std::map<const void*, std::shared_ptr<void>>;
+    virtual std::unique_ptr<Workspace> make_workspace(Lent& lent) const = 0;
+    // Of a load on its own.
+    std::unique_ptr<Workspace> make_workspace() const {
+        Lent lent;
+        return make_workspace(lent);
+    }
     // Of the finite element system; 0: there is none.
     virtual int unknowns() const = 0;
+    // The finite element model under it; loads with the same one use its memory in turn. None: there is none.
+    virtual const void* shared_model() const { return nullptr; }
     // How deep a section can be read [m].
     virtual double reach(const Case& values) const { return values.depth(); }
 
@@ -90,11 +101,15 @@ public:
                                    Workspace& workspace) const = 0;
 };
 
-// The layered engine where the settings allow it and it serves; else finite elements.
-std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int load);
+using LoadModels = std::vector<std::shared_ptr<const LoadModel>>;
+
+// The layered engine where the settings allow it and it serves; else finite elements, by the model of one of the others
+// whose mesh is the same.
+std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int load, const LoadModels& others = {});
 // The geometry of the nominal case fixes the structure of the mesh; other geometries move its lines. Throws Error when
 // the load does not fit into the mesh.
-std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, int load);
+std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, int load,
+                                                           const LoadModels& others = {});
 
 // The parts of such a model with the load vector at the load's own pressure, for tests and benchmarks that look inside.
 template <class Kind>

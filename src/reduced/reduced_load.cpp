@@ -40,7 +40,7 @@ public:
         project_points();
     }
 
-    std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Own>(); }
+    std::unique_ptr<Workspace> make_workspace(Lent&) const override { return std::make_unique<Own>(); }
     int unknowns() const override { return modes(); }
 
     Outcome<Reading> run(const Case& values, const std::vector<fe::LayerMaterial>& layers,

@@ -244,6 +244,47 @@ TEST(ForwardRun, GivesTheSameBitsWhateverTheWorkspaceDidBefore) {
     EXPECT_EQ(model.run(c, {find_parameter(c, "base.k2", {})}, *used)->values, fresh->values);
 }
 
+// Loads on one mesh use one model and its memory in turn; the plate of another radius has a mesh of its own.
+TEST(ForwardRun, OfManyLoadsReadsWhatEachReadsAlone) {
+    Case c = random_case(7, Integration::incremental);
+    const std::vector<Sensor> sensors = c.sensors;
+    for (int l = 1; l < 4; ++l) {
+        Load load = c.loads[0];
+        load.name = "fwd" + std::to_string(l);
+        load.pressure *= 1.0 + 0.2 * l;
+        load.radius *= l == 2 ? 1.5 : 1.0;
+        c.loads.push_back(load);
+        for (Sensor sensor : sensors) {
+            sensor.load = l;
+            c.sensors.push_back(sensor);
+        }
+    }
+    const ForwardModel together(c);
+    const auto workspace = together.make_workspace();
+    for (const double thickness : {0.25, 0.3}) { // moves the mesh
+        c.layers[1].thickness = thickness;
+        const std::vector<Parameter> parameters{find_parameter(c, "base.k1", {}),
+                                                find_parameter(c, "base.thickness_mm", {}),
+                                                find_parameter(c, "fwd2.radius_mm", {})};
+        const auto all = together.run(c, parameters, *workspace);
+        ASSERT_TRUE(all);
+        for (int l = 0; l < 4; ++l) {
+            std::vector<bool> only(4, false);
+            only[static_cast<std::size_t>(l)] = true;
+            const ForwardModel alone(together.nominal(), only);
+            const auto one = alone.run(c, parameters, *alone.make_workspace());
+            ASSERT_TRUE(one);
+            for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+                if (c.sensors[i].load == l) {
+                    const auto row = static_cast<Eigen::Index>(i);
+                    EXPECT_EQ(all->values[i], one->values[i]) << "load " << l;
+                    EXPECT_EQ(all->jacobian.row(row), one->jacobian.row(row)) << "load " << l;
+                }
+            }
+        }
+    }
+}
+
 TEST(ForwardRun, OfALinearSectionIsProportionalToTheLoadAndInverseToTheModuli) {
     Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0, .k3 = 0, .n = 0.4});
     const auto one = run(c);
