@@ -1,8 +1,10 @@
 #include "analysis/diagnose.h"
 
 #include "analysis/groups.h"
+#include "diagnose/evidence.h"
 #include "pavement/effects/effect.h"
 #include "study/candidates.h"
+#include "study/corrections.h"
 
 #include <algorithm>
 #include <chrono>
@@ -21,24 +23,40 @@ std::vector<study::Variant> variants_of(const std::vector<study::Variant>& all, 
     std::vector<study::Variant> list;
     list.reserve(members.size());
     for (const std::size_t c : members) {
-        list.push_back(all[c]);
+        if (c < all.size()) { // others are coefficients of corrections
+            list.push_back(all[c]);
+        }
     }
     return list;
 }
 
-DiagnosedModel model_of(const study::Study& study, const std::vector<study::Variant>& all, diagnose::Workbench& bench,
-                        const Judged& judged, double variance) {
-    DiagnosedModel m{.study = study::with_free_effects(study, variants_of(all, judged.model.members)),
+// The study with the members of a model as parameters.
+study::Study extended_by(const DiagnoseResult& result, const Members& members) {
+    std::vector<pave::pavement::Correction> corrections;
+    for (const std::size_t c : channels_of(result.channels, members)) {
+        corrections.push_back(result.corrections[c]);
+    }
+    return study::with_free_corrections(study::with_free_effects(result.study, variants_of(result.variants, members)),
+                                        corrections);
+}
+
+DiagnosedModel model_of(const DiagnoseResult& result, diagnose::Workbench& bench, const Judged& judged) {
+    DiagnosedModel m{.study = extended_by(result, judged.model.members),
                      .evaluation = judged.model.evaluation,
                      .parameters = {},
                      .held_out_rms = {}};
     const auto problem = bench.problem(judged.model.members);
+    const Diagnosis& d = result.diagnosis;
+    const bool is_corrected = !channels_of(result.channels, judged.model.members).empty();
     for (std::size_t k = 0; k < judged.model.unit.size(); ++k) {
-        m.parameters.push_back(diagnose::interval_of(*problem, judged.model, k, variance));
+        m.parameters.push_back(
+            is_corrected ? diagnose::interval_within(problem->space.axes[k], judged.model.unit[k],
+                                                     d.location->covariance.diagonal()[static_cast<Eigen::Index>(k)])
+                         : diagnose::interval_of(*problem, judged.model, k, d.variance));
     }
     Predictor(m.study).complete(m.evaluation);
-    m.held_out_rms = held_out_rms(study, m.evaluation.responses);
-    m.misfit = study::make_problem(study, study::Scope::fitted).misfit(m.evaluation);
+    m.held_out_rms = held_out_rms(result.study, m.evaluation.responses);
+    m.misfit = study::make_problem(result.study, study::Scope::fitted).misfit(m.evaluation);
     return m;
 }
 
@@ -161,8 +179,17 @@ std::vector<double> residuals_of(const DiagnoseResult& result, const diagnose::M
 
 std::string DiagnoseResult::extended_study(const std::string& folder) const {
     const auto& model = diagnosis.extended->model;
-    return study::extended_text(after->study, variants_of(variants, model.members), model.evaluation.parameters,
-                                folder);
+    const auto own = variants_of(variants, model.members);
+    std::vector<double> values = model.evaluation.parameters;
+    values.resize(study.space.axes.size() + own.size());
+    std::string text = study::extended_text(after->study, own, values, folder);
+    // What is known beforehand stands beside noise that is stated.
+    const bool with_prior = study.data.misfit == problem::MisfitKind::weighted && diagnosis.variance == 1.0;
+    for (const LocatedCorrection& found : located) {
+        text += study::correction_text(found.correction, with_prior ? std::optional(found.strength) : std::nullopt,
+                                       diagnose::neighbour_correlation);
+    }
+    return text;
 }
 
 std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& asked, const DiagnoseOptions& options) {
@@ -182,10 +209,13 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
                           .options = options,
                           .variants = study::variants(study, options.without),
                           .candidates = {},
+                          .corrections = study::correction_channels(study),
+                          .channels = {},
                           .layout = layout_of(study),
                           .diagnosis = {},
                           .before = {},
                           .after = {},
+                          .located = {},
                           .next = {},
                           .held_out = {},
                           .reduced = session.reduced(baseline, study, options.model),
@@ -196,9 +226,12 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     result.candidates = candidates_of(result.variants, result.layout);
     const std::string settings =
         fmt::format("seed {}{}", session.options().seed, result.reduced ? result.reduced->settings : "");
-    const auto extended_study = [&](const Members& members) {
-        return study::with_free_effects(study, variants_of(result.variants, members));
-    };
+    for (const auto& correction : result.corrections) {
+        const std::size_t first = result.channels.empty() ? result.candidates.size()
+                                                          : result.channels.back().first + result.channels.back().count;
+        result.channels.push_back({correction.name(), first, correction.factors.size()});
+    }
+    const auto extended_study = [&](const Members& members) { return extended_by(result, members); };
     session.begin(study, "diagnose", settings);
     diagnose::Workbench bench(
         {.problem =
@@ -213,7 +246,8 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
                                  .groups = result.layout.groups,
                                  .places = result.layout.places,
                                  .loads = result.layout.loads,
-                                 .seed = session.options().seed};
+                                 .seed = session.options().seed,
+                                 .channels = result.channels};
     if (result.reduced) {
         task.explore = [&](const search::Design& sample) {
             auto engine = session.engine(result.reduced->problem, session.begin(study, "explore", settings));
@@ -229,12 +263,14 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     if (result.failed()) {
         return result;
     }
-    const auto reported = [&](const Judged& judged) {
-        return model_of(study, result.variants, bench, judged, d.variance);
-    };
+    const auto reported = [&](const Judged& judged) { return model_of(result, bench, judged); };
     result.before = reported(d.baseline);
     if (d.extended) {
         result.after = reported(*d.extended);
+    }
+    if (d.location) {
+        result.located = located(study, result.after->study, *bench.problem(d.location->fit.model.members), d,
+                                 result.channels, result.corrections);
     }
     if (d.explanations.size() > 1) {
         result.next = separating_readings(study, result.variants, bench, d);

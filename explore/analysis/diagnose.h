@@ -2,6 +2,7 @@
 #pragma once
 
 #include "analysis/layout.h"
+#include "analysis/located.h"
 #include "analysis/session.h"
 #include "study/variants.h"
 
@@ -35,10 +36,13 @@ struct DiagnoseResult {
     DiagnoseOptions options;
     std::vector<study::Variant> variants; // of effects, in the order of the candidates
     std::vector<diagnose::Candidate> candidates;
+    std::vector<pave::pavement::Correction> corrections; // one each of the channels
+    std::vector<diagnose::Channel> channels;
     Layout layout;
     diagnose::Diagnosis diagnosis;
     std::optional<DiagnosedModel> before; // none: failed
-    std::optional<DiagnosedModel> after;  // with the best explanation
+    std::optional<DiagnosedModel> after;  // with the best explanation, or corrected
+    std::vector<LocatedCorrection> located;
     std::vector<SeparatingReading> next;
     std::vector<std::optional<double>> held_out; // of each explanation: see DiagnosedModel
     std::optional<ReducedProblem> reduced;

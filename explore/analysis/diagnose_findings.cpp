@@ -31,9 +31,11 @@ std::string members_words(const std::vector<diagnose::Candidate>& candidates, co
     std::vector<std::string> words;
     words.reserve(members.size());
     for (const std::size_t c : members) {
-        words.push_back(variant_words(candidates[c]));
+        if (c < candidates.size()) {
+            words.push_back(variant_words(candidates[c]));
+        }
     }
-    return pave::join(words, " with ");
+    return words.empty() ? "the correction" : pave::join(words, " with ");
 }
 
 std::string percent(double share) {
@@ -177,6 +179,7 @@ private:
             }
             break;
         }
+        case Verdict::located: corrections(text); break;
         case Verdict::unexplained:
             text.push_back("UNEXPLAINED: the data contradict the model, and no effect of the catalogue, alone or in "
                            "pairs, explains it. The pattern that remains is shown below.");
@@ -192,6 +195,49 @@ private:
             }
             leftovers(text);
             break;
+        }
+    }
+
+    // What was found of every correction, and which effects of the catalogue it looks like.
+    void corrections(std::vector<std::string>& text) const {
+        std::vector<std::string> where;
+        for (const LocatedCorrection& found : result.located) {
+            where.push_back(channel_words(found.correction));
+        }
+        text.push_back(fmt::format(
+            "LOCATED: the data contradict the model, and no effect of the catalogue explains it, but they say where it "
+            "errs: {}. A smooth correction there {}.",
+            pave::join(where, "; "),
+            d.leaves_more_than_noise
+                ? fmt::format("explains most of it, and still leaves more than noise (p = {:.2g})", d.extended->p_value)
+                : "leaves noise only"));
+        for (std::size_t i = 0; i < result.located.size(); ++i) {
+            const auto& own = d.location->corrections[i];
+            for (std::string& words : words_of(result.located[i])) {
+                text.push_back(std::move(words));
+            }
+            std::string sentence = fmt::format("Noise alone would make some correction as likely as that of {} with "
+                                               "probability {}.",
+                                               where[i], chance(own.p_familywise));
+            if (!own.alike.empty()) {
+                std::vector<std::string> others;
+                for (const std::size_t c : own.alike) {
+                    others.push_back(channel_words(result.corrections[c]));
+                }
+                sentence += fmt::format(" Nearly as likely in its place: {}.", pave::join(others, "; "));
+            }
+            text.push_back(std::move(sentence));
+            std::vector<std::string> names;
+            constexpr std::size_t most = 3;
+            for (std::size_t e = 0; e < std::min(most, own.explained_by.size()); ++e) {
+                const auto& like = own.explained_by[e];
+                names.push_back(fmt::format("{} ({} of it, leaving {})",
+                                            variant_words(candidates[d.effects[like.effect].candidate]),
+                                            percent(like.share), like.leaves_noise ? "noise" : "more than noise"));
+            }
+            if (!names.empty()) {
+                text.push_back(fmt::format("Effects of the catalogue that look like it: {}.", pave::join(names, "; ")));
+            }
         }
     }
 

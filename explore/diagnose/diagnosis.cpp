@@ -1,6 +1,7 @@
 #include "diagnose/diagnosis.h"
 
 #include "base/random.h"
+#include "diagnose/location.h"
 #include "run/parallel.h"
 #include "run/progress.h"
 
@@ -98,7 +99,7 @@ public:
             d_.verdict = Verdict::adequate;
             return true;
         }
-        return explain() && weigh_evidence() && decide();
+        return explain() && weigh_evidence() && decide() && locate(task_, d_) && hold_out();
     }
 
     Diagnosis result() { return std::move(d_); }
@@ -776,7 +777,7 @@ private:
             d_.verdict = d_.explanations.size() == 1 && enough ? Verdict::cause_named : Verdict::ambiguous;
             name_causes();
         }
-        return hold_out(best);
+        return true;
     }
 
     // The effects of the explanations, best first; within one by what each explains alone.
@@ -799,10 +800,14 @@ private:
 
     // Predictions of readings that were left out. A reading that an effect declares wrong is nobody's to predict.
     // False: interrupted.
-    bool hold_out(const Judged& best) {
+    bool hold_out() {
+        if (!d_.extended) {
+            return true;
+        }
+        const Judged& best = *d_.extended;
         std::set<std::size_t> wrong;
         for (const std::size_t c : best.model.members) {
-            if (task_.candidates[c].reading) {
+            if (c < task_.candidates.size() && task_.candidates[c].reading) {
                 wrong.insert(*task_.candidates[c].reading);
             }
         }
@@ -867,19 +872,28 @@ private:
         if (!before) {
             return;
         }
-        // From no effect, and from a typical one on the side that was found.
+        // From no effect, and from a typical one on the side that was found; corrections from none.
         std::optional<Model> after;
         const std::size_t own = before->unit.size();
-        for (int s = 0; s < 2; ++s) {
+        Target extended = target;
+        if (d_.location) {
+            extended.penalty = d_.location->pull.penalty;
+            extended.centre = d_.location->pull.centre;
+        }
+        for (int s = 0; s < (d_.location ? 1 : 2); ++s) {
             std::vector<double> start = before->unit;
             for (std::size_t m = 0; m < best.members.size(); ++m) {
+                if (best.members[m] >= task_.candidates.size()) {
+                    start.push_back(no_correction);
+                    continue;
+                }
                 const Candidate& candidate = task_.candidates[best.members[m]];
                 const double reach = std::abs(candidate.typical - candidate.null);
                 const double side = best.unit[own + m] > candidate.null ? 1.0 : -1.0;
                 start.push_back(std::clamp(candidate.null + (s == 0 ? 0.0 : side * reach), 0.0, 1.0));
             }
             constexpr double lower = 0.1; // chi2: the same is the same without an effect
-            keep_lower(after, fit_from(best.members, number + s, start, target), lower * d_.variance);
+            keep_lower(after, fit_from(best.members, number + s, start, extended), lower * d_.variance);
         }
         if (after) {
             use(*before, *after);
@@ -928,6 +942,13 @@ double aicc(double sum, std::size_t readings, std::size_t parameters, bool noise
            (n > free + 1.0 ? 2.0 * free * (free + 1.0) / (n - free - 1.0) : INFINITY);
 }
 
+Interval interval_within(const problem::Axis& axis, double unit, double variance) {
+    constexpr double two_sided = 1.959963984540054;
+    const double half = two_sided * std::sqrt(variance);
+    return {axis.physical(unit), axis.physical(std::clamp(unit - half, 0.0, 1.0)),
+            axis.physical(std::clamp(unit + half, 0.0, 1.0))};
+}
+
 Interval interval_of(const problem::Problem& problem, const Model& model, std::size_t axis, double variance) {
     const MatrixXd j = problem.residual_jacobian(model.evaluation);
     MatrixXd h = j.transpose() * j / variance;
@@ -937,12 +958,7 @@ Interval interval_of(const problem::Problem& problem, const Model& model, std::s
     h.diagonal().array() += weak / box_variance;
     const MatrixXd covariance = h.llt().solve(MatrixXd::Identity(h.rows(), h.cols()));
     const auto k = static_cast<Index>(axis);
-    constexpr double two_sided = 1.959963984540054;
-    const double half = two_sided * std::sqrt(covariance(k, k));
-    const problem::Axis& own = problem.space.axes[axis];
-    const double unit = model.unit[axis];
-    return {own.physical(unit), own.physical(std::clamp(unit - half, 0.0, 1.0)),
-            own.physical(std::clamp(unit + half, 0.0, 1.0))};
+    return interval_within(problem.space.axes[axis], model.unit[axis], covariance(k, k));
 }
 
 std::optional<Diagnosis> diagnose(const DiagnosisTask& task, const DiagnosisSettings& settings) {

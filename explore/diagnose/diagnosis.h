@@ -19,6 +19,7 @@ struct DiagnosisTask {
     std::vector<Fold> places; // of the sensors; every term in one
     std::vector<Fold> loads;
     std::uint64_t seed = 1;
+    std::vector<Channel> channels{}; // of corrections
     // The sample by a quicker model of the baseline; empty: by the baseline's. Nothing: interrupted.
     std::function<std::optional<std::vector<problem::Evaluation>>(const search::Design& sample)> explore = {};
 };
@@ -52,7 +53,9 @@ double aicc(double sum, std::size_t readings, std::size_t parameters, bool noise
 struct Interval {
     double value = 0.0, low = 0.0, high = 0.0; // physical
 };
-// 95 % interval of a parameter of a fitted model, to first order, within its range.
+// 95 % interval of a parameter within its range. unit, variance: its unit coordinate and the variance of that.
+Interval interval_within(const problem::Axis& axis, double unit, double variance);
+// The same of a fitted model, to first order.
 Interval interval_of(const problem::Problem& problem, const Model& model, std::size_t axis, double variance);
 
 // Another variant of an effect, which these readings do not tell from the one that explains most.
@@ -99,8 +102,32 @@ struct HeldOut {
     std::vector<Item> folds;
 };
 
-enum class Verdict { adequate, cause_named, ambiguous, unexplained };
-inline constexpr std::string_view verdict_names[] = {"adequate", "cause-named", "ambiguous", "unexplained"};
+// An effect of the catalogue beside a correction.
+struct Likeness {
+    std::size_t effect = 0; // among the results
+    double share = 0.0; // of the squared change that the correction makes in the data, beyond what parameters follow
+    bool leaves_noise = false; // alone, in place of the correction
+};
+
+// A correction that the data call for.
+struct Correction {
+    std::size_t channel = 0;
+    double strength = 0.0;              // prior standard deviation of its coefficients
+    double log_ratio = 0.0;             // of the marginal likelihoods with and without it, beside those before it
+    double p_familywise = 1.0;          // of that
+    std::vector<std::size_t> alike;     // channels in its place that explain nearly as much, best first
+    std::vector<Likeness> explained_by; // largest share first
+};
+
+struct Location {
+    std::vector<Correction> corrections; // in the order in which they were found
+    Judged fit;                 // sum and chi2: with the penalties of the coefficients, whose expectation is dof
+    Eigen::MatrixXd covariance; // of the unit coordinates of the fit
+    Target pull;                // what held the coefficients in it
+};
+
+enum class Verdict { adequate, cause_named, ambiguous, unexplained, located };
+inline constexpr std::string_view verdict_names[] = {"adequate", "cause-named", "ambiguous", "unexplained", "located"};
 
 struct Diagnosis {
     Verdict verdict = Verdict::adequate;
@@ -123,7 +150,8 @@ struct Diagnosis {
     bool noise_is_overstated = false; // the baseline leaves less than the stated noise makes in one case of a hundred
     std::vector<std::string> causes;  // names, most probable first
     std::vector<Confounding> confounding; // of the effects with the best explanation's
-    std::optional<Judged> extended;       // the best explanation
+    std::optional<Location> location;     // corrections in place of names, where the verdict is that
+    std::optional<Judged> extended;       // the best explanation, or the corrected model
     std::optional<HeldOut> places, loads;
 };
 

@@ -51,6 +51,15 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
                 sample.jacobian.row(static_cast<Eigen::Index>(i)).setZero();
             }
         }
+        if (const auto pulls = target.penalty.rows(); pulls > 0) {
+            const Eigen::VectorXd point =
+                Eigen::Map<const Eigen::VectorXd>(unit.data(), static_cast<Eigen::Index>(unit.size()));
+            const auto rows = sample.residuals.size();
+            sample.residuals.conservativeResize(rows + pulls);
+            sample.residuals.tail(pulls) = target.penalty * (point - target.centre);
+            sample.jacobian.conservativeResize(rows + pulls, Eigen::NoChange);
+            sample.jacobian.bottomRows(pulls) = target.penalty;
+        }
         if (const double sum = sample.residuals.squaredNorm(); sum < best.sum) {
             best = {members, {unit.begin(), unit.end()}, std::move(e), std::move(residuals), sum};
         }

@@ -17,13 +17,27 @@ struct Candidate {
     std::optional<std::size_t> reading; // the reading (term of the misfit) that it declares wrong
 };
 
-// Indices of candidates. The problem of a model has the parameters of the baseline, then the sizes of its members.
+// Where a smooth correction of the model may act, whatever the cause: so many coefficients, each the logarithm of a
+// factor at one place, that are numbers of models as sizes of candidates are.
+struct Channel {
+    std::string name;
+    std::size_t first = 0; // member of the first coefficient, after all candidates
+    std::size_t count = 0;
+};
+// Unit coordinate of a coefficient that corrects nothing: its axis is logarithmic, with its middle at 1.
+inline constexpr double no_correction = 0.5;
+
+// Indices of candidates and of coefficients, rising; of a channel all or none. The problem of a model has the
+// parameters of the baseline, then the sizes of its members.
 using Members = std::vector<std::size_t>;
 
 // Residuals to be fitted in place of those of the data.
 struct Target {
     Eigen::VectorXd offset;     // added to them; empty: nothing
     std::vector<char> left_out; // of each: whether it does not count; empty: all count
+    // Rows (by unit coordinates) that pull them towards a point, in the unit of the residuals; none: nothing pulls.
+    Eigen::MatrixXd penalty{};
+    Eigen::VectorXd centre{};
 };
 
 // Without these of so many residuals.
@@ -37,7 +51,7 @@ struct Model {
     std::vector<double> unit;
     problem::Evaluation evaluation; // with jacobian
     Eigen::VectorXd residuals;      // those that were fitted, and those left out
-    double sum = 0.0;               // of squares of those that count
+    double sum = 0.0;               // of squares of those that count, and of what pulls at the parameters
 };
 
 // Least squares from a point; nothing: no answer there.

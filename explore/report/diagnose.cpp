@@ -2,6 +2,7 @@
 
 #include "analysis/build.h"
 #include "base/text.h"
+#include "base/units.h"
 #include "pavement/effects/effect.h"
 #include "report/text.h"
 #include "run/files.h"
@@ -84,6 +85,53 @@ Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Can
             {"foretold", foretold}};
 }
 
+Json channel_json(const pave::pavement::Correction& correction) {
+    return {{"channel", std::string(info(correction.channel).name)}, {"layer", correction.layer}};
+}
+
+Json corrections_json(const DiagnoseResult& f) {
+    Json list = Json::array();
+    for (std::size_t i = 0; i < f.located.size(); ++i) {
+        const analysis::LocatedCorrection& found = f.located[i];
+        const diagnose::Correction& own = f.diagnosis.location->corrections[i];
+        const auto& channel = info(found.correction.channel);
+        Json json = channel_json(found.correction);
+        json["name"] = found.correction.name();
+        json["p_familywise"] = own.p_familywise;
+        json["log_evidence_ratio"] = own.log_ratio;
+        json["strength"] = own.strength;
+        json["unit"] = std::string(channel.unit);
+        for (const char* key : {"at", "values", "low", "high", "modulus_MPa", "variance_left", "seen"}) {
+            json[key] = Json::array();
+        }
+        for (const analysis::LocatedPlace& place : found.places) {
+            json["at"].push_back(place.at);
+            json["values"].push_back(place.value);
+            json["low"].push_back(place.low);
+            json["high"].push_back(place.high);
+            if (channel.of_layer) {
+                json["modulus_MPa"].push_back(place.modulus / pave::unit::MPa);
+            }
+            json["variance_left"].push_back(place.variance_left);
+            json["seen"].push_back(place.seen);
+        }
+        json["alike"] = Json::array();
+        for (const std::size_t c : own.alike) {
+            json["alike"].push_back(channel_json(f.corrections[c]));
+        }
+        json["explained_by"] = Json::array();
+        for (const diagnose::Likeness& like : own.explained_by) {
+            const auto& candidate = f.candidates[f.diagnosis.effects[like.effect].candidate];
+            json["explained_by"].push_back({{"effect", candidate.effect},
+                                            {"on", candidate.on},
+                                            {"share", like.share},
+                                            {"leaves_noise", like.leaves_noise}});
+        }
+        list.push_back(std::move(json));
+    }
+    return list;
+}
+
 Json diagnosis_json(const DiagnoseResult& f, const std::string& extended_path) {
     const Diagnosis& d = f.diagnosis;
     const bool is_extended = f.is_extended();
@@ -104,6 +152,9 @@ Json diagnosis_json(const DiagnoseResult& f, const std::string& extended_path) {
     if (is_extended) {
         json["extended"]["effects"] = Json::array();
         for (const std::size_t c : best.model.members) {
+            if (c >= f.candidates.size()) {
+                continue;
+            }
             json["extended"]["effects"].push_back({{"effect", f.candidates[c].effect}, {"on", f.candidates[c].on}});
         }
     }
@@ -179,6 +230,7 @@ Json diagnosis_json(const DiagnoseResult& f, const std::string& extended_path) {
         }
     }
     json["explanations"] = std::move(explanations);
+    json["corrections"] = corrections_json(f);
     Json confounding = Json::array();
     for (const auto& pair : d.confounding) {
         confounding.push_back({{"effect", f.candidates[pair.a].effect},
@@ -288,6 +340,17 @@ std::string diagnosis_page(const DiagnoseResult& f) {
         }
     }
     text += picture.text();
+    for (const analysis::LocatedCorrection& found : f.located) {
+        const auto& channel = info(found.correction.channel);
+        text += fmt::format("\nCorrection: {}\n", analysis::channel_words(found.correction));
+        Table places({fmt::format("{} [{}]", channel.name, channel.unit), "times", "95 % from", "to",
+                      channel.of_layer ? "modulus [MPa]" : "", ""});
+        for (const analysis::LocatedPlace& place : found.places) {
+            places.add({figure(place.at), figure(place.value), figure(place.low), figure(place.high),
+                        channel.of_layer ? figure(place.modulus / pave::unit::MPa) : "", place.seen ? "" : "not seen"});
+        }
+        text += places.text();
+    }
     text +=
         fmt::format("\nCandidates (score in standard deviations; under noise alone the largest exceeds {:.1f} in 5 % "
                     "of cases)\n",

@@ -12,7 +12,7 @@
 namespace explore::study {
 
 struct Key {
-    enum class Kind { number, whole_number, word, text, texts, table, boolean };
+    enum class Kind { number, whole_number, word, text, texts, numbers, table, boolean };
 
     std::string_view table; // as it is headed; "": above all tables
     std::string_view key;
@@ -314,9 +314,41 @@ inline constexpr Key effect_thickness{.table = "[[effects]]",
                                       .without = "by effect",
                                       .meaning = "of an effect that takes one: of the sublayer it makes"};
 
+inline constexpr Key correction_channel{.table = "[[corrections]]",
+                                        .key = "channel",
+                                        .allowed = "a channel, below",
+                                        .meaning = "the variable that the factor follows"};
+inline constexpr Key correction_layer{.table = "[[corrections]]",
+                                      .key = "layer",
+                                      .allowed = "a layer of the study",
+                                      .without = "of channels of readings it is",
+                                      .meaning = "whose modulus is multiplied"};
+inline constexpr Key correction_at_mm{.table = "[[corrections]]",
+                                      .key = "at_mm",
+                                      .kind = numbers,
+                                      .low = 0.0,
+                                      .high = 1e5,
+                                      .without = "of channels of stress it is",
+                                      .meaning = "places, rising"};
+inline constexpr Key correction_at_kPa{.table = "[[corrections]]",
+                                       .key = "at_kPa",
+                                       .kind = numbers,
+                                       .low = 0.0,
+                                       .high = 1e6,
+                                       .without = "of all other channels it is",
+                                       .meaning = "stresses, rising, six at most"};
+inline constexpr Key correction_factor{
+    .table = "[[corrections]]",
+    .key = "factor",
+    .kind = numbers,
+    .low = 0.0,
+    .high = 1e3,
+    .low_is_open = true,
+    .meaning = "what multiplies the modulus, or the reading, there; between the places its logarithm is interpolated"};
+
 inline constexpr Key parameter_name{.table = "[[parameters]]",
                                     .key = "name",
-                                    .allowed = "LAYER.KEY, LOAD.KEY or EFFECT.size",
+                                    .allowed = "LAYER.KEY, LOAD.KEY, EFFECT.size or CORRECTION.factor_1, ...",
                                     .meaning = "what is varied"};
 inline constexpr Key parameter_scale{.table = "[[parameters]]",
                                      .key = "scale",

@@ -146,14 +146,17 @@ void members(Archive& archive, T& value) {
     } else if constexpr (std::is_same_v<Own, AppliedEffect>) {
         auto& [effect, size, present, layer, load, quantity, reading, thickness] = value;
         archive(effect, size, present, layer, load, quantity, reading, thickness);
+    } else if constexpr (std::is_same_v<Own, Correction>) {
+        auto& [channel, layer, places, factors, present] = value;
+        archive(channel, layer, places, factors, present);
     } else {
         static_assert(std::is_same_v<Own, Case>);
-        auto& [layers, loads, sensors, settings, effects, half_space, ties] = value;
+        auto& [layers, loads, sensors, settings, effects, half_space, ties, corrections] = value;
         if constexpr (std::is_const_v<T>) {
-            archive(layers, loads, sensors, settings, effects, half_space, ties);
+            archive(layers, loads, sensors, settings, effects, half_space, corrections, ties);
         } else { // ties are made when all that they read is there
             std::vector<std::pair<std::string, std::string>> texts;
-            archive(layers, loads, sensors, settings, effects, half_space, texts);
+            archive(layers, loads, sensors, settings, effects, half_space, corrections, texts);
             for (const auto& [path, text] : texts) {
                 add_tie(value, path, text, {});
             }

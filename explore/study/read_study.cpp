@@ -6,6 +6,7 @@
 #include "pavement/effects/catalog.h"
 #include "pavement/tie.h"
 #include "study/constraints.h"
+#include "study/corrections.h"
 #include "study/prior_correlations.h"
 #include "study/readings.h"
 #include "study/table_reader.h"
@@ -171,6 +172,15 @@ void read_effect(const toml::table& table, Study& study) {
     model.effects.push_back(std::move(applied));
 }
 
+// What varies is modelled where it does nothing, too.
+void set_present(Case& model, const Parameter& parameter) {
+    if (parameter.in_effect) {
+        model.effects[static_cast<std::size_t>(parameter.owner)].present = true;
+    } else if (parameter.in_correction) {
+        model.corrections[static_cast<std::size_t>(parameter.owner)].present = true;
+    }
+}
+
 void read_parameter(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[[parameters]]");
     problem::Axis axis;
@@ -217,9 +227,7 @@ void read_parameter(const toml::table& table, Study& study) {
         r.done();
     }
     reader.done();
-    if (parameter.in_effect) {
-        study.model.effects[parameter.owner].present = true;
-    }
+    set_present(study.model, parameter);
     study.parameters.push_back(parameter);
     study.space.axes.push_back(std::move(axis));
 }
@@ -244,9 +252,7 @@ void read_tie(const toml::table& table, Study& study) {
         throw pave::Error(reader.place("name"), "this parameter stands twice", "\"" + path + "\"", "each once");
     }
     add_tie(study.model, path, expression, reader.place(keys::parameter_equals));
-    if (const Parameter parameter = find_parameter(study.model, path, {}); parameter.in_effect) {
-        study.model.effects[static_cast<std::size_t>(parameter.owner)].present = true;
-    }
+    set_present(study.model, find_parameter(study.model, path, {}));
 }
 
 // The measured readings of a data file that the study names. place: of that name in the study.
@@ -394,6 +400,9 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
     settle_extent(study);
     for (const auto* effect : reader.tables("effects")) {
         read_effect(*effect, study);
+    }
+    for (const auto* correction : reader.tables("corrections")) {
+        read_correction(*correction, study);
     }
     const auto parameters = reader.tables("parameters");
     for (const bool tied : {false, true}) { // what follows others comes after them

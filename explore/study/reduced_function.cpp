@@ -110,12 +110,13 @@ std::string why_no_reduced_model(const Study& study) {
         }
     }
     for (const Parameter& p : study.parameters) {
-        if (p.changes_geometry() || p.in_effect) {
+        if (p.changes_geometry() || p.in_effect || p.in_correction) {
             return fmt::format("{} changes more than materials, initial stress and the size of the load", p.path);
         }
     }
     for (const Tie& tie : study.model.ties) {
-        if (const Parameter p = find_parameter(study.model, tie.path, {}); p.changes_geometry() || p.in_effect) {
+        if (const Parameter p = find_parameter(study.model, tie.path, {});
+            p.changes_geometry() || p.in_effect || p.in_correction) {
             return fmt::format("{} changes more than materials, initial stress and the size of the load", p.path);
         }
     }

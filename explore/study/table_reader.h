@@ -142,6 +142,30 @@ public:
         throw wrong_type(key, *node, "a list of texts");
     }
 
+    // A list of numbers in the range of the key, not empty.
+    std::vector<double> numbers(const Key& key) {
+        const std::string allowed =
+            fmt::format("a list of numbers, each {} {} value <= {}", key.low, key.low_is_open ? "<" : "<=", key.high);
+        const toml::node* node = find(key, false, allowed);
+        const toml::array* array = node->as_array();
+        if (array == nullptr || array->empty()) {
+            throw wrong_type(key, *node, allowed);
+        }
+        std::vector<double> list;
+        for (const auto& item : *array) {
+            if (!item.is_number()) {
+                throw wrong_type(key, item, allowed);
+            }
+            const double value =
+                item.is_integer() ? static_cast<double>(item.as_integer()->get()) : item.as_floating_point()->get();
+            if (!((key.low_is_open ? value > key.low : value >= key.low) && value <= key.high)) {
+                throw pave::Error(place(key), "value out of range", fmt::format("{}", value), allowed);
+            }
+            list.push_back(value);
+        }
+        return list;
+    }
+
     // [[key]], possibly absent.
     std::vector<const toml::table*> tables(std::string_view key) {
         used_.insert(std::string(key));

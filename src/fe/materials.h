@@ -12,7 +12,7 @@ namespace pave::fe {
 // p + size (target - p) w, or without a parameter the law's own times 1 + size w or, as a power, exp(size w); w is the
 // weight at that point. parameter: one that the law's modulus does not depend on.
 struct Field {
-    using Shape = std::array<double, 3>; // numbers of the weight function
+    using Shape = std::array<double, 4>; // numbers of the weight function
     std::optional<std::size_t> parameter;
     bool is_power = false;
     double target = 0.0; // SI

@@ -122,6 +122,9 @@ double& Parameter::in(Case& c) const {
     if (in_effect) {
         return c.effects[owner].size;
     }
+    if (in_correction) {
+        return c.corrections[owner].factors[place];
+    }
     if (in_load) {
         return key->of_load(c.loads[owner]);
     }
@@ -133,6 +136,8 @@ double Parameter::get(const Case& c) const {
     Case copy;
     if (in_effect) {
         copy.effects = c.effects;
+    } else if (in_correction) {
+        copy.corrections = c.corrections;
     } else if (in_load) {
         copy.loads = c.loads;
     } else {
@@ -210,6 +215,23 @@ void each_parameter(const Case& c, F f, std::string_view only = {}) {
         p.low = effect.low;
         p.high = effect.high;
         f(p);
+    }
+    for (std::size_t i = 0; i < c.corrections.size(); ++i) {
+        const std::string name = c.corrections[i].name();
+        for (std::size_t k = 0; k < c.corrections[i].factors.size(); ++k) {
+            const std::string key = "factor_" + std::to_string(k + 1);
+            if (!is_wanted(name, key)) {
+                continue;
+            }
+            Parameter p;
+            p.path = name + "." + key;
+            p.in_correction = true;
+            p.owner = static_cast<int>(i);
+            p.place = k;
+            p.high = largest_factor;
+            p.low_is_open = true;
+            f(p);
+        }
     }
 }
 
@@ -372,7 +394,8 @@ std::optional<Derivative> direct_derivative(const Case& c, const Parameter& para
 std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter, int load) {
     Case here = with_effects(c, load);
     if (c.ties.empty() &&
-        std::none_of(c.effects.begin(), c.effects.end(), [](const AppliedEffect& e) { return is_active(e); })) {
+        std::none_of(c.effects.begin(), c.effects.end(), [](const AppliedEffect& e) { return is_active(e); }) &&
+        std::none_of(c.corrections.begin(), c.corrections.end(), [](const Correction& k) { return is_active(k); })) {
         return direct_derivative(c, parameter, load);
     }
     const double value = parameter.get(c);

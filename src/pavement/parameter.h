@@ -1,4 +1,5 @@
-// The numbers of a case by name: "base.k1", "subgrade.modulus_MPa", "fwd.pressure_kPa", "base-tension.size".
+// The numbers of a case by name: "base.k1", "subgrade.modulus_MPa", "fwd.pressure_kPa", "base-tension.size",
+// "subgrade-depth.factor_2".
 #pragma once
 
 #include "base/error.h"
@@ -29,8 +30,10 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch);
 struct Parameter {
     std::string path;
     bool in_load = false;
-    bool in_effect = false;               // the size of an effect
-    int owner = 0;                        // index of the layer, load or effect
+    bool in_effect = false;     // the size of an effect
+    bool in_correction = false; // a factor of a correction, number `place`
+    int owner = 0;              // index of the layer, load, effect or correction
+    std::size_t place = 0;
     const KeyInfo* key = nullptr;         // of the layer or load itself, or
     std::optional<std::size_t> law_index; // of the layer's law
     double to_si = 1.0;

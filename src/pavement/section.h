@@ -4,6 +4,7 @@
 #include "base/expression.h"
 #include "fe/solver.h"
 #include "material/law.h"
+#include "pavement/correction.h"
 
 #include <optional>
 #include <string>
@@ -164,7 +165,8 @@ struct Case {
     std::vector<AppliedEffect> effects; // what the above does not say; applied in this order
     // The last layer goes on for ever: its thickness is how deep finite elements reach before those without end.
     bool half_space = false;
-    std::vector<Tie> ties{}; // set before the effects act, each after those it reads
+    std::vector<Tie> ties{};               // set before the effects act, each after those it reads
+    std::vector<Correction> corrections{}; // applied after the effects, in this order
 
     double depth() const;
     // Whether the response depends on the duration of the load.

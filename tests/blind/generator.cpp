@@ -3,7 +3,8 @@
 // only the judge reads it.
 //
 // usage: blind_generator SEED FOLDER KIND [LEAST MOST]
-//   KIND   none, one, two, or the name of an effect; LEAST MOST: its strength, in standard deviations (8 20)
+//   KIND   none, one, two, the name of an effect, or outside: one that is neither in the catalogue nor of the form of a
+//          correction; LEAST MOST: its strength, in standard deviations (8 20)
 //
 // The data come from a mesh 2.5 times as fine and from load paths ten times as exact as the study asks for. Half of the
 // effects that are fields of the section have another form here than in the catalogue. The strength of an effect is
@@ -167,12 +168,114 @@ double fading_with_depth(const fe::Field::Shape& shape, const Eigen::Vector3d& a
     return -1.0 / (1.0 + std::pow(std::max(0.0, at[2] - shape[0]) / reach, 4));
 }
 
+// Physics that no effect of the catalogue has. Its size is of the logarithm of a modulus, but for the last three.
+struct Outside {
+    std::string_view name;
+    std::string_view channel, layer;                                            // where it acts; layer "": on readings
+    double most;                                                                // size
+    double (*weight)(const fe::Field::Shape& shape, const Eigen::Vector3d& at); // of a modulus; none: see apply_outside
+};
+
 struct Hidden {
     const Effect* effect = nullptr;
     AppliedEffect options; // what it acts on
     std::string form;      // empty: the catalogue's own
     double size = 0.0;
+    const Outside* outside = nullptr; // in place of an effect
+    double place = 0.0, width = 0.0;  // m, of that
+
+    std::string name() const { return std::string(outside != nullptr ? outside->name : effect->name); }
 };
+
+// shape: top of the layer, its thickness, place, width.
+double lens(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
+    return -1.0 / (1.0 + std::pow((at[2] - shape[0] - shape[2]) / shape[3], 8));
+}
+double crust(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
+    return std::exp(-std::pow((at[2] - shape[0]) / shape[3], 2));
+}
+double bulge(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
+    const double zeta = (at[2] - shape[0]) / shape[1];
+    return 4.0 * zeta * (1.0 - zeta);
+}
+double wet_bottom(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
+    const double zeta = (at[2] - shape[0]) / shape[1];
+    return -1.0 / (1.0 + std::exp((0.67 - zeta) / 0.04));
+}
+// shape: x of the load's patch, half its width, place, width.
+double aside(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
+    return std::hypot(std::abs(at[0]) - shape[0], at[1]);
+}
+double outside_radius(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
+    return -1.0 / (1.0 + std::exp((shape[2] - aside(shape, at)) / 0.02));
+}
+double loose_beside(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
+    return std::expm1(-std::pow(aside(shape, at) / (2.0 * shape[3]), 4));
+}
+double bulb(const fe::Field::Shape& shape, const Eigen::Vector3d& at) {
+    return -std::exp(-std::pow(aside(shape, at) / (2.0 * shape[3]), 2));
+}
+
+constexpr Outside outsides[] = {
+    {"wet-lens", "depth", "subgrade", 2.5, lens},
+    {"stiff-crust", "depth", "subgrade", 2.0, crust},
+    {"compaction-bulge", "depth", "base", 2.0, bulge},
+    {"wet-base-bottom", "depth", "base", 2.5, wet_bottom},
+    {"cracked-asphalt", "distance", "asphalt", 3.0, outside_radius},
+    {"loose-base", "distance", "base", 2.5, loose_beside},
+    {"softened-bulb", "distance", "subgrade", 2.0, bulb},
+    {"confined-subgrade", "theta", "subgrade", 1.5, nullptr}, // E in proportion to theta^size
+    {"tilted-bar", "offset", "", 0.5, nullptr},               // every sensor farther off by this share
+    {"gauges-by-depth", "level", "", 1.0, nullptr},           // readings times 1 + size (depth/0.5 m)^2
+};
+
+void apply_outside(Case& c, const Hidden& hidden, int load) {
+    const Outside& outside = *hidden.outside;
+    if (outside.weight != nullptr) {
+        const std::size_t l = layers_named(c, outside.layer).front();
+        const auto patch = c.loads[static_cast<std::size_t>(load)].footprint();
+        const bool is_depth = outside.channel == "depth";
+        c.layers[l].fields.push_back(
+            {.parameter = {},
+             .is_power = true,
+             .size = hidden.size,
+             .weight = outside.weight,
+             .shape = {is_depth ? top_of(c, l) : patch.centre, is_depth ? c.layers[l].thickness : patch.half_x,
+                       hidden.place, hidden.width}});
+    } else if (outside.channel == "theta") {
+        Layer& layer = c.layers.back();
+        make_uzan(layer);
+        layer.parameters[*layer.law->index_of("k2")] = hidden.size;
+    } else {
+        for (Sensor& sensor : c.sensors) {
+            const bool is_deflection = sensor.quantity == Quantity::deflection;
+            if (is_deflection && outside.channel == "offset") {
+                sensor.x *= 1.0 + hidden.size;
+            } else if (!is_deflection && outside.channel == "level") {
+                sensor.gain *= 1.0 + hidden.size * std::pow(sensor.depth / 0.5, 2);
+            }
+        }
+    }
+}
+
+// The modulus of a linear layer along the channel: [place in mm, MPa].
+Json profile(const Case& c, const Hidden& hidden) {
+    Json list = Json::array();
+    const Outside& outside = *hidden.outside;
+    const std::size_t l = outside.layer.empty() ? 0 : layers_named(c, outside.layer).front();
+    if (outside.weight == nullptr || c.layers[l].law->stress_dependent()) {
+        return list;
+    }
+    const bool is_depth = outside.channel == "depth";
+    const double top = is_depth ? top_of(c, l) : 0.0;
+    const fe::Field::Shape shape{top, is_depth ? c.layers[l].thickness : 0.1, hidden.place, hidden.width};
+    for (double at = 0.0; at < (is_depth ? c.layers[l].thickness : 2.0); at += 0.01) {
+        const Eigen::Vector3d point = is_depth ? Eigen::Vector3d{0, 0, top + at} : Eigen::Vector3d{at, 0, 0};
+        list.push_back({at / unit::mm,
+                        c.layers[l].parameters[0] * std::exp(hidden.size * outside.weight(shape, point)) / unit::MPa});
+    }
+    return list;
+}
 
 // The catalogue's forms turn a case into another for one load at a time; ours do so here.
 constexpr std::string_view forms[][2] = {
@@ -184,6 +287,10 @@ constexpr std::string_view forms[][2] = {
 };
 
 void apply_form(Case& c, const Hidden& hidden, int load) {
+    if (hidden.outside != nullptr) {
+        apply_outside(c, hidden, load);
+        return;
+    }
     const std::string_view name = hidden.effect->name;
     const std::size_t base = 1;
     const std::size_t subgrade = c.layers.size() - 1;
@@ -227,12 +334,12 @@ VectorXd responses_with(const Case& plain, const std::vector<Hidden>& hidden) {
     Case c = plain;
     bool own_form = false;
     for (const Hidden& h : hidden) {
-        if (h.form.empty()) {
+        if (h.effect != nullptr && h.form.empty()) {
             c.effects.push_back(h.options);
             c.effects.back().effect = h.effect;
             c.effects.back().size = h.size;
         }
-        own_form = own_form || !h.form.empty();
+        own_form = own_form || h.outside != nullptr || !h.form.empty();
     }
     if (!own_form) {
         return responses(c);
@@ -241,7 +348,7 @@ VectorXd responses_with(const Case& plain, const std::vector<Hidden>& hidden) {
     for (std::size_t load = 0; load < c.loads.size(); ++load) {
         Case one = c;
         for (const Hidden& h : hidden) {
-            if (!h.form.empty()) {
+            if (h.outside != nullptr || !h.form.empty()) {
                 apply_form(one, h, static_cast<int>(load));
             }
         }
@@ -464,7 +571,8 @@ struct Strength {
 // none within the effect's range.
 std::optional<Hidden> sized(Draw& draw, const Case& c, Hidden hidden, const VectorXd& plain,
                             const Eigen::MatrixXd& base, const VectorXd& sigma, double wanted) {
-    const Effect& effect = *hidden.effect;
+    const Effect own{.low = 0.0, .high = hidden.outside != nullptr ? hidden.outside->most : 0.0};
+    const Effect& effect = hidden.outside != nullptr ? own : *hidden.effect;
     const bool up_only = effect.null <= effect.low;
     const bool down_only = effect.null >= effect.high;
     const double side = up_only ? 1.0 : down_only ? -1.0 : draw.chance(0.5) ? 1.0 : -1.0;
@@ -502,6 +610,12 @@ std::optional<Hidden> sized(Draw& draw, const Case& c, Hidden hidden, const Vect
 Hidden draw_hidden(Draw& draw, const Case& c, const std::string& kind) {
     const auto all = effects();
     Hidden hidden;
+    if (kind == "outside") {
+        hidden.outside = &outsides[draw.below(std::size(outsides))];
+        hidden.place = draw.uniform(hidden.outside->layer == "subgrade" ? 0.15 : 0.2, 0.4);
+        hidden.width = draw.uniform(0.08, 0.15);
+        return hidden;
+    }
     hidden.effect = find_effect(kind);
     if (hidden.effect == nullptr) {
         hidden.effect = all[draw.below(all.size())];
@@ -528,7 +642,12 @@ Hidden draw_hidden(Draw& draw, const Case& c, const std::string& kind) {
 }
 
 Json words(const Case& c, const Hidden& hidden) {
-    Json json = {{"effect", std::string(hidden.effect->name)}, {"size", hidden.size}, {"form", hidden.form}};
+    Json json = {{"effect", hidden.name()}, {"size", hidden.size}, {"form", hidden.form}};
+    if (hidden.outside != nullptr) {
+        json["channel"] = std::string(hidden.outside->channel);
+        json["layer"] = std::string(hidden.outside->layer);
+        json["profile"] = profile(c, hidden);
+    }
     if (hidden.options.load) {
         json["load"] = c.loads[static_cast<std::size_t>(*hidden.options.load)].name;
     }
@@ -585,7 +704,7 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
             applied.effect = drawn.effect;
             const bool is_new =
                 std::none_of(hidden.begin(), hidden.end(), [&](const Hidden& h) { return h.effect == drawn.effect; });
-            if (!is_new || !why_impossible(c, applied).empty()) {
+            if (!is_new || (drawn.effect != nullptr && !why_impossible(c, applied).empty())) {
                 continue;
             }
             const double wanted = draw.uniform(strength.least, strength.most);

@@ -1,10 +1,11 @@
 """Blind trials of `pavescape diagnose`: a generator hides effects in data, the program looks for them, this script judges.
 
-usage: trials.py PROGRAM GENERATOR [--one N] [--none N] [--two N] [--removed N] [--power N] [--first SEED] [--jobs J]
+usage: trials.py PROGRAM GENERATOR [--one N] [--none N] [--two N] [--removed N] [--power N] [--outside N] [--first SEED] [--jobs J]
                  [--out FOLDER] [--keep] [--page DOCS]
 
 one:     an effect of 8 to 20 standard deviations; none: nothing hidden; two: two effects at once; removed: as `one`, but
-         the effect is taken out of the catalogue; power: effects of 2 to 12 standard deviations.
+         the effect is taken out of the catalogue; power: effects of 2 to 12 standard deviations; outside: physics
+         that is neither in the catalogue nor of the form of a correction.
 Writes a file a case into the folder (a run that was cut off continues), prints the rates. --page: writes tables and pictures of DOCS/diagnose.md too.
 """
 import argparse
@@ -20,7 +21,7 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
 from svg import svg
 
-KINDS = ("one", "none", "two", "removed", "power")
+KINDS = ("one", "none", "two", "removed", "power", "outside")
 CHEAPER = ["--explore", "48", "--starts", "5", "--bootstrap", "10"]  # than the defaults: a landscape of five parameters
 
 
@@ -38,7 +39,7 @@ def judge(options, kind, seed):
     folder = pathlib.Path(options.out) / f"{kind}-{seed}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    what = {"one": ["one"], "none": ["none"], "two": ["two"], "removed": ["one"], "power": ["one", "2", "12"]}[kind]
+    what = {"one": ["one"], "none": ["none"], "two": ["two"], "removed": ["one"], "power": ["one", "2", "12"], "outside": ["outside"]}[kind]
     made = subprocess.run([options.generator, str(seed), folder, *what], capture_output=True, text=True)
     truth = json.loads(made.stdout)
     names = [h["effect"] for h in truth["hidden"]]
@@ -54,7 +55,7 @@ def judge(options, kind, seed):
               "chi2": found["baseline"]["chi2"], "dof": found["baseline"]["dof"], "extended_p": found["extended"]["p_value"],
               "held_out": [found["gain"]["held_out_rmse_before"], found["gain"]["held_out_rmse_after"]],
               "seconds": time.time() - begin, "candidates": found["candidates"][:6],
-              "explanations": found["explanations"][:6]}
+              "explanations": found["explanations"][:6], "corrections": found["corrections"]}
     if kind == "one":
         own = [c for c in found["candidates"] if c["effect"] == names[0]]
         result["own"] = own[0] if own else None
@@ -65,6 +66,26 @@ def judge(options, kind, seed):
 
 def share(count, total):
     return f"{count} of {total}" + (f" ({100 * count / total:.1f} %)" if total else "")
+
+
+def hits(r, alike=False):
+    """Whether the first correction is in the layer and by the variable of what is hidden."""
+    hidden, first = r["truth"]["hidden"][0], r["corrections"][0]
+    return any(c["channel"] == hidden["channel"] and c["layer"] == hidden["layer"] for c in [first, *(first["alike"] if alike else [])])
+
+
+def places_seen(r):
+    """[(modulus found, true modulus, whether its band holds that)] at the places that are seen, where layer and variable are right."""
+    profile = r["truth"]["hidden"][0]["profile"]
+    if not profile or not hits(r):
+        return []
+    c = r["corrections"][0]
+    list = []
+    for at, value, low, high, modulus, seen in zip(c["at"], c["values"], c["low"], c["high"], c["modulus_MPa"], c["seen"]):
+        true = min(profile, key=lambda p: abs(p[0] - at))[1]
+        if seen:
+            list.append((modulus, true, low <= true / modulus * value <= high))
+    return list
 
 
 def rates(results):
@@ -91,6 +112,18 @@ def rates(results):
         turned = r["names"] == ["asphalt-modulus-rate"] and (size > 1) != (own["size"] > 1)
         return own["size_low"] <= (1 / size if turned else size) <= own["size_high"]
 
+    located = [r for r in of["outside"] if r["corrections"]]
+    places = [pair for r in located for pair in places_seen(r)]
+    outside = {
+        "outside the catalogue: not confidently wrong": (sum(r["verdict"] != "cause-named" for r in of["outside"]), len(of["outside"])),
+        "outside the catalogue: a correction is found": (len(located), len(of["outside"])),
+        "its layer (or kind of reading) first": (sum(r["corrections"][0]["layer"] == r["truth"]["hidden"][0]["layer"] for r in located), len(located)),
+        "its layer and variable first": (sum(hits(r) for r in located), len(located)),
+        "its layer and variable first, or nearly as likely": (sum(hits(r, alike=True) for r in located), len(located)),
+        "modulus within 10 % where seen": (sum(abs(m / t - 1) < 0.1 for m, t, _ in places), len(places)),
+        "modulus within its band where seen": (sum(within for *_, within in places), len(places)),
+        "no correction without a hidden effect": (sum(not r.get("corrections") for r in of["none"]), len(of["none"])),
+    }
     return {
         "right name first, where it can be told apart": (sum(r["causes"][:1] == r["names"] for r in separable), len(separable)),
         "wrong name alone": (sum(r["verdict"] == "cause-named" and r["names"][0] not in r["causes"] for r in one), len(one)),
@@ -104,6 +137,7 @@ def rates(results):
         "size of a named effect within its 95 % interval":
             (sum(map(holds, sized)), len(sized)),
         "held-out data gain from a named effect": (sum(r["held_out"][1] < r["held_out"][0] for r in named), len(named)),
+        **outside,
     }
 
 

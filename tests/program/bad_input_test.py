@@ -51,6 +51,25 @@ expect("relaxation and the secant law", ["relaxes", "secant", "incremental"], RE
        line="integration =")
 expect("empty data", ["no measurements"], data=DATA.splitlines()[0] + "\n" + DATA.splitlines()[1] + "\n")
 
+CORRECTION = '[[corrections]]\nchannel = "depth"\nlayer = "base"\nat_mm = [0, 100, 250]\nfactor = [1.0, 0.5, 1.2]\n\n[[outputs]]'
+
+
+def correcting(old, new):
+    assert CORRECTION.count(old) == 1, old
+    return changed("[[outputs]]", CORRECTION.replace(old, new))
+
+
+expect("correction by an unknown channel", ["detph", "did you mean \"depth\"", "distance"], correcting('"depth"', '"detph"'), line="detph")
+expect("correction of no layer", ["not in the study", "bass", "asphalt"], correcting('"base"', '"bass"'), line="bass")
+expect("factors for other places", ["base-depth", "3 places, 2 factors"], correcting(", 1.2]", "]"), line="factor = [1.0, 0.5]")
+expect("places that do not rise", ["base-depth", "rise", "100, 50"], correcting("250]", "50]"), line="at_mm")
+expect("a factor of nothing", ["base-depth", "out of range", "0 < value"], correcting("0.5", "0"), line="factor =")
+expect("depths as stresses", ["at_mm", "at_kPa"], correcting("at_mm", "at_kPa"), line="at_kPa")
+expect("theta of zero", ["base-theta", "logarithm", "above 0"], correcting('"depth"', '"theta"').replace("at_mm", "at_kPa"), line="at_kPa")
+expect("correction twice", ["base-depth", "twice"], changed("[[outputs]]", CORRECTION.replace("[[outputs]]", CORRECTION)))
+expect("factor that there is not", ["base-depth.factor_4", "base-depth.factor_3"],
+       changed("[[outputs]]", CORRECTION.replace("[[outputs]]", '[[parameters]]\nname = "base-depth.factor_4"\nmin = 0.1\nmax = 2\n\n[[outputs]]')), line="factor_4")
+
 # And more that happen.
 expect("unknown column", ["unknown column", "depth"], data=DATA.replace("depth_mm", "depth"))
 expect("too few cells", ["cells", "8"], data=DATA.replace("0.95,mm,", "0.95,mm"), line="0.95", file="small.csv")

@@ -15,7 +15,7 @@ counts = dict(one=12, none=5, two=2, removed=1)
 if len(sys.argv) > 3:
     counts = dict.fromkeys(counts, int(sys.argv[3]))
 with tempfile.TemporaryDirectory(prefix="pavescape-blind-") as out:
-    results = trials.run_all(argparse.Namespace(program=sys.argv[1], generator=sys.argv[2], **counts, power=0, first=FIRST, jobs=2,
+    results = trials.run_all(argparse.Namespace(program=sys.argv[1], generator=sys.argv[2], **counts, power=0, outside=0, first=FIRST, jobs=2,
                                                 out=out, keep=False))
 failed = False
 for r in results:

@@ -95,6 +95,13 @@ int main() {
         fmt::print("\n### `{}`\n\n", name);
         table(pavement::load_keys(kind.first, kind.second));
     }
+    fmt::print("\n## Corrections\n\nThe paths of their factors are LAYER-CHANNEL.factor_1, _2, ..., or "
+               "readings-CHANNEL.factor_1, ...\n\n| channel | places | what it multiplies | places are |\n"
+               "|---|---|---|---|\n");
+    for (const pavement::ChannelInfo& channel : pavement::channels()) {
+        fmt::print("| `{}` | `at_{}` | {} | {} |\n", channel.name, channel.unit,
+                   channel.of_layer ? "the modulus of the layer" : "readings", channel.meaning);
+    }
     fmt::print("\n## Effects\n\n| effect | unit of `size` | range | no effect | typical | what it is |\n"
                "|---|---|---|---:|---:|---|\n");
     for (const pavement::Effect* effect : pavement::effects()) {

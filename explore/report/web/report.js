@@ -450,12 +450,29 @@
             r.log_evidence === undefined ? [] : make("p", { className: "soft" }, `Log evidence ${figure(r.log_evidence)} ± ${figure(r.log_evidence_error)}: its difference between models of the same readings is their log odds.`));
     };
 
+    // A correction over its places: the band, and in grey what is not seen. Depths point downwards.
+    const correctionChart = (c) => {
+        const down = c.channel === "depth" || c.channel === "level";
+        const trace = (x, y, more) => ({ type: "scatter", mode: "lines", [down ? "y" : "x"]: x, [down ? "x" : "y"]: y, ...more });
+        const where = axis(`${c.channel} [${c.unit}]`, down ? { autorange: "reversed" } : {});
+        const factor = axis(c.layer ? "factor on the modulus" : "factor on the readings", { type: "log" });
+        const grey = c.seen.map((seen) => (seen ? colours[0] : "#bbb"));
+        return chart("correction", [
+            trace([...c.at, ...[...c.at].reverse()], [...c.low, ...[...c.high].reverse()], { fill: "toself", fillcolor: "rgba(120,120,120,0.15)", line: { width: 0 }, name: "95 %", hoverinfo: "skip" }),
+            trace(c.at, c.values, { mode: "lines+markers", name: "correction", line: { color: "#777" }, marker: { size: 9, color: grey },
+                [down ? "error_x" : "error_y"]: { type: "data", symmetric: false, thickness: 1.3, color: "#777",
+                    array: c.high.map((v, i) => v - c.values[i]), arrayminus: c.low.map((v, i) => c.values[i] - v) } }),
+        ], { title: { text: c.layer || "readings" }, showlegend: false, [down ? "yaxis" : "xaxis"]: where, [down ? "xaxis" : "yaxis"]: factor,
+            shapes: [{ type: "line", line: { dash: "dot", color: "#555" }, ...(down ? { x0: 1, x1: 1, yref: "paper", y0: 0, y1: 1 } : { y0: 1, y1: 1, xref: "paper", x0: 0, x1: 1 }) }] });
+    };
+
     const showDiagnose = (r) => {
         const named = (r.readings || []).map((q, i) => `${i + 1}: ${q.load} ${q.quantity.replace("_", " ")}, ${placeOf(q)}`);
         const fitted = r.residuals.baseline.map((v, i) => (v === null ? -1 : i)).filter((i) => i >= 0); // not held out
         const of = (list) => fitted.map((i) => list[i]);
         const extended = r.residuals.extended.length > 0;
         const candidates = (r.candidates || []).slice(0, 20).reverse();
+        const corrections = r.corrections || [];
         const alike = [...(r.confounding || [])].sort((a, b) => Math.abs(a.cosine) - Math.abs(b.cosine));
         section("What the model gets wrong",
             make("p", { className: "verdict" }, `Verdict: ${r.verdict}${r.causes && r.causes.length ? " – " + r.causes.join(", ") : ""}`),
@@ -471,6 +488,8 @@
             ], { xaxis: axis("", { automargin: true, tickangle: -60, tickfont: { size: 10 } }), height: 460,
                 legend: { orientation: "h", y: 1.15 }, yaxis: axis("model less measured [sigma]"), barmode: "group",
                 shapes: [-2, 2].map((y) => ({ type: "line", xref: "paper", x0: 0, x1: 1, y0: y, y1: y, line: { dash: "dot", color: "#555" } })) }),
+            corrections.length ? [part("Where the model errs"), make("div", { className: "charts" }, corrections.map(correctionChart)),
+                make("p", { className: "soft" }, "What multiplies the study's model, with its 95 % band. In grey: places of which these readings say next to nothing.")] : [],
             candidates.length ? [part("Candidates: what each effect alone would gain"), chart("candidates", [{
                 type: "bar", orientation: "h", y: candidates.map((c) => c.effect + (c.on ? " – " + c.on : "")),
                 x: candidates.map((c) => (c.delta_chi2 === null || c.delta_chi2 === undefined ? (c.score_z ?? 0) ** 2 : -c.delta_chi2)),

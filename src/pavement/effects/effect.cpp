@@ -66,9 +66,15 @@ Case with_effects(const Case& c, int load) {
     apply_ties(out);
     out.ties.clear();
     out.effects.clear();
+    out.corrections.clear();
     for (const AppliedEffect& applied : c.effects) {
         if (is_active(applied)) {
             applied.effect->apply(out, with_layer(c, applied), load);
+        }
+    }
+    for (const Correction& correction : c.corrections) {
+        if (is_active(correction)) {
+            apply(out, correction, load);
         }
     }
     if (c.settings.wall_follows) { // sensors are where the case states them: moved ones do not move the wall

@@ -48,7 +48,7 @@ struct Effect {
 // Not at its null size, or to be modelled at it.
 bool is_active(const AppliedEffect& applied);
 
-// The case without effects that load number `load` meets: its effects applied one after the other.
+// The case without effects and corrections that load number `load` meets: they are applied one after the other.
 Case with_effects(const Case& c, int load);
 
 // Why the case cannot have the effect, or "": what the effect itself says, and options that name nothing.

@@ -1,0 +1,180 @@
+#include "diagnose/evidence.h"
+
+#include "base/random.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+namespace explore::diagnose {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+MatrixXd prior_correlation(std::size_t coefficients) {
+    const auto k = static_cast<Index>(coefficients);
+    MatrixXd c(k, k);
+    for (Index i = 0; i < k; ++i) {
+        for (Index j = 0; j < k; ++j) {
+            c(i, j) = std::pow(neighbour_correlation, static_cast<double>(std::abs(i - j)));
+        }
+    }
+    return c;
+}
+
+ChannelEvidence::ChannelEvidence(const MatrixXd& change) {
+    const MatrixXd factor = prior_correlation(static_cast<std::size_t>(change.cols())).llt().matrixL();
+    const Eigen::JacobiSVD<MatrixXd> svd(change * factor, Eigen::ComputeThinU);
+    directions_ = svd.matrixU();
+    weights_ = svd.singularValues().cwiseAbs2();
+}
+
+double ChannelEvidence::log_ratio_of(const VectorXd& projected, double rest, double strength, bool estimated,
+                                     int free) const {
+    double determinant = 0.0;
+    double explained = 0.0;
+    for (Index i = 0; i < weights_.size(); ++i) {
+        const double more = strength * strength * weights_[i];
+        determinant += std::log1p(more);
+        explained += projected[i] * projected[i] * more / (1.0 + more);
+    }
+    const double likelihood = estimated ? -free * std::log1p(-std::min(explained / rest, 1.0 - 1e-12)) : explained;
+    return (likelihood - determinant) / 2.0;
+}
+
+double ChannelEvidence::log_ratio(const VectorXd& z, double strength, bool estimated, int free) const {
+    return log_ratio_of(directions_.transpose() * z, z.squaredNorm(), strength, estimated, free);
+}
+
+ChannelEvidence::Estimate ChannelEvidence::estimate(const VectorXd& z, bool estimated, int free) const {
+    const VectorXd projected = directions_.transpose() * z;
+    const double rest = z.squaredNorm();
+    // Of the logarithm of a modulus: from what nobody would see to a factor of 4.5 as one standard deviation.
+    constexpr double weakest = 0.02;
+    constexpr double strongest = 1.5;
+    constexpr int steps = 18;
+    const double ratio = std::pow(strongest / weakest, 1.0 / steps);
+    Estimate best;
+    const auto look_at = [&](double strength) {
+        if (const double value = log_ratio_of(projected, rest, strength, estimated, free); value > best.log_ratio) {
+            best = {strength, value};
+        }
+    };
+    for (int i = 0; i <= steps; ++i) {
+        look_at(weakest * std::pow(ratio, i));
+    }
+    if (best.strength > 0.0) {
+        double step = ratio;
+        for (int i = 0; i < 5; ++i) {
+            step = std::sqrt(step);
+            const double middle = best.strength;
+            look_at(middle / step);
+            look_at(std::min(strongest, middle * step));
+        }
+    }
+    return best;
+}
+
+namespace {
+
+// What makes independent what noise and these corrections do together: (I + sum of s^2 A C A')^(-1/2).
+MatrixXd whitening(const std::vector<MatrixXd>& changes, const std::vector<Accepted>& accepted, Index rows) {
+    MatrixXd covariance = MatrixXd::Identity(rows, rows);
+    for (const Accepted& a : accepted) {
+        const MatrixXd& change = changes[a.channel];
+        covariance += a.strength * a.strength * change * prior_correlation(static_cast<std::size_t>(change.cols())) *
+                      change.transpose();
+    }
+    return Eigen::SelfAdjointEigenSolver<MatrixXd>(covariance).operatorInverseSqrt();
+}
+
+MatrixXd beyond(const Mimicry& mimicry, MatrixXd change) {
+    for (Index k = 0; k < change.cols(); ++k) {
+        change.col(k) = mimicry.beyond(change.col(k));
+    }
+    return change;
+}
+
+std::vector<MatrixXd> beyond(const Mimicry& mimicry, const std::vector<MatrixXd>& changes) {
+    std::vector<MatrixXd> list;
+    list.reserve(changes.size());
+    for (const MatrixXd& change : changes) {
+        list.push_back(beyond(mimicry, change));
+    }
+    return list;
+}
+
+} // namespace
+
+std::vector<ChannelTest> test_channels(const VectorXd& residuals, const std::vector<MatrixXd>& changes,
+                                       const std::vector<Accepted>& accepted, const Mimicry& mimicry, bool estimated,
+                                       std::uint64_t seed) {
+    const Index rows = residuals.size();
+    const int free = static_cast<int>(rows) - mimicry.rank();
+    std::vector<ChannelTest> tests(changes.size());
+    if (free < 1) {
+        return tests;
+    }
+    const std::vector<MatrixXd> seen = beyond(mimicry, changes);
+    const MatrixXd whiten = whitening(seen, accepted, rows);
+    std::vector<std::size_t> open;
+    std::vector<ChannelEvidence> evidence;
+    for (std::size_t c = 0; c < changes.size(); ++c) {
+        if (std::none_of(accepted.begin(), accepted.end(), [&](const Accepted& a) { return a.channel == c; })) {
+            open.push_back(c);
+            evidence.emplace_back(whiten * seen[c]);
+        }
+    }
+    const VectorXd z = whiten * mimicry.beyond(residuals);
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        const auto estimate = evidence[i].estimate(z, estimated, free);
+        tests[open[i]].strength = estimate.strength;
+        tests[open[i]].log_ratio = estimate.log_ratio;
+    }
+    constexpr int draws = 9999;
+    std::vector<int> above(open.size(), 0);
+    const pave::RandomStream random(seed, 7);
+    VectorXd noise(rows);
+    for (int draw = 0; draw < draws; ++draw) {
+        for (Index i = 0; i < rows; ++i) {
+            noise[i] = random.normal(static_cast<std::uint64_t>(draw) * static_cast<std::uint64_t>(rows) +
+                                     static_cast<std::uint64_t>(i));
+        }
+        const VectorXd drawn = mimicry.beyond(noise); // whitened already: what is accepted is part of the noise
+        double largest = 0.0;
+        for (const ChannelEvidence& own : evidence) {
+            largest = std::max(largest, own.estimate(drawn, estimated, free).log_ratio);
+        }
+        for (std::size_t i = 0; i < open.size(); ++i) {
+            above[i] += largest >= tests[open[i]].log_ratio ? 1 : 0;
+        }
+    }
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        tests[open[i]].p_familywise = (above[i] + 1.0) / (draws + 1.0);
+    }
+    return tests;
+}
+
+void estimate_strengths(const VectorXd& residuals, const std::vector<MatrixXd>& changes,
+                        std::vector<Accepted>& accepted, const Mimicry& mimicry, bool estimated) {
+    const Index rows = residuals.size();
+    const std::vector<MatrixXd> seen = beyond(mimicry, changes);
+    const VectorXd z = mimicry.beyond(residuals);
+    const int sweeps = accepted.size() > 1 ? 5 : 1;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+        for (std::size_t a = 0; a < accepted.size(); ++a) {
+            std::vector<Accepted> others = accepted;
+            others.erase(others.begin() + static_cast<std::ptrdiff_t>(a));
+            const MatrixXd whiten = whitening(seen, others, rows);
+            const ChannelEvidence own(whiten * seen[accepted[a].channel]);
+            const auto estimate = own.estimate(whiten * z, estimated, static_cast<int>(rows) - mimicry.rank());
+            if (estimate.strength > 0.0) {
+                accepted[a].strength = estimate.strength;
+            }
+        }
+    }
+}
+
+} // namespace explore::diagnose

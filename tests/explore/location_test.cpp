@@ -1,0 +1,161 @@
+// Corrections in place of names, on linear models.
+#include "diagnose/evidence.h"
+#include "diagnose/location.h"
+#include "support/formula.h"
+
+#include "base/random.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+using namespace explore;
+using diagnose::Members;
+using diagnose::Verdict;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr Index readings = 40;
+constexpr Index parameters = 3;
+constexpr std::size_t candidates = 3;
+constexpr std::size_t coefficients = 4;
+
+// Three parameters, three candidates with sizes from -1 to 1, two channels of four coefficients: the logarithm of a
+// factor acts.
+struct World {
+    MatrixXd a, signatures, changes;
+    VectorXd data;
+
+    explicit World(std::uint64_t seed) {
+        const pave::RandomStream random(seed, 0);
+        std::uint64_t next = 0;
+        const auto draw = [&] { return random.normal(next++); };
+        a = MatrixXd::NullaryExpr(readings, parameters, [&] { return 10.0 * draw(); });
+        signatures = MatrixXd::NullaryExpr(readings, static_cast<Index>(candidates), [&] { return 3.0 * draw(); });
+        changes = MatrixXd::NullaryExpr(readings, 2 * static_cast<Index>(coefficients), [&] { return 4.0 * draw(); });
+        data = a * VectorXd::Constant(parameters, 0.4) + VectorXd::NullaryExpr(readings, draw);
+    }
+
+    problem::Problem problem(const Members& members) const {
+        problem::ParameterSpace space;
+        MatrixXd matrix(readings, parameters + static_cast<Index>(members.size()));
+        matrix.leftCols(parameters) = a;
+        for (Index k = 0; k < parameters; ++k) {
+            space.axes.push_back({fmt::format("p{}", k), 0.0, 1.0});
+        }
+        for (std::size_t m = 0; m < members.size(); ++m) {
+            const bool is_size = members[m] < candidates;
+            space.axes.push_back({fmt::format("m{}", members[m]), is_size ? -1.0 : 0.05, is_size ? 1.0 : 20.0,
+                                  is_size ? problem::Scale::linear : problem::Scale::log});
+            matrix.col(parameters + static_cast<Index>(m)) =
+                is_size ? signatures.col(static_cast<Index>(members[m]))
+                        : changes.col(static_cast<Index>(members[m] - candidates));
+        }
+        std::vector<problem::Misfit::Term> terms;
+        for (Index i = 0; i < readings; ++i) {
+            terms.push_back({static_cast<std::size_t>(i), data[i], 1.0, 1.0, {.absolute = 1.0}});
+        }
+        const Index first = std::count_if(members.begin(), members.end(), [](std::size_t m) { return m < candidates; });
+        test::Formula formula([matrix, first](const VectorXd& x, VectorXd& responses, MatrixXd& jacobian) {
+            VectorXd y = x;
+            jacobian = matrix;
+            for (Index k = parameters + first; k < x.size(); ++k) {
+                y[k] = std::log(x[k]);
+                jacobian.col(k) /= x[k];
+            }
+            responses = matrix * y;
+        });
+        return {space, std::make_shared<test::Formula>(std::move(formula)), {problem::MisfitKind::weighted, terms}};
+    }
+
+    diagnose::Diagnosis diagnose() const {
+        diagnose::Workbench bench({.problem = [this](const Members& members) { return problem(members); },
+                                   .run = [](const Members&) { return 0; },
+                                   .store = nullptr,
+                                   .threads = 0});
+        diagnose::DiagnosisTask task{.bench = bench, .candidates = {}, .groups = {}, .places = {}, .loads = {}};
+        for (std::size_t j = 0; j < candidates; ++j) {
+            task.candidates.push_back(
+                {.effect = fmt::format("e{}", j), .on = "", .null = 0.5, .typical = 0.7, .reading = {}});
+        }
+        task.channels = {{"first", candidates, coefficients}, {"second", candidates + coefficients, coefficients}};
+        for (std::size_t g = 0; g < 2; ++g) {
+            diagnose::ReadingGroup group{.name = fmt::format("group{}", g), .terms = {}};
+            for (std::size_t i = 0; i < static_cast<std::size_t>(readings) / 2; ++i) {
+                group.terms.push_back(g * static_cast<std::size_t>(readings) / 2 + i);
+            }
+            task.places.push_back({group.name, group.terms});
+            task.groups.push_back(std::move(group));
+        }
+        auto result = diagnose::diagnose(task, {.explore = 8, .starts = 1, .bootstrap = 5});
+        EXPECT_TRUE(result.has_value());
+        return *result;
+    }
+};
+
+} // namespace
+
+TEST(Location, NamesNothingWhereTheModelIsAdequateOrAnEffectExplainsTheData) {
+    int corrected = 0;
+    int named = 0;
+    constexpr std::uint64_t worlds = 30;
+    for (std::uint64_t seed = 0; seed < worlds; ++seed) {
+        World plain(seed);
+        corrected += plain.diagnose().location ? 1 : 0;
+        World one(1000 + seed);
+        one.data += 0.7 * one.signatures.col(1);
+        const auto found = one.diagnose();
+        named += found.verdict == Verdict::cause_named && found.causes == std::vector<std::string>{"e1"} ? 1 : 0;
+    }
+    EXPECT_LE(corrected, 3);
+    EXPECT_GE(named, 26);
+}
+
+// The coefficients are those of ridge regression with the prior that was found (Hoerl and Kennard 1970; here C and not
+// the identity), and their bands hold the truth.
+TEST(Location, FindsTheChannelAndItsCoefficients) {
+    int located = 0;
+    int within = 0;
+    int places = 0;
+    for (std::uint64_t seed = 0; seed < 25; ++seed) {
+        World world(2000 + seed);
+        const VectorXd truth{{-0.8, -0.6, 0.1, 0.5}};
+        world.data += world.changes.rightCols(4) * truth;
+        const auto found = world.diagnose();
+        if (found.verdict != Verdict::located) {
+            continue;
+        }
+        ASSERT_TRUE(found.location);
+        const auto& location = *found.location;
+        located += location.corrections[0].channel == 1 ? 1 : 0;
+        EXPECT_TRUE(found.causes.empty());
+        EXPECT_LT(location.corrections[0].p_familywise, 0.05);
+        if (location.corrections.size() > 1) {
+            continue;
+        }
+        MatrixXd all(readings, parameters + 4);
+        all << world.a, world.changes.rightCols(4);
+        MatrixXd precision = all.transpose() * all;
+        precision.bottomRightCorner(4, 4) +=
+            diagnose::prior_correlation(4).inverse() / std::pow(location.corrections[0].strength, 2);
+        const VectorXd expected = precision.ldlt().solve(all.transpose() * world.data);
+        const auto& unit = location.fit.model.unit;
+        constexpr double slope = 2.0 * 2.995732273553991; // ln 400
+        for (Index i = 0; i < 4; ++i) {
+            const auto k = static_cast<std::size_t>(parameters + i);
+            const double value = (unit[k] - 0.5) * slope;
+            EXPECT_NEAR(value, expected[parameters + i], 1e-2);
+            const auto at = static_cast<Index>(k);
+            const double deviation = slope * std::sqrt(location.covariance(at, at));
+            EXPECT_NEAR(deviation, std::sqrt(precision.inverse()(at, at)), 0.02 * deviation);
+            within += std::abs(value - truth[i]) < 1.96 * deviation ? 1 : 0;
+            ++places;
+        }
+        EXPECT_EQ(location.fit.dof, readings - parameters);
+    }
+    EXPECT_GE(located, 23);
+    EXPECT_GE(within, 0.88 * places);
+}

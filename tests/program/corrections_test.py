@@ -1,0 +1,94 @@
+"""Corrections as a user meets them: stated in a study, and found by `diagnose` where the section has what no effect of the catalogue
+is: a wet lens within the subgrade. How often that is right: tools/blind."""
+import json
+import math
+
+from support import *
+
+folder = workspace()
+
+# A subgrade of three layers, the middle one wet, on a finer mesh; the study that is diagnosed knows one layer.
+SUBGRADE = """[[layers]]
+name = "{}"
+thickness_mm = {}
+density_kg_m3 = 1900
+k0 = 0.5
+law = "linear"
+modulus_MPa = {}
+poisson = 0.40
+"""
+WHOLE = SUBGRADE.format("subgrade", 1210, 45)
+assert WHOLE in STUDY
+LENS = "\n".join(SUBGRADE.format(*part) for part in (("subgrade", 150, 60), ("lens", 200, 18), ("below", 860, 60)))
+LAYOUT = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + "".join(
+    f"fwd,deflection,{x},0,0,0,1,mm,\n" for x in (0, 200, 300, 450, 600, 900, 1200)) + "".join(
+    f"fwd,strain_zz,{x},0,{z},75,1,microstrain,\n" for x in (0, 250) for z in (90, 165, 240, 340, 420, 500, 580, 660, 740))
+QUICK = ("--explore", 16, "--starts", 2, "--bootstrap", 4)
+PARAMETERS = '\n[[parameters]]\nname = "subgrade.modulus_MPa"\nmin = 10\nmax = 200\nscale = "log"\n'
+weighted = STUDY.replace('misfit = "log"', 'misfit = "weighted"') + PARAMETERS
+truth = STUDY.replace(WHOLE, LENS).replace("refine = 0.4", "refine = 0.8").split("[[parameters]]")[0]
+
+
+def twin(name, study, seed):
+    write_study(folder / name, study, LAYOUT, "truth")
+    done = run("twin", folder / name / "truth.toml", "--noise", 0.02, "--seed", seed, "--out", folder / name / "twin")
+    assert done.returncode == 0, done.stderr
+    shutil.copy(folder / name / "twin" / "twin.csv", folder / name / "small.csv")
+    return write_study(folder / name, weighted, None, "study")
+
+
+def diagnose(study, *options):
+    done = run("diagnose", study, "--json", "--out", study.parent / "run", *QUICK, *options)
+    check(done.returncode == 0, f"diagnose: {done.stderr}")
+    return json.loads(done.stdout)
+
+
+# Stated: factors of 1 change nothing, one factor everywhere is another modulus, and a factor is a parameter like others.
+write_study(folder, STUDY)
+plain = json.loads(run("forward", folder / "small.toml", "--json").stdout)["responses"]
+
+
+def corrected(name, text, *options):
+    path = write_study(folder, STUDY.replace("[[outputs]]", text + "\n[[outputs]]"), None, name)
+    done = run("forward", path, "--json", *options)
+    check(done.returncode == 0, f"{name}: {done.stderr}")
+    return json.loads(done.stdout)
+
+
+DEPTH = '[[corrections]]\nchannel = "depth"\nlayer = "subgrade"\nat_mm = [0, 200, 600]\nfactor = [{}, {}, {}]\n'
+check(corrected("one", DEPTH.format(1, 1, 1))["responses"] == plain, "factors of 1 change nothing")
+half = corrected("half", DEPTH.format(0.5, 0.5, 0.5))["responses"]
+path = write_study(folder, STUDY.replace("modulus_MPa = 45", "modulus_MPa = 22.5"), None, "soft")
+soft = json.loads(run("forward", path, "--json").stdout)["responses"]
+check(all(math.isclose(a["value"], b["value"], rel_tol=1e-5) for a, b in zip(half, soft)), "half of it everywhere is half of the modulus")
+FREE = '\n[[parameters]]\nname = "subgrade-depth.factor_2"\nmin = 0.2\nmax = 5\nscale = "log"\n'
+found = corrected("free", DEPTH.format(1, 1, 1) + FREE, "--jacobian")
+check("subgrade-depth.factor_2" in found["jacobian"]["parameters"], "a factor is a parameter")
+
+# Found.
+study = twin("lens", truth, 5)
+found = diagnose(study)
+print("\n".join(found["findings"]))
+check(found["verdict"] == "located", f"a wet lens is no effect of the catalogue: {found['verdict']} {found['causes']}")
+check(found["causes"] == [], "where it is located, no cause is named")
+for key in ("channel", "layer", "p_familywise", "values", "low", "high", "seen", "explained_by"):
+    check(all(key in c for c in found["corrections"]), f"a correction has {key}")
+first = found["corrections"][0]
+check(first["layer"] == "subgrade" and first["channel"] == "depth", f"the lens lies in the subgrade: {first['layer']} by {first['channel']}")
+check(first["p_familywise"] < 0.01, f"it is not due to chance: p = {first['p_familywise']}")
+softest = min((m, at) for m, at, seen in zip(first["modulus_MPa"], first["at"], first["seen"]) if seen)
+check(100 <= softest[1] <= 400 and softest[0] < 35, f"at 150 to 350 mm it has 18 of 60 MPa: {softest}")
+check(found["extended"]["chi2"] < 0.5 * found["baseline"]["chi2"], "the correction explains most of what was wrong")
+check(found["gain"]["held_out_rmse_after"] < found["gain"]["held_out_rmse_before"], "readings left out are predicted better")
+
+# The extended study holds it as a table.
+done = run("forward", found["extended"]["study"], "--json")
+check(done.returncode == 0, f"the extended study: {done.stderr}")
+modelled = json.loads(done.stdout)["responses"]
+check(all(math.isclose(r["value"], v, rel_tol=1e-6) for r, v in zip(modelled, found["responses"]["extended"])), "its responses are those of the diagnosis")
+check("[[prior_correlations]]" in pathlib.Path(found["extended"]["study"]).read_text(), "with what was known beforehand")
+
+# Nothing hidden: no correction.
+found = diagnose(twin("plain", STUDY.replace("refine = 0.4", "refine = 0.8").split("[[parameters]]")[0], 6))
+check(found["verdict"] == "adequate" and found["corrections"] == [], f"nothing is hidden: {found['verdict']} {found['corrections']}")
+finish()
