@@ -13,7 +13,7 @@ namespace explore::diagnose {
 
 // The correlation of coefficients side by side, falling by this from each to the next: the first-order roughness
 // penalty with a level that is held too.
-inline constexpr double neighbour_correlation = 0.5;
+inline constexpr double neighbour_correlation = 0.6;
 Eigen::MatrixXd prior_correlation(std::size_t coefficients);
 
 // A channel: one place of the model where a correction may act.

@@ -17,6 +17,8 @@ using Eigen::VectorXd;
 
 constexpr double level_correction = 0.05; // of being due to chance
 constexpr double level_noise = 0.05;      // what a model leaves is noise
+constexpr double level_beyond = 0.01;     // a correction finds more than what was named
+constexpr double as_good = 6.0;           // chi2 by which one explanation has to be worse than another
 constexpr std::size_t most_corrections = 3;
 constexpr double close_enough = 0.005; // half of the change of chi2 that a fit leaves undone
 
@@ -26,44 +28,65 @@ constexpr int fit_number = 41'000;
 
 class Locator {
 public:
-    Locator(const DiagnosisTask& task, Diagnosis& d)
+    // base: what is to be corrected; its effects are followed as the parameters are.
+    Locator(const DiagnosisTask& task, const Diagnosis& d, const Model& base)
         : task_(task),
           d_(d),
           noise_(std::sqrt(d.variance)),
           estimated_(!task.bench.problem({})->noise_is_stated()),
-          parameters_(d.baseline.model.unit.size()),
-          model_(d.baseline.model),
-          problem_(task.bench.problem({})),
+          parameters_(base.unit.size() - base.members.size()),
+          followed_(base.unit.size()),
+          model_(base),
+          problem_(task.bench.problem(base.members)),
           arena_(run::concurrency(task.bench.threads())) {}
 
-    bool run() {
-        while (!is_done_ && accepted_.size() < most_corrections) {
+    // Fits up to so many corrections; nothing in the location: the data call for none. False: interrupted.
+    bool run(std::size_t most, std::optional<Location>& location) {
+        while (!is_done_ && accepted_.size() < most) {
             if (!differentiate()) {
                 return false;
             }
-            const auto tests =
-                test_channels(uncorrected(), changes_, accepted_, mimicry(), estimated_, task_.seed + accepted_.size());
-            const auto best = std::max_element(tests.begin(), tests.end(),
-                                               [](const auto& a, const auto& b) { return a.log_ratio < b.log_ratio; });
-            if (best == tests.end() || best->p_familywise >= level_correction) {
+            const auto tests = test();
+            const std::size_t best = best_of(tests);
+            if (tests[best].p_familywise >= level_correction) {
                 break;
             }
-            add(static_cast<std::size_t>(best - tests.begin()), tests);
+            add(best, tests);
             if (!fit_strengths()) {
                 return false;
             }
         }
         if (!accepted_.empty()) {
-            report();
+            location = report();
         }
         return true;
     }
 
+    // The chance that noise makes as much of a correction of the base as there is. False: interrupted.
+    bool test_base(double& p) {
+        if (!differentiate()) {
+            return false;
+        }
+        const auto tests = test();
+        p = tests[best_of(tests)].p_familywise;
+        return true;
+    }
+
 private:
+    std::vector<ChannelTest> test() const {
+        return test_channels(uncorrected(), changes_, accepted_, mimicry(), estimated_, task_.seed + accepted_.size());
+    }
+    static std::size_t best_of(const std::vector<ChannelTest>& tests) {
+        const auto best = std::max_element(tests.begin(), tests.end(),
+                                           [](const auto& a, const auto& b) { return a.log_ratio < b.log_ratio; });
+        return static_cast<std::size_t>(best - tests.begin());
+    }
+
     Mimicry mimicry() const {
         const MatrixXd jacobian = problem_->residual_jacobian(model_.evaluation) / noise_;
-        return {jacobian.leftCols(static_cast<Index>(parameters_)),
-                {model_.unit.begin(), model_.unit.begin() + static_cast<std::ptrdiff_t>(parameters_)},
+        const auto followed = static_cast<std::ptrdiff_t>(followed_);
+        return {jacobian.leftCols(followed),
+                {model_.unit.begin(), model_.unit.begin() + followed},
                 model_.residuals / noise_};
     }
 
@@ -204,7 +227,7 @@ private:
     Target penalised(const problem::Problem& problem, const Members& members) const {
         const auto n = static_cast<Index>(parameters_ + members.size());
         Target target;
-        target.penalty = MatrixXd::Zero(static_cast<Index>(members.size()), n);
+        target.penalty = MatrixXd::Zero(n - static_cast<Index>(followed_), n);
         target.centre = VectorXd::Constant(n, no_correction);
         Index row = 0;
         for (const Accepted& a : accepted_) {
@@ -266,7 +289,7 @@ private:
         return true;
     }
 
-    void report() {
+    Location report() {
         const Mimicry beyond = mimicry();
         const MatrixXd jacobian = problem_->residual_jacobian(model_.evaluation) / noise_;
         location_.pull = penalised(*problem_, model_.members);
@@ -274,7 +297,7 @@ private:
         MatrixXd precision = jacobian.transpose() * jacobian + pulls.transpose() * pulls;
         constexpr double box_variance = 1.0 / 12.0;
         constexpr double weak = 0.01; // as of every interval
-        precision.diagonal().head(static_cast<Index>(parameters_)).array() += weak / box_variance;
+        precision.diagonal().head(static_cast<Index>(followed_)).array() += weak / box_variance;
         location_.covariance = precision.llt().solve(MatrixXd::Identity(precision.rows(), precision.cols()));
         Judged& fit = location_.fit;
         const auto rows = static_cast<std::size_t>(model_.residuals.size());
@@ -285,9 +308,9 @@ private:
         }
         // What coefficients count: as many as the data set free.
         const double held = (location_.covariance * (pulls.transpose() * pulls)).trace();
-        const auto free = static_cast<double>(model_.members.size()) - held;
+        const auto free = static_cast<double>(model_.unit.size() - followed_) - held;
         fit.aicc = aicc(model_.residuals.squaredNorm(), rows,
-                        parameters_ + static_cast<std::size_t>(std::lround(std::max(0.0, free))), !estimated_);
+                        followed_ + static_cast<std::size_t>(std::lround(std::max(0.0, free))), !estimated_);
         fit.pattern = test_pattern(model_.residuals / noise_, Mimicry(jacobian, model_.unit, model_.residuals / noise_),
                                    task_.groups);
         for (std::size_t i = 0; i < accepted_.size(); ++i) {
@@ -297,7 +320,7 @@ private:
                     correction);
         }
         fit.model = model_;
-        d_.location = std::move(location_);
+        return std::move(location_);
     }
 
     // What of this change of the residuals each effect makes.
@@ -331,10 +354,11 @@ private:
     }
 
     const DiagnosisTask& task_;
-    Diagnosis& d_;
+    const Diagnosis& d_;
     double noise_; // unit of the residuals
     bool estimated_;
-    std::size_t parameters_;                          // of the baseline
+    std::size_t parameters_;                          // of the study
+    std::size_t followed_;                            // they and the sizes of the base's effects
     Model model_;                                     // with what is accepted
     std::shared_ptr<const problem::Problem> problem_; // of the model
     tbb::task_arena arena_;
@@ -344,26 +368,61 @@ private:
     bool is_done_ = false;
 };
 
+// The corrections in place of what was named.
+void take(Diagnosis& d, Location location) {
+    d.verdict = Verdict::located;
+    d.causes.clear();
+    if (d.nearest.empty()) {
+        d.nearest = std::move(d.explanations);
+    }
+    d.explanations.clear();
+    d.location = std::move(location);
+    d.extended = d.location->fit;
+    d.leaves_more_than_noise = d.extended->p_value < level_noise;
+    d.noise_factor = d.leaves_more_than_noise ? std::sqrt(d.extended->chi2 / d.extended->dof) : 1.0;
+}
+
 } // namespace
 
 bool locate(const DiagnosisTask& task, Diagnosis& d) {
-    const bool leaves_more = d.verdict == Verdict::ambiguous && d.leaves_more_than_noise;
-    if (task.channels.empty() || !d.failed.empty() || (d.verdict != Verdict::unexplained && !leaves_more)) {
+    // No name explains the data as it is: what is left is more than noise, or its size is where its range ends.
+    const bool is_weak = d.verdict == Verdict::ambiguous && (d.leaves_more_than_noise || d.extended->ends_range());
+    const bool is_named = d.verdict == Verdict::cause_named;
+    if (task.channels.empty() || !(d.verdict == Verdict::unexplained || is_weak || is_named)) {
         return true;
     }
-    if (!Locator(task, d).run()) {
+    const auto from_baseline = [&](std::size_t most, std::optional<Location>& location) {
+        return Locator(task, d, d.baseline.model).run(most, location);
+    };
+    std::optional<Location> location;
+    if (is_named) {
+        // One correction that does what it takes two effects for is the simpler explanation.
+        if (d.extended->model.members.size() > 1) {
+            if (!from_baseline(1, location)) {
+                return false;
+            }
+            if (location && location->fit.p_value >= level_noise && location->fit.chi2 < d.extended->chi2 + as_good) {
+                take(d, std::move(*location));
+                return true;
+            }
+        }
+        double p = 1.0;
+        if (!Locator(task, d, d.extended->model).test_base(p)) {
+            return false;
+        }
+        if (p >= level_beyond) {
+            return true;
+        }
+    }
+    location.reset();
+    if (!from_baseline(most_corrections, location)) {
         return false;
     }
-    if (d.location) {
-        d.verdict = Verdict::located;
-        d.causes.clear();
-        if (d.nearest.empty()) {
-            d.nearest = std::move(d.explanations);
-        }
-        d.explanations.clear();
-        d.extended = d.location->fit;
-        d.leaves_more_than_noise = d.extended->p_value < level_noise;
-        d.noise_factor = d.leaves_more_than_noise ? std::sqrt(d.extended->chi2 / d.extended->dof) : 1.0;
+    // What came near stands where corrections do not come nearer.
+    const bool is_nearest =
+        d.verdict == Verdict::unexplained || (location && location->fit.chi2 < d.extended->chi2 + as_good);
+    if (location && is_nearest) {
+        take(d, std::move(*location));
     }
     return true;
 }

@@ -6,8 +6,13 @@
 namespace explore::diagnose {
 
 // Adds corrections to the baseline, best evidence first (diagnose/evidence.h), while the next one is due to chance in
-// less than one case of twenty, and fits the full model with them after each. Where the diagnosis names nothing that
-// leaves noise only and there is a correction, its verdict becomes `located`. False: interrupted.
+// less than one case of twenty, and fits the full model with them after each. The verdict becomes `located` where there
+// is one and
+// - no effect of the catalogue explains the data, or one that leaves more than noise or is at the end of its range, and
+//   the corrections come as near, or
+// - two effects are named, and one correction comes as near, or
+// - one is named, but a correction finds more beside it and corrections come as near.
+// False: interrupted.
 bool locate(const DiagnosisTask& task, Diagnosis& diagnosis);
 
 } // namespace explore::diagnose

@@ -72,30 +72,21 @@ void read_correction(const toml::table& table, Study& study) {
 
 namespace {
 
-double rounded(double value, double step) {
-    return step * std::round(value / step);
-}
-
-// From the top of a layer to its bottom: evenly, or in a thick one at distances that double.
+// From the top of a layer to its bottom evenly; in a thick one ever farther apart, and as at the last place below it.
 std::vector<double> depths(double thickness) {
     constexpr double thin = 0.06;
-    constexpr double first = 0.15;
-    constexpr double thick = 3.0 * first;
+    constexpr double thick = 0.45;
     if (thickness < thin) {
         return {};
     }
     if (thickness < thick) {
-        return {0.0, thickness / 3.0, 2.0 * thickness / 3.0, thickness};
+        return {0.0, thickness / 4.0, thickness / 2.0, 3.0 * thickness / 4.0, thickness};
     }
     std::vector<double> places{0.0};
-    double step = first;
-    constexpr std::size_t most = 5;
-    while (places.size() < most && places.back() + 1.5 * step < thickness) {
-        places.push_back(places.back() + step);
-        step *= places.size() > 2 ? 2.0 : 1.0;
-    }
-    if (places.size() < most) {
-        places.push_back(rounded(thickness, unit::mm));
+    for (const double place : {0.1, 0.2, 0.3, 0.45, 0.7, 1.2}) {
+        if (1.2 * place < thickness) {
+            places.push_back(place);
+        }
     }
     return places;
 }

@@ -73,11 +73,11 @@ TEST(ChannelEvidence, RatioIsThatOfTheDensities) {
     }
 }
 
-TEST(PriorCorrelation, FallsByHalfFromPlaceToPlace) {
+TEST(PriorCorrelation, FallsEvenlyFromPlaceToPlace) {
     const MatrixXd c = prior_correlation(4);
     EXPECT_EQ(c(0, 0), 1.0);
-    EXPECT_EQ(c(1, 2), 0.5);
-    EXPECT_EQ(c(3, 0), 0.125);
+    EXPECT_EQ(c(1, 2), neighbour_correlation);
+    EXPECT_NEAR(c(3, 0), std::pow(neighbour_correlation, 3), 1e-15);
 }
 
 // Under noise alone p is at most 0.05 in 5 % of cases: of 120, in no more than 13 (one of a thousand worlds would).

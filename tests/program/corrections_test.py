@@ -19,7 +19,7 @@ poisson = 0.40
 """
 WHOLE = SUBGRADE.format("subgrade", 1210, 45)
 assert WHOLE in STUDY
-LENS = "\n".join(SUBGRADE.format(*part) for part in (("subgrade", 150, 60), ("lens", 200, 18), ("below", 860, 60)))
+LENS = "\n".join(SUBGRADE.format(*part) for part in (("subgrade", 150, 60), ("lens", 200, 25), ("below", 860, 60)))
 LAYOUT = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + "".join(
     f"fwd,deflection,{x},0,0,0,1,mm,\n" for x in (0, 200, 300, 450, 600, 900, 1200)) + "".join(
     f"fwd,strain_zz,{x},0,{z},75,1,microstrain,\n" for x in (0, 250) for z in (90, 165, 240, 340, 420, 500, 580, 660, 740))
@@ -31,7 +31,7 @@ truth = STUDY.replace(WHOLE, LENS).replace("refine = 0.4", "refine = 0.8").split
 
 def twin(name, study, seed):
     write_study(folder / name, study, LAYOUT, "truth")
-    done = run("twin", folder / name / "truth.toml", "--noise", 0.02, "--seed", seed, "--out", folder / name / "twin")
+    done = run("twin", folder / name / "truth.toml", "--noise", 0.04, "--seed", seed, "--out", folder / name / "twin")
     assert done.returncode == 0, done.stderr
     shutil.copy(folder / name / "twin" / "twin.csv", folder / name / "small.csv")
     return write_study(folder / name, weighted, None, "study")
@@ -77,7 +77,7 @@ first = found["corrections"][0]
 check(first["layer"] == "subgrade" and first["channel"] == "depth", f"the lens lies in the subgrade: {first['layer']} by {first['channel']}")
 check(first["p_familywise"] < 0.01, f"it is not due to chance: p = {first['p_familywise']}")
 softest = min((m, at) for m, at, seen in zip(first["modulus_MPa"], first["at"], first["seen"]) if seen)
-check(100 <= softest[1] <= 400 and softest[0] < 35, f"at 150 to 350 mm it has 18 of 60 MPa: {softest}")
+check(100 <= softest[1] <= 400 and softest[0] < 40, f"at 150 to 350 mm it has 25 of 60 MPa: {softest}")
 check(found["extended"]["chi2"] < 0.5 * found["baseline"]["chi2"], "the correction explains most of what was wrong")
 check(found["gain"]["held_out_rmse_after"] < found["gain"]["held_out_rmse_before"], "readings left out are predicted better")
 
