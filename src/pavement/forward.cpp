@@ -303,6 +303,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
     double unstable = 0.0;
     double limited = 0.0;
     bool wall_is_near = false;
+    double time_error = 0.0;
     for (std::size_t l = 0; l < values.loads.size(); ++l) {
         if (!models_[l] || (!loads.empty() && !loads[l])) {
             continue;
@@ -392,6 +393,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         tension = std::max(tension, s.tension_share);
         unstable = std::max(unstable, s.unstable_share);
         limited = std::max(limited, s.limited_share);
+        time_error = std::max(time_error, s.time_error);
         if (!wall_is_near && !c.half_space && c.settings.extent < 1.99 * c.depth()) {
             wall_is_near = true;
             response.warnings.push_back(
@@ -410,6 +412,11 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
     if (unstable > 0.0) {
         response.warnings.push_back(percent(unstable) + " of the stress-dependent material stiffens as fast as it is "
                                                         "stressed: no stable secant equilibrium there");
+    }
+    if (time_error > 0.01) {
+        response.warnings.push_back(fmt::format("the steps of time ([solver] time_step_ms = {:g}) are too long: readings "
+                                                "under a pulse err by some {:.2g} % of the largest",
+                                                values.settings.time_step / unit::ms, 100.0 * time_error));
     }
     if (limited > 0.0) {
         response.warnings.push_back("the modulus limit of 100,000 MPa was met in " + percent(limited) +

@@ -3,11 +3,13 @@
 #include "base/error.h"
 #include "base/units.h"
 #include "pavement/layered.h"
+#include "pavement/pulse.h"
 #include "pavement/solid_cost.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 #include <numbers>
 #include <unistd.h>
 
@@ -157,7 +159,10 @@ public:
         reading.statistics = followed->statistics;
         for (std::size_t r = 0; r < sensors.size(); ++r) {
             const std::size_t i = sensors[r];
-            const auto read = reading_of(values.sensors[i], *followed, static_cast<Eigen::Index>(r));
+            const auto row = static_cast<Eigen::Index>(r);
+            const auto read = load.is_pulse() ? read_pulse(values.sensors[i], load, followed->moving, row,
+                                                           values.settings.time_step, by)
+                                              : reading_of(values.sensors[i], *followed, row);
             reading.values[i] = read.value;
             reading.derivatives.row(static_cast<Eigen::Index>(i)) = read.rates;
         }
@@ -172,6 +177,14 @@ public:
             return does_not_fit;
         }
         const Eigen::VectorXd force = load.pressure * load.factor * own.unit_load;
+        if (load.is_pulse()) {
+            if constexpr (Element::dim == 2) {
+                const auto marched = own.solver->pulse(layers, force, pulse_of(values, load_), {}, {},
+                                                       values.settings.solver, spring_stiffness(values));
+                return marched ? Outcome<Fields>(fields_of(*own.model, layers, marched->at_largest))
+                               : marched.failure();
+            }
+        }
         if (values.relaxes()) {
             const auto relaxed = own.solver->over_time(layers, force, fe::haversine(load.duration, relaxing_steps), {},
                                                        {}, values.settings.solver, spring_stiffness(values));
@@ -222,7 +235,23 @@ private:
                               const std::vector<fe::Motion<Element>>& motions,
                               const std::vector<std::vector<Observation<Element>>>& observation_rates, Own& own) const {
         Responses responses;
-        if (values.relaxes()) {
+        if (values.loads[load_].is_pulse()) {
+            if constexpr (Element::dim == 2) {
+                const auto march = [&](const fe::Pulse& pulse, const std::vector<fe::Variation>& variations) {
+                    return own.solver->pulse(layers, force, pulse, functionals(values, own), variations,
+                                             values.settings.solver, spring_stiffness(values));
+                };
+                const fe::Pulse pulse = pulse_of(values, load_);
+                const auto coarse = march(coarser(pulse), {});
+                auto fine = coarse ? march(pulse, by) : coarse;
+                if (!fine) {
+                    return fine.failure();
+                }
+                responses.statistics = fine->at_largest.statistics;
+                responses.statistics.time_error = time_error(values, fine->course, coarse->course);
+                responses.moving = std::move(fine->course);
+            }
+        } else if (values.relaxes()) {
             const fe::History history = fe::haversine(values.loads[load_].duration, relaxing_steps);
             auto relaxed = own.solver->over_time(layers, force, history, functionals(values, own), by,
                                                  values.settings.solver, spring_stiffness(values));
@@ -251,6 +280,29 @@ private:
         }
         const bool finite = responses.at_rest.values.allFinite() && responses.moving.values.allFinite();
         return finite ? Outcome<Responses>(std::move(responses)) : not_finite;
+    }
+
+    // The error of the readings of a pulse in its steps, of the largest of their kind, by those in steps twice as long: of
+    // second order, it is a third of the difference.
+    double time_error(const Case& values, const fe::Course& fine, const fe::Course& coarse) const {
+        const std::vector<std::size_t> sensors = sensors_of(values);
+        const Load& load = values.loads[load_];
+        const double step = values.settings.time_step;
+        std::map<Quantity, std::pair<double, double>> of_kind; // largest difference, largest reading
+        for (std::size_t r = 0; r < sensors.size(); ++r) {
+            const Sensor& sensor = values.sensors[sensors[r]];
+            const auto row = static_cast<Eigen::Index>(r);
+            const double value = read_pulse(sensor, load, fine, row, step, {}).value;
+            const double other = read_pulse(sensor, load, coarse, row, 2.0 * step, {}).value;
+            auto& [difference, largest] = of_kind[sensor.quantity];
+            difference = std::max(difference, std::abs(value - other));
+            largest = std::max(largest, std::abs(value));
+        }
+        double error = 0.0;
+        for (const auto& [kind, of] : of_kind) {
+            error = of.second > 0.0 ? std::max(error, of.first / (3.0 * of.second)) : error;
+        }
+        return error;
     }
 
     // One instant: the sensors under the load at rest.
@@ -355,7 +407,7 @@ private:
             const bool moves = wanted != lines;
             if (moves) {
                 lines = wanted;
-                mesh = Kind::mesh_of(std::move(wanted), values);
+                mesh = Kind::mesh_of(std::move(wanted), values, of.load_);
                 auto moved =
                     std::make_unique<fe::Model<Element>>(fe::make_model(mesh, of.model_, springs_of(values, of.load_)));
                 if (solver == nullptr) {
@@ -402,7 +454,7 @@ private:
         motion.load = Eigen::VectorXd::Zero(model_.free_unknowns());
         std::vector<Observation<Element>> rates(values.sensors.size());
         for (const auto& [weight, there] : near) {
-            const auto mesh = Kind::mesh_of(lines_for(Kind::breaks(there, load_)), there);
+            const auto mesh = Kind::mesh_of(lines_for(Kind::breaks(there, load_)), there, load_);
             const auto model = fe::make_model(mesh, model_);
             const auto layers = materials_of(there);
             for (std::size_t q = 0; q < model.points.size(); ++q) {
@@ -475,6 +527,7 @@ std::vector<fe::LayerMaterial> materials_of(const Case& c) {
         m.k0 = layer.k0;
         m.residual_stress = layer.residual_stress;
         m.fields = layer.fields;
+        m.damping_time = layer.damping_time;
         top += layer.thickness;
         stress += m.unit_weight * layer.thickness;
         layers.push_back(std::move(m));
