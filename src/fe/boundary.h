@@ -42,7 +42,8 @@ public:
     Sides matrices() const {
         Sides sides = zero();
         each_side([&](int e, bool is_wall) {
-            add_side(e, is_wall, mean(e), [](double value) { return value; }, sides);
+            add_side(
+                e, is_wall, mean(e), [](double value) { return value; }, sides);
         });
         return sides;
     }
@@ -56,7 +57,8 @@ public:
                 if (sides.dashpots.empty()) {
                     sides = zero();
                 }
-                add_side(e, is_wall, elasticity, [](const Real& value) { return value.d[0]; }, sides);
+                add_side(
+                    e, is_wall, elasticity, [](const Real& value) { return value.d[0]; }, sides);
             }
         });
         return sides;

@@ -100,8 +100,8 @@ struct Memory {
     }
 };
 
-inline std::vector<Memory> memories_of(const std::vector<LayerMaterial>& layers, const std::vector<Variation>& variations,
-                                Eigen::Index unknowns) {
+inline std::vector<Memory> memories_of(const std::vector<LayerMaterial>& layers,
+                                       const std::vector<Variation>& variations, Eigen::Index unknowns) {
     const auto count = static_cast<Eigen::Index>(variations.size());
     std::vector<Memory> memories;
     for (std::size_t l = 0; l < layers.size(); ++l) {

@@ -1,5 +1,6 @@
 #include "fe/boundary.h"
 #include "fe/memory.h"
+#include "fe/rates.h"
 #include "fe/solver_work.h"
 
 #include <algorithm>
@@ -12,6 +13,19 @@ void add(double factor, const std::vector<double>& values, std::vector<double>& 
     for (std::size_t i = 0; i < values.size(); ++i) {
         to[i] += factor * values[i];
     }
+}
+
+// A matrix of few entries.
+Spring sparse(const Pattern& lower, const std::vector<double>& values) {
+    Spring matrix;
+    for (int j = 0; j < lower.size && !values.empty(); ++j) {
+        for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
+            if (values[static_cast<std::size_t>(k)] != 0.0) {
+                matrix.entries.push_back({lower.row[k], j, k, values[static_cast<std::size_t>(k)]});
+            }
+        }
+    }
+    return matrix;
 }
 
 // Mass: of every layer, or by the unit weight of one.
@@ -71,12 +85,16 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
     w.set_moduli(now.stress, now.d_stress);
     const OpenSides<Work> open_sides(w);
     const Sides sides = open_sides.matrices();
+    const Spring dashpots = sparse(lower, sides.dashpots);
     const std::vector<double> mass = mass_of(w, nullptr);
-    std::vector<Sides> side_rates;
+    std::vector<Spring> spring_rates;
+    std::vector<Spring> dashpot_rates;
     std::vector<std::vector<double>> mass_rates;
     for (int k = 0; k < count; ++k) {
         const Variation& v = variations[static_cast<std::size_t>(k)];
-        side_rates.push_back(open_sides.rates(k));
+        const Sides rates = open_sides.rates(k);
+        spring_rates.push_back(sparse(lower, rates.springs));
+        dashpot_rates.push_back(sparse(lower, rates.dashpots));
         mass_rates.push_back(v.kind == Kind::unit_weight ? mass_of(w, &v) : std::vector<double>());
     }
 
@@ -91,13 +109,8 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
     Eigen::MatrixXd load_rate;
     w.set_load_rates(load, load_rate);
     Eigen::VectorXd v = Eigen::VectorXd::Zero(unknowns);
-    Eigen::MatrixXd dv = Eigen::MatrixXd::Zero(unknowns, count);
-    const auto product = [&](const std::vector<double>& values, double factor,
-                             const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> y) {
-        if (!values.empty()) {
-            add_product(lower, values, factor, x, y);
-        }
-    };
+    Rates dv = Rates::Zero(unknowns, count);
+    Rates rows(unknowns, count);
     const auto of_layer = [&](std::size_t layer, double factor, const Eigen::Ref<const Eigen::VectorXd>& x,
                               Eigen::Ref<Eigen::VectorXd> y) {
         add_product(lower, w.held[layer].values, factor * w.prepared[layer].modulus, x, y);
@@ -105,8 +118,8 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
 
     const auto n = static_cast<Eigen::Index>(readings.size());
     const std::size_t steps = pulse.means.size();
-    const auto largest = static_cast<std::size_t>(std::max_element(pulse.means.begin(), pulse.means.end()) -
-                                                  pulse.means.begin());
+    const auto largest =
+        static_cast<std::size_t>(std::max_element(pulse.means.begin(), pulse.means.end()) - pulse.means.begin());
     Marched<Element> result;
     result.course = Course(n, steps, count, false);
     Course& course = result.course;
@@ -149,9 +162,14 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
 
         Eigen::MatrixXd& right = change.du;
         right = factor * load_rate;
+        if (count > 0) {
+            rows.setZero();
+            add_product(lower, mass, Rates((2.0 / h) * dv), rows);
+            add_product(lower, lasting, Rates(-now.du), rows);
+            right += rows;
+        }
         for (int k = 0; k < count; ++k) {
             auto column = right.col(k);
-            add_product(lower, lasting, -1.0, now.du.col(k), column);
             w.subtract_force(now.d_stress, count, k, column);
             for (const Memory& m : memories) {
                 of_layer(m.layer, -1.0, m.before_rate(h / 2.0, now.u, now.du.col(k), k), column);
@@ -175,10 +193,11 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
             for (int k = 0; k < count; ++k) {
                 auto column = right.col(k);
                 const Variation& variation = variations[static_cast<std::size_t>(k)];
-                add_product(lower, mass, 4.0 / h, dv.col(k), column);
-                product(mass_rates[static_cast<std::size_t>(k)], 4.0 / h, v - du / h, column);
-                product(side_rates[static_cast<std::size_t>(k)].springs, -1.0, both, column);
-                product(side_rates[static_cast<std::size_t>(k)].dashpots, -2.0 / h, du, column);
+                if (const auto& rate = mass_rates[static_cast<std::size_t>(k)]; !rate.empty()) {
+                    add_product(lower, rate, 4.0 / h, v - du / h, column);
+                }
+                spring_rates[static_cast<std::size_t>(k)].add_product(both.data(), -1.0, column.data());
+                dashpot_rates[static_cast<std::size_t>(k)].add_product(du.data(), -2.0 / h, column.data());
                 w.subtract_linear_rate(k, both, by, column.data());
                 for (const Memory& m : memories) {
                     of_layer(m.layer, -m.share_rate(h / 2.0, k), du, column);
@@ -206,7 +225,7 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
 
         result.work += factor * load.dot(du);
         Eigen::VectorXd resisting = Eigen::VectorXd::Zero(unknowns);
-        add_product(lower, sides.dashpots, 1.0 / h, du, resisting);
+        dashpots.add_product(du.data(), 1.0 / h, resisting.data());
         result.absorbed += resisting.dot(du);
         now.add(1.0, change);
         v = 2.0 / h * du - v;

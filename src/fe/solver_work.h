@@ -778,8 +778,8 @@ struct Solver<Element>::Work {
             value += weight * p.modulus * direction.dot(unit(e, g) * strain);
             for (int k = 0; k < count(); ++k) {
                 const Stress rate = Element::strain(point(e, g), model->gather(e, by.du[layer]->col(k).data()));
-                rates[k] += weight * direction.dot(p.modulus * (unit(e, g) * rate) +
-                                                   linear_stiffness_rate(e, g, k) * strain);
+                rates[k] +=
+                    weight * direction.dot(p.modulus * (unit(e, g) * rate) + linear_stiffness_rate(e, g, k) * strain);
             }
         }
     }

@@ -282,8 +282,8 @@ private:
         return finite ? Outcome<Responses>(std::move(responses)) : not_finite;
     }
 
-    // The error of the readings of a pulse in its steps, of the largest of their kind, by those in steps twice as long: of
-    // second order, it is a third of the difference.
+    // The error of the readings of a pulse in its steps, of the largest of their kind, by those in steps twice as long:
+    // of second order, it is a third of the difference.
     double time_error(const Case& values, const fe::Course& fine, const fe::Course& coarse) const {
         const std::vector<std::size_t> sensors = sensors_of(values);
         const Load& load = values.loads[load_];

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace pave::pavement {
 
@@ -116,8 +117,14 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch, bool has_history)
                                "with a history: added to the times of readings to get those of the history",
                                nullptr,
                                [](Load& l) -> double& { return l.time_shift; }};
+    static const KeyInfo largest_pressure = [] {
+        KeyInfo key = pressure;
+        key.default_value = std::numeric_limits<double>::quiet_NaN();
+        key.meaning = "the largest contact pressure, in place of that of the history";
+        return key;
+    }();
     static const KeyInfo plate[] = {radius, pressure, duration};
-    static const KeyInfo recorded[] = {radius, pressure, shift};
+    static const KeyInfo recorded[] = {radius, largest_pressure, shift};
     static const KeyInfo wheel_circle[] = {force, tyre_pressure, duration};
     static const KeyInfo wheel[] = {force, tyre_pressure, width, duration};
     static const KeyInfo dual_circle[] = {force, tyre_pressure, spacing, duration};
@@ -387,9 +394,7 @@ std::optional<Derivative> direct_derivative(const Case& c, const Parameter& para
     if (key == "density_kg_m3") {
         return one_term({.kind = Kind::unit_weight, .layer = parameter.owner}, unit::gravity);
     }
-    const Kind kind = key == "k0"                ? Kind::k0
-                      : key == "damping_time_ms" ? Kind::damping
-                                                 : Kind::residual_stress;
+    const Kind kind = key == "k0" ? Kind::k0 : key == "damping_time_ms" ? Kind::damping : Kind::residual_stress;
     return one_term({.kind = kind, .layer = parameter.owner}, parameter.to_si);
 }
 

@@ -4,42 +4,37 @@
 #include <cmath>
 
 namespace pave::pavement {
-namespace {
-
-// The integral of the share of the pressure from the first sample to a time [s].
-double impulse_until(const Load& load, double time) {
-    double sum = 0.0;
-    for (std::size_t i = 1; i < load.history.size(); ++i) {
-        const auto& [t0, s0] = load.history[i - 1];
-        const auto& [t1, s1] = load.history[i];
-        if (time <= t0) {
-            break;
-        }
-        const double t = std::min(time, t1);
-        const double s = s0 + (s1 - s0) * (t - t0) / (t1 - t0);
-        sum += (s0 + s) / 2.0 * (t - t0);
-    }
-    return sum;
-}
-
-} // namespace
-
-fe::Pulse pulse_of(const Case& c, int number) {
+std::size_t steps_of(const Case& c, int number) {
     const Load& load = c.loads[static_cast<std::size_t>(number)];
-    const double start = load.history.front().time;
     double end = load.history.back().time;
     for (const Sensor& sensor : c.sensors) {
         if (sensor.load == number && sensor.time) {
             end = std::max(end, *sensor.time + load.time_shift);
         }
     }
-    fe::Pulse pulse{.step = c.settings.time_step, .means = {}};
-    const auto steps = static_cast<std::size_t>(std::ceil((end - start) / pulse.step - 1e-9));
+    return static_cast<std::size_t>(std::ceil((end - load.history.front().time) / c.settings.time_step - 1e-9));
+}
+
+fe::Pulse pulse_of(const Case& c, int number) {
+    const auto& samples = c.loads[static_cast<std::size_t>(number)].history;
+    fe::Pulse pulse{.step = c.settings.time_step, .means = std::vector<double>(steps_of(c, number))};
+    std::size_t i = 0; // of the sample before
+    double impulse = 0.0;
     double before = 0.0;
-    for (std::size_t i = 1; i <= steps; ++i) {
-        const double until = impulse_until(load, start + static_cast<double>(i) * pulse.step);
-        pulse.means.push_back((until - before) / pulse.step);
-        before = until;
+    for (std::size_t step = 0; step < pulse.means.size(); ++step) {
+        const double until = samples.front().time + static_cast<double>(step + 1) * pulse.step;
+        const auto part = [&](double time) { // of the impulse after sample i
+            const double share = (time - samples[i].time) / (samples[i + 1].time - samples[i].time);
+            const double there = samples[i].share + share * (samples[i + 1].share - samples[i].share);
+            return (samples[i].share + there) / 2.0 * (time - samples[i].time);
+        };
+        while (i + 1 < samples.size() && samples[i + 1].time <= until) {
+            impulse += part(samples[i + 1].time);
+            ++i;
+        }
+        const double now = impulse + (i + 1 < samples.size() ? part(until) : 0.0);
+        pulse.means[step] = (now - before) / pulse.step;
+        before = now;
     }
     return pulse;
 }

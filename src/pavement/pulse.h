@@ -5,8 +5,11 @@
 
 namespace pave::pavement {
 
-// The history of a load in steps of the settings, from its first sample to its last one or the last reading under it,
-// whichever is later. The impulse of a step is that of the samples.
+// How many steps of the settings lead from the first sample of a history to its last one or the last reading under the
+// load, whichever is later.
+std::size_t steps_of(const Case& c, int load);
+
+// The history of a load in these steps. The impulse of a step is that of the samples.
 fe::Pulse pulse_of(const Case& c, int load);
 
 // The same in steps twice as long.

@@ -148,8 +148,8 @@ TEST(Pulse, ConvergesInTimeAndSpaceToTheWavesOfAColumn) {
     EXPECT_LT(error(32, 2.5e-5), 1e-4);
 }
 
-// What comes down meets dashpots of its own impedance, which take it, beside springs k: with g the wave that comes back,
-// 2 density speed g' = -k u there. k is Boussinesq's ratio, 2 G/length below the origin for Poisson's ratio 0.
+// What comes down meets dashpots of its own impedance, which take it, beside springs k: with g the wave that comes
+// back, 2 density speed g' = -k u there. k is Boussinesq's ratio, 2 G/length below the origin for Poisson's ratio 0.
 TEST(Pulse, LeavesAColumnThroughAnOpenBottom) {
     const double c = Column::speed();
     const double impedance = Column::density * c;
@@ -177,7 +177,8 @@ TEST_P(PulseOnLayers, IsThatOfTheTransformSolution) {
     Case c = layered_section(GetParam());
     std::vector<reference::MovingLayer> layers;
     for (const Layer& layer : c.layers) {
-        layers.push_back({layer.thickness, layer.parameters[0], layer.parameters[1], layer.density, layer.damping_time});
+        layers.push_back(
+            {layer.thickness, layer.parameters[0], layer.parameters[1], layer.density, layer.damping_time});
     }
     const std::vector<double> radii{0.0, 0.3, 0.6, 0.9, 1.2, 1.8};
     std::vector<double> times;
@@ -251,10 +252,16 @@ TEST(Pulse, IsTheLoadAtRestWhenItIsSlow) {
 
 TEST(Pulse, HasExactDerivatives) {
     Case c = captif_in_motion();
-    c.layers[0] = {"asphalt", 0.15, 2200.0, 0.5, 0.0, material::find_law("viscoelastic"),
+    c.layers[0] = {"asphalt",
+                   0.15,
+                   2200.0,
+                   0.5,
+                   0.0,
+                   material::find_law("viscoelastic"),
                    {10e9, 0.35, 20.0, 20.0, 261e3, 0.5, 0.01, 0.2, 0.1, 0.0, 1.0, 0.0, 10.0}};
     c.layers[0].damping_time = 1e-4;
-    c.sensors = {deflection(0.0), deflection(0.9), strain_zz(0.2, 0.075), {0, Quantity::stress_zz, 0.0, 0.0, 0.25, 0.0}};
+    c.sensors = {
+        deflection(0.0), deflection(0.9), strain_zz(0.2, 0.075), {0, Quantity::stress_zz, 0.0, 0.0, 0.25, 0.0}};
     for (const double time : {0.0082, 0.0141, 0.0213}) {
         for (std::size_t i = 0; i < 4; ++i) {
             c.sensors.push_back(c.sensors[i]);
@@ -267,10 +274,10 @@ TEST(Pulse, HasExactDerivatives) {
         const auto workspace = model.make_workspace();
         std::vector<Parameter> parameters;
         for (const char* path :
-             {"asphalt.modulus_MPa", "asphalt.tau1_s", "asphalt.damping_time_ms", "asphalt.density_kg_m3",
-              "base.k1", "base.k2", "base.k3", "base.n", "base.density_kg_m3", "base.damping_time_ms",
-              "subgrade.modulus_MPa", "subgrade.poisson", "subgrade.density_kg_m3", "subgrade.damping_time_ms",
-              "fwd.pressure_kPa", "fwd.time_shift_ms"}) {
+             {"asphalt.modulus_MPa", "asphalt.tau1_s", "asphalt.damping_time_ms", "asphalt.density_kg_m3", "base.k1",
+              "base.k2", "base.k3", "base.n", "base.density_kg_m3", "base.damping_time_ms", "subgrade.modulus_MPa",
+              "subgrade.poisson", "subgrade.density_kg_m3", "subgrade.damping_time_ms", "fwd.pressure_kPa",
+              "fwd.time_shift_ms"}) {
             parameters.push_back(find_parameter(c, path, {}));
         }
         const auto exact = model.run(c, parameters, *workspace);

@@ -35,7 +35,8 @@ struct Waves {
             const double far = up == 0 ? z : thickness - z;
             const Complex p = std::exp(-alpha * far);
             const Complex s = std::exp(-beta * far);
-            f.col(2 * up) << -k * p, sign * alpha * p, (2.0 * mu * k * k - w2_rho) * p, -mu * k * 2.0 * sign * alpha * p;
+            f.col(2 * up) << -k * p, sign * alpha * p, (2.0 * mu * k * k - w2_rho) * p,
+                -mu * k * 2.0 * sign * alpha * p;
             f.col(2 * up + 1) << -k * sign * beta * s, k * k * s, 2.0 * mu * k * k * sign * beta * s,
                 -mu * k * (2.0 * k * k - w2_cs2) * s;
         }
@@ -57,7 +58,8 @@ Complex compliance(std::span<const MovingLayer> layers, bool half_space, Complex
     a.block(0, 0, 2, width(0)) = waves[0].at(0.0).bottomRows(2).leftCols(width(0));
     b[0] = -1.0;
     for (Eigen::Index i = 0; i + 1 < n; ++i) {
-        a.block(2 + 4 * i, 4 * i, 4, 4) = waves[static_cast<std::size_t>(i)].at(waves[static_cast<std::size_t>(i)].thickness);
+        a.block(2 + 4 * i, 4 * i, 4, 4) =
+            waves[static_cast<std::size_t>(i)].at(waves[static_cast<std::size_t>(i)].thickness);
         a.block(2 + 4 * i, 4 * i + 4, 4, width(i + 1)) =
             -waves[static_cast<std::size_t>(i + 1)].at(0.0).leftCols(width(i + 1));
     }
@@ -113,7 +115,8 @@ std::vector<std::vector<double>> layered_pulse(std::span<const MovingLayer> laye
         }
         // For large k the layer on top, at rest.
         const double nu = layers[0].poisson;
-        const Complex limit = 2.0 * (1.0 - nu * nu) / (layers[0].modulus * (1.0 + Complex(0.0, 1.0) * w * layers[0].damping_time));
+        const Complex limit =
+            2.0 * (1.0 - nu * nu) / (layers[0].modulus * (1.0 + Complex(0.0, 1.0) * w * layers[0].damping_time));
         std::vector<Complex> sum(radii.size());
         for (std::size_t i = 0; i < radii.size(); ++i) {
             sum[i] = limit * at_infinity[i];

@@ -4,11 +4,13 @@
 // Fourier transform in time, Hankel transform in the distance, and in each layer the downward and upward P and SV waves
 // of the potentials phi and psi,
 //     u_r = -k (phi + psi') J1(k r),    u_z = (phi' + k^2 psi) J0(k r),
-//     sigma_zz = ((2 mu k^2 - rho w^2) phi + 2 mu k^2 psi') J0,   sigma_rz = -mu k (2 phi' + (2 k^2 - w^2/cs^2) psi) J1,
-// whose amplitudes follow from the surface, the interfaces and the bottom: W. T. Thomson (1950), "Transmission of elastic
-// waves through a stratified solid medium"; E. Kausel, "Fundamental Solutions in Elastodynamics" (2006), chapter 10. The
-// frequency has an imaginary part (Kausel and Roesset 1992, "Frequency domain analysis of undamped systems"), so that
-// what comes before and after the window fades. Damping: stress = D (strain + damping_time d(strain)/dt).
+//     sigma_zz = ((2 mu k^2 - rho w^2) phi + 2 mu k^2 psi') J0,   sigma_rz = -mu k (2 phi' + (2 k^2 - w^2/cs^2) psi)
+//     J1,
+// whose amplitudes follow from the surface, the interfaces and the bottom: W. T. Thomson (1950), "Transmission of
+// elastic waves through a stratified solid medium"; E. Kausel, "Fundamental Solutions in Elastodynamics" (2006),
+// chapter 10. The frequency has an imaginary part (Kausel and Roesset 1992, "Frequency domain analysis of undamped
+// systems"), so that what comes before and after the window fades. Damping: stress = D (strain + damping_time
+// d(strain)/dt).
 #pragma once
 
 #include <span>
@@ -17,10 +19,10 @@
 namespace pave::reference {
 
 struct MovingLayer {
-    double thickness; // m; ignored for the last layer of a stack on a half-space
-    double modulus;   // Pa
-    double poisson;   // -
-    double density;   // kg/m3
+    double thickness;    // m; ignored for the last layer of a stack on a half-space
+    double modulus;      // Pa
+    double poisson;      // -
+    double density;      // kg/m3
     double damping_time; // s
 };
 

@@ -94,6 +94,10 @@ int main() {
     for (const auto& [name, kind] : loads) {
         fmt::print("\n### `{}`\n\n", name);
         table(pavement::load_keys(kind.first, kind.second));
+        if (kind.first == pavement::LoadType::plate) {
+            fmt::print("\nWith a `history` (the pressure is its largest):\n\n");
+            table(pavement::load_keys(kind.first, kind.second, true));
+        }
     }
     fmt::print("\n## Effects\n\n| effect | unit of `size` | range | no effect | typical | what it is |\n"
                "|---|---|---|---:|---:|---|\n");
