@@ -1,5 +1,6 @@
 """Whole pulses: readings in time, wrong histories, runs that keep and know their history, and a twin whose floor is found."""
 import json
+import re
 
 from support import *
 
@@ -40,7 +41,10 @@ refine = 0.5
 [data]
 files = ["small.csv"]
 misfit = "weighted"
-noise_relative = 0.02
+
+[data.noise]
+relative = 0.02
+absolute = { um = 2 }
 
 [[parameters]]
 name = "subgrade.modulus_MPa"
@@ -121,8 +125,10 @@ refused("too many steps", ["too many steps", "time_step_ms"], "small.toml:", stu
 shutil.copy(folder / "forward" / "force.csv", folder / "twin")
 done = run("twin", path, "--noise", 0.02, "--out", folder / "twin")
 check(done.returncode == 0, f"twin: {done.stderr}")
-(folder / "twin" / "twin.csv").rename(folder / "twin" / "small.csv")
-check((folder / "twin" / "small.csv").read_text().count("time_ms") == 1, "the twin has its times")
+made = (folder / "twin" / "twin.csv").read_text()
+check(made.count("time_ms") == 1, "the twin has its times")
+# Without the twin's own sigma, which is next to nothing where a reading passes through zero.
+(folder / "twin" / "small.csv").write_text(re.sub(r",[\d.e-]+$", ",", made, flags=re.M))
 (folder / "twin" / "small.toml").write_text(STUDY.replace("modulus_MPa = 80", "modulus_MPa = 60").replace("thickness_mm = 2000", "thickness_mm = 3000"))
 out = folder / "twin" / "out"
 done = run("fit", folder / "twin" / "small.toml", "--explore", 16, "--starts", 1, "--out", out, "--json")
