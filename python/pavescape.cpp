@@ -106,6 +106,9 @@ public:
             row["y_mm"] = reading.y_mm;
             row["depth_mm"] = reading.depth_mm;
             row["gauge_mm"] = reading.gauge_mm;
+            if (reading.time_ms) {
+                row["time_ms"] = *reading.time_ms;
+            }
             row["unit"] = std::string(reading.unit.name);
             if (!reading.is_measured()) {
                 row["name"] = reading.output;

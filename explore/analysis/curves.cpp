@@ -18,6 +18,9 @@ std::vector<Curve> lines_of(const study::Study& study, const study::Group& group
     for (const bool by_depth : {false, true}) {
         for (const std::size_t row : group.rows) {
             const data::Reading& r = study.readings[row];
+            if (r.time_ms) { // it stands in a history
+                continue;
+            }
             const auto on_line = [&](const Curve& c) {
                 return c.by_depth == by_depth && c.y_mm == r.y_mm && c.gauge_mm == r.gauge_mm &&
                        (by_depth ? c.x_mm == r.x_mm : c.depth_mm == r.depth_mm);

@@ -24,11 +24,12 @@ std::vector<double> relative_errors(const study::Study& study, const pave::Rando
     const auto place = [&](Eigen::Index i) {
         return study::noise_place(study.model.sensors[static_cast<std::size_t>(i)]);
     };
-    if (const double length = study.data.noise_correlation_length; length > 0.0) {
+    if (study.data.correlates_readings()) {
         Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n);
         for (Eigen::Index i = 0; i < n; ++i) {
             for (Eigen::Index j = 0; j < i; ++j) {
-                correlation(i, j) = correlation(j, i) = data::own_correlation(place(i), place(j), length);
+                correlation(i, j) = correlation(j, i) = data::own_correlation(
+                    place(i), place(j), study.data.noise_correlation_length, study.data.noise_correlation_time);
             }
         }
         own = correlation.llt().matrixL() * own;

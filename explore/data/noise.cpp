@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace explore::data {
 namespace {
@@ -36,11 +37,18 @@ double Noise::slope(double model, double measured) const {
     return 1.0 / std::hypot(std::max(absolute, least_absolute * relative * std::abs(measured)), relative * model);
 }
 
-double own_correlation(const NoisePlace& a, const NoisePlace& b, double length) {
-    if (a.load != b.load || a.load < 0 || a.quantity != b.quantity || length <= 0.0) {
+double own_correlation(const NoisePlace& a, const NoisePlace& b, double length, double time) {
+    if (a.load != b.load || a.load < 0 || a.quantity != b.quantity || a.time.has_value() != b.time.has_value() ||
+        (length <= 0.0 && time <= 0.0)) {
         return 0.0;
     }
-    return std::exp(-std::hypot(a.x - b.x, a.y - b.y, a.depth - b.depth) / length);
+    // How far apart they are, in units of what keeps errors alike.
+    const auto over = [](double difference, double scale) {
+        return difference == 0.0 ? 0.0 : scale > 0.0 ? difference / scale : std::numeric_limits<double>::infinity();
+    };
+    const double distance = std::hypot(a.x - b.x, a.y - b.y, a.depth - b.depth);
+    const double difference = a.time ? std::abs(*a.time - *b.time) : 0.0;
+    return std::exp(-over(distance, length) - over(difference, time));
 }
 
 } // namespace explore::data

@@ -1,6 +1,8 @@
 // What a reading states of its error, and a residual in units of it.
 #pragma once
 
+#include <optional>
+
 namespace explore::data {
 
 // The stated error of a reading: its standard deviation is sqrt(absolute^2 + (relative v)^2), v the value without
@@ -18,8 +20,9 @@ struct Noise {
     double relative = 0.0;
     // What the readings of a load have in common. The share of `relative` that is one error for all of them:
     double common_relative = 0.0;
-    // The rest of the errors of two readings of one quantity: their correlation is exp(-distance / this) [m]; 0: none.
-    double correlation_length = 0.0;
+    // The rest of the errors of two readings of one quantity: see own_correlation().
+    double correlation_length = 0.0; // m
+    double correlation_time = 0.0;   // s
     // Of Student's t distribution, whose scale the deviations then are: more large errors than a normal one has; 0:
     // normal.
     double degrees = 0.0;
@@ -37,9 +40,11 @@ struct NoisePlace {
     int load = -1; // index; negative: its noise is correlated with none
     int quantity = 0;
     double x = 0.0, y = 0.0, depth = 0.0; // m
+    std::optional<double> time{};         // s; none: of the load as a whole
 };
-// Correlation of the errors of two readings without those in common: exp(-distance / length), 0 between readings of
-// different loads or quantities and for length 0. Positive definite over places that differ (Matern 1960, order 1/2).
-double own_correlation(const NoisePlace& a, const NoisePlace& b, double length);
+// Correlation of the errors of two readings without those in common: exp(-distance / length - difference of times /
+// time). 0 between readings of different loads or quantities, at different places for length 0, at different times for
+// time 0, and where both are 0. Positive definite over places and times that differ (Matern 1960, order 1/2).
+double own_correlation(const NoisePlace& a, const NoisePlace& b, double length, double time = 0.0);
 
 } // namespace explore::data

@@ -10,9 +10,9 @@
 namespace explore::data {
 namespace {
 
-enum Column : std::size_t { load, quantity, x_mm, y_mm, depth_mm, gauge_mm, value, unit, sigma, columns };
-constexpr std::array<std::string_view, columns> names = {"load",     "quantity", "x_mm", "y_mm", "depth_mm",
-                                                         "gauge_mm", "value",    "unit", "sigma"};
+enum Column : std::size_t { load, quantity, x_mm, y_mm, depth_mm, gauge_mm, value, unit, sigma, time_ms, columns };
+constexpr std::array<std::string_view, columns> names = {"load",     "quantity", "x_mm", "y_mm",  "depth_mm",
+                                                         "gauge_mm", "value",    "unit", "sigma", "time_ms"};
 
 } // namespace
 
@@ -34,7 +34,9 @@ const Unit& unit_named(std::string_view name) {
 }
 
 std::string Reading::label() const {
-    return is_measured() ? fmt::format("{}@{:g},{:g},{:g}", group(), x_mm, y_mm, depth_mm) : output;
+    return is_measured() ? fmt::format("{}@{:g},{:g},{:g}", group(), x_mm, y_mm, depth_mm) +
+                               (time_ms ? fmt::format(",{:g}ms", *time_ms) : "")
+                         : output;
 }
 
 std::string Reading::label_with_unit() const {
@@ -52,7 +54,7 @@ std::string Reading::place_words() const {
 }
 
 std::string Reading::words() const {
-    return place_words() + " under " + load;
+    return place_words() + " under " + load + (time_ms ? fmt::format(" at {:g} ms", *time_ms) : "");
 }
 
 std::string_view measurement_header() {
@@ -62,6 +64,25 @@ std::string_view measurement_header() {
 std::string measurement_row(const Reading& r) {
     return fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_cell(r.load), r.quantity, r.x_mm, r.y_mm, r.depth_mm,
                        r.gauge_mm, r.value, r.unit.name, r.sigma ? fmt::format("{}", *r.sigma) : "");
+}
+
+bool has_times(std::span<const Reading> readings) {
+    return std::any_of(readings.begin(), readings.end(), [](const Reading& r) { return r.time_ms.has_value(); });
+}
+
+std::string measurement_rows(std::span<const Reading> readings) {
+    if (!has_times(readings)) {
+        std::string text = fmt::format("{}\n", measurement_header());
+        for (const Reading& r : readings) {
+            text += measurement_row(r);
+        }
+        return text;
+    }
+    std::string text = fmt::format("time_ms,{}\n", measurement_header());
+    for (const Reading& r : readings) {
+        text += (r.time_ms ? fmt::format("{},", *r.time_ms) : ",") + measurement_row(r);
+    }
+    return text;
 }
 
 std::vector<Reading> measurements_of(std::string_view text, const std::string& file) {
@@ -88,7 +109,7 @@ std::vector<Reading> measurements_of(std::string_view text, const std::string& f
         place = i;
     }
     for (std::size_t c = 0; c < columns; ++c) {
-        if (place_of[c] == rows[0].cells.size()) {
+        if (c != time_ms && place_of[c] == rows[0].cells.size()) {
             throw pave::Error({.file = file, .line = rows[0].line, .key = std::string(names[c])}, "column missing", {},
                               header_words);
         }
@@ -136,6 +157,9 @@ std::vector<Reading> measurements_of(std::string_view text, const std::string& f
                 throw pave::Error(place(sigma), "a standard deviation must be positive", std::string(cell(sigma)),
                                   "more than 0, or empty");
             }
+        }
+        if (place_of[time_ms] < row.cells.size() && !cell(time_ms).empty()) {
+            m.time_ms = cell_number(time_ms);
         }
         measurements.push_back(std::move(m));
     }

@@ -13,7 +13,7 @@ namespace {
 
 double correlation(const Misfit::Term& a, const Misfit::Term& b) {
     const double own = a.noise.own_deviation(a.measured) * b.noise.own_deviation(b.measured) *
-                       data::own_correlation(a.place, b.place, a.noise.correlation_length);
+                       data::own_correlation(a.place, b.place, a.noise.correlation_length, a.noise.correlation_time);
     const double common = a.noise.common_relative * a.measured * b.noise.common_relative * b.measured;
     return (own + common) / (a.noise.deviation(a.measured) * b.noise.deviation(b.measured));
 }
@@ -27,7 +27,8 @@ Misfit::Misfit(MisfitKind kind, std::vector<Term> terms) : kind_(kind), terms_(s
     std::map<int, std::vector<Eigen::Index>> loads;
     for (std::size_t i = 0; i < terms_.size(); ++i) {
         const Term& t = terms_[i];
-        if (t.place.load >= 0 && (t.noise.common_relative > 0.0 || t.noise.correlation_length > 0.0)) {
+        if (t.place.load >= 0 &&
+            (t.noise.common_relative > 0.0 || t.noise.correlation_length > 0.0 || t.noise.correlation_time > 0.0)) {
             loads[t.place.load].push_back(static_cast<Eigen::Index>(i));
         }
     }

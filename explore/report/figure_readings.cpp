@@ -16,6 +16,7 @@ namespace {
 struct Place {
     std::size_t index = 0; // of the reading
     double x = 0.0, y = 0.0, depth = 0.0, gauge = 0.0, measured = 0.0, sigma = none;
+    double time = none; // ms
     bool held_out = false;
 };
 struct Group {
@@ -40,6 +41,7 @@ std::vector<Group> groups_of(const Json& readings) {
         place.y = r.at("y_mm").get<double>();
         place.depth = r.at("depth_mm").get<double>();
         place.gauge = r.value("gauge_mm", 0.0);
+        place.time = r.value("time_ms", none);
         place.measured = r.at("measured").get<double>();
         if (r.at("unit") != group->unit) { // of another file: no line joins them
             continue;
@@ -62,6 +64,11 @@ std::string place_words(const Place& p) {
     return text + " mm";
 }
 
+// Whether readings of a group are drawn over time: those that have none are left out then.
+bool is_over_time(const Group& group) {
+    return std::any_of(group.places.begin(), group.places.end(), [](const Place& p) { return !std::isnan(p.time); });
+}
+
 // Limits with a margin around values.
 void fit_range(PlotAxis& axis, double low, double high, int ticks) {
     const double margin = high > low ? 0.06 * (high - low) : std::max(1e-9, 0.1 * std::abs(high));
@@ -70,7 +77,7 @@ void fit_range(PlotAxis& axis, double low, double high, int ticks) {
     axis.ticks = round_ticks(axis.low, axis.high, false, ticks);
 }
 
-// Readings that one line joins: of one depth along x, or of one x over the depth.
+// Readings that one line joins: of one depth along x, of one x over the depth, or of one place over time.
 struct Strand {
     std::string name;
     std::vector<const Place*> places;
@@ -121,11 +128,19 @@ DataTable readings_table(const std::string& name, const Json& readings, const st
     if (residuals) {
         table.columns = {"load", "quantity", "x_mm", "y_mm", "depth_mm", "held_out", "model", "residual_in_deviations"};
     }
+    const bool has_times =
+        std::any_of(readings.begin(), readings.end(), [](const Json& r) { return r.contains("time_ms"); });
+    if (has_times) {
+        table.columns.insert(table.columns.begin() + 5, "time_ms");
+    }
     for (std::size_t i = 0; i < readings.size(); ++i) {
         const Json& r = readings[i];
-        const std::vector<std::string> where{r.at("load").get<std::string>(), r.at("quantity").get<std::string>(),
-                                             mm(r.at("x_mm").get<double>()), mm(r.at("y_mm").get<double>()),
-                                             mm(r.at("depth_mm").get<double>())};
+        std::vector<std::string> where{r.at("load").get<std::string>(), r.at("quantity").get<std::string>(),
+                                       mm(r.at("x_mm").get<double>()), mm(r.at("y_mm").get<double>()),
+                                       mm(r.at("depth_mm").get<double>())};
+        if (has_times) {
+            where.push_back(r.contains("time_ms") ? mm(r.at("time_ms").get<double>()) : "");
+        }
         const auto add = [&](std::initializer_list<std::string> rest) {
             auto row = where;
             row.insert(row.end(), rest);
@@ -178,12 +193,17 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
             depths.insert(p.depth);
             feet.insert({p.x, p.y});
         }
-        const bool by_depth = depths.size() > 1 && feet.size() <= depths.size();
+        const bool over_time = is_over_time(group);
+        const bool by_depth = !over_time && depths.size() > 1 && feet.size() <= depths.size();
         std::vector<Strand> strands;
         for (const Place& p : group.places) {
+            if (over_time && std::isnan(p.time)) {
+                continue;
+            }
             const std::string name =
-                by_depth ? (feet.size() > 1 ? "x = " + mm(p.x) + (p.y != 0.0 ? ", y = " + mm(p.y) : "") + " mm" : "")
-                         : (depths.size() > 1 ? mm(p.depth) + " mm deep" : "");
+                over_time  ? (depths.size() + feet.size() > 2 ? place_words(p) : "")
+                : by_depth ? (feet.size() > 1 ? "x = " + mm(p.x) + (p.y != 0.0 ? ", y = " + mm(p.y) : "") + " mm" : "")
+                           : (depths.size() > 1 ? mm(p.depth) + " mm deep" : "");
             auto strand = std::find_if(strands.begin(), strands.end(), [&](const Strand& s) { return s.name == name; });
             if (strand == strands.end()) {
                 strand = strands.insert(strands.end(), {name, {}});
@@ -198,7 +218,7 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
         std::vector<Layer> points;
         for (std::size_t s = 0; s < strands.size(); ++s) {
             Strand& strand = strands[s];
-            const auto along = [&](const Place* p) { return by_depth ? p->depth : p->x; };
+            const auto along = [&](const Place* p) { return over_time ? p->time : by_depth ? p->depth : p->x; };
             std::stable_sort(strand.places.begin(), strand.places.end(),
                              [&](const Place* a, const Place* b) { return along(a) < along(b); });
             const bool one = strands.size() == 1;
@@ -224,8 +244,8 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
                 std::string name = models[m].name;
                 const auto& at = by_depth ? line.y : line.x;
                 const auto& values = by_depth ? line.x : line.y;
-                auto curve = curve_along(models[m].curves, group, strand, by_depth);
-                if (!curve && group.quantity == "deflection") {
+                auto curve = over_time ? std::nullopt : curve_along(models[m].curves, group, strand, by_depth);
+                if (!curve && !over_time && group.quantity == "deflection") {
                     curve = cubic_through(at, values);
                     name += curve ? " (cubic between readings)" : "";
                 }
@@ -264,7 +284,7 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
         for (std::size_t l = panel.layers.size() - points.size(); l < panel.layers.size(); ++l) {
             std::get<Line>(panel.layers[l]).name.clear();
         }
-        if (group.quantity == "deflection") {
+        if (group.quantity == "deflection" || over_time) {
             low = std::min(0.0, low);
         }
         PlotAxis& value_axis = by_depth ? panel.x : panel.y;
@@ -272,9 +292,9 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
         fit_range(value_axis, low, high, 5);
         fit_range(place_axis, first, last, 6);
         value_axis.label = fmt::format("{} ({})", quantity_words(group.quantity), unit_words(group.unit));
-        place_axis.label = by_depth ? "depth (mm)" : "distance x (mm)";
+        place_axis.label = over_time ? "time (ms)" : by_depth ? "depth (mm)" : "distance x (mm)";
         place_axis.reversed = by_depth;
-        value_axis.reversed = !by_depth && group.quantity == "deflection";
+        value_axis.reversed = !by_depth && !over_time && group.quantity == "deflection";
         panel.title = "load " + group.load;
         panel.legend = true;
         panel.legend_at_bottom = value_axis.reversed;
@@ -322,7 +342,8 @@ Figure residuals_figure(const Json& readings, const std::vector<ComparedModel>& 
         panel.y.ticks.push_back({at, fmt::format("{}: {}", group.load, quantity_words(group.quantity))});
         at += 1.0;
         for (const Place& place : group.places) {
-            panel.y.ticks.push_back({at, place_words(place)});
+            panel.y.ticks.push_back(
+                {at, place_words(place) + (std::isnan(place.time) ? "" : fmt::format(", {:g} ms", place.time))});
             for (std::size_t m = 0; m < models.size(); ++m) {
                 const double r = models[m].residuals[place.index];
                 if (!std::isfinite(r)) {

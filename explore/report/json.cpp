@@ -33,8 +33,12 @@ Json space_json(const problem::ParameterSpace& space) {
 }
 
 Json place_json(const data::Reading& r) {
-    return {{"load", r.load}, {"quantity", r.quantity}, {"x_mm", r.x_mm},
-            {"y_mm", r.y_mm}, {"depth_mm", r.depth_mm}, {"gauge_mm", r.gauge_mm}};
+    Json json = {{"load", r.load}, {"quantity", r.quantity}, {"x_mm", r.x_mm},
+                 {"y_mm", r.y_mm}, {"depth_mm", r.depth_mm}, {"gauge_mm", r.gauge_mm}};
+    if (r.time_ms) {
+        json["time_ms"] = *r.time_ms;
+    }
+    return json;
 }
 
 Json responses_json(const study::Study& study, const std::vector<double>& responses) {

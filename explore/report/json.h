@@ -25,7 +25,8 @@ Json parameters_json(const problem::ParameterSpace& space, const std::vector<dou
 // [{"name", "min", "max", "scale"}]
 Json space_json(const problem::ParameterSpace& space);
 
-// Where and what it reads: {"load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm"}, as its file states them.
+// Where and what it reads: {"load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm", ("time_ms")}, as its file
+// states them.
 Json place_json(const data::Reading& reading);
 
 // [{"load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm", "value", "unit", ("measured"), ("name")}], value in

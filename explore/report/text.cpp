@@ -31,6 +31,10 @@ std::string response_table(const study::Study& study, const std::vector<double>&
                            const std::map<std::size_t, double>& weights) {
     std::vector<std::string> header{"load",     "quantity", "x mm",  "y mm", "depth mm",
                                     "gauge mm", "measured", "model", "unit", "difference"};
+    const bool has_times = data::has_times(study.readings);
+    if (has_times) {
+        header.insert(header.begin() + 6, "ms");
+    }
     if (!weights.empty()) {
         header.push_back("weight");
     }
@@ -38,18 +42,21 @@ std::string response_table(const study::Study& study, const std::vector<double>&
     for (std::size_t i = 0; i < responses.size(); ++i) {
         const data::Reading& r = study.readings[i];
         const double model = r.in_unit(responses[i]);
-        const auto mm = [](double value) { return fmt::format("{:g}", value); };
+        const auto plain = [](double value) { return fmt::format("{:g}", value); };
         std::vector<std::string> row{
             r.load,
             r.is_measured() ? r.quantity : r.output,
-            mm(r.x_mm),
-            mm(r.y_mm),
-            mm(r.depth_mm),
-            mm(r.gauge_mm),
+            plain(r.x_mm),
+            plain(r.y_mm),
+            plain(r.depth_mm),
+            plain(r.gauge_mm),
             r.is_measured() ? fmt::format("{}", r.value) : "",
             figure(model),
             std::string(r.unit.name),
             r.is_measured() && r.value != 0.0 ? fmt::format("{:+.1f} %", 100.0 * (model / r.value - 1.0)) : ""};
+        if (has_times) {
+            row.insert(row.begin() + 6, r.time_ms ? plain(*r.time_ms) : "");
+        }
         if (!weights.empty()) {
             const auto weight = weights.find(i);
             row.push_back(weight == weights.end() ? "" : fmt::format("{:.2f}", weight->second));

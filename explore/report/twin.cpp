@@ -16,11 +16,7 @@ std::string twin_csv(const analysis::TwinResult& twin) {
     for (const auto& applied : twin.study.model.effects) {
         text += fmt::format("# effect: {} = {} [{}]\n", applied.effect->name, applied.size, applied.effect->unit);
     }
-    text += fmt::format("{}\n", data::measurement_header());
-    for (const data::Reading& reading : twin.readings) {
-        text += data::measurement_row(reading);
-    }
-    return text;
+    return text + data::measurement_rows(twin.readings);
 }
 
 Json twin_json(const analysis::TwinResult& twin, const std::string& file) {

@@ -74,6 +74,12 @@ inline constexpr Key load_patch{.table = "[[loads]]",
                                 .default_value = 1,
                                 .choices = patches,
                                 .meaning = "shape of a tyre's contact; those of a plate and of a gear are circles"};
+inline constexpr Key load_history{.table = "[[loads]]",
+                                  .key = "history",
+                                  .allowed =
+                                      "the name of a CSV file with the columns time_ms and force_kN or pressure_kPa",
+                                  .without = "a static load",
+                                  .meaning = "of a plate: how it pressed over time; the section moves under it"};
 inline constexpr Key load_wheels{.table = "[[loads]]",
                                  .key = "wheels",
                                  .kind = Key::Kind::table,
@@ -112,6 +118,14 @@ inline constexpr Key solver_equilibrium{.table = "[solver]",
                                         .high = 1e-4,
                                         .default_value = pave::fe::SolverSettings{}.equilibrium_tolerance,
                                         .meaning = "unbalanced over applied force where a run ends"};
+
+inline constexpr Key solver_time_step{.table = "[solver]",
+                                      .key = "time_step_ms",
+                                      .kind = number,
+                                      .low = 0.01,
+                                      .high = 10.0,
+                                      .default_value = 0.2,
+                                      .meaning = "under a load with a history"};
 
 inline constexpr Key mesh_extent{.table = "[mesh]",
                                  .key = "extent_m",
@@ -210,6 +224,15 @@ inline constexpr Key noise_correlation{
     .high = 1e6,
     .default_value = 0.0,
     .meaning = "readings of one load and quantity have errors correlated by exp(-distance / this); 0: independent"};
+inline constexpr Key noise_correlation_time{
+    .table = "[data.noise]",
+    .key = "correlation_ms",
+    .kind = number,
+    .low = 0.0,
+    .high = 1e4,
+    .default_value = 0.0,
+    .meaning =
+        "the same over the time between readings under a history: exp(-distance / correlation_mm - time / this)"};
 inline constexpr std::string_view noise_losses[] = {"normal", "student"};
 inline constexpr Key noise_loss{.table = "[data.noise]",
                                 .key = "loss",
@@ -275,6 +298,14 @@ inline constexpr Key output_gauge{.table = "[[outputs]]",
                                   .high = 1e4,
                                   .default_value = 0.0,
                                   .meaning = "length over which a strain is averaged"};
+
+inline constexpr Key output_time{.table = "[[outputs]]",
+                                 .key = "time_ms",
+                                 .kind = number,
+                                 .low = -1e4,
+                                 .high = 1e4,
+                                 .without = "the extreme over time",
+                                 .meaning = "under a load with a history: when"};
 
 inline constexpr Key effect_name{
     .table = "[[effects]]", .key = "name", .allowed = "an effect, below", .meaning = "what is added to the model"};

@@ -121,19 +121,22 @@ template <class Archive, class T>
 void members(Archive& archive, T& value) {
     using Own = std::remove_const_t<T>;
     if constexpr (std::is_same_v<Own, Layer>) {
-        auto& [name, thickness, density, k0, residual_stress, law, parameters, fields, compliance] = value;
-        archive(name, thickness, density, k0, residual_stress, law, parameters, fields, compliance);
+        auto& [name, thickness, density, k0, residual_stress, law, parameters, fields, compliance, damping] = value;
+        archive(name, thickness, density, k0, residual_stress, law, parameters, fields, compliance, damping);
     } else if constexpr (std::is_same_v<Own, Load>) {
         auto& [name, type, pressure, radius, force, spacing, wheels, patch, width, factor, shape, duration, stiffness,
-               inertia] = value;
+               inertia, history, shift] = value;
         archive(name, type, pressure, radius, force, spacing, wheels, patch, width, factor, shape, duration, stiffness,
-                inertia);
+                inertia, history, shift);
+    } else if constexpr (std::is_same_v<Own, Load::Sample>) {
+        auto& [time, share] = value;
+        archive(time, share);
     } else if constexpr (std::is_same_v<Own, Load::Wheel>) {
         auto& [x, y, force] = value;
         archive(x, y, force);
     } else if constexpr (std::is_same_v<Own, Sensor>) {
-        auto& [load, quantity, x, y, depth, gauge, measured, gain, shares] = value;
-        archive(load, quantity, x, y, depth, gauge, measured, gain, shares);
+        auto& [load, quantity, x, y, depth, gauge, measured, gain, time, shares] = value;
+        archive(load, quantity, x, y, depth, gauge, measured, gain, time, shares);
     } else if constexpr (std::is_same_v<Own, Sensor::Share>) {
         auto& [dx, gauge, weight] = value;
         archive(dx, gauge, weight);
@@ -141,8 +144,8 @@ void members(Archive& archive, T& value) {
         auto& [path, equilibrium, linear] = value;
         archive(path, equilibrium, linear);
     } else if constexpr (std::is_same_v<Own, Settings>) {
-        auto& [integration, extent, wall_follows, refine, solver, layered] = value;
-        archive(integration, extent, wall_follows, refine, solver, layered);
+        auto& [integration, extent, wall_follows, refine, solver, layered, time_step] = value;
+        archive(integration, extent, wall_follows, refine, solver, layered, time_step);
     } else if constexpr (std::is_same_v<Own, AppliedEffect>) {
         auto& [effect, size, present, layer, load, quantity, reading, thickness] = value;
         archive(effect, size, present, layer, load, quantity, reading, thickness);

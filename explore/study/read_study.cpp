@@ -8,12 +8,12 @@
 #include "study/constraints.h"
 #include "study/corrections.h"
 #include "study/prior_correlations.h"
+#include "study/read_load.h"
 #include "study/readings.h"
 #include "study/table_reader.h"
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 namespace explore::study {
 namespace {
@@ -21,8 +21,8 @@ namespace {
 using namespace pave::pavement;
 namespace unit = pave::unit;
 
-// endless_from: of the lowest layer of a half-space, the depth of its top [m]; none: of any other layer.
-Layer read_layer(const toml::table& table, const std::string& file, std::optional<double> endless_from) {
+// meshed: of the lowest layer of a half-space, how deep it is meshed unless it says so [m]; none: of any other layer.
+Layer read_layer(const toml::table& table, const std::string& file, std::optional<double> meshed) {
     TableReader reader(table, file, "[[layers]]");
     Layer layer;
     layer.name = reader.text(keys::layer_name);
@@ -36,8 +36,11 @@ Layer read_layer(const toml::table& table, const std::string& file, std::optiona
     reader.expect(layer.law->parameters());
     for (const KeyInfo& key : layer_keys()) {
         auto fallback = key.default_value;
-        if (endless_from && key.changes_geometry) { // how deep it is meshed
-            fallback = std::max(3.0, 2.0 * *endless_from) / key.to_si;
+        if (key.key == "damping_time_ms" && layer.law->relaxes()) { // it damps by itself
+            fallback = 0.0;
+        }
+        if (meshed && key.changes_geometry) {
+            fallback = *meshed / key.to_si;
         }
         key.of(layer) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, fallback);
     }
@@ -69,40 +72,6 @@ Layer read_layer(const toml::table& table, const std::string& file, std::optiona
     return layer;
 }
 
-Load read_load(const toml::table& table, const std::string& file) {
-    TableReader reader(table, file, "[[loads]]");
-    Load load;
-    load.name = reader.text(keys::load_name);
-    reader.rename("load \"" + load.name + "\"");
-    load.type = static_cast<LoadType>(reader.choice(keys::load_type));
-    if (load.type == LoadType::plate || load.type == LoadType::gear) {
-        load.patch = Patch::circle;
-    } else {
-        load.patch = static_cast<Patch>(reader.choice(keys::load_patch));
-    }
-    for (const KeyInfo& key : load_keys(load.type, load.patch)) {
-        key.of_load(load) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, key.default_value);
-    }
-    if (load.type == LoadType::gear) {
-        for (const auto* wheel : reader.tables(keys::load_wheels)) {
-            TableReader r(*wheel, file, "load \"" + load.name + "\" wheels");
-            load.wheels.push_back({unit::mm * r.number(keys::wheel_x), unit::mm * r.number(keys::wheel_y),
-                                   unit::kN * r.number(keys::wheel_force)});
-            r.done();
-        }
-        if (load.wheels.empty()) {
-            throw pave::Error(reader.place(keys::load_wheels), "a gear needs wheels", {},
-                              std::string(keys::load_wheels.allowed));
-        }
-        if (load.circles_overlap()) {
-            throw pave::Error(reader.place(keys::load_wheels), "two wheels of the gear overlap", {},
-                              "wheels farther apart, or a higher pressure");
-        }
-    }
-    reader.done();
-    return load;
-}
-
 void read_output(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[[outputs]]");
     data::Reading output{.output = reader.text(keys::output_name)};
@@ -121,6 +90,11 @@ void read_output(const toml::table& table, Study& study) {
     sensor.y = unit::mm * output.y_mm;
     sensor.depth = unit::mm * output.depth_mm;
     sensor.gauge = unit::mm * output.gauge_mm;
+    if (reader.has(keys::output_time)) {
+        output.time_ms = reader.number(keys::output_time);
+        sensor.time = time_of(output.time_ms, study.model.loads[static_cast<std::size_t>(sensor.load)],
+                              reader.place(keys::output_time));
+    }
     sensor.measured = false;
     reader.done();
     check_sensor(study.model, sensor, reader.place(""));
@@ -255,11 +229,7 @@ void read_tie(const toml::table& table, Study& study) {
     set_present(study.model, find_parameter(study.model, path, {}));
 }
 
-// The measured readings of a data file that the study names. place: of that name in the study.
-using DataReader = std::function<std::vector<data::Reading>(const std::string& name, const pave::Place& place)>;
-
-// read_file: none where the readings come from elsewhere.
-void read_data(const toml::table& table, Study& study, const DataReader& read_file) {
+void read_data(const toml::table& table, Study& study, Readings readings, const TextReader& read_text) {
     TableReader reader(table, study.file, "[data]");
     if (reader.has(keys::data_files)) {
         study.data.files = reader.texts(keys::data_files);
@@ -269,11 +239,9 @@ void read_data(const toml::table& table, Study& study, const DataReader& read_fi
         }
     }
     const bool outside = reader.flag(keys::data_outside);
-    const auto folder = std::filesystem::path(study.file).parent_path();
     for (const std::string& file : study.data.files) {
-        if (!outside && leaves_folder(folder, file)) {
-            throw pave::Error(reader.place(keys::data_files), "this file lies outside the study's own folder",
-                              "\"" + file + "\"", "a file in it or below, or outside = true");
+        if (!outside) {
+            check_inside(study, file, reader.place(keys::data_files));
         }
     }
     study.data.misfit = static_cast<problem::MisfitKind>(reader.choice(keys::data_misfit));
@@ -291,11 +259,12 @@ void read_data(const toml::table& table, Study& study, const DataReader& read_fi
         reader.has(keys::data_held_out) ? reader.texts(keys::data_held_out) : std::vector<std::string>{};
     const toml::table* weights = reader.table(keys::data_weights);
     reader.done();
-    if (!read_file) {
+    if (readings == Readings::elsewhere) {
         return;
     }
     for (const std::string& file : study.data.files) {
-        for (auto& m : read_file(file, reader.place(keys::data_files))) {
+        const auto [path, text] = read_text(file, reader.place(keys::data_files), "measurement file");
+        for (auto& m : data::measurements_of(text, path)) {
             add_measurement(study, std::move(m));
         }
     }
@@ -306,6 +275,11 @@ std::string hash_of(toml::table table, const Study& study) {
     table.erase("title");
     std::ostringstream text;
     text << toml::default_formatter(table);
+    for (const Load& load : study.model.loads) {
+        for (const auto& [time, share] : load.history) {
+            text << fmt::format("\n{},{}", time, share * load.pressure);
+        }
+    }
     return hash_with_readings(text.str(), study.measured());
 }
 
@@ -324,7 +298,7 @@ void refuse_deep_keys(const std::string& text, const std::string& file) {
     }
 }
 
-Study parse(std::string text, const std::string& file, const DataReader& read_file) {
+Study parse(std::string text, const std::string& file, Readings readings, const TextReader& read_text) {
     Study study;
     study.file = file;
     refuse_deep_keys(text, file);
@@ -355,14 +329,19 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
         r.done();
     }
     const auto layers = reader.tables("layers");
+    const auto loads = reader.tables("loads");
+    // What the bottom throws back of a pulse comes late from there.
+    const bool has_history =
+        std::any_of(loads.begin(), loads.end(), [](const auto* load) { return load->contains("history"); });
     for (const auto* layer : layers) {
         const bool endless = study.model.half_space && layer == layers.back();
-        study.model.layers.push_back(
-            read_layer(*layer, file, endless ? std::optional(study.model.depth()) : std::nullopt));
+        study.model.layers.push_back(read_layer(
+            *layer, file,
+            endless ? std::optional(std::max(has_history ? 8.0 : 3.0, 2.0 * study.model.depth())) : std::nullopt));
         check_name(study.model.layers.back().name, *layer);
     }
-    for (const auto* load : reader.tables("loads")) {
-        study.model.loads.push_back(read_load(*load, file));
+    for (const auto* load : loads) {
+        study.model.loads.push_back(read_load(*load, study, table["data"]["outside"].value_or(false), read_text));
         check_name(study.model.loads.back().name, *load);
     }
     if (study.model.layers.empty()) {
@@ -378,6 +357,7 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
         check_integration(study.model, r.place(keys::solver_integration.key));
         settings.solver.path_tolerance = r.number(keys::solver_path);
         settings.solver.equilibrium_tolerance = r.number(keys::solver_equilibrium);
+        settings.time_step = unit::ms * r.number(keys::solver_time_step);
         r.done();
     }
     study.model.settings.extent = extent_not_stated;
@@ -388,7 +368,7 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
         r.done();
     }
     if (const auto* data = reader.table("data")) {
-        read_data(*data, study, read_file);
+        read_data(*data, study, readings, read_text);
     }
     set_noise(study);
     for (const auto* output : reader.tables("outputs")) {
@@ -425,7 +405,8 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
         r.done();
     }
     reader.done();
-    if (read_file && study.model.sensors.empty()) {
+    check_steps(study);
+    if (readings == Readings::own && study.model.sensors.empty()) {
         throw pave::Error({.file = file}, "the study asks for nothing", "neither measurements nor outputs",
                           "[data] files, or [[outputs]]");
     }
@@ -438,33 +419,35 @@ Study parse(std::string text, const std::string& file, const DataReader& read_fi
 
 Study load_study(const std::string& file, Readings readings) {
     std::vector<data::InputFile> inputs{{file, data::read_file(file, "study")}};
-    const auto own = [&inputs, folder = std::filesystem::path(file).parent_path()](const std::string& name,
-                                                                                   const pave::Place& place) {
+    const auto beside = [&inputs, folder = std::filesystem::path(file).parent_path()](
+                            const std::string& name, const pave::Place& place, std::string_view what) {
         const std::string path = (folder / name).string();
         if (std::error_code error; !std::filesystem::exists(path, error)) {
-            throw pave::Error(place, "this measurement file does not exist", "\"" + path + "\"",
+            throw pave::Error(place, fmt::format("this {} does not exist", what), "\"" + path + "\"",
                               "a path relative to the study's own folder");
         }
-        inputs.push_back({path, data::read_file(path, "measurement file")});
-        return data::measurements_of(inputs.back().bytes, path);
+        inputs.push_back({path, data::read_file(path, what)});
+        return NamedText{path, inputs.back().bytes};
     };
-    Study study = parse(inputs[0].bytes, file, readings == Readings::own ? DataReader(own) : DataReader());
+    const std::string text = inputs[0].bytes;
+    Study study = parse(text, file, readings, beside);
     study.inputs = std::make_shared<const std::vector<data::InputFile>>(std::move(inputs));
     return study;
 }
 
 Study study_of(std::string text, const std::string& name, const std::map<std::string, std::string>& files) {
-    return parse(std::move(text), name, [&](const std::string& file, const pave::Place& place) {
+    const auto given = [&](const std::string& file, const pave::Place& place, std::string_view what) {
         const auto found = files.find(file);
         if (found == files.end()) {
             std::string names;
             for (const auto& [known, content] : files) {
                 names += (names.empty() ? "" : ", ") + known;
             }
-            throw pave::Error(place, "this measurement file was not given", "\"" + file + "\"", names);
+            throw pave::Error(place, fmt::format("this {} was not given", what), "\"" + file + "\"", names);
         }
-        return data::measurements_of(found->second, file);
-    });
+        return NamedText{file, found->second};
+    };
+    return parse(std::move(text), name, Readings::own, given);
 }
 
 } // namespace explore::study

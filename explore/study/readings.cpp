@@ -2,6 +2,7 @@
 
 #include "base/units.h"
 #include "data/hash.h"
+#include "data/history.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,6 +33,21 @@ Quantity find_quantity(const std::string& name, const pave::Place& place) {
     throw pave::Error(place, "unknown quantity", "\"" + name + "\"", pave::join(names));
 }
 
+std::optional<double> time_of(std::optional<double> time_ms, const Load& load, const pave::Place& place) {
+    if (!time_ms) {
+        return std::nullopt;
+    }
+    if (!load.is_pulse()) {
+        throw pave::Error(place, "only under a load with a history is there a time to read at",
+                          fmt::format("{:g}", *time_ms), "nothing, or history = \"FILE.csv\" in the load");
+    }
+    if (!(std::abs(*time_ms) <= data::latest_ms)) {
+        throw pave::Error(place, "value out of range", fmt::format("{:g}", *time_ms),
+                          fmt::format("-{0:g} <= value <= {0:g}", data::latest_ms));
+    }
+    return *time_ms * unit::ms;
+}
+
 namespace {
 
 data::Dimension dimension_of(Quantity quantity) {
@@ -59,6 +75,7 @@ Sensor sensor_of(const data::Reading& m, const Case& model) {
     s.y = m.y_mm * unit::mm;
     s.depth = m.depth_mm * unit::mm;
     s.gauge = m.gauge_mm * unit::mm;
+    s.time = time_of(m.time_ms, model.loads[static_cast<std::size_t>(s.load)], place("time_ms"));
     check_sensor(model, s, place(m.quantity.c_str()));
     return s;
 }
@@ -144,6 +161,7 @@ void read_noise(const toml::table& table, Study& study, const TableReader& of_da
     study.data.noise_line = reader.place("").line;
     study.data.noise_common_relative = reader.number(keys::noise_common_relative);
     study.data.noise_correlation_length = unit::mm * reader.number(keys::noise_correlation);
+    study.data.noise_correlation_time = unit::ms * reader.number(keys::noise_correlation_time);
     const bool is_student = reader.choice(keys::noise_loss) == 1;
     if (!is_student && reader.has(keys::noise_degrees)) {
         throw pave::Error(reader.place(keys::noise_degrees), "degrees are of loss = \"student\"", "no such loss",
@@ -155,6 +173,7 @@ void read_noise(const toml::table& table, Study& study, const TableReader& of_da
         throw pave::Error(
             reader.place(study.data.noise_common_relative > 0.0      ? keys::noise_common_relative
                          : study.data.noise_correlation_length > 0.0 ? keys::noise_correlation
+                         : study.data.noise_correlation_time > 0.0   ? keys::noise_correlation_time
                                                                      : keys::noise_loss),
             study.data.correlates_noise() ? "errors that readings have in common need a misfit by the stated noise"
                                           : "a distribution of errors needs a misfit by the stated noise",
@@ -186,7 +205,8 @@ data::NoisePlace noise_place(const Sensor& sensor) {
             .quantity = static_cast<int>(sensor.quantity),
             .x = sensor.x,
             .y = sensor.y,
-            .depth = sensor.depth};
+            .depth = sensor.depth,
+            .time = sensor.time};
 }
 
 namespace {
@@ -209,14 +229,17 @@ void shape_noise(Study& study) {
         noise.relative = std::hypot(noise.relative, data.noise_common_relative);
         noise.common_relative = data.noise_common_relative;
         noise.correlation_length = data.noise_correlation_length;
+        noise.correlation_time = data.noise_correlation_time;
         noise.degrees = data.noise_degrees;
-        for (std::size_t j = 0; j < i && data.noise_correlation_length > 0.0; ++j) {
+        for (std::size_t j = 0; j < i && data.correlates_readings(); ++j) {
             if (data::own_correlation(noise_place(study.model.sensors[i]), noise_place(study.model.sensors[j]),
-                                      data.noise_correlation_length) == 1.0) {
-                throw pave::Error({.file = measured[i].file, .line = measured[i].line, .key = "correlation_mm"},
+                                      data.noise_correlation_length, data.noise_correlation_time) == 1.0) {
+                const std::string key(data.noise_correlation_length > 0.0 ? keys::noise_correlation.key
+                                                                          : keys::noise_correlation_time.key);
+                throw pave::Error({.file = measured[i].file, .line = measured[i].line, .key = key},
                                   "two readings of one place under one load cannot have correlated noise: their "
                                   "errors would be the same",
-                                  measured[i].label(), "their mean as one reading, or correlation_mm = 0");
+                                  measured[i].label(), "their mean as one reading, or " + key + " = 0");
             }
         }
     }
@@ -280,6 +303,9 @@ std::string hash_with_readings(std::string text, std::span<const data::Reading> 
     for (const auto& m : readings) {
         text += fmt::format("\n{},{},{},{},{},{},{},{},{}", m.load, m.quantity, m.x_mm, m.y_mm, m.depth_mm, m.gauge_mm,
                             m.value, m.unit.name, m.sigma.value_or(0.0));
+        if (m.time_ms) {
+            text += fmt::format(",{}", *m.time_ms);
+        }
     }
     return data::hash_of(text);
 }

@@ -23,6 +23,11 @@ std::vector<std::string> names_of(const std::vector<T>& items) {
 int find_load(const pave::pavement::Case& model, const std::string& name, const pave::Place& place);
 pave::pavement::Quantity find_quantity(const std::string& name, const pave::Place& place);
 
+// When a reading under a load is taken [s]; none: its extreme. Throws pave::Error at `place` for a load without a
+// history and for a time out of range.
+std::optional<double> time_of(std::optional<double> time_ms, const pave::pavement::Load& load,
+                              const pave::Place& place);
+
 // Adds a measured reading and its sensor. Throws pave::Error where it does not fit the model.
 void add_measurement(Study& study, data::Reading reading);
 

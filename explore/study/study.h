@@ -31,10 +31,12 @@ struct DataSettings {
     // What adds to the error of every reading, whoever states it, and ties those of a load: see data::Noise.
     double noise_common_relative = 0.0;
     double noise_correlation_length = 0.0; // m
+    double noise_correlation_time = 0.0;   // s
     double noise_degrees = 0.0;            // of Student's t distribution; 0: normal
     int noise_line = 0;                    // of [data.noise]
 
-    bool correlates_noise() const { return noise_common_relative > 0.0 || noise_correlation_length > 0.0; }
+    bool correlates_readings() const { return noise_correlation_length > 0.0 || noise_correlation_time > 0.0; }
+    bool correlates_noise() const { return noise_common_relative > 0.0 || correlates_readings(); }
     bool shapes_noise() const { return correlates_noise() || noise_degrees > 0.0; }
     bool states_noise() const { return noise_relative || noise_floor || noise_absolute != std::array<double, 3>{}; }
 };

@@ -183,14 +183,24 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
     const toml::table root = toml::parse(extended.text, extended.file);
     Editor editor(extended.text);
     const auto own = std::filesystem::absolute(extended.file).parent_path();
+    bool outside = false;
+    const auto replace_path = [&](const toml::node& file) {
+        const auto path = (own / file.value_or(std::string()))
+                              .lexically_normal()
+                              .lexically_proximate(std::filesystem::absolute(folder));
+        editor.replace(file, quoted(path.generic_string()));
+        outside = outside || leaves_folder(path);
+    };
+    if (const toml::array* loads = root["loads"].as_array()) {
+        for (const toml::node& load : *loads) {
+            if (const toml::node* history = load.as_table()->get("history")) {
+                replace_path(*history);
+            }
+        }
+    }
     if (const toml::array* files = root["data"]["files"].as_array()) {
-        bool outside = false;
         for (const toml::node& file : *files) {
-            const auto path = (own / file.value_or(std::string()))
-                                  .lexically_normal()
-                                  .lexically_proximate(std::filesystem::absolute(folder));
-            editor.replace(file, quoted(path.generic_string()));
-            outside = outside || leaves_folder(path);
+            replace_path(file);
         }
         if (outside && root["data"]["outside"].value_or(false) == false) {
             const toml::table& data = *root["data"].as_table();

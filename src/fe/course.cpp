@@ -17,6 +17,11 @@ CubicWeights weights_at(double x) {
     return {y * y * (1.0 + 2.0 * x), x * y * y, x * x * (3.0 - 2.0 * x), -x * x * y};
 }
 
+// The same of its slope.
+CubicWeights slopes_at(double x) {
+    return {6.0 * x * (x - 1.0), (1.0 - x) * (1.0 - 3.0 * x), 6.0 * x * (1.0 - x), x * (3.0 * x - 2.0)};
+}
+
 // Where such a cubic, with value a and slope da to value b and slope db, is largest.
 double place_of_largest(double a, double da, double b, double db) {
     double place = a > b ? 0.0 : 1.0;
@@ -115,6 +120,29 @@ Course::Course(Eigen::MatrixXd value, Eigen::MatrixXd d_value) : values(std::mov
 
 Followed at_instant(const Course& course, Eigen::Index reading, std::size_t instant) {
     return followed(course, reading, {{static_cast<Eigen::Index>(instant), false, 1.0}});
+}
+
+Followed at_time(const Course& course, Eigen::Index reading, double steps, double& slope) {
+    const auto last = static_cast<double>(course.values.cols());
+    slope = 0.0;
+    if (steps <= 0.0 || steps >= last) {
+        return steps <= 0.0 ? followed(course, reading, {})
+                            : at_instant(course, reading, static_cast<std::size_t>(course.values.cols() - 1));
+    }
+    const double whole = std::floor(steps);
+    const auto i = static_cast<Eigen::Index>(whole); // the instant after; before it i - 1, or the start
+    const auto combine = [&](const CubicWeights& share) {
+        std::vector<Weight> weights;
+        if (i > 0) {
+            weights.push_back({i - 1, false, share[0]});
+        }
+        add_slope(course, i - 1, share[1], weights);
+        weights.push_back({i, false, share[2]});
+        add_slope(course, i, share[3], weights);
+        return weights;
+    };
+    slope = weighted(course, reading, combine(slopes_at(steps - whole)));
+    return followed(course, reading, combine(weights_at(steps - whole)));
 }
 
 Followed peak(const Course& course, Eigen::Index reading, double direction) {

@@ -24,6 +24,12 @@ struct History {
 // sin^2(pi t / duration) in equal steps.
 History haversine(double duration, int steps);
 
+// A load as it was recorded, in steps: its mean factor in each of them, so that every impulse is kept.
+struct Pulse {
+    double step = 0.0; // s
+    std::vector<double> means;
+};
+
 // Instant i is the end of step i; before the first everything is at rest and zero.
 struct Course {
     Eigen::MatrixXd values;                // a row a reading, a column an instant
@@ -45,6 +51,10 @@ struct Followed {
 };
 
 Followed at_instant(const Course& course, Eigen::Index reading, std::size_t instant);
+
+// A reading so many steps after the start, by the cubic between the instants beside; `slope`: its rate per step. Zero
+// before the start, and after the end as at it.
+Followed at_time(const Course& course, Eigen::Index reading, double steps, double& slope);
 
 // The extreme of a reading in a direction (1 or -1): of direction times the reading, the largest value since it was at
 // rest, which is zero at least. Between instants the reading is the cubic of their values and slopes, so that the

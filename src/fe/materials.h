@@ -35,6 +35,7 @@ struct LayerMaterial {
     double k0 = 0.0;
     double residual_stress = 0.0; // Pa
     std::vector<Field> fields{};
+    double damping_time = 0.0; // s, under a pulse: stress = E C (strain + damping_time d(strain)/dt)
 
     // C of a law that does not turn, without fields, and its derivative by a parameter.
     template <int N>
@@ -78,6 +79,8 @@ struct Variation {
         field,           // size of fields[index] of the layer
         spring,          // stiffness of spring `index` of the model
         inertia,         // the factor on mass and damping under a pulse
+        damping,         // the damping time of the layer
+        time_shift,      // of what is read under a pulse; the solution does not depend on it
         duration,        // of the load, by its logarithm; the factors of its history stay
         motion           // of the mesh: number `index` of the motions given to the solver
     };

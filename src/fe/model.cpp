@@ -339,6 +339,10 @@ make_topology(const Mesh& mesh, const std::vector<bool>& linear,
     topology->layers = mesh.layers;
     topology->layer = mesh.layer;
     topology->linear = linear;
+    if constexpr (Element::dim == 2) {
+        topology->wall_is_open = mesh.wall_is_open;
+        topology->bottom_is_open = mesh.bottom_is_open;
+    }
     if (mesh.endless) {
         topology->endless = endless_of<Element>(mesh, lines);
     }
@@ -418,8 +422,8 @@ Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const std::
                                  const Springs& springs) {
     const auto is_held = [&](std::size_t k, int d) {
         const auto [r, z] = mesh.nodes[k];
-        return z == mesh.z_lines.back() || (d == 0 && r == 0.0) ||
-               ((d == 0 || mesh.endless) && r == mesh.r_lines.back());
+        return (z == mesh.z_lines.back() && !mesh.bottom_is_open) || (d == 0 && r == 0.0) ||
+               ((d == 0 || mesh.endless) && r == mesh.r_lines.back() && !mesh.wall_is_open);
     };
     return build(mesh, make_topology<AxisymmetricQ8>(mesh, linear, is_held, springs, {mesh.r_lines, mesh.z_lines}),
                  springs);

@@ -21,7 +21,9 @@ struct Topology {
     int layers = 0;
     std::vector<std::array<int, Element::dofs>> unknowns; // of each element: free number or -1 (held at zero)
     std::vector<int> layer;                               // of each element
-    std::vector<unsigned> endless;         // of each element, a bit a direction: without end along it; empty: none is
+    std::vector<unsigned> endless; // of each element, a bit a direction: without end along it; empty: none is
+    bool wall_is_open = false;     // as of the mesh
+    bool bottom_is_open = false;
     std::vector<std::vector<int>> coupled; // unknowns that springs couple, as elements couple theirs
     Pattern lower;
     // Place of local entry (i, j), i >= j, row by row, in lower; -1 when i or j is held.
@@ -110,9 +112,9 @@ Eigen::Matrix<double, Element::voigt, Eigen::Dynamic> strains(const Model<Elemen
     return strain;
 }
 
-// u_r = 0 on the axis and on the smooth wall, u = 0 on the floor (rigid, rough); of an endless mesh u = 0 at infinity,
-// where the displacements of its last elements fall off as a/x + b/x^2 with the distance x from the origin: mapped
-// infinite elements (O. C. Zienkiewicz, C. Emson and P. Bettess, "A novel boundary infinite element", 1983).
+// u_r = 0 on the axis and the smooth wall, u = 0 on the rough rigid floor unless they are open; of an endless mesh u =
+// 0 at infinity, where displacements of its last elements fall off as a/x + b/x^2 with the distance x from the origin:
+// mapped infinite elements (O. C. Zienkiewicz, C. Emson and P. Bettess, "A novel boundary infinite element", 1983).
 // linear: of each layer, whether it is linear elastic. It is used to order the unknowns; a run may have it otherwise.
 Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const std::vector<bool>& linear,
                                  const Springs& springs = {});

@@ -5,6 +5,7 @@
 //   secant        sigma - sigma0 = D(E(sigma)) strain at the full load, solved by Newton with the consistent tangent.
 //   over time     the incremental law in steps of time, for layers that relax.
 //   inertial      the answer of mass and damping to a load in time, linear about the end of one of the first two.
+//   pulse         the equation of motion in steps of time, for a load as it was recorded.
 //
 // The first two end in a Solution, the state under the load; the others give the Course of readings over time.
 // Derivatives are those of the discrete algorithm: the tangent linear of the load path with its steps held, and the
@@ -52,6 +53,8 @@ struct Statistics {
     double tension_share = 0.0;  // theta < 0
     double unstable_share = 0.0; // d ln E / d ln stress >= 1 along proportional loading
     double limited_share = 0.0;  // modulus limit met
+    // Under a pulse: the error of the readings by the steps of time, of the largest of their kind; an estimate.
+    double time_error = 0.0;
 };
 
 template <class Element>
@@ -65,11 +68,16 @@ struct Solution {
     Statistics statistics;
 };
 
-// What layers that relax leave: the readings at the end of every step, and the state where the load is largest.
+// What a march in time leaves: the readings at the end of every step, and the state where the load is largest.
 template <class Element>
-struct Relaxed {
+struct Marched {
     Course course;
     Solution<Element> at_largest;
+    // Of a pulse [J]: what the load did, what the open sides took, what moves at the end. In an elastic section without
+    // damping the rest is stored.
+    double work = 0.0;
+    double absorbed = 0.0;
+    double kinetic = 0.0;
 };
 
 // How inertia is modelled.
@@ -113,10 +121,22 @@ public:
     // Layers that relax: quasi-static. A step of time is one of the midpoint rule for stress-dependent layers, at rates
     // of displacement that are constant in it, for which what a relaxing layer remembers is exact; second order in the
     // step. Stress-dependent layers follow the incremental law. What is out of balance after a step is in the next one.
-    Outcome<Relaxed<Element>> over_time(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
+    Outcome<Marched<Element>> over_time(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                                         const History& history, const std::vector<Functional<Element>>& readings,
                                         const std::vector<Variation>& variations, const SolverSettings& settings,
                                         const std::vector<double>& springs = {});
+
+    // The section in motion (axisymmetric): M a + internal forces = load, from rest. Stress-dependent layers follow the
+    // incremental law through loading and unloading, layers that relax their memory, and every layer damps by its
+    // damping time. Consistent mass (density = unit weight / g). The sides of the mesh that are open absorb: dashpots
+    // of the impedances rho cp and rho cs (Lysmer and Kuhlemeyer 1969) at the moduli before the load, beside springs
+    // that stand for the section beyond (boundary.h). The implicit midpoint rule, second order and without damping of
+    // its own, with the moduli at the middle of a step as the step before foretells them: one symmetric positive
+    // definite system a step, whatever its length. Derivatives are those of its steps.
+    Outcome<Marched<Element>> pulse(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
+                                    const Pulse& pulse, const std::vector<Functional<Element>>& readings,
+                                    const std::vector<Variation>& variations, const SolverSettings& settings,
+                                    const std::vector<double>& springs = {});
 
     // Called by `incremental` at the start of a stress-dependent load path and after every step, with the load factor,
     // the rate of the displacement by it and the modulus at the Gauss points of the stress-dependent elements, in the

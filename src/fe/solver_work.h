@@ -112,6 +112,7 @@ struct Solver<Element>::Work {
     std::vector<int> prepared_point_of;
     std::vector<PreparedPoint<N>> prepared_points;
     std::vector<int> active;          // stress-dependent elements
+    std::vector<int> active_number;   // of every element, its place among them; -1: none
     std::vector<Stress> initial;      // initial stress at the points of the active elements, tension positive
     std::vector<Stress> initial_rate; // the same by variation: [point * variations + k]
     // B^T C B times the weight, lower triangle row by row, one column a point of an active element.
@@ -279,8 +280,10 @@ struct Solver<Element>::Work {
         if (!same_kinds) {
             held.assign(prepared.size(), {});
             active.clear();
+            active_number.assign(static_cast<std::size_t>(model->elements()), -1);
             for (int e = 0; e < model->elements(); ++e) {
                 if (prepared_of(e).stress_dependent) {
+                    active_number[static_cast<std::size_t>(e)] = static_cast<int>(active.size());
                     active.push_back(e);
                 }
             }
@@ -665,12 +668,14 @@ struct Solver<Element>::Work {
         }
     }
     // With these moduli: stress := that of the displacement u at the points of the active elements, d_stress := its
-    // rates at held u, right(:, k) -= their force.
+    // rates at held u, right(:, k) -= their force, times the factor of the layer where there are factors.
     template <class Stresses>
-    void set_stress(const Eigen::VectorXd& u, Stresses& stress, Stresses& d_stress, Eigen::MatrixXd& right) const {
+    void set_stress(const Eigen::VectorXd& u, Stresses& stress, Stresses& d_stress, Eigen::MatrixXd& right,
+                    const std::vector<double>& factors = {}) const {
         for (std::size_t a = 0; a < active.size(); ++a) {
             const int e = active[a];
             const auto& p = prepared_of(e);
+            const double factor = factors.empty() ? 1.0 : factors[static_cast<std::size_t>(topology->layer[e])];
             const Vector ue = model->gather(e, u.data());
             std::array<Stress, Element::gauss> strain;
             for (int g = 0; g < Element::gauss; ++g) {
@@ -691,7 +696,7 @@ struct Solver<Element>::Work {
                         d += subtract_motion(*motion, e, g, ue, stress.col(q), modulus[q] * unit(e, g), force);
                     }
                     d_stress.col(qk) = d;
-                    Element::add_force(point(e, g), d, -point(e, g).weight, force);
+                    Element::add_force(point(e, g), d, -factor * point(e, g).weight, force);
                 }
                 model->scatter_add(e, force, right.col(k).data());
             }
@@ -713,9 +718,14 @@ struct Solver<Element>::Work {
         }
     }
     // force -= that of stress at the points of the active elements.
+    // layer: of that one alone; negative: of all.
     template <class Stresses, class Force>
-    void subtract_force(const Stresses& stress, Eigen::Index stride, Eigen::Index offset, Force&& force) const {
+    void subtract_force(const Stresses& stress, Eigen::Index stride, Eigen::Index offset, Force&& force,
+                        int layer = -1) const {
         for (std::size_t a = 0; a < active.size(); ++a) {
+            if (layer >= 0 && topology->layer[active[a]] != layer) {
+                continue;
+            }
             Vector own = Vector::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
                 const auto& at = point(active[a], g);
@@ -738,6 +748,38 @@ struct Solver<Element>::Work {
                     solution.d_stress.col(static_cast<Eigen::Index>(to) * count() + k) =
                         d_stress.col(static_cast<Eigen::Index>(from) * count() + k);
                 }
+            }
+        }
+    }
+
+    // A reading and its rates where linear layers answer to `by`.
+    template <class Rates>
+    void read(const Functional<Element>& f, const PathState<Element>& now, const Felt& by, double& value,
+              Rates&& rates) const {
+        value = f.of_displacement(now.u.data());
+        for (int k = 0; k < count(); ++k) {
+            rates[k] = f.of_displacement(now.du.col(k).data());
+        }
+        for (const auto& [point_number, weight, direction] : f.on_stress) {
+            const int e = point_number / Element::gauss;
+            const int g = point_number % Element::gauss;
+            const auto& p = prepared_of(e);
+            if (p.stress_dependent) {
+                const Eigen::Index q =
+                    static_cast<Eigen::Index>(active_number[static_cast<std::size_t>(e)]) * Element::gauss + g;
+                value += weight * direction.dot(now.stress.col(q));
+                for (int k = 0; k < count(); ++k) {
+                    rates[k] += weight * direction.dot(now.d_stress.col(q * count() + k));
+                }
+                continue;
+            }
+            const auto layer = static_cast<std::size_t>(topology->layer[e]);
+            const Stress strain = Element::strain(point(e, g), model->gather(e, by.u[layer]->data()));
+            value += weight * p.modulus * direction.dot(unit(e, g) * strain);
+            for (int k = 0; k < count(); ++k) {
+                const Stress rate = Element::strain(point(e, g), model->gather(e, by.du[layer]->col(k).data()));
+                rates[k] +=
+                    weight * direction.dot(p.modulus * (unit(e, g) * rate) + linear_stiffness_rate(e, g, k) * strain);
             }
         }
     }

@@ -1,50 +1,12 @@
 #include "base/units.h"
-#include "fe/gauss_rule.h"
+#include "fe/inert.h"
+#include "fe/rates.h"
 #include "fe/solver_work.h"
 
 #include <cmath>
 
 namespace pave::fe {
 namespace {
-
-// Calls at(position, weight) for the product rule of three points a direction.
-template <class Element, class F>
-void integrate(F at) {
-    int all = 1;
-    for (int d = 0; d < Element::dim; ++d) {
-        all *= 3;
-    }
-    for (int q = 0; q < all; ++q) {
-        typename Element::Position position;
-        double weight = 1.0;
-        for (int d = 0, rest = q; d < Element::dim; ++d, rest /= 3) {
-            position[d] = three_points[rest % 3].first;
-            weight *= three_points[rest % 3].second;
-        }
-        at(position, weight);
-    }
-}
-
-// One number a row and variation: of every unknown, or of every reading.
-using Rates = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-// y += K x
-void add_product(const Pattern& lower, const std::vector<double>& values, const Rates& x, Rates& y) {
-    const auto add = [count = x.cols()](double value, const double* from, double* to) {
-        for (Eigen::Index k = 0; k < count; ++k) {
-            to[k] += value * from[k];
-        }
-    };
-    for (int j = 0; j < lower.size; ++j) {
-        for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
-            const int i = lower.row[k];
-            add(values[k], x.row(j).data(), y.row(i).data());
-            if (i != j) {
-                add(values[k], x.row(i).data(), y.row(j).data());
-            }
-        }
-    }
-}
 
 // Of every column.
 void solve(SupernodalFactor<double>& factor, Rates& x) {
@@ -82,7 +44,7 @@ public:
     Matrices matrices() const {
         Matrices m{w_.values, std::vector<double>(entries_, 0.0), std::vector<double>(entries_, 0.0)};
         for (int e = 0; e < w_.model->elements(); ++e) {
-            add_mass(e, density(e), m.mass);
+            add_mass(*w_.model, e, density(e), m.mass);
             if (is_at_wall(e)) {
                 add_dashpots(e, std::sqrt(density(e) * shear(e)), m.dashpots);
             }
@@ -108,7 +70,7 @@ public:
             const bool heavier = v.kind == Variation::Kind::unit_weight && v.layer == w_.topology->layer[e];
             const double density_rate = heavier ? 1.0 / unit::gravity : 0.0;
             if (heavier) {
-                add_mass(e, density_rate, at(m.mass));
+                add_mass(*w_.model, e, density_rate, at(m.mass));
             }
             if (is_at_wall(e) && (turns || heavier || !own.isZero(0.0))) {
                 double shear_rate = 0.0;
@@ -172,42 +134,12 @@ private:
         return Element::dim == 2 && absorbs_ && w_.model->coordinates[e].row(0).maxCoeff() >= wall_;
     }
 
-    template <class F>
-    void scatter(int e, const F& value, std::vector<double>& to) const {
-        const auto& places = w_.topology->scatter[e];
-        for (int a = 0, entry = 0; a < Element::dofs; ++a) {
-            for (int b = 0; b <= a; ++b, ++entry) {
-                if (places[entry] >= 0) {
-                    to[places[entry]] += value(a, b);
-                }
-            }
-        }
-    }
-    // factor * (shape shape^T) for displacements in the directions first .. dim - 1
-    void add_inert(int e, const Eigen::Matrix<double, Element::nodes, 1>& shape, double factor, int first,
-                   std::vector<double>& to) const {
-        scatter(
-            e,
-            [&](int a, int b) {
-                const bool coupled = a % Element::dim == b % Element::dim && a % Element::dim >= first;
-                return coupled ? factor * shape[a / Element::dim] * shape[b / Element::dim] : 0.0;
-            },
-            to);
-    }
-    void add_mass(int e, double density, std::vector<double>& to) const {
-        const auto& x = w_.model->coordinates[e];
-        integrate<Element>([&](const typename Element::Position& position, double weight) {
-            add_inert(e, Element::shape(position), density * weight * Element::point(x, position).weight, 0, to);
-        });
-    }
     void add_dashpots(int e, double impedance, std::vector<double>& to) const {
         if constexpr (Element::dim == 2) {
-            const auto& x = w_.model->coordinates[e];
-            const double height = x(1, 3) - x(1, 0);
-            for (const auto& [eta, weight] : three_points) {
-                const double area = 2.0 * std::numbers::pi * wall_ * weight * height / 2.0;
-                add_inert(e, Element::shape({1.0, eta}), impedance * area, Element::down, to);
-            }
+            const typename Element::Position vertical(0.0, impedance);
+            integrate_outer_side(*w_.model, e, [&](const auto& shape, const auto&, double area) {
+                add_inert<Element>(*w_.topology, e, shape, area * vertical, to);
+            });
         }
     }
     template <class ModulusRates>
@@ -220,8 +152,8 @@ private:
                 w_.point(e, g).weight * (stiffness_rate(e, g, k, modulus_rate[g]) * b);
             sum += b.transpose() * db;
         }
-        scatter(
-            e, [&](int a, int b) { return sum(a, b); }, to);
+        add_to_lower(
+            *w_.topology, e, [&](int a, int b) { return sum(a, b); }, to);
     }
 
     const Work& w_;

@@ -22,6 +22,9 @@ struct AxisymmetricMesh {
     int layers = 0;
     // The last cells outwards and downwards have no end: one from x to 3 x stands for x to infinity, its middle is 2 x.
     bool endless = false;
+    // The outer side and the bottom are free: what holds them there absorbs waves.
+    bool wall_is_open = false;
+    bool bottom_is_open = false;
 
     int r_cells() const { return static_cast<int>(r_lines.size()) - 1; }
     int z_cells() const { return static_cast<int>(z_lines.size()) - 1; }

@@ -153,6 +153,10 @@ void check_integration(const Case& c, const Place& place) {
     if (c.settings.integration == Integration::secant && c.relaxes()) {
         throw Error(place, "a layer that relaxes is followed in time", "\"secant\"", "\"incremental\"");
     }
+    if (c.settings.integration == Integration::secant &&
+        std::any_of(c.loads.begin(), c.loads.end(), [](const Load& load) { return load.is_pulse(); })) {
+        throw Error(place, "a load with a history is followed in time", "\"secant\"", "\"incremental\"");
+    }
     if (c.settings.integration == Integration::secant && c.turns()) {
         throw Error(place, "a layer whose anisotropy follows the stress is followed along the load path", "\"secant\"",
                     "\"incremental\"");
@@ -308,6 +312,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
     double unstable = 0.0;
     double limited = 0.0;
     bool wall_is_near = false;
+    double time_error = 0.0;
     for (std::size_t l = 0; l < values.loads.size(); ++l) {
         if (!models_[l] || (!loads.empty() && !loads[l])) {
             continue;
@@ -397,6 +402,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         tension = std::max(tension, s.tension_share);
         unstable = std::max(unstable, s.unstable_share);
         limited = std::max(limited, s.limited_share);
+        time_error = std::max(time_error, s.time_error);
         if (!wall_is_near && !c.half_space && c.settings.extent < 1.99 * c.depth()) {
             wall_is_near = true;
             response.warnings.push_back(
@@ -408,6 +414,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
     response.statistics.tension_share = tension;
     response.statistics.unstable_share = unstable;
     response.statistics.limited_share = limited;
+    response.statistics.time_error = time_error;
     // Shares are weighted by the energy of the load stress: what is far away and hardly loaded does not count.
     if (tension > 0.05) {
         response.warnings.push_back(percent(tension) + " of the stress-dependent material is in tension (theta < 0)");
@@ -415,6 +422,12 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
     if (unstable > 0.0) {
         response.warnings.push_back(percent(unstable) + " of the stress-dependent material stiffens as fast as it is "
                                                         "stressed: no stable secant equilibrium there");
+    }
+    if (time_error > 0.01) {
+        response.warnings.push_back(
+            fmt::format("the steps of time ([solver] time_step_ms = {:g}) are too long: readings "
+                        "under a pulse err by some {:.2g} % of the largest",
+                        values.settings.time_step / unit::ms, 100.0 * time_error));
     }
     if (limited > 0.0) {
         response.warnings.push_back("the modulus limit of 100,000 MPa was met in " + percent(limited) +

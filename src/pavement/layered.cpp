@@ -275,7 +275,7 @@ std::string why_not_layered(const Case& c, int number) {
     if (load.patch != Patch::circle) {
         return "the load is no circle";
     }
-    if (load.plate_stiffness || load.inertia) {
+    if (load.plate_stiffness || load.inertia || load.is_pulse()) {
         return "the plate is stiff or the load is a pulse";
     }
     return {};

@@ -3,11 +3,13 @@
 #include "base/error.h"
 #include "base/units.h"
 #include "pavement/layered.h"
+#include "pavement/pulse.h"
 #include "pavement/solid_cost.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 #include <numbers>
 #include <unistd.h>
 #include <utility>
@@ -118,6 +120,7 @@ public:
           breaks_(Kind::breaks(nominal, load)),
           mesh_(affordable_mesh<Kind>(nominal, load)),
           springs_(springs_of(nominal, load)),
+          is_pulse_(nominal.loads[load].is_pulse()),
           model_(model_among(others)),
           incompressible_(incompressible_layers(nominal)) {
         if (!model_) {
@@ -172,7 +175,10 @@ public:
         reading.statistics = followed->statistics;
         for (std::size_t r = 0; r < sensors.size(); ++r) {
             const std::size_t i = sensors[r];
-            const auto read = reading_of(values.sensors[i], *followed, static_cast<Eigen::Index>(r));
+            const auto row = static_cast<Eigen::Index>(r);
+            const auto read = load.is_pulse() ? read_pulse(values.sensors[i], load, followed->moving, row,
+                                                           values.settings.time_step, by)
+                                              : reading_of(values.sensors[i], *followed, row);
             reading.values[i] = read.value;
             reading.derivatives.row(static_cast<Eigen::Index>(i)) = read.rates;
         }
@@ -187,6 +193,14 @@ public:
             return does_not_fit;
         }
         const Eigen::VectorXd force = load.pressure * load.factor * own.unit_load;
+        if (load.is_pulse()) {
+            if constexpr (Element::dim == 2) {
+                const auto marched = own.geometry->solver->pulse(layers, force, pulse_of(values, load_), {}, {},
+                                                                 values.settings.solver, spring_stiffness(values));
+                return marched ? Outcome<Fields>(fields_of(*own.geometry->model, layers, marched->at_largest))
+                               : marched.failure();
+            }
+        }
         if (values.relaxes()) {
             const auto relaxed =
                 own.geometry->solver->over_time(layers, force, fe::haversine(load.duration, relaxing_steps), {}, {},
@@ -209,7 +223,8 @@ private:
     std::shared_ptr<const fe::Model<Element>> model_among(const LoadModels& others) const {
         for (const auto& other : others) {
             const auto* like = dynamic_cast<const LoadModelOf*>(other.get());
-            if (like != nullptr && like->springs_ == springs_ && Kind::lines_of(like->mesh_) == Kind::lines_of(mesh_)) {
+            if (like != nullptr && like->is_pulse_ == is_pulse_ && like->springs_ == springs_ &&
+                Kind::lines_of(like->mesh_) == Kind::lines_of(mesh_)) {
                 return like->model_;
             }
         }
@@ -251,7 +266,23 @@ private:
                               const std::vector<fe::Motion<Element>>& motions,
                               const std::vector<std::vector<Observation<Element>>>& observation_rates, Own& own) const {
         Responses responses;
-        if (values.relaxes()) {
+        if (values.loads[load_].is_pulse()) {
+            if constexpr (Element::dim == 2) {
+                const auto march = [&](const fe::Pulse& pulse, const std::vector<fe::Variation>& variations) {
+                    return own.geometry->solver->pulse(layers, force, pulse, functionals(values, own), variations,
+                                                       values.settings.solver, spring_stiffness(values));
+                };
+                const fe::Pulse pulse = pulse_of(values, load_);
+                const auto coarse = march(coarser(pulse), {});
+                auto fine = coarse ? march(pulse, by) : coarse;
+                if (!fine) {
+                    return fine.failure();
+                }
+                responses.statistics = fine->at_largest.statistics;
+                responses.statistics.time_error = time_error(values, fine->course, coarse->course);
+                responses.moving = std::move(fine->course);
+            }
+        } else if (values.relaxes()) {
             const fe::History history = fe::haversine(values.loads[load_].duration, relaxing_steps);
             auto relaxed = own.geometry->solver->over_time(layers, force, history, functionals(values, own), by,
                                                            values.settings.solver, spring_stiffness(values));
@@ -280,6 +311,29 @@ private:
         }
         const bool finite = responses.at_rest.values.allFinite() && responses.moving.values.allFinite();
         return finite ? Outcome<Responses>(std::move(responses)) : not_finite;
+    }
+
+    // The error of the readings of a pulse in its steps, of the largest of their kind, by those in steps twice as long:
+    // of second order, it is a third of the difference.
+    double time_error(const Case& values, const fe::Course& fine, const fe::Course& coarse) const {
+        const std::vector<std::size_t> sensors = sensors_of(values);
+        const Load& load = values.loads[load_];
+        const double step = values.settings.time_step;
+        std::map<Quantity, std::pair<double, double>> of_kind; // largest difference, largest reading
+        for (std::size_t r = 0; r < sensors.size(); ++r) {
+            const Sensor& sensor = values.sensors[sensors[r]];
+            const auto row = static_cast<Eigen::Index>(r);
+            const double value = read_pulse(sensor, load, fine, row, step, {}).value;
+            const double other = read_pulse(sensor, load, coarse, row, 2.0 * step, {}).value;
+            auto& [difference, largest] = of_kind[sensor.quantity];
+            difference = std::max(difference, std::abs(value - other));
+            largest = std::max(largest, std::abs(value));
+        }
+        double error = 0.0;
+        for (const auto& [kind, of] : of_kind) {
+            error = of.second > 0.0 ? std::max(error, of.first / (3.0 * of.second)) : error;
+        }
+        return error;
     }
 
     // One instant: the sensors under the load at rest.
@@ -391,7 +445,7 @@ private:
             Geometry& g = *geometry;
             if (wanted != g.lines) {
                 g.lines = wanted;
-                g.mesh = Kind::mesh_of(std::move(wanted), values);
+                g.mesh = Kind::mesh_of(std::move(wanted), values, of.load_);
                 auto moved = std::make_unique<fe::Model<Element>>(
                     fe::make_model(g.mesh, *of.model_, springs_of(values, of.load_)));
                 if (g.solver == nullptr) {
@@ -471,6 +525,7 @@ private:
     Lines breaks_;
     typename Kind::Mesh mesh_;
     fe::Springs springs_;
+    bool is_pulse_;                                   // the sides of its mesh are open
     std::shared_ptr<const fe::Model<Element>> model_; // nominal; loads on one mesh have one
     std::vector<bool> incompressible_;                // layers
 };
@@ -514,6 +569,7 @@ std::vector<fe::LayerMaterial> materials_of(const Case& c) {
         m.k0 = layer.k0;
         m.residual_stress = layer.residual_stress;
         m.fields = layer.fields;
+        m.damping_time = layer.damping_time;
         top += layer.thickness;
         stress += m.unit_weight * layer.thickness;
         layers.push_back(std::move(m));

@@ -22,7 +22,7 @@ struct Axisymmetric { // one circle on the axis
     static Mesh nominal_mesh(const Case& c, int load);
     static Lines lines_of(const Mesh& mesh);
     static Lines breaks(const Case& c, int load);
-    static Mesh mesh_of(Lines lines, const Case& c);
+    static Mesh mesh_of(Lines lines, const Case& c, int load);
     // Force of a mean pressure of 1 Pa on the footprint, on every free unknown [N].
     static Eigen::VectorXd unit_load(const Mesh& mesh, const fe::Model<Element>& model, const Load& load);
 };
@@ -33,7 +33,7 @@ struct Solid {
     static Mesh nominal_mesh(const Case& c, int load);
     static Lines lines_of(const Mesh& mesh);
     static Lines breaks(const Case& c, int load);
-    static Mesh mesh_of(Lines lines, const Case& c);
+    static Mesh mesh_of(Lines lines, const Case& c, int load);
     static Eigen::VectorXd unit_load(const Mesh& mesh, const fe::Model<Element>& model, const Load& load);
 };
 

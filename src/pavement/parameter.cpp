@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace pave::pavement {
 
@@ -40,11 +41,15 @@ std::span<const KeyInfo> layer_keys() {
          [](Layer& l) -> double& { return l.k0; }},
         {"residual_stress_kPa", unit::kPa, 0.0, 1e3, false, 0.0, "horizontal compression locked in by compaction",
          [](Layer& l) -> double& { return l.residual_stress; }},
+        {"damping_time_ms", unit::ms, 0.0, 100.0, false, 0.5,
+         "under a load with a history: stress in proportion to the strain and this times its rate, a damping ratio of "
+         "pi f damping_time at the frequency f; without a value 0 in a layer that relaxes",
+         [](Layer& l) -> double& { return l.damping_time; }},
     };
     return keys;
 }
 
-std::span<const KeyInfo> load_keys(LoadType type, Patch patch) {
+std::span<const KeyInfo> load_keys(LoadType type, Patch patch, bool has_history) {
     static const KeyInfo pressure{
         "pressure_kPa", unit::kPa, 0.0, 1e4, true, {}, "contact pressure", nullptr, [](Load& l) -> double& {
             return l.pressure;
@@ -103,19 +108,39 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch) {
                                   "it rises and falls as sin^2(pi t / duration): for layers that relax",
                                   nullptr,
                                   [](Load& l) -> double& { return l.duration; }};
+    static const KeyInfo shift{"time_shift_ms",
+                               unit::ms,
+                               -1e3,
+                               1e3,
+                               false,
+                               0.0,
+                               "with a history: added to the times of readings to get those of the history",
+                               nullptr,
+                               [](Load& l) -> double& { return l.time_shift; }};
+    static const KeyInfo largest_pressure = [] {
+        KeyInfo key = pressure;
+        key.default_value = std::numeric_limits<double>::quiet_NaN();
+        key.meaning = "the largest contact pressure, in place of that of the history";
+        return key;
+    }();
     static const KeyInfo plate[] = {radius, pressure, duration};
+    static const KeyInfo recorded[] = {radius, largest_pressure, shift};
     static const KeyInfo wheel_circle[] = {force, tyre_pressure, duration};
     static const KeyInfo wheel[] = {force, tyre_pressure, width, duration};
     static const KeyInfo dual_circle[] = {force, tyre_pressure, spacing, duration};
     static const KeyInfo dual[] = {force, tyre_pressure, spacing, width, duration};
     static const KeyInfo gear[] = {tyre_pressure};
     switch (type) {
-    case LoadType::plate: return plate;
+    case LoadType::plate: return has_history ? std::span<const KeyInfo>(recorded) : plate;
     case LoadType::gear: return gear;
     case LoadType::wheel: return patch == Patch::circle ? std::span<const KeyInfo>(wheel_circle) : wheel;
     case LoadType::dual_wheel: break;
     }
     return patch == Patch::circle ? std::span<const KeyInfo>(dual_circle) : dual;
+}
+
+std::span<const KeyInfo> load_keys(const Load& load) {
+    return load_keys(load.type, load.patch, load.is_pulse());
 }
 
 double& Parameter::in(Case& c) const {
@@ -192,7 +217,7 @@ void each_parameter(const Case& c, F f, std::string_view only = {}) {
         }
     }
     for (std::size_t l = 0; l < c.loads.size(); ++l) {
-        for (const KeyInfo& key : load_keys(c.loads[l].type, c.loads[l].patch)) {
+        for (const KeyInfo& key : load_keys(c.loads[l])) {
             if (!is_wanted(c.loads[l].name, key.key)) {
                 continue;
             }
@@ -272,6 +297,7 @@ void each_number(Case& c, int load, F f) {
         f(layer.density, fe::Variation{.kind = Kind::unit_weight, .layer = own}, unit::gravity);
         f(layer.k0, fe::Variation{.kind = Kind::k0, .layer = own}, 1.0);
         f(layer.residual_stress, fe::Variation{.kind = Kind::residual_stress, .layer = own}, 1.0);
+        f(layer.damping_time, fe::Variation{.kind = Kind::damping, .layer = own}, 1.0);
         for (std::size_t i = 0; i < layer.parameters.size(); ++i) {
             f(layer.parameters[i], fe::Variation{.kind = Kind::law_parameter, .layer = own, .index = i}, 1.0);
         }
@@ -295,7 +321,9 @@ void each_number(Case& c, int load, F f) {
     if (on.inertia) {
         f(*on.inertia, fe::Variation{.kind = Kind::inertia}, 1.0);
     }
-    if (!on.inertia) {
+    if (on.is_pulse()) {
+        f(on.time_shift, fe::Variation{.kind = Kind::time_shift}, 1.0);
+    } else if (!on.inertia) {
         f(on.duration, fe::Variation{.kind = Kind::duration}, 1.0 / on.duration);
     }
     if (on.type == LoadType::plate) { // of a wheel it sets the size of the patch
@@ -341,7 +369,7 @@ Case without_geometry(Case c) {
         }
     }
     for (Load& load : c.loads) {
-        for (const KeyInfo& key : load_keys(load.type, load.patch)) {
+        for (const KeyInfo& key : load_keys(load)) {
             if (key.changes_geometry) {
                 key.of_load(load) = 0.0;
             }
@@ -352,7 +380,7 @@ Case without_geometry(Case c) {
 
 // Whether all that geometry changes of a case without effects is what the solver's motions hold.
 bool is_moved_by_its_mesh(const Case& c, int load) {
-    return !c.loads[load].plate_stiffness && !c.loads[load].inertia && !c.relaxes() &&
+    return !c.loads[load].plate_stiffness && !c.loads[load].inertia && !c.loads[load].is_pulse() && !c.relaxes() &&
            std::none_of(c.layers.begin(), c.layers.end(),
                         [](const Layer& layer) { return layer.compliance || !layer.fields.empty(); });
 }
@@ -370,6 +398,9 @@ std::optional<Derivative> direct_derivative(const Case& c, const Parameter& para
         return is_moved_by_its_mesh(c, load) ? std::optional(one_term({.kind = Kind::motion}, 1.0)) : std::nullopt;
     }
     if (parameter.in_load) {
+        if (parameter.key->key == "time_shift_ms") {
+            return one_term({.kind = Kind::time_shift}, parameter.to_si);
+        }
         const bool is_duration = parameter.key->key == "duration_ms";
         if (is_duration && c.loads[load].inertia) {
             return std::nullopt;
@@ -385,8 +416,8 @@ std::optional<Derivative> direct_derivative(const Case& c, const Parameter& para
     if (key == "density_kg_m3") {
         return one_term({.kind = Kind::unit_weight, .layer = parameter.owner}, unit::gravity);
     }
-    return one_term({.kind = key == "k0" ? Kind::k0 : Kind::residual_stress, .layer = parameter.owner},
-                    parameter.to_si);
+    const Kind kind = key == "k0" ? Kind::k0 : key == "damping_time_ms" ? Kind::damping : Kind::residual_stress;
+    return one_term({.kind = kind, .layer = parameter.owner}, parameter.to_si);
 }
 
 } // namespace

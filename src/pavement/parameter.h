@@ -24,7 +24,9 @@ struct KeyInfo {
     bool changes_geometry = false;
 };
 std::span<const KeyInfo> layer_keys();
-std::span<const KeyInfo> load_keys(LoadType type, Patch patch);
+// has_history: of a plate under a history, whose pressure and time are recorded.
+std::span<const KeyInfo> load_keys(LoadType type, Patch patch, bool has_history = false);
+std::span<const KeyInfo> load_keys(const Load& load);
 
 // A number of a case that may be varied.
 struct Parameter {

@@ -23,6 +23,9 @@ struct Layer {
     std::vector<double> parameters;     // SI, in the order of law->parameters()
     std::vector<fe::Field> fields{};    // what varies within the layer
     std::optional<double> compliance{}; // m/Pa, shear compliance of the interface at its bottom; none: bonded
+    // s, under a pulse: stress = E C (strain + damping_time d(strain)/dt), a damping ratio of pi f damping_time at the
+    // frequency f.
+    double damping_time = 0.0;
 
     bool operator==(const Layer&) const = default;
 };
@@ -55,6 +58,17 @@ struct Load {
     double duration = 0.03;
     // Plate: the inertia of the section answers to the load's pulse, its mass times this; none: static.
     std::optional<double> inertia{};
+    // Plate: how it was recorded to act, linear between samples of increasing time and nothing before and after; the
+    // pressure is its largest. None: the load is static, or has a duration.
+    struct Sample {
+        double time = 0.0;  // s
+        double share = 0.0; // of the pressure
+        bool operator==(const Sample&) const = default;
+    };
+    std::vector<Sample> history{};
+    double time_shift = 0.0; // s, from the times of readings to those of the history
+
+    bool is_pulse() const { return !history.empty(); }
 
     bool operator==(const Load&) const = default;
 
@@ -110,6 +124,7 @@ struct Sensor {
     double gauge = 0.0;                   // m
     bool measured = true;                 // by an instrument, which may err; false: an asked-for response
     double gain = 1.0;                    // of the instrument
+    std::optional<double> time{};         // s, under a pulse: when; none: the extreme over time
     // What the reading is the weighted sum of: readings at places beside the sensor, over gauge lengths of their own.
     // None: that of the sensor itself.
     struct Share {
@@ -133,6 +148,7 @@ struct Settings {
     fe::SolverSettings solver;
     // Linear layers under circles are computed without a mesh and a wall.
     bool layered = false;
+    double time_step = 2e-4; // s, under a pulse
 };
 
 struct Effect; // effects/effect.h

@@ -105,7 +105,7 @@ mesh::SolidMesh Solid::nominal_mesh(const Case& c, int load) {
     return c.half_space ? mesh_of({with_far_cells(std::move(mesh.x_lines), c, doublings),
                                    with_far_cells(std::move(mesh.y_lines), c, doublings),
                                    with_far_cells(std::move(mesh.z_lines), c, doublings)},
-                                  c)
+                                  c, load)
                         : mesh;
 }
 
@@ -121,7 +121,7 @@ Lines Solid::breaks(const Case& c, int load) {
             with_far_cells(std::move(bottoms), c, doublings)};
 }
 
-mesh::SolidMesh Solid::mesh_of(Lines lines, const Case& c) {
+mesh::SolidMesh Solid::mesh_of(Lines lines, const Case& c, int /*load*/) {
     auto mesh = mesh::solid_mesh(std::move(lines[0]), std::move(lines[1]), std::move(lines[2]), bottoms_of(c));
     mesh.endless = c.half_space;
     return mesh;

@@ -36,6 +36,9 @@ std::string why_not(const Case& c, int load) {
     if (own.loads[static_cast<std::size_t>(load)].plate_stiffness) {
         return "the plate is stiff";
     }
+    if (own.loads[static_cast<std::size_t>(load)].is_pulse()) {
+        return "the load is a pulse";
+    }
     if (own.loads[static_cast<std::size_t>(load)].inertia) {
         return "inertia is modelled";
     }

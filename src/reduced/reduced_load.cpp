@@ -240,7 +240,9 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
         case fe::Variation::Kind::unit_weight:
         case fe::Variation::Kind::k0:
         case fe::Variation::Kind::residual_stress:
-        case fe::Variation::Kind::duration: break; // nothing here relaxes
+        case fe::Variation::Kind::damping:
+        case fe::Variation::Kind::time_shift:
+        case fe::Variation::Kind::duration: break; // nothing here relaxes or moves
         default: return Failure{Status::failed, "the reduced model does not cover this derivative"};
         }
     }

@@ -94,6 +94,10 @@ int main() {
     for (const auto& [name, kind] : loads) {
         fmt::print("\n### `{}`\n\n", name);
         table(pavement::load_keys(kind.first, kind.second));
+        if (kind.first == pavement::LoadType::plate) {
+            fmt::print("\nWith a `history` (the pressure is its largest):\n\n");
+            table(pavement::load_keys(kind.first, kind.second, true));
+        }
     }
     fmt::print("\n## Corrections\n\nThe paths of their factors are LAYER-CHANNEL.factor_1, _2, ..., or "
                "readings-CHANNEL.factor_1, ...\n\n| channel | places | what it multiplies | places are |\n"

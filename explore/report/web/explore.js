@@ -94,17 +94,17 @@
         // -- the charts of the readings ---------------------------------------------------------------------------
 
         const groups = [];
-        const keyOf = (g, r) => JSON.stringify([g.byDepth ? r.x_mm : r.depth_mm, r.y_mm, r.gauge_mm]); // of its line
-        const curvesOf = (g, curves) => curves.filter((c) => c.load === g.load && c.quantity === g.quantity && c.by_depth === g.byDepth)
+        const keyOf = (g, r) => JSON.stringify([g.overTime || g.byDepth ? r.x_mm : null, g.byDepth ? null : r.depth_mm, r.y_mm, r.gauge_mm]); // of its line
+        const curvesOf = (g, curves) => curves.filter((c) => c.load === g.load && c.quantity === g.quantity && c.by_depth === g.byDepth && !g.overTime)
             .map((c) => ({ key: keyOf(g, c), x: c.at_mm, y: c.values.map((v) => v * c.to_si / g.to_si) }));
         readings.forEach((r, i) => {
-            let group = groups.find((g) => g.load === r.load && g.quantity === r.quantity);
-            if (!group) groups.push(group = { load: r.load, quantity: r.quantity, rows: [], unit: r.unit_words, to_si: r.to_si, title: `${r.load}: ${r.quantity_words}` });
+            let group = groups.find((g) => g.load === r.load && g.quantity === r.quantity && g.overTime === (r.time_ms !== undefined));
+            if (!group) groups.push(group = { overTime: r.time_ms !== undefined, load: r.load, quantity: r.quantity, rows: [], unit: r.unit_words, to_si: r.to_si, title: `${r.load}: ${r.quantity_words}` });
             group.rows.push(i);
         });
         for (const g of groups) {
-            g.byDepth = new Set(g.rows.map((i) => readings[i].depth_mm)).size > 1;
-            g.along = (i) => (g.byDepth ? readings[i].depth_mm : readings[i].x_mm);
+            g.byDepth = !g.overTime && new Set(g.rows.map((i) => readings[i].depth_mm)).size > 1;
+            g.along = (i) => (g.overTime ? readings[i].time_ms : g.byDepth ? readings[i].depth_mm : readings[i].x_mm);
             g.rows.sort((a, b) => g.along(a) - g.along(b));
             g.factor = (i) => readings[i].to_si / g.to_si;
             // Readings of one line, whose places differ.
@@ -172,9 +172,9 @@
             const size = (r) => r[1] - r[0];
             // The axis stays while the values fit in it: it is cheaper to draw, and easier to see what moves.
             if (!g.range || wanted[0] < g.range[0] || wanted[1] > g.range[1] || size(wanted) < 0.6 * size(g.range)) g.range = wanted;
-            const value = axis(`${readings[g.rows[0]].quantity_words} (${g.unit})`, { range: g.quantity === "deflection" ? [g.range[1], g.range[0]] : g.range });
+            const value = axis(`${readings[g.rows[0]].quantity_words} (${g.unit})`, { range: g.quantity === "deflection" && !g.overTime ? [g.range[1], g.range[0]] : g.range });
             const layout = dressed({ height: 350, title: { text: g.title }, dragmode: false, margin: { l: 64, r: 12, t: 36, b: 80 }, legend: { orientation: "h", y: -0.24 },
-                xaxis: g.byDepth ? value : axis("distance from the load (mm)", { range: ends(at) }), yaxis: g.byDepth ? axis("depth (mm)", { range: ends(at).reverse() }) : value });
+                xaxis: g.byDepth ? value : axis(g.overTime ? "time (ms)" : "distance from the load (mm)", { range: ends(at) }), yaxis: g.byDepth ? axis("depth (mm)", { range: ends(at).reverse() }) : value });
             return Plotly.react(g.place, traces, layout, { displayModeBar: false, responsive: true });
         }));
         // A measured point is dragged along the axis of its value.

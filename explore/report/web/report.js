@@ -28,12 +28,28 @@
     const placeOf = (r) => `x = ${figure(r.x_mm)}` + (r.y_mm ? `, y = ${figure(r.y_mm)}` : "") +
         (r.depth_mm ? `, depth ${figure(r.depth_mm)}` : "") + " mm";
 
+    // Readings of one kind over time: a colour a place, marks what was measured, lines the models.
+    const histories = (name, rows, measured, models) => {
+        const traces = [...new Set(rows.map(placeOf))].flatMap((place, p) => {
+            const own = rows.filter((r) => placeOf(r) === place).sort((a, b) => a.time_ms - b.time_ms);
+            const color = colours[p % colours.length];
+            const traceOf = (values, more) => ({ type: "scatter", x: own.map((r) => r.time_ms), y: own.map((r) => values[r.index]), ...more });
+            return [traceOf(measured, { mode: "markers", name: place, marker: { symbol: symbols[0], size: 5, color } }),
+                ...models.map((m, k) => traceOf(m.values, { mode: "lines", name: `${place}, ${m.name}`, line: { color, dash: dashes[k % dashes.length] } }))];
+        });
+        return chart("measured", traces, { title: { text: name }, xaxis: axis("time [ms]"), yaxis: axis(name.split(": ")[1]) });
+    };
+
     // models: [{name, values, curves}] beside readings with measured values, in the same order. Where a model has no curve between
     // the readings of a bowl, a monotone cubic joins them; other readings are joined by straight lines.
     const againstMeasured = (readings, measured, models) => {
         let cubic = false;
         const charts = [];
-        for (const [name, rows] of groupsOf(readings)) {
+        for (const [name, all] of groupsOf(readings)) {
+            const timed = all.filter((r) => r.time_ms !== undefined);
+            const rows = all.filter((r) => r.time_ms === undefined);
+            if (timed.length > 0) charts.push(histories(name, timed, measured, models));
+            if (rows.length === 0) continue;
             const byDepth = new Set(rows.map((r) => r.depth_mm)).size > 1;
             const along = (r) => (byDepth ? r.depth_mm : r.x_mm);
             const sorted = [...rows].sort((a, b) => along(a) - along(b));
@@ -75,11 +91,12 @@
     const responsesPart = (result) => {
         const read = (result.responses || []).filter((r) => r.measured !== undefined);
         if (read.length === 0) return [];
+        const hasTimes = read.some((r) => r.time_ms !== undefined);
         return [part("Measured and modelled"),
             againstMeasured(read, read.map((r) => r.measured), [{ name: "best fit", values: read.map((r) => r.value), curves: result.curves }]),
             make("p", { className: "soft" }, "Deflection is positive downwards; strains and stresses are positive in compression."),
-            table(["load", "quantity", "x [mm]", "y [mm]", "depth [mm]", "measured", "modelled", "difference", "unit"],
-                read.map((r) => [r.load, r.quantity, r.x_mm, r.y_mm, r.depth_mm, r.measured, r.value,
+            table(["load", "quantity", "x [mm]", "y [mm]", "depth [mm]", ...(hasTimes ? ["time [ms]"] : []), "measured", "modelled", "difference", "unit"],
+                read.map((r) => [r.load, r.quantity, r.x_mm, r.y_mm, r.depth_mm, ...(hasTimes ? [r.time_ms === undefined ? "" : r.time_ms] : []), r.measured, r.value,
                     figure(100 * (r.value - r.measured) / Math.abs(r.measured)) + " %", r.unit]))];
     };
 

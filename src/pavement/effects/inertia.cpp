@@ -2,6 +2,7 @@
 #include "base/text.h"
 #include "pavement/effects/effect.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace pave::pavement {
@@ -19,6 +20,9 @@ std::string refuses(const Case& c, const AppliedEffect& applied) {
     }
     if (c.half_space) {
         return "a half-space carries waves away, which the model of the pulse does not follow";
+    }
+    if (std::any_of(c.loads.begin(), c.loads.end(), [](const Load& load) { return load.is_pulse(); })) {
+        return "under a load with a history the section moves as it is";
     }
     return is_plate(c, applied.load) ? "" : "only a plate falls: a load of type \"plate\" is needed";
 }

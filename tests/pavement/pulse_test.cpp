@@ -1,0 +1,295 @@
+// A section in motion under a recorded load: closed forms of a column, an independent transform solution, the limits
+// of slow loads and of little mass, energy, derivatives.
+#include "reference/layered_pulse.h"
+#include "support/differences.h"
+#include "support/sections.h"
+
+#include "fe/course.h"
+#include "pavement/load_model.h"
+#include "pavement/pulse.h"
+
+#include <gtest/gtest.h>
+#include <numbers>
+
+using namespace test;
+using Element = fe::AxisymmetricQ8;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+// sin^2(pi t / duration), and its integral from 0 to t.
+double haversine(double t, double duration) {
+    const double s = std::sin(pi * t / duration);
+    return t > 0.0 && t < duration ? s * s : 0.0;
+}
+double integral_of_haversine(double t, double duration) {
+    t = std::clamp(t, 0.0, duration);
+    return t / 2.0 - duration / (4.0 * pi) * std::sin(2.0 * pi * t / duration);
+}
+
+std::vector<Load::Sample> samples(double duration, double until, int of_pulse = 400) {
+    std::vector<Load::Sample> list;
+    for (int i = 0; i <= of_pulse; ++i) {
+        list.push_back({duration * i / of_pulse, i < of_pulse ? haversine(duration * i / of_pulse, duration) : 0.0});
+    }
+    if (until > duration) {
+        list.push_back({until, 0.0});
+    }
+    return list;
+}
+
+Load pulse(double duration, double until, double pressure = 700e3) {
+    Load load = plate(0.15, pressure);
+    load.history = samples(duration, until);
+    return load;
+}
+
+// A column of one linear layer, held sideways, pressed evenly over its top.
+struct Column {
+    static constexpr double length = 4.0, modulus = 80e6, density = 2000.0, wall = 0.1;
+    static constexpr double duration = 0.02, until = 0.06, pressure = 1e5;
+    static double speed() { return std::sqrt(modulus / density); } // Poisson's ratio 0: 200 m/s
+
+    bool open = false;
+    int cells = 16;
+    double step = 1e-4;
+
+    // The deflection of the top after every step.
+    fe::Course course() const {
+        Case c;
+        c.layers = {linear_layer("column", length, modulus, 0.0)};
+        c.layers[0].density = density;
+        c.loads = {pulse(duration, until, pressure)};
+        c.loads[0].radius = wall;
+        c.settings.extent = wall;
+        c.settings.time_step = step;
+        std::vector<double> z(static_cast<std::size_t>(cells) + 1);
+        for (int i = 0; i <= cells; ++i) {
+            z[static_cast<std::size_t>(i)] = length * i / cells;
+        }
+        auto mesh = mesh::axisymmetric_mesh({0.0, wall / 2.0, wall}, z, {length});
+        mesh.bottom_is_open = open;
+        const auto model = fe::make_model(mesh, {true});
+        const Eigen::VectorXd load = pressure * Axisymmetric::unit_load(mesh, model, c.loads[0]);
+        fe::Functional<Element> top;
+        top.on_displacement = {{model.topology->unknowns[0][1], 1.0}};
+        fe::Solver<Element> solver(model);
+        const auto layers = materials_of(c);
+        auto marched = solver.pulse(layers, load, pulse_of(c, 0), {top}, {}, {});
+        return std::move(marched->course);
+    }
+};
+
+// The largest error at the top against a closed form, as a share of the largest value.
+template <class Exact>
+double error_of(const Column& column, Exact exact) {
+    const auto course = column.course();
+    double error = 0.0;
+    double largest = 0.0;
+    for (Eigen::Index i = 0; i < course.values.cols(); ++i) {
+        const double value = exact(column.step * static_cast<double>(i + 1));
+        error = std::max(error, std::abs(course.values(0, i) - value));
+        largest = std::max(largest, std::abs(value));
+    }
+    return error / largest;
+}
+
+// On a rigid bottom waves return with the other sign every 2 length/speed: of the velocity, pressure/(density speed)
+// (s(t) + 2 sum (-1)^j s(t - 2 j length/speed)).
+double on_rigid_bottom(double t) {
+    const double c = Column::speed();
+    double sum = integral_of_haversine(t, Column::duration);
+    for (int j = 1; j < 8; ++j) {
+        sum += (j % 2 == 0 ? 2.0 : -2.0) * integral_of_haversine(t - 2.0 * j * Column::length / c, Column::duration);
+    }
+    return Column::pressure / (Column::density * c) * sum;
+}
+
+// What a rough linear section is made of.
+Case layered_section(bool half_space) {
+    Case c;
+    c.layers = {linear_layer("asphalt", 0.15, 3e9, 0.35), linear_layer("base", 0.4, 300e6, 0.35),
+                linear_layer("subgrade", half_space ? 8.0 : 2.5, 80e6, 0.4)};
+    c.layers[0].density = 2300.0;
+    c.layers[1].density = 2000.0;
+    c.layers[2].density = 1800.0;
+    for (Layer& layer : c.layers) {
+        layer.damping_time = 5e-4;
+    }
+    c.half_space = half_space;
+    c.loads = {pulse(0.025, 0.06)};
+    c.settings.extent = 8.0;
+    return c;
+}
+
+Case captif_in_motion() {
+    Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4, .residual_stress = 20e3});
+    for (Layer& layer : c.layers) {
+        layer.damping_time = 5e-4;
+    }
+    c.loads[0].history = samples(0.025, 0.03);
+    c.settings.refine = 0.35;
+    c.settings.time_step = 5e-4;
+    return c;
+}
+
+} // namespace
+
+TEST(Pulse, ConvergesInTimeAndSpaceToTheWavesOfAColumn) {
+    const auto error = [](int cells, double step) {
+        return error_of({.open = false, .cells = cells, .step = step}, on_rigid_bottom);
+    };
+    const double coarse = error(32, 4e-4);
+    const double middle = error(32, 2e-4);
+    EXPECT_LT(coarse, 0.01);
+    EXPECT_NEAR(std::log2(coarse / middle), 2.0, 0.2);
+    EXPECT_GT(std::log2(error(4, 2.5e-5) / error(8, 2.5e-5)), 2.5);
+    EXPECT_LT(error(32, 2.5e-5), 1e-4);
+}
+
+// What comes down meets dashpots of its own impedance, which take it, beside springs k: with g the wave that comes
+// back, 2 density speed g' = -k u there. k is Boussinesq's ratio, 2 G/length below the origin for Poisson's ratio 0.
+TEST(Pulse, LeavesAColumnThroughAnOpenBottom) {
+    const double c = Column::speed();
+    const double impedance = Column::density * c;
+    const double decay = 2.0 * (Column::modulus / 2.0) / Column::length / (2.0 * impedance);
+    constexpr double dt = 1e-6;
+    const auto lag = static_cast<std::size_t>(std::lround(Column::length / c / dt));
+    const auto count = static_cast<std::size_t>(Column::until / dt) + 2;
+    std::vector<double> back(count, 0.0); // as it leaves the bottom
+    const auto top = [&](std::size_t i) {
+        return Column::pressure / impedance * integral_of_haversine(dt * static_cast<double>(i), Column::duration) +
+               (i < lag ? 0.0 : 2.0 * back[i - lag]);
+    };
+    for (std::size_t i = lag; i + 1 < count; ++i) {
+        const double down = top(i - lag) - (i < 2 * lag ? 0.0 : back[i - 2 * lag]);
+        back[i + 1] = back[i] - dt * decay * (down + back[i]);
+    }
+    const auto exact = [&](double t) { return top(static_cast<std::size_t>(std::lround(t / dt))); };
+    EXPECT_LT(error_of({.open = true, .cells = 32, .step = 1e-4}, exact), 2e-3);
+}
+
+// Both kinds of bottom, at every sensor and time, against the transform solution.
+class PulseOnLayers : public testing::TestWithParam<bool> {};
+
+TEST_P(PulseOnLayers, IsThatOfTheTransformSolution) {
+    Case c = layered_section(GetParam());
+    std::vector<reference::MovingLayer> layers;
+    for (const Layer& layer : c.layers) {
+        layers.push_back(
+            {layer.thickness, layer.parameters[0], layer.parameters[1], layer.density, layer.damping_time});
+    }
+    const std::vector<double> radii{0.0, 0.3, 0.6, 0.9, 1.2, 1.8};
+    std::vector<double> times;
+    for (int i = 1; i <= 40; ++i) {
+        times.push_back(1.5e-3 * i);
+    }
+    for (const double r : radii) {
+        for (const double t : times) {
+            c.sensors.push_back(deflection(r));
+            c.sensors.back().time = t;
+        }
+    }
+    const auto exact = reference::layered_pulse(layers, c.half_space, 0.15, 700e3, 0.025, radii, times);
+    const auto found = run(c);
+    ASSERT_TRUE(found);
+    for (std::size_t i = 0; i < radii.size(); ++i) {
+        double peak = 0.0;
+        double error = 0.0;
+        for (std::size_t j = 0; j < times.size(); ++j) {
+            peak = std::max(peak, std::abs(exact[i][j]));
+            error = std::max(error, std::abs(found->values[i * times.size() + j] - exact[i][j]));
+        }
+        EXPECT_LT(error, 0.01 * peak) << "at " << radii[i] << " m, half-space " << c.half_space;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(BothBottoms, PulseOnLayers, testing::Bool());
+
+// Without damping, what the load did has left through the open sides once all is quiet, but for what the springs there
+// hold of a section that still creeps back; nothing is taken while nothing arrives.
+TEST(Pulse, LeavesWithTheEnergyThatTheLoadBrought) {
+    Case c = layered_section(true);
+    for (Layer& layer : c.layers) {
+        layer.damping_time = 0.0;
+    }
+    const auto after = [&](double until) {
+        c.loads[0].history = samples(0.025, until);
+        const auto parts = parts_of<Axisymmetric>(c, 0);
+        fe::Solver<Element> solver(parts.model);
+        auto marched = solver.pulse(parts.layers, parts.load, pulse_of(c, 0), {}, {}, {});
+        return std::move(marched).value();
+    };
+    const auto early = after(0.012);
+    EXPECT_GT(early.work, 0.0);
+    EXPECT_LT(early.absorbed, 1e-3 * early.work);
+    EXPECT_LT(early.kinetic, early.work);
+    const auto late = after(0.25);
+    EXPECT_NEAR(late.absorbed, late.work, 0.01 * late.work);
+    EXPECT_LT(late.kinetic, 1e-3 * late.work);
+}
+
+// Over two seconds nothing has inertia: the peaks are those of the load at rest. The open wall gives way as far as what
+// lies beyond it does.
+TEST(Pulse, IsTheLoadAtRestWhenItIsSlow) {
+    Case still = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4, .residual_stress = 20e3});
+    still.settings.extent = 6.0;
+    Case slow = still;
+    slow.loads[0].history = samples(2.0, 2.0);
+    slow.settings.time_step = 0.01;
+    const auto at_rest = run(still);
+    const auto moving = run(slow);
+    ASSERT_TRUE(at_rest && moving);
+    const double largest = at_rest->values[0];
+    for (std::size_t i = 0; i < 5; ++i) {
+        EXPECT_NEAR(moving->values[i], at_rest->values[i], 0.003 * largest) << i;
+    }
+    for (std::size_t i = 6; i < still.sensors.size(); ++i) {
+        EXPECT_NEAR(moving->values[i] / at_rest->values[i], 1.0, 0.01) << i;
+    }
+}
+
+TEST(Pulse, HasExactDerivatives) {
+    Case c = captif_in_motion();
+    c.layers[0] = {"asphalt",
+                   0.15,
+                   2200.0,
+                   0.5,
+                   0.0,
+                   material::find_law("viscoelastic"),
+                   {10e9, 0.35, 20.0, 20.0, 261e3, 0.5, 0.01, 0.2, 0.1, 0.0, 1.0, 0.0, 10.0}};
+    c.layers[0].damping_time = 1e-4;
+    c.sensors = {
+        deflection(0.0), deflection(0.9), strain_zz(0.2, 0.075), {0, Quantity::stress_zz, 0.0, 0.0, 0.25, 0.0}};
+    for (const double time : {0.0082, 0.0141, 0.0213}) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            c.sensors.push_back(c.sensors[i]);
+            c.sensors.back().time = time;
+        }
+    }
+    for (const bool half_space : {false, true}) {
+        c.half_space = half_space;
+        const ForwardModel model(c);
+        const auto workspace = model.make_workspace();
+        std::vector<Parameter> parameters;
+        for (const char* path :
+             {"asphalt.modulus_MPa", "asphalt.tau1_s", "asphalt.damping_time_ms", "asphalt.density_kg_m3", "base.k1",
+              "base.k2", "base.k3", "base.n", "base.density_kg_m3", "base.damping_time_ms", "subgrade.modulus_MPa",
+              "subgrade.poisson", "subgrade.density_kg_m3", "subgrade.damping_time_ms", "fwd.pressure_kPa",
+              "fwd.time_shift_ms"}) {
+            parameters.push_back(find_parameter(c, path, {}));
+        }
+        const auto exact = model.run(c, parameters, *workspace);
+        ASSERT_TRUE(exact) << exact.failure().reason;
+        for (std::size_t p = 0; p < parameters.size(); ++p) {
+            const double value = parameters[p].get(c);
+            const double range = value == 0.0 ? 1.0 : std::abs(value);
+            const auto differences = central_differences(model, c, parameters[p], 1e-3 * range, *exact, *workspace);
+            ASSERT_TRUE(differences);
+            const auto d = disagreement(*exact, p, range, differences->rates);
+            EXPECT_LT(d.worst, 2e-6 * std::max(d.scale, 0.1)) << parameters[p].path << ", half-space " << half_space;
+            EXPECT_GT(d.scale, 1e-6) << parameters[p].path;
+        }
+    }
+}

@@ -1,0 +1,151 @@
+"""Whole pulses: readings in time, wrong histories, runs that keep and know their history, and a twin whose floor is found."""
+import json
+import re
+
+from support import *
+
+folder = workspace()
+
+STUDY = """schema = 1
+[[layers]]
+name = "asphalt"
+thickness_mm = 150
+density_kg_m3 = 2300
+k0 = 0.5
+law = "linear"
+modulus_MPa = 3000
+poisson = 0.35
+
+[[layers]]
+name = "subgrade"
+thickness_mm = 2000
+density_kg_m3 = 1800
+k0 = 0.5
+law = "linear"
+modulus_MPa = 80
+poisson = 0.40
+
+[[loads]]
+name = "drop"
+type = "plate"
+radius_mm = 150
+history = "force.csv"
+
+[solver]
+time_step_ms = 1
+
+[mesh]
+extent_m = 5
+refine = 0.5
+
+[data]
+files = ["small.csv"]
+misfit = "weighted"
+
+[data.noise]
+relative = 0.02
+absolute = { um = 2 }
+
+[[parameters]]
+name = "subgrade.modulus_MPa"
+min = 30
+max = 200
+scale = "log"
+
+[[parameters]]
+name = "subgrade.thickness_mm"
+min = 1000
+max = 4000
+scale = "log"
+"""
+FORCE = "time_ms,force_kN\n" + "".join(f"{t},{v}\n" for t, v in ((0, 0), (5, 20), (10, 45), (13, 50), (16, 45), (20, 20), (25, 0), (40, 0)))
+HEADER = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,time_ms,value,unit,sigma\n"
+DATA = HEADER + "".join(f"drop,deflection,{x},0,0,0,{t},100,um,\n" for x in (0, 600, 1800) for t in (*range(6, 40, 3), ""))
+
+
+def write(name, study=STUDY, data=DATA, force=FORCE):
+    path = write_study(folder / name, study, data)
+    if force is not None:
+        (folder / name / "force.csv").write_text(force)
+    return path
+
+
+# Forward: a reading at its time, and one without as the largest.
+path = write("forward")
+rows = json.loads(run("forward", path, "--json").stdout)["responses"]
+for x in (0, 600, 1800):
+    own = [r for r in rows if r["x_mm"] == x]
+    check([r.get("time_ms") for r in own] == [*range(6, 40, 3), None], f"times at {x} mm")
+    most = max(r["value"] for r in own[:-1])
+    check(most <= own[-1]["value"] < 1.05 * most, f"the largest at {x} mm: {own[-1]['value']}, not {most}")
+late = {x: max((r for r in rows if r["x_mm"] == x and "time_ms" in r), key=lambda r: r["value"])["time_ms"] for x in (0, 1800)}
+check(late[1800] >= late[0] + 6, f"far sensors peak later: {late}")
+check(" ms " in run("forward", path).stdout, "the table says the times")
+shifted = write("shifted", STUDY.replace('history = "force.csv"', 'history = "force.csv"\ntime_shift_ms = 3'))
+moved = json.loads(run("forward", shifted, "--json").stdout)["responses"]
+check(all(abs(moved[i]["value"] - rows[i + 1]["value"]) < 1e-9 for i in range(0, 10)), "a shift by 3 ms reads what came 3 ms later")
+halved = write("halved", STUDY.replace('history = "force.csv"', f'history = "force.csv"\npressure_kPa = {25 / 0.0225 / 3.14159265358979}'))
+half = json.loads(run("forward", halved, "--json").stdout)["responses"]
+check(all(abs(half[i]["value"] / rows[i]["value"] - 0.5) < 1e-9 for i in range(len(rows))), "half the pressure of a history")
+done = json.loads(run("forward", write("steps", STUDY.replace("time_step_ms = 1", "time_step_ms = 8")), "--json").stdout)
+check(any("time_step_ms" in w for w in done["warnings"]), f"steps that are too long: {done['warnings']}")
+
+# What cannot be.
+def refused(name, words, where, **files):
+    done = run("fit", write(name, **files), "--out", folder / name / "out")
+    message = done.stderr.strip()
+    print(f"{name}\n    {message.replace(str(folder), '...')}")
+    check(done.returncode == 2 and len(message.splitlines()) == 1 and not (folder / name / "out").exists(), f"{name}: {done}")
+    for word in (where, *words):
+        check(word in message, f"{name}: '{word}' is missing")
+
+
+refused("no file", ["history", "does not exist"], "small.toml:24:", force=None)
+refused("outside", ["outside = true"], "small.toml:24:", study=STUDY.replace('"force.csv"', '"../force.csv"'))
+refused("two forces", ["force_kN and pressure_kPa"], "force.csv:1:", force="time_ms,force_kN,pressure_kPa\n0,1,1\n1,1,1\n")
+refused("no time", ["column missing", "time_ms", "time, force_kN"], "force.csv:1:", force="time,force_kN\n0,1\n1,1\n")
+refused("no force", ["column missing", "force_kN"], "force.csv:1:", force="time_ms,force\n0,1\n1,1\n")
+refused("unsorted", ["increase", "1 after 2"], "force.csv:4:", force="time_ms,force_kN\n0,1\n2,1\n1,1\n")
+refused("not a number", ["force_kN", "x"], "force.csv:3:", force="time_ms,force_kN\n0,1\n2,x\n")
+refused("short row", ["cells"], "force.csv:3:", force="time_ms,force_kN\n0,1\n2\n")
+refused("nothing presses", ["above zero"], "force.csv:1:", force="time_ms,force_kN\n0,0\n2,-1\n")
+refused("one row", ["at least two rows"], "force.csv:", force="time_ms,force_kN\n0,1\n")
+refused("empty", ["no history"], "force.csv:", force="# nothing\n")
+refused("duration too", ["duration_ms", "history"], "small.toml:25:", study=STUDY.replace('"force.csv"', '"force.csv"\nduration_ms = 30'))
+refused("a wheel", ["plate"], "small.toml:25:", study=STUDY.replace('type = "plate"\nradius_mm = 150', 'type = "wheel"\nforce_kN = 50\npressure_kPa = 700'))
+refused("a time without a history", ["time_ms", "history"], "small.csv:2:", study=STUDY.replace('history = "force.csv"', "pressure_kPa = 700"))
+refused("a time far away", ["time_ms", "20000"], "small.csv:2:", data=HEADER + "drop,deflection,0,0,0,0,20000,100,um,\n")
+refused("secant", ["integration", "history", "incremental"], "small.toml:", study=STUDY.replace("[solver]", '[solver]\nintegration = "secant"'))
+refused("inertia too", ["inertia", "history"], "small.toml:", study=STUDY + '\n[[effects]]\nname = "inertia"\n')
+refused("too many steps", ["too many steps", "time_step_ms"], "small.toml:", study=STUDY.replace("time_step_ms = 1", "time_step_ms = 0.01"),
+        force=FORCE + "5000,0\n")
+
+# A twin with 2 % noise: the modulus and the depth of the floor are found again.
+(folder / "twin").mkdir(exist_ok=True)
+shutil.copy(folder / "forward" / "force.csv", folder / "twin")
+done = run("twin", path, "--noise", 0.02, "--out", folder / "twin")
+check(done.returncode == 0, f"twin: {done.stderr}")
+made = (folder / "twin" / "twin.csv").read_text()
+check(made.count("time_ms") == 1, "the twin has its times")
+# Without the twin's own sigma, which is next to nothing where a reading passes through zero.
+(folder / "twin" / "small.csv").write_text(re.sub(r",[\d.e-]+$", ",", made, flags=re.M))
+(folder / "twin" / "small.toml").write_text(STUDY.replace("modulus_MPa = 80", "modulus_MPa = 60").replace("thickness_mm = 2000", "thickness_mm = 3000"))
+out = folder / "twin" / "out"
+done = run("fit", folder / "twin" / "small.toml", "--explore", 16, "--starts", 1, "--out", out, "--json")
+check(done.returncode == 0, f"fit: {done.stderr}")
+best = json.loads(done.stdout)["best"]
+for name, truth in (("subgrade.modulus_MPa", 80), ("subgrade.thickness_mm", 2000)):
+    check(abs(best["parameters"][name] / truth - 1) < 0.05, f"{name}: {best['parameters'][name]}, not {truth}")
+    check(abs(best["parameters"][name] - truth) < 4 * best["std_error"][name], f"{name}: the standard error")
+page = run("report", out)
+check(page.returncode == 0 and "time_ms" in (out / "report.html").read_text(), f"the page: {page.stderr}")
+
+# Another history is another run; a run keeps its own.
+before = evaluations(out)
+(folder / "twin" / "force.csv").write_text(FORCE.replace("13,50", "13,51"))
+done = run("fit", folder / "twin" / "small.toml", "--explore", 4, "--starts", 1, "--out", out, "--json")
+check(done.returncode == 0 and evaluations(out) > before, f"a changed history: {done.stderr}")
+(folder / "twin" / "force.csv").unlink()
+again = json.loads(run("rerun", out, "--json").stdout)
+check(again["same"] and again["evaluations"] == evaluations(out), f"rerun without the history: {again}")
+finish()
