@@ -494,7 +494,7 @@ private:
         motion.load = Eigen::VectorXd::Zero(model_->free_unknowns());
         std::vector<Observation<Element>> rates(values.sensors.size());
         for (const auto& [weight, there] : near) {
-            const auto mesh = Kind::mesh_of(lines_for(Kind::breaks(there, load_)), there);
+            const auto mesh = Kind::mesh_of(lines_for(Kind::breaks(there, load_)), there, load_);
             const auto model = fe::make_model(mesh, *model_);
             const auto layers = materials_of(there);
             for (std::size_t q = 0; q < model.points.size(); ++q) {
