@@ -25,7 +25,6 @@ using Eigen::VectorXd;
 constexpr double level_chi2 = 0.005;
 constexpr double level_pattern = 0.005;
 constexpr double level_family = 0.01;
-constexpr double level_noise = 0.05;
 constexpr double level_explained = 0.005;
 constexpr double level_overstated = 0.01;
 constexpr double level_rejected = 0.0005;
@@ -42,8 +41,7 @@ constexpr double least_rate = 0.95; // of telling two effects apart
 constexpr double least_share = 49.0;
 constexpr std::size_t scanned = 30; // candidates computed at several sizes
 constexpr std::size_t scanned_of_pairs = 12;
-constexpr std::size_t beam_width = 4;  // single effects that a second one is added to
-constexpr double close_enough = 0.005; // half of the change of chi2 that a fit leaves undone
+constexpr std::size_t beam_width = 4; // single effects that a second one is added to
 
 // Numbers of evaluations that are kept.
 constexpr int screen_number = 100;

@@ -16,15 +16,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double level_correction = 0.05; // of being due to chance
-constexpr double level_noise = 0.05;      // what a model leaves is noise
 constexpr double level_beyond = 0.01;     // a correction finds more than what was named
 constexpr double as_good = 6.0;           // chi2 by which one explanation has to be worse than another
 constexpr std::size_t most_corrections = 3;
-constexpr double close_enough = 0.005; // half of the change of chi2 that a fit leaves undone
 
 // Numbers of evaluations that are kept: + 100 times the corrections so far.
 constexpr int slope_number = 40'000;
-constexpr int fit_number = 41'000;
+constexpr int corrected_fit_number = 41'000;
 
 class Locator {
 public:
@@ -253,7 +251,7 @@ private:
         for (int pass = 0; pass < passes; ++pass) {
             const Target target = penalised(*corrected, members);
             std::optional<Model> found;
-            const int number = fit_number + 10 * static_cast<int>(accepted_.size()) + pass;
+            const int number = corrected_fit_number + 10 * static_cast<int>(accepted_.size()) + pass;
             task_.bench.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
                 found = fit(chain, problem, members, start, target, close_enough * d_.variance);
             });

@@ -27,6 +27,11 @@ struct Channel {
 // Unit coordinate of a coefficient that corrects nothing: its axis is logarithmic, with its middle at 1.
 inline constexpr double no_correction = 0.5;
 
+// What a model leaves over is noise where chance makes as much this often.
+inline constexpr double level_noise = 0.05;
+// Half of the change of chi2 that a fit leaves undone.
+inline constexpr double close_enough = 0.005;
+
 // Indices of candidates and of coefficients, rising; of a channel all or none. The problem of a model has the
 // parameters of the baseline, then the sizes of its members.
 using Members = std::vector<std::size_t>;
