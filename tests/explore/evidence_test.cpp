@@ -80,7 +80,8 @@ TEST(PriorCorrelation, FallsEvenlyFromPlaceToPlace) {
     EXPECT_NEAR(c(3, 0), std::pow(neighbour_correlation, 3), 1e-15);
 }
 
-// Under noise alone p is at most 0.05 in 5 % of cases: of 60, in no more than 9 (one of a thousand worlds would have more).
+// Under noise alone p is at most 0.05 in 5 % of cases: of 60, in no more than 9 (one of a thousand worlds would have
+// more).
 TEST(TestChannels, NoiseAloneIsSignificantAsOftenAsStated) {
     const World world(5);
     for (const bool estimated : {false, true}) {

@@ -64,7 +64,7 @@ expect("correction of no layer", ["not in the study", "bass", "asphalt"], correc
 expect("factors for other places", ["base-depth", "3 places, 2 factors"], correcting(", 1.2]", "]"), line="factor = [1.0, 0.5]")
 expect("places that do not rise", ["base-depth", "rise", "100, 50"], correcting("250]", "50]"), line="at_mm")
 expect("a factor of nothing", ["base-depth", "out of range", "0 < value"], correcting("0.5", "0"), line="factor =")
-expect("depths as stresses", ["at_mm", "at_kPa"], correcting("at_mm", "at_kPa"), line="at_kPa")
+expect("depths as stresses", ["base-depth", "at_mm", "missing"], correcting("at_mm", "at_kPa"))
 expect("theta of zero", ["base-theta", "logarithm", "above 0"], correcting('"depth"', '"theta"').replace("at_mm", "at_kPa"), line="at_kPa")
 expect("correction twice", ["base-depth", "twice"], changed("[[outputs]]", CORRECTION.replace("[[outputs]]", CORRECTION)))
 expect("factor that there is not", ["base-depth.factor_4", "base-depth.factor_3"],

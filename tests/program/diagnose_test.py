@@ -45,7 +45,7 @@ for candidate in found["candidates"]:
     for kind in ("effect", "score_z", "p_familywise", "delta_aicc", "size", "size_low", "size_high"):
         check(kind in candidate, f"a candidate has {kind}")
 names = [line.split()[0] for line in run("effects").stdout.splitlines() if line and not line.startswith(" ")]
-check(found["verdict"] in ("adequate", "cause-named", "ambiguous", "unexplained"), found["verdict"])
+check(found["verdict"] in ("adequate", "cause-named", "ambiguous", "located", "unexplained"), found["verdict"])
 check(found["verdict"] in ("cause-named", "ambiguous"), f"the floor lies 2.5 m deeper: {found['verdict']}")
 check(math.isclose(found["gain"]["misfit_reduction"], 1 - found["extended"]["misfit"] / found["baseline"]["misfit"]), "the gain is that of the misfits")
 check(found["gain"]["held_out_rmse_after"] < found["gain"]["held_out_rmse_before"], "readings left out are predicted better")
