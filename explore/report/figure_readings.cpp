@@ -276,7 +276,7 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
             measured.width = 0.0;
             measured.marker = markers[s % std::size(markers)];
             measured.colour = one ? black : okabe_ito[s % std::size(okabe_ito)];
-            measured.name = strand.name.empty() ? "measured" : "measured, " + strand.name;
+            measured.name = strand.name.empty() ? "measured" : (over_time ? "" : "measured, ") + strand.name;
             points.emplace_back(std::move(measured));
         }
         panel.layers.insert(panel.layers.begin(), points.begin(), points.end()); // the legend begins with them
@@ -286,6 +286,9 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
         }
         if (group.quantity == "deflection" || over_time) {
             low = std::min(0.0, low);
+        }
+        if (over_time) { // room for the names of the places
+            last += 0.5 * (last - first);
         }
         PlotAxis& value_axis = by_depth ? panel.x : panel.y;
         PlotAxis& place_axis = by_depth ? panel.y : panel.x;

@@ -127,11 +127,11 @@ private:
     template <class Number, class F>
     void add_side(int e, bool is_wall, const Elasticity<Number>& elasticity, F part, Sides& to) const {
         using std::sqrt;
-        const auto& [density, outward, downward, shear] = elasticity;
-        const Number along = sqrt(density * shear);
-        const Number across = sqrt(density * (is_wall ? outward : downward));
+        const Number shear = elasticity.shear;
+        const Number along = sqrt(elasticity.density * shear);
+        const Number across = sqrt(elasticity.density * (is_wall ? elasticity.outward : elasticity.downward));
         const Eigen::Vector2d impedance(part(is_wall ? across : along), part(is_wall ? along : across));
-        const Number twice_one_less_nu = downward / (downward - shear);
+        const Number twice_one_less_nu = elasticity.downward / (elasticity.downward - shear);
         const auto at = [&](const auto& shape, const Element::Position& place, double area) {
             const double square = place.squaredNorm();
             const double depth = place[1] * place[1] / square;

@@ -51,11 +51,11 @@ fe::Pulse coarser(const fe::Pulse& pulse) {
 fe::Followed read_pulse(const Sensor& sensor, const Load& load, const fe::Course& course, Eigen::Index row, double step,
                         const std::vector<fe::Variation>& variations) {
     if (!sensor.time) {
-        const auto up = fe::peak(course, row, 1.0);
+        auto up = fe::peak(course, row, 1.0);
         if (sensor.quantity == Quantity::deflection) {
             return up;
         }
-        const auto down = fe::peak(course, row, -1.0);
+        auto down = fe::peak(course, row, -1.0);
         return up.value >= -down.value ? up : down;
     }
     const double time = *sensor.time + load.time_shift - load.history.front().time;

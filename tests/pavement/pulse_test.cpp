@@ -250,6 +250,25 @@ TEST(Pulse, IsTheLoadAtRestWhenItIsSlow) {
     }
 }
 
+// The moduli in the middle of a step are those that the step before foretells: of second order too.
+TEST(Pulse, IsOfSecondOrderWhereStiffnessFollowsTheStress) {
+    Case c = captif_in_motion();
+    c.loads[0].history = samples(0.024, 0.024);
+    for (Sensor& sensor : c.sensors) {
+        sensor.time = 0.0144; // a step ends there, whatever its length
+    }
+    const auto values_at = [&](double step) {
+        c.settings.time_step = step;
+        return run(c)->values;
+    };
+    const auto coarse = values_at(8e-4);
+    const auto middle = values_at(4e-4);
+    const auto fine = values_at(2e-4);
+    for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+        EXPECT_NEAR(std::log2(std::abs((coarse[i] - middle[i]) / (middle[i] - fine[i]))), 2.0, 0.4) << i;
+    }
+}
+
 TEST(Pulse, HasExactDerivatives) {
     Case c = captif_in_motion();
     c.layers[0] = {"asphalt",

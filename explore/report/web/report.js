@@ -82,7 +82,7 @@
                     yaxis: axis(name.split(": ")[1],
                         rows[0].quantity === "deflection" ? { autorange: "reversed" } : {}) }));
         }
-        const said = [readings.some((r) => r.sigma) ? "Bars: one standard deviation." : "",
+        const said = [readings.some((r) => r.sigma && r.time_ms === undefined) ? "Bars: one standard deviation." : "",
             models.some((m) => (m.curves || []).length) ? "Between the readings the curve is the model's own." : "",
             cubic ? "Bowls are joined by a monotone cubic through what the model reads at the sensors." : ""].filter(Boolean);
         return make("div", {}, make("div", { className: "charts" }, charts), said.length ? make("p", { className: "soft" }, said.join(" ")) : null);
