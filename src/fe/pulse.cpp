@@ -68,6 +68,7 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
 
     // Of each layer: what K + 2/h C is of its stiffness, and F of that.
     std::vector<double> factors;
+    factors.reserve(layers.size());
     std::vector<double> shares(layers.size(), 1.0);
     for (const LayerMaterial& layer : layers) {
         factors.push_back(1.0 + 2.0 * layer.damping_time / h);
@@ -180,6 +181,7 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
             // Twice what F answers to, and what K and C do.
             const Eigen::VectorXd both = 2.0 * now.u + du;
             std::vector<Eigen::VectorXd> by_layer;
+            by_layer.reserve(factors.size());
             for (const double of_change : factors) {
                 by_layer.emplace_back(2.0 * now.u + of_change * du);
             }
@@ -187,6 +189,7 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
                 by_layer[memories[m].layer] = 2.0 * felt[m] + factors[memories[m].layer] * du;
             }
             std::vector<const Eigen::VectorXd*> by;
+            by.reserve(by_layer.size());
             for (const Eigen::VectorXd& x : by_layer) {
                 by.push_back(&x);
             }
