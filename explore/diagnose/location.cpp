@@ -416,10 +416,10 @@ bool locate(const DiagnosisTask& task, Diagnosis& d) {
     if (!from_baseline(most_corrections, location)) {
         return false;
     }
-    // What came near stands where corrections do not come nearer.
-    const bool is_nearest =
-        d.verdict == Verdict::unexplained || (location && location->fit.chi2 < d.extended->chi2 + as_good);
-    if (location && is_nearest) {
+    // What came near stands where corrections do not come nearer; noise that was stated too small is no reason for
+    // them.
+    const double nearer = is_weak && d.leaves_more_than_noise ? -as_good : as_good;
+    if (location && (d.verdict == Verdict::unexplained || location->fit.chi2 < d.extended->chi2 + nearer)) {
         take(d, std::move(*location));
     }
     return true;

@@ -244,12 +244,13 @@ void each_parameter(const Case& c, F f, std::string_view only = {}) {
     for (std::size_t i = 0; i < c.corrections.size(); ++i) {
         const std::string name = c.corrections[i].name();
         for (std::size_t k = 0; k < c.corrections[i].factors.size(); ++k) {
-            const std::string key = "factor_" + std::to_string(k + 1);
+            std::string key = "factor_";
+            key += std::to_string(k + 1);
             if (!is_wanted(name, key)) {
                 continue;
             }
             Parameter p;
-            p.path = name + "." + key;
+            p.path = std::string(name).append(".").append(key);
             p.in_correction = true;
             p.owner = static_cast<int>(i);
             p.place = k;
