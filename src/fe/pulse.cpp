@@ -241,17 +241,9 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
             by.u[memories[m].layer] = &felt[m];
             by.du[memories[m].layer] = &felt_rates[m];
         }
-        for (Eigen::Index r = 0; r < n; ++r) {
-            w.read(readings[static_cast<std::size_t>(r)], now, by, course.values(r, static_cast<Eigen::Index>(i)),
-                   course.d_values[i].row(r));
-        }
+        w.read_all(readings, now, by, i, course);
         if (i == largest) {
-            Solution<Element>& shown = result.at_largest = w.empty_solution();
-            shown.displacement = now.u;
-            shown.d_displacement = now.du;
-            w.set_moduli(now.stress, now.d_stress);
-            w.store(now.stress, now.d_stress, shown);
-            w.finish(factor * load, by, shown);
+            result.at_largest = w.solution_at(now, by, factor * load);
         }
     }
     Eigen::VectorXd momentum = Eigen::VectorXd::Zero(unknowns);

@@ -752,6 +752,26 @@ struct Solver<Element>::Work {
         }
     }
 
+    // All readings at an instant of a course.
+    void read_all(const std::vector<Functional<Element>>& readings, const PathState<Element>& now, const Felt& by,
+                  std::size_t instant, Course& course) const {
+        for (std::size_t r = 0; r < readings.size(); ++r) {
+            const auto row = static_cast<Eigen::Index>(r);
+            read(readings[r], now, by, course.values(row, static_cast<Eigen::Index>(instant)),
+                 course.d_values[instant].row(row));
+        }
+    }
+    // An instant of a course under its load. Sets the moduli to those there.
+    Solution<Element> solution_at(const PathState<Element>& now, const Felt& by, const Eigen::VectorXd& load) {
+        Solution<Element> solution = empty_solution();
+        solution.displacement = now.u;
+        solution.d_displacement = now.du;
+        set_moduli(now.stress, now.d_stress);
+        store(now.stress, now.d_stress, solution);
+        finish(load, by, solution);
+        return solution;
+    }
+
     // A reading and its rates where linear layers answer to `by`.
     template <class Rates>
     void read(const Functional<Element>& f, const PathState<Element>& now, const Felt& by, double& value,
