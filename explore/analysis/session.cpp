@@ -87,7 +87,7 @@ run::EngineSettings Session::engine_settings() const {
 }
 
 std::optional<ReducedProblem> Session::reduced(const problem::Problem& fitted, const study::Study& study,
-                                               const ModelOptions& model) {
+                                               const ModelOptions& model, const std::string& name) {
     if (!model.reduced()) {
         return std::nullopt;
     }
@@ -95,7 +95,7 @@ std::optional<ReducedProblem> Session::reduced(const problem::Problem& fitted, c
         throw pave::Error({.file = study.file}, "this study has no reduced model", why, "--model full");
     }
     const std::string key = study::reduced_key(study, samples);
-    const std::string file = (std::filesystem::path(options_.folder) / "reduced.bin").string();
+    const std::string file = (std::filesystem::path(options_.folder) / (name + ".bin")).string();
     auto loads = options_.folder.empty() ? std::nullopt : study::load_reduced(file, key);
     const bool built = !loads;
     if (built) {

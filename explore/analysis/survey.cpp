@@ -1,5 +1,6 @@
 #include "analysis/survey.h"
 
+#include "analysis/survey_network.h"
 #include "analysis/survey_road.h"
 #include "analysis/survey_stations.h"
 #include "data/csv.h"
@@ -18,6 +19,8 @@ namespace explore::analysis {
 namespace {
 
 constexpr int searches = 4; // at each station: one bowl tells few parameters, and a road has many stations
+// Of chi2 / 2, that a step may still gain: moves no parameter by more than a seventh of its standard error.
+constexpr double enough = 1e-2;
 
 StationFit fit_of(const StationTask& task, const landscape::Minimum& best) {
     StationFit fit = fit_at(task, best);
@@ -36,63 +39,119 @@ StationFit fit_of(const StationTask& task, const landscape::Minimum& best) {
     return fit;
 }
 
-// Back-calculates every station that is not rejected. False: interrupted; what was computed is in the store.
-bool fit_stations(Session& session, SurveyResult& result) {
-    landscape::MultistartSettings settings;
-    settings.starts = searches;
-    const auto tasks = station_tasks(result, static_cast<std::size_t>(result.study->space.dimension()),
-                                     [](const study::Study& study) { return study::make_problem(study); });
-    if (tasks.empty()) {
-        return true;
-    }
-    const auto begin = std::chrono::steady_clock::now();
-    std::vector<landscape::BatchItem> items;
-    std::vector<std::string> why_none; // should a station end without a result
-    Exploration exploration(result, search::sobol(result.study->space, survey_explored_points, session.options().seed),
-                            session, "survey");
-    for (const StationTask& task : tasks) {
-        auto starts = exploration.starts(task, settings);
-        if (!starts) {
-            return false;
-        }
-        why_none.push_back(starts->why_none.empty() ? "no start has an answer under the load of this station"
-                                                    : std::move(starts->why_none));
-        const int run = session.begin(task.study, "survey",
-                                      fmt::format("{}; {} at {} kPa; {} starts, distance {}; {}", task.words(),
-                                                  exploration.design().name, result.common_pressure_kPa,
-                                                  settings.starts, settings.start_distance, settings.method));
-        items.push_back({.problem = task.problem, .run = run, .starts = std::move(starts->points)});
+// All searches of a road.
+class StationFits {
+public:
+    StationFits(Session& session, SurveyResult& result, const std::vector<StationTask>& tasks)
+        : session_(session),
+          result_(result),
+          tasks_(tasks) {
+        settings_.starts = searches;
     }
 
-    run::Progress progress("survey", session.options().show_progress ? static_cast<std::int64_t>(items.size()) : -1,
-                           {"stations/min", 60.0});
-    std::mutex mutex;
-    std::size_t finished = 0;
-    const auto keep = [&](std::size_t i, const std::vector<run::Endpoint>& ends, const run::Tally& tally) {
-        progress.add(1, tally.computed > 0);
-        const auto minima = landscape::distinct_minima(ends, items[i].problem);
-        const std::scoped_lock lock(mutex);
-        ++finished;
-        result.computed += tally.computed;
-        result.stations_computed += tally.computed > 0 ? 1 : 0;
-        StationResult& s = *tasks[i].station;
-        if (minima.empty()) {
-            s.state = StationState::failed;
-            s.reason = why_none[i];
-            return;
+    bool run() {
+        const auto begin = std::chrono::steady_clock::now();
+        if (!explore() || !search_by_networks(session_, result_, searches_, settings_) || !fit()) {
+            return false;
         }
-        s.fit = fit_of(tasks[i], minima[0]);
-        s.fit->minima = minima.size();
-        s.fit->starts = ends.size();
-        s.no_fit = no_fit_of(*s.fit);
-        s.state = s.no_fit ? StationState::no_fit : s.state;
-    };
-    landscape::search_batch(items, session.store(), *optimise::find_method(settings.method), settings.search,
-                            session.options().threads, keep);
-    result.computed += exploration.tally().computed;
-    result.floor = floor_of(result, tasks);
-    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    return finished == items.size();
+        result_.floor = floor_of(result_, tasks_);
+        result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        return true;
+    }
+
+private:
+    bool explore() {
+        Exploration exploration(result_,
+                                search::sobol(result_.study->space, survey_explored_points, session_.options().seed),
+                                session_, "survey");
+        for (const StationTask& task : tasks_) {
+            auto starts = exploration.starts(task, settings_);
+            if (!starts) {
+                return false;
+            }
+            why_none_.push_back(starts->why_none.empty() ? "no start has an answer under the load of this station"
+                                                         : std::move(starts->why_none));
+            searches_.push_back({.task = &task,
+                                 .settings = fmt::format("{}; {} at {} kPa; {} starts, distance {}; {}", task.words(),
+                                                         exploration.design().name, result_.common_pressure_kPa,
+                                                         settings_.starts, settings_.start_distance, settings_.method),
+                                 .starts = std::move(starts->points)});
+        }
+        result_.computed += exploration.tally().computed;
+        return true;
+    }
+
+    bool fit() {
+        std::vector<std::size_t> near;
+        std::vector<std::size_t> far;
+        for (std::size_t i = 0; i < searches_.size(); ++i) {
+            (searches_[i].by_network() ? near : far).push_back(i);
+        }
+        auto from_near = settings_.search;
+        from_near.damping = 1e-7;
+        from_near.enough = result_.study->data.misfit == problem::MisfitKind::weighted ? enough : 0.0;
+        return fit(near, from_near) && fit(far, settings_.search);
+    }
+
+    bool fit(const std::vector<std::size_t>& numbers, const optimise::SearchSettings& how) {
+        std::vector<landscape::BatchItem> items;
+        items.reserve(numbers.size());
+        for (const std::size_t i : numbers) {
+            const StationSearch& search = searches_[i];
+            const int run = session_.begin(search.task->study, "survey", search.settings);
+            items.push_back({.problem = search.task->problem, .run = run, .starts = search.starts});
+        }
+        if (items.empty()) {
+            return true;
+        }
+        run::Progress progress("survey",
+                               session_.options().show_progress ? static_cast<std::int64_t>(items.size()) : -1,
+                               {"stations/min", 60.0});
+        std::mutex mutex;
+        std::size_t finished = 0;
+        const auto keep = [&](std::size_t item, const std::vector<run::Endpoint>& ends, const run::Tally& tally) {
+            progress.add(1, tally.computed > 0);
+            const std::size_t i = numbers[item];
+            const auto minima = landscape::distinct_minima(ends, tasks_[i].problem);
+            const std::scoped_lock lock(mutex);
+            ++finished;
+            result_.computed += tally.computed;
+            result_.stations_computed += tally.computed > 0 ? 1 : 0;
+            StationResult& s = *tasks_[i].station;
+            if (minima.empty()) {
+                s.state = StationState::failed;
+                s.reason = why_none_[i];
+                return;
+            }
+            s.fit = fit_of(tasks_[i], minima[0]);
+            s.fit->minima = minima.size();
+            s.fit->starts = ends.size();
+            if (const StationSearch& search = searches_[i]; search.by_network()) {
+                s.fit->best.members = search.members;
+                s.fit->minima = search.minima;
+                s.fit->starts = search.searched;
+            }
+            s.no_fit = no_fit_of(*s.fit);
+            s.state = s.no_fit ? StationState::no_fit : s.state;
+        };
+        landscape::search_batch(items, session_.store(), *optimise::find_method(settings_.method), how,
+                                session_.options().threads, keep);
+        return finished == items.size();
+    }
+
+    Session& session_;
+    SurveyResult& result_;
+    const std::vector<StationTask>& tasks_;
+    landscape::MultistartSettings settings_;
+    std::vector<StationSearch> searches_; // of each task
+    std::vector<std::string> why_none_;   // should a station end without a result
+};
+
+// Back-calculates every station that is not rejected. False: interrupted; what was computed is in the store.
+bool fit_stations(Session& session, SurveyResult& result) {
+    const auto tasks = station_tasks(result, static_cast<std::size_t>(result.study->space.dimension()),
+                                     [](const study::Study& study) { return study::make_problem(study); });
+    return tasks.empty() || StationFits(session, result, tasks).run();
 }
 
 } // namespace

@@ -121,6 +121,12 @@ struct SuspectSensor {
     std::optional<double> fits_at_mm; // where the fitted bowls have that deflection (median)
 };
 
+// A reduced model that the searches of many stations shared (study/network.h); every answer is the full model's.
+struct NetworkModel {
+    std::size_t stations = 0;
+    pave::reduced::BuildReport report;
+};
+
 struct SurveyCounts {
     std::size_t pass = 0, fail = 0; // by the deflection ratio
     std::size_t rejected = 0, fitted = 0, no_fit = 0, failed = 0;
@@ -143,7 +149,8 @@ struct SurveyResult {
         WithoutFloor without;
     };
     std::optional<Floor> floor;
-    std::int64_t computed = 0; // model runs of this process
+    std::vector<NetworkModel> networks; // one for each plate and set of sensors that enough stations have
+    std::int64_t computed = 0;          // model runs of this process
     int stations_computed = 0;
     double seconds = 0.0;
 

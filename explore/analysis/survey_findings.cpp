@@ -145,6 +145,12 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
     if (together > 0) {
         words.push_back(fmt::format("At {} of {} stations all load levels are fitted together.", together, stations));
     }
+    for (const NetworkModel& network : result.networks) {
+        words.push_back(
+            fmt::format("{} stations were searched by one reduced model of {} full runs (95 % of its errors "
+                        "below {:.2g} %); every answer was then fitted by the full model.",
+                        network.stations, network.report.full_runs, 100.0 * network.report.error_95));
+    }
     if (result.repeatability) {
         words.push_back(fmt::format(
             "Repeated drops repeat a reading within {:.1f} % (one standard deviation){}", 100.0 * *result.repeatability,

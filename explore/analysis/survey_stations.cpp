@@ -133,21 +133,6 @@ void add_temperature(StationResult& s, const SurveyOptions& options, std::option
     }
 }
 
-// A bowl with the sensors of all these.
-data::DeflectionBowl all_sensors(const std::vector<const data::DeflectionBowl*>& bowls) {
-    data::DeflectionBowl all = *bowls[0];
-    for (const data::DeflectionBowl* bowl : bowls) {
-        for (const auto& reading : bowl->readings) {
-            if (!all.has_sensor_at(reading.offset_mm)) {
-                all.readings.push_back(reading);
-            }
-        }
-    }
-    std::sort(all.readings.begin(), all.readings.end(),
-              [](const auto& a, const auto& b) { return a.offset_mm < b.offset_mm; });
-    return all;
-}
-
 } // namespace
 
 std::vector<const data::DeflectionBowl*> StationTask::bowls() const {
@@ -159,11 +144,44 @@ std::vector<const data::DeflectionBowl*> StationTask::bowls() const {
     return found;
 }
 
+data::DeflectionBowl StationTask::layout() const {
+    const auto list = bowls();
+    data::DeflectionBowl all = *list[0];
+    for (const data::DeflectionBowl* bowl : list) {
+        for (const auto& reading : bowl->readings) {
+            if (!all.has_sensor_at(reading.offset_mm)) {
+                all.readings.push_back(reading);
+            }
+        }
+    }
+    std::sort(all.readings.begin(), all.readings.end(),
+              [](const auto& a, const auto& b) { return a.offset_mm < b.offset_mm; });
+    return all;
+}
+
 std::string StationTask::words() const {
     const data::FwdStation& s = station->station;
     return fmt::format("station {} at {} m",
                        pave::join(s.lane.empty() ? std::vector{s.name} : std::vector{s.name, s.lane}),
                        s.chainage_m.value_or(NAN));
+}
+
+std::vector<double> layout_key(const data::DeflectionBowl& layout) {
+    std::vector<double> key{layout.radius_mm};
+    for (const auto& reading : layout.readings) {
+        key.push_back(reading.offset_mm);
+    }
+    return key;
+}
+
+std::vector<std::size_t> sensors_of(const data::DeflectionBowl& bowl, const data::DeflectionBowl& layout) {
+    std::vector<std::size_t> numbers;
+    for (const auto& reading : bowl.readings) {
+        const auto same = std::find_if(layout.readings.begin(), layout.readings.end(),
+                                       [&](const auto& r) { return r.offset_mm == reading.offset_mm; });
+        numbers.push_back(static_cast<std::size_t>(same - layout.readings.begin()));
+    }
+    return numbers;
 }
 
 std::vector<StationTask> station_tasks(SurveyResult& result, std::size_t unknowns,
@@ -244,7 +262,7 @@ Exploration::Exploration(const SurveyResult& result, search::Design design, Sess
 std::optional<Exploration::Starts> Exploration::starts(const StationTask& task,
                                                        const landscape::MultistartSettings& settings) {
     const auto bowls = task.bowls();
-    const data::DeflectionBowl layout = all_sensors(bowls);
+    const data::DeflectionBowl layout = task.layout();
     auto* explored = at(*task.station, layout);
     if (explored == nullptr) {
         return std::nullopt;
@@ -252,11 +270,8 @@ std::optional<Exploration::Starts> Exploration::starts(const StationTask& task,
     // Where each response of the problem stands among those explored, and by what it is scaled.
     std::vector<std::pair<std::size_t, double>> from;
     for (const data::DeflectionBowl* bowl : bowls) {
-        for (const auto& reading : bowl->readings) {
-            const auto same = std::find_if(layout.readings.begin(), layout.readings.end(),
-                                           [&](const auto& r) { return r.offset_mm == reading.offset_mm; });
-            from.emplace_back(static_cast<std::size_t>(same - layout.readings.begin()),
-                              bowl->pressure_kPa / result_.common_pressure_kPa);
+        for (const std::size_t sensor : sensors_of(*bowl, layout)) {
+            from.emplace_back(sensor, bowl->pressure_kPa / result_.common_pressure_kPa);
         }
     }
     std::vector<problem::Evaluation> scaled = *explored;
@@ -283,10 +298,7 @@ std::optional<Exploration::Starts> Exploration::starts(const StationTask& task,
 }
 
 const std::vector<problem::Evaluation>* Exploration::at(const StationResult& s, data::DeflectionBowl bowl) {
-    std::vector<double> layout{bowl.radius_mm};
-    for (const auto& reading : bowl.readings) {
-        layout.push_back(reading.offset_mm);
-    }
+    std::vector<double> layout = layout_key(bowl);
     if (const auto known = explored_.find(layout); known != explored_.end()) {
         return &known->second;
     }

@@ -22,8 +22,14 @@ struct StationTask {
     problem::Problem problem;
 
     std::vector<const data::DeflectionBowl*> bowls() const;
-    std::string words() const; // "station P07, L1 at 350 m"
+    data::DeflectionBowl layout() const; // a bowl with the sensors of all these
+    std::string words() const;           // "station P07, L1 at 350 m"
 };
+
+// Radius [mm] of the plate and offsets [mm] of the sensors: what stations share that one exploration serves.
+std::vector<double> layout_key(const data::DeflectionBowl& layout);
+// Of each of these readings the number of the sensor of the layout that stands there.
+std::vector<std::size_t> sensors_of(const data::DeflectionBowl& bowl, const data::DeflectionBowl& layout);
 
 // One for every station with a bowl and at least `unknowns` readings; the others become `failed`. make_problem: of the
 // station's study. Throws pave::Error where it does so for the stations, and none is left.
