@@ -122,7 +122,7 @@ bool fit_law(Session& session, FittedLaw& f, const CompareOptions& options, cons
     }
     f.answer = std::move(*answer);
     if (f.answer.minima.empty()) {
-        f.failed = run::why_no_start(f.answer.explored);
+        f.failed = run::why_no_minimum(fitted, f.answer.explored);
         return true;
     }
     f.best = f.answer.minima[0].evaluation;

@@ -70,7 +70,7 @@ bool Explorer::search() {
         return false;
     }
     if (found->minima.empty()) {
-        throw std::runtime_error(run::why_no_start(found->explored));
+        throw std::runtime_error(run::why_no_minimum(*problem_, found->explored));
     }
     for (const auto& minimum : found->minima) {
         minima_.push_back(described(minimum, *problem_));

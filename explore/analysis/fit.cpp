@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "landscape/confirmation.h"
+#include "landscape/readings_alone.h"
 #include "landscape/uniqueness.h"
 #include "problem/student.h"
 
@@ -34,7 +35,7 @@ search::Design make_design(FitOptions& options, const study::Study& study, std::
 } // namespace
 
 std::string FitResult::reason() const {
-    return run::why_no_start(searches.explored);
+    return run::why_no_minimum(problem, searches.explored);
 }
 
 std::optional<FitResult> fit(Session& session, const study::Study& study, const FitOptions& asked) {
@@ -94,18 +95,16 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
     }
     const Predictor predictor(study);
     landscape::Minimum& best = result.searches.minima[0];
+    if (!landscape::find_alone(engine, result.problem.in_units_of_noise(), best, landscape::first_start_of_others)) {
+        return std::nullopt;
+    }
     predictor.complete(best.evaluation);
     result.joint = group_fit(study, predictor, "all", result.problem, best);
     result.local = result.joint->local;
-    if (const problem::Problem by_noise = result.problem.in_units_of_noise(); !by_noise.priors().empty()) {
-        landscape::Minimum minimum = best;
-        minimum.evaluation.misfit = by_noise.misfit(best.evaluation);
-        if (const auto acceptance = landscape::acceptance_of(by_noise, minimum)) {
-            result.priors =
-                landscape::prior_influence(engine, by_noise, *acceptance, minimum, landscape::first_start_of_others);
-            if (!result.priors) {
-                return std::nullopt;
-            }
+    if (!result.problem.priors().empty()) {
+        const problem::Problem by_noise = result.problem.in_units_of_noise();
+        if (const auto acceptance = landscape::acceptance_of(by_noise, best)) {
+            result.priors = landscape::prior_influence(by_noise, *acceptance, best);
         }
     }
     if (!options.model.alone()) {

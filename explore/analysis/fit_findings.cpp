@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "landscape/confirmation.h"
+#include "landscape/readings_alone.h"
 
 #include <Eigen/SVD>
 #include <cmath>
@@ -50,13 +51,15 @@ std::string direction_words(const problem::ParameterSpace& space, const std::vec
 }
 
 // What chi2 says, where the noise is stated.
-std::string noise_words(const landscape::LocalAnalysis& local, bool is_student) {
+std::string noise_words(const landscape::LocalAnalysis& local, bool is_student, bool alone) {
     const std::string dof =
         counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom");
     return fmt::format(
-        "{}: {}, p = {:.2g}.{}",
-        local.p_value < 0.05 ? "The model does not fit these data within their stated noise"
-                             : "The fit is consistent with the stated noise",
+        "{}{}: {}, p = {:.2g}.{}", alone ? "By the readings alone, without what is known besides: " : "",
+        local.p_value < 0.05
+            ? (alone ? "the model does not fit these data within their stated noise"
+                     : "The model does not fit these data within their stated noise")
+            : (alone ? "the fit is consistent with the stated noise" : "The fit is consistent with the stated noise"),
         is_student ? fmt::format("-2 ln likelihood = {} above that of no residuals, where fits of such noise leave {} "
                                  "(simulated, {})",
                                  figure(local.chi2), figure(local.expected_chi2), dof)
@@ -128,21 +131,34 @@ std::string downweighted(const FitResult& result) {
 // all at a family-wise level of 5 %. By the stated noise, else by what the other readings leave over; then with too few
 // of them nothing can be said. "": none.
 std::string accused_reading(const FitResult& result) {
-    const problem::Problem by_noise = result.problem.in_units_of_noise();
-    const Eigen::VectorXd r = by_noise.residuals(result.best().evaluation);
-    const landscape::LocalAnalysis& local = result.local;
+    // Where priors or constraints hold the answer, of the fit of the readings by themselves.
+    const landscape::JudgedFit fit = landscape::judged_fit(result.problem.in_units_of_noise(), result.best());
+    const problem::Problem& by_noise = fit.problem;
+    const problem::Evaluation& answer = *fit.at;
+    const Eigen::VectorXd r = by_noise.residuals(answer);
+    const landscape::LocalAnalysis local =
+        result.best().alone
+            ? landscape::analyse({.evaluation = answer, .unit = by_noise.space.unit(answer.parameters)}, by_noise)
+            : result.local;
     const auto n = static_cast<double>(by_noise.readings());
     // With correlated noise: of a shift of that reading alone, tested in the residuals of all.
     Eigen::MatrixXd followed_by; // what the parameters follow: orthonormal columns
     if (by_noise.noise_is_correlated()) {
-        const Eigen::JacobiSVD<Eigen::MatrixXd> svd(by_noise.residual_jacobian(result.best().evaluation),
-                                                    Eigen::ComputeThinU);
+        Eigen::MatrixXd free = by_noise.residual_jacobian(answer);
+        for (const landscape::BoundMet& bound : landscape::bounds_met(by_noise.space.unit(answer.parameters))) {
+            free.col(static_cast<Eigen::Index>(bound.axis)).setZero();
+        }
+        const Eigen::JacobiSVD<Eigen::MatrixXd> svd(free, Eigen::ComputeThinU);
         const auto seen = (svd.singularValues().array() > 1e-8 * svd.singularValues()[0]).count();
         followed_by = svd.matrixU().leftCols(seen);
     }
+    const double dof = local.degrees_of_freedom - 1.0; // of what the other readings leave over
+    if (!local.noise_is_stated && dof < 1.0) {
+        return "";
+    }
     Eigen::Index worst = -1;
     double largest = 0.0;
-    double least_p = 1.0;
+    double worst_deviate = 0.0;
     for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(by_noise.readings()); ++i) {
         double own = 1.0 - local.leverage[i];
         double pull = r[i];
@@ -157,34 +173,30 @@ std::string accused_reading(const FitResult& result) {
         if (own < followed) {
             continue;
         }
-        double p = 1.0;
-        if (local.noise_is_stated) {
-            p = 2.0 * gsl_cdf_ugaussian_Q(std::abs(pull) / std::sqrt(own));
-        } else if (const double dof = local.degrees_of_freedom - 1.0; dof >= 1.0) {
+        double deviate = std::min(std::abs(pull) / std::sqrt(own), r.norm()); // no more than all that is left over
+        if (!local.noise_is_stated) {
             const double rest = r.squaredNorm() - r[i] * r[i] / own;
             constexpr double rounding = 1e-9;
-            p = rest > 0.0 && std::abs(r[i]) > rounding
-                    ? 2.0 * gsl_cdf_tdist_Q(std::abs(r[i]) / std::sqrt(own * rest / dof), dof)
-                    : 1.0;
+            deviate = rest > 0.0 && std::abs(r[i]) > rounding ? std::abs(r[i]) / std::sqrt(own * rest / dof) : 0.0;
         }
-        if (p < least_p) {
-            least_p = p;
+        if (deviate > worst_deviate) {
+            worst_deviate = deviate;
             worst = i;
             largest = pull;
         }
     }
-    if (worst < 0 || n * least_p > 0.05) {
+    const double p =
+        n * 2.0 * (local.noise_is_stated ? gsl_cdf_ugaussian_Q(worst_deviate) : gsl_cdf_tdist_Q(worst_deviate, dof));
+    if (worst < 0 || p > 0.05) {
         return "";
     }
     const data::Reading& reading = result.study.readings[result.problem.response_of(static_cast<std::size_t>(worst))];
-    const double model =
-        result.best().evaluation.responses[result.problem.response_of(static_cast<std::size_t>(worst))];
-    return fmt::format(
-        "One reading stands out ({:.0f} % of the sum of squares; p = {:.2g} among {}): {}, measured {:g}, "
-        "model {}. Either it or the model is wrong there.",
-        100.0 * largest * largest / r.squaredNorm(), std::min(1.0, n * least_p),
-        counted(by_noise.readings(), "reading", "readings"), reading.label_with_unit(), reading.value,
-        figure(reading.in_unit(model)));
+    const double model = answer.responses[result.problem.response_of(static_cast<std::size_t>(worst))];
+    return fmt::format("One reading stands out ({:.0f} % of the sum of squares; p {} among {}): {}, measured {:g}, "
+                       "model {}. Either it or the model is wrong there.",
+                       100.0 * largest * largest / r.squaredNorm(), p < 1e-15 ? "< 1e-15" : fmt::format("= {:.2g}", p),
+                       counted(by_noise.readings(), "reading", "readings"), reading.label_with_unit(), reading.value,
+                       figure(reading.in_unit(model)));
 }
 
 } // namespace
@@ -200,10 +212,10 @@ std::vector<std::string> findings(const FitResult& result) {
     const auto close = rivals(minima, local);
     // What matters most comes first: what is not known, then where the searches ended.
     if (local.noise_is_stated && local.p_value < landscape::contradicted && local.degrees_of_freedom > 0) {
-        text.push_back(noise_words(local, problem.noise_is_student()));
+        text.push_back(noise_words(local, problem.noise_is_student(), best.alone.has_value()));
     }
     unknown_parameters(result, text);
-    if (std::string words = constraint_words(problem, best.evaluation); !words.empty()) {
+    if (std::string words = constraint_words(problem, best); !words.empty()) {
         text.push_back(std::move(words));
     }
     if (result.priors) {
@@ -267,7 +279,7 @@ std::vector<std::string> findings(const FitResult& result) {
         text.push_back(accused);
     }
     if (local.noise_is_stated && local.p_value >= landscape::contradicted && local.degrees_of_freedom > 0) {
-        text.push_back(noise_words(local, problem.noise_is_student()));
+        text.push_back(noise_words(local, problem.noise_is_student(), best.alone.has_value()));
     }
     if (const std::string weights = weights_words(study); !weights.empty()) {
         text.push_back(weights);
@@ -288,8 +300,7 @@ std::vector<std::string> findings(const FitResult& result) {
             figure(local.noise)));
     }
     if (result.without_floor) {
-        if (std::string words =
-                floor_words(study, best.evaluation.parameters, best.evaluation.misfit, *result.without_floor);
+        if (std::string words = floor_words(study, best.evaluation, local.noise, *result.without_floor);
             !words.empty()) {
             text.push_back(std::move(words));
         }

@@ -55,29 +55,38 @@ std::optional<WithoutFloor> fit_without_floor(const study::Study& study, const s
     return best.parameters.empty() ? std::nullopt : std::optional(std::move(best));
 }
 
-std::string floor_words(const study::Study& study, const std::vector<double>& fitted, double misfit,
+std::string floor_words(const study::Study& study, const problem::Evaluation& fitted, double noise,
                         const WithoutFloor& without) {
+    const auto stands = [&] {
+        double depth = 0.0;
+        for (const auto& layer : study.model.layers) {
+            depth += layer.thickness;
+        }
+        return pave::figure(depth);
+    };
+    const double rise = std::pow(without.misfit, 2) - std::pow(fitted.misfit, 2);
+    if (constexpr double accepted = 3.84; rise > accepted * noise * noise && noise > 0.0) { // chi2 of one degree, 95 %
+        return fmt::format("Fitted without the floor at {} m these readings are met worse (misfit {} instead of {}): "
+                           "they speak for something stiff there.",
+                           stands(), pave::figure(without.misfit), pave::figure(fitted.misfit));
+    }
     constexpr double clear = 0.1;
     std::vector<std::string> changes;
-    for (std::size_t k = 0; k < fitted.size(); ++k) {
-        if (std::abs(without.parameters[k] - fitted[k]) > clear * std::abs(fitted[k])) {
+    for (std::size_t k = 0; k < without.parameters.size(); ++k) {
+        if (std::abs(without.parameters[k] - fitted.parameters[k]) > clear * std::abs(fitted.parameters[k])) {
             changes.push_back(fmt::format("{} {} instead of {}", study.space.axes[k].name,
-                                          pave::figure(without.parameters[k]), pave::figure(fitted[k])));
+                                          pave::figure(without.parameters[k]), pave::figure(fitted.parameters[k])));
         }
     }
     if (changes.empty()) {
         return "";
-    }
-    double depth = 0.0;
-    for (const auto& layer : study.model.layers) {
-        depth += layer.thickness;
     }
     return fmt::format(
         "The answer hangs on the floor at {} m. If the last layer went on for ever: {}, misfit {} instead of {}. Where "
         "the "
         "depth of something stiff is not known, bottom = \"half-space\" under [section] leaves it out, and "
         "{}.thickness_mm as a parameter looks for it.",
-        pave::figure(depth), pave::join(changes), pave::figure(without.misfit), pave::figure(misfit),
+        stands(), pave::join(changes), pave::figure(without.misfit), pave::figure(fitted.misfit),
         study.model.layers.back().name);
 }
 

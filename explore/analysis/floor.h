@@ -14,8 +14,9 @@ struct WithoutFloor {
 // effect's matter, a load in three dimensions), or there is no answer without it.
 std::optional<WithoutFloor> fit_without_floor(const study::Study& study, const std::vector<double>& unit);
 
-// Says by how much parameters would differ, where one does by more than a tenth; else "". fitted: file units.
-std::string floor_words(const study::Study& study, const std::vector<double>& fitted, double misfit,
+// Says that the readings want the floor, or by how much parameters would differ without it, where one does by more than
+// a tenth; else "". noise: standard deviation of a residual of the misfit; 0: not known.
+std::string floor_words(const study::Study& study, const problem::Evaluation& fitted, double noise,
                         const WithoutFloor& without);
 
 } // namespace explore::analysis

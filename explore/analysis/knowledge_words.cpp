@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
 
 namespace explore::analysis {
 
@@ -53,15 +54,33 @@ std::vector<std::string> prior_findings(const problem::Problem& problem, const l
     return text;
 }
 
-std::string constraint_words(const problem::Problem& problem, const problem::Evaluation& answer) {
+std::string constraint_words(const problem::Problem& problem, const landscape::Minimum& answer) {
     std::vector<std::string> texts;
-    for (const std::size_t i : problem.active_limits(answer)) {
+    for (const std::size_t i : problem.active_limits(answer.evaluation)) {
         texts.push_back(problem.limits[i]->text());
     }
-    return texts.empty() ? ""
-                         : fmt::format("The answer lies where this must hold: {}. Without it the readings may call for "
-                                       "other values.",
-                                       pave::join(texts));
+    if (texts.empty()) {
+        return "";
+    }
+    std::string words =
+        fmt::format("{} active at the answer: {}.", texts.size() == 1 ? "This constraint is" : "These constraints are",
+                    pave::join(texts));
+    const problem::Problem by_noise = problem.in_units_of_noise();
+    if (!answer.alone || !by_noise.noise_is_stated() || !by_noise.priors().empty()) {
+        return words + " Without it the readings may call for other values.";
+    }
+    const double rise =
+        std::pow(by_noise.misfit(answer.evaluation), 2) - by_noise.of_readings().residuals(*answer.alone).squaredNorm();
+    const double p = gsl_cdf_chisq_Q(std::max(0.0, rise), static_cast<double>(texts.size()));
+    std::string wanted;
+    for (std::size_t k = 0; k < problem.space.axes.size(); ++k) {
+        wanted += fmt::format("{}{} = {}", k == 0 ? "" : ", ", problem.space.axes[k].name,
+                              figure(answer.alone->parameters[k]));
+    }
+    constexpr double level = 0.05;
+    return words + fmt::format(" The readings {} (chi2 is {} lower without, p = {:.2g}){}.",
+                               p < level ? "contradict what it demands" : "do not contradict it", figure(rise), p,
+                               p < level ? "; by themselves they call for " + wanted : "");
 }
 
 } // namespace explore::analysis

@@ -15,6 +15,6 @@ std::string prior_words(const problem::Axis& axis);
 std::vector<std::string> prior_findings(const problem::Problem& problem, const landscape::PriorInfluence& influence);
 
 // Which constraints hold the answer back; "": none.
-std::string constraint_words(const problem::Problem& problem, const problem::Evaluation& answer);
+std::string constraint_words(const problem::Problem& problem, const landscape::Minimum& answer);
 
 } // namespace explore::analysis

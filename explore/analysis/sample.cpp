@@ -95,9 +95,9 @@ void correct(SampleResult& result, const std::vector<std::size_t>& chosen,
 void take_all(SampleResult& result) {
     for (const auto& draw : result.posterior.draws) {
         problem::Evaluation e;
+        e.parameters = result.problem.space.physical(draw.unit);
         e.responses = draw.responses;
-        result.draws.push_back({draw.unit, result.problem.space.physical(draw.unit),
-                                outputs_of(result.study, draw.responses), draw.log_likelihood,
+        result.draws.push_back({draw.unit, e.parameters, outputs_of(result.study, draw.responses), draw.log_likelihood,
                                 result.problem.residuals(e).squaredNorm()});
     }
     result.descent = result.posterior.descent;

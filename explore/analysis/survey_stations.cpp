@@ -292,7 +292,7 @@ std::optional<Exploration::Starts> Exploration::starts(const StationTask& task,
         starts.points.push_back(design_.points[i]);
     }
     if (starts.points.empty()) {
-        starts.why_none = run::why_no_start(*explored);
+        starts.why_none = run::why_no_minimum(task.problem, *explored);
     }
     return starts;
 }

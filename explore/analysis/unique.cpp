@@ -72,7 +72,7 @@ std::optional<UniqueLandscape> landscape_around(run::Engine& engine, const probl
 } // namespace
 
 std::string UniqueResult::reason() const {
-    return run::why_no_start(answer.explored);
+    return run::why_no_minimum(problem, answer.explored);
 }
 
 std::optional<UniqueResult> unique(Session& session, const study::Study& study, const UniqueOptions& options) {

@@ -154,7 +154,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
     if (u.verdict == Verdict::non_unique && !u.missing.empty()) {
         say("Not settled beyond that: " + pave::join(u.missing) + ".");
     }
-    if (std::string words = constraint_words(result.problem, u.minima[0].evaluation); !words.empty()) {
+    if (std::string words = constraint_words(result.problem, u.minima[0]); !words.empty()) {
         say(std::move(words));
     }
     if (u.priors) {

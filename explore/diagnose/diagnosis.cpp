@@ -171,7 +171,7 @@ private:
             return false;
         }
         if (result->minima.empty()) {
-            d_.failed = run::why_no_start(result->explored);
+            d_.failed = run::why_no_minimum(problem, result->explored);
             return true;
         }
         for (std::size_t i = 0; i < result->explored.size(); ++i) {

@@ -1,6 +1,6 @@
 #include "landscape/minima.h"
 
-#include "landscape/goodness.h"
+#include "landscape/readings_alone.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,7 +65,7 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, con
     const problem::Problem by_noise = problem.in_units_of_noise();
     std::vector<const run::Endpoint*> order;
     for (const auto& end : ends) {
-        if (!end.search.unit.empty()) {
+        if (!end.search.unit.empty() && problem.broken_limits(end.evaluation).empty()) {
             order.push_back(&end);
         }
     }
@@ -101,24 +101,42 @@ namespace {
 Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem, LocalAnalysis& a) {
     const auto readings = static_cast<Eigen::Index>(problem.readings());
     a.noise_is_stated = problem.noise_is_stated();
+    const problem::Problem by_noise = problem.in_units_of_noise();
+    const JudgedFit fit = judged_fit(by_noise, minimum);
+    a.degrees_of_freedom = fit.degrees_of_freedom;
     if (!a.noise_is_stated) {
         if (a.degrees_of_freedom > 0) {
-            a.noise = minimum.evaluation.misfit / std::sqrt(static_cast<double>(a.degrees_of_freedom));
+            a.noise = std::sqrt(fit.sum / static_cast<double>(a.degrees_of_freedom));
         }
         return Eigen::VectorXd::Constant(static_cast<Eigen::Index>(problem.rows()), a.noise);
     }
     Eigen::VectorXd noise = problem.noise(minimum.evaluation);
-    const problem::Problem by_noise = problem.in_units_of_noise();
-    a.chi2 = by_noise.residuals(minimum.evaluation).squaredNorm();
-    const Goodness goodness = goodness_of(by_noise, minimum.evaluation, a.chi2, a.degrees_of_freedom);
+    a.chi2 = fit.sum;
+    const Goodness goodness = goodness_of(fit.problem, *fit.at, a.chi2, a.degrees_of_freedom);
     a.expected_chi2 = goodness.expected;
     a.p_value = goodness.p_value;
     a.widened = a.p_value < contradicted;
     if (a.widened) {
-        noise *= std::sqrt(a.chi2 / goodness.expected);
+        noise.head(readings) *= std::sqrt(a.chi2 / goodness.expected);
     }
     a.noise = noise.head(readings).norm() / std::sqrt(static_cast<double>(readings));
     return noise;
+}
+
+// What each residual has not of its own: a reading that the parameters follow has nothing left to be judged by. Those
+// on a bound follow nothing.
+Eigen::VectorXd leverage_of(Eigen::MatrixXd j, const std::vector<BoundMet>& bounds) {
+    for (const BoundMet& bound : bounds) {
+        j.col(static_cast<Eigen::Index>(bound.axis)).setZero();
+    }
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinU);
+    Eigen::VectorXd leverage = Eigen::VectorXd::Zero(j.rows());
+    for (Eigen::Index k = 0; k < svd.matrixU().cols(); ++k) {
+        if (svd.singularValues()[k] > 1e-8 * svd.singularValues()[0]) {
+            leverage += svd.matrixU().col(k).cwiseAbs2();
+        }
+    }
+    return leverage;
 }
 
 } // namespace
@@ -130,9 +148,6 @@ LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     const double infinity = std::numeric_limits<double>::infinity();
     a.standard_error.assign(minimum.unit.size(), infinity);
     a.weakest.assign(minimum.unit.size(), 0.0);
-    const auto bounded = bounds_met(minimum.unit).size();
-    a.degrees_of_freedom =
-        problem.degrees_of_freedom(minimum.unit.size() - bounded - problem.active_limits(minimum.evaluation).size());
     const Eigen::VectorXd noise = noise_of(minimum, problem, a);
     // A parameter on a bound is no more known for that: it takes part like the others.
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinU | Eigen::ComputeFullV);
@@ -154,13 +169,7 @@ LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
             is_seen && a.noise > 0.0 ? row.cwiseProduct(noise).norm() : infinity;
         a.weakest[static_cast<std::size_t>(i)] = svd.matrixV()(i, n - 1);
     }
-    // What each residual has of its own: a reading that the parameters follow has nothing left to be judged by.
-    a.leverage = Eigen::VectorXd::Zero(j.rows());
-    for (Eigen::Index k = 0; k < svd.matrixU().cols(); ++k) {
-        if (s[k] > 1e-8 * s[0]) {
-            a.leverage += svd.matrixU().col(k).cwiseAbs2();
-        }
-    }
+    a.leverage = leverage_of(j, bounds_met(minimum.unit));
     a.weakest_growth = 0.1 * s[n - 1];
     a.strongest_growth = 0.1 * s[0];
     return a;

@@ -36,12 +36,16 @@ struct Minimum {
     std::vector<double> lowest, highest;  // of each parameter over the members, physical
     bool converged = false;               // the search of the best member met a tolerance
     std::optional<Confirmation> second{}; // nothing: no second method was asked
+    // Where the readings lead from here by themselves, with jacobian (landscape/readings_alone.h); nothing: neither a
+    // prior nor a constraint holds the answer.
+    std::optional<problem::Evaluation> alone{};
 };
 
 // Two ends are one minimum when they lie within 1 % of the box of each other, or when the misfit tells them apart by
 // less than its own noise: the misfit differs by less than a tenth of one noise level and the linearised residuals
 // between them by less than one. A flat valley is then one minimum whose members spread. Sorted by misfit. The noise is
-// the stated one; without, s with s2 = f^2 / (data - parameters) of the lower of the two.
+// the stated one; without, s with s2 = f^2 / (data - parameters) of the lower of the two. Ends that break a constraint
+// are none.
 std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem);
 
 // Stated noise whose chi2 is less probable than this does not explain the misfit: it is then taken larger.
@@ -68,8 +72,8 @@ struct LocalAnalysis {
     std::vector<double> weakest;
     double weakest_growth = 0.0;
     double strongest_growth = 0.0;
-    Eigen::VectorXd
-        leverage{}; // of each residual: the share of it that the parameters follow (diagonal of the hat matrix)
+    Eigen::VectorXd leverage{}; // of each residual: the share of it that parameters off their bounds follow (diagonal
+                                // of the hat matrix)
 };
 LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem);
 

@@ -1,8 +1,6 @@
 #include "landscape/prior_influence.h"
 
 #include "landscape/rank.h"
-#include "optimise/gauss_newton.h"
-#include "run/least_squares.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,15 +25,16 @@ VectorXd informations(const MatrixXd& j) {
 
 } // namespace
 
-std::optional<PriorInfluence> prior_influence(run::Engine& engine, const problem::Problem& problem,
-                                              const Acceptance& acceptance, const Minimum& best, int first) {
+std::optional<PriorInfluence> prior_influence(const problem::Problem& problem, const Acceptance& acceptance,
+                                              const Minimum& best) {
     const auto priors = static_cast<int>(problem.priors().size());
     if (priors == 0) {
         return std::nullopt;
     }
     PriorInfluence result;
-    const problem::Problem alone = problem.without_priors();
-    const MatrixXd all = problem.information_jacobian(best.evaluation) / acceptance.noise();
+    const problem::Problem alone = problem.of_readings();
+    MatrixXd all = problem.information_jacobian(best.evaluation);
+    all.topRows(static_cast<Index>(problem.readings())) /= acceptance.noise();
     const MatrixXd without = alone.information_jacobian(best.evaluation) / acceptance.noise();
     const VectorXd of_all = informations(all);
     const VectorXd of_readings = informations(without);
@@ -46,34 +45,14 @@ std::optional<PriorInfluence> prior_influence(run::Engine& engine, const problem
             result.only.push_back(static_cast<std::size_t>(k));
         }
     }
-    problem::Evaluation at = best.evaluation;
-    result.readings_misfit = alone.misfit(at);
-    const bool finished = engine.chains("without priors", first, 1, [&](std::size_t, run::Chain& chain) {
-        const optimise::Objective objective = [&](std::span<const double> unit, optimise::Sample& sample) {
-            problem::Evaluation e = chain.at(unit);
-            if (!e.converged()) {
-                return optimise::Answer::no_answer;
-            }
-            sample = run::sample_of(alone, e);
-            if (const double misfit = sample.residuals.norm(); misfit < result.readings_misfit) {
-                result.readings_misfit = misfit;
-                at = std::move(e);
-            }
-            return optimise::Answer::computed;
-        };
-        optimise::SearchSettings settings;
-        settings.enough = 0.005 * acceptance.variance;
-        optimise::gauss_newton(best.unit, objective, settings);
-    });
-    if (!finished) {
-        return std::nullopt;
-    }
-    result.readings_want = at.parameters;
-    result.readings_alone = std::move(at);
+    result.readings_alone = best.alone ? *best.alone : best.evaluation;
+    result.readings_want = result.readings_alone.parameters;
+    result.readings_misfit = alone.misfit(result.readings_alone);
     const double joint = problem.misfit(best.evaluation);
     result.statistic =
         std::max(0.0, joint * joint - result.readings_misfit * result.readings_misfit) / acceptance.variance;
-    result.degrees_of_freedom = rank_of(without) + priors - rank_of(all);
+    const auto active = static_cast<int>(problem.active_limits(best.evaluation).size());
+    result.degrees_of_freedom = rank_of(without) + priors + active - rank_of(all);
     if (result.degrees_of_freedom > 0) {
         result.p_value = gsl_cdf_chisq_Q(result.statistic, result.degrees_of_freedom);
     }

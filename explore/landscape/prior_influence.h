@@ -16,15 +16,15 @@ struct PriorInfluence {
                                         // moves them by less than the accepted rise
     std::vector<double> readings_want;  // parameters of the best fit without priors, physical
     problem::Evaluation readings_alone; // there, with jacobian
-    double readings_misfit = 0.0;       // and its misfit
+    double readings_misfit = 0.0;       // and its misfit, of the readings
     double statistic = 0.0;
     int degrees_of_freedom = 0;
     double p_value = 1.0;
 };
 
-// problem: residuals in units of their noise; engine: of the same function. Nothing: the problem has no priors, or
-// interrupted. Kept under start number `first`.
-std::optional<PriorInfluence> prior_influence(run::Engine& engine, const problem::Problem& problem,
-                                              const Acceptance& acceptance, const Minimum& best, int first);
+// problem: residuals in units of their noise; best: with find_alone() done. Nothing: the problem has no priors. Active
+// constraints count as known, too.
+std::optional<PriorInfluence> prior_influence(const problem::Problem& problem, const Acceptance& acceptance,
+                                              const Minimum& best);
 
 } // namespace explore::landscape

@@ -3,6 +3,7 @@
 #include "base/random.h"
 #include "landscape/confirmation.h"
 #include "landscape/multistart.h"
+#include "landscape/readings_alone.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +17,7 @@ using Eigen::VectorXd;
 
 // Which start numbers the chains of each part are kept under.
 constexpr int chain_range = 100'000;
-enum Part { searches, verification, polishing, passes, traces, profiles, predictions, groups, parts };
+enum Part { searches, verification, polishing, passes, traces, profiles, predictions, groups, alone, parts };
 constexpr int first_of(Part part, int round = 0) {
     return (round * parts + part) * chain_range;
 }
@@ -38,7 +39,7 @@ public:
             return std::nullopt;
         }
         if (result_.minima.empty()) {
-            result_.missing.emplace_back("not one explored point has an answer");
+            result_.missing.push_back(run::why_no_minimum(task_.fitted, result_.explored));
             return std::move(result_);
         }
         // Around minima that a second method moved, once more.
@@ -46,12 +47,8 @@ public:
         if (!walk_around(0) || !confirm_minima(moved) || (moved && !(group(), walk_around(most_rounds)))) {
             return std::nullopt;
         }
-        if (result_.acceptance && !task_.fitted.priors().empty()) {
-            result_.priors = prior_influence(task_.fitted_engine, task_.fitted, *result_.acceptance, result_.minima[0],
-                                             first_of(traces, groups_round));
-            if (!result_.priors) {
-                return std::nullopt;
-            }
+        if (result_.acceptance) {
+            result_.priors = prior_influence(task_.fitted, *result_.acceptance, result_.minima[0]);
         }
         if (result_.acceptance && task_.groups.size() > 1 && !compare_groups()) {
             return std::nullopt;
@@ -66,6 +63,9 @@ private:
     // The ranges around the minima. A walk that finds a better minimum begins a new round. False: interrupted.
     bool walk_around(int first_round) {
         for (int i = 0; i < most_rounds; ++i) {
+            if (!find_alone(task_.fitted_engine, task_.fitted, result_.minima[0], first_of(alone, first_round + i))) {
+                return false;
+            }
             result_.acceptance = acceptance_of(task_.fitted, result_.minima[0]);
             if (!result_.acceptance) {
                 result_.missing.emplace_back(

@@ -36,6 +36,16 @@ Eigen::MatrixXd prior_root(const ParameterSpace& space, const std::vector<std::s
     return r.llt().matrixL();
 }
 
+std::string why_no_number(const Problem& problem, const Evaluation& e) {
+    for (const auto& limit : problem.limits) {
+        if (!std::isfinite(limit->value(e.parameters, e.responses))) {
+            return "the constraint \"" + limit->text() + "\" has no value here";
+        }
+    }
+    return "the misfit is not a number: the noise of a reading, or the reading that its residual is relative to, is "
+           "next to nothing";
+}
+
 } // namespace
 
 Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
@@ -57,10 +67,8 @@ Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
         e.misfit = misfit(e);
         if (!std::isfinite(e.misfit)) {
             Evaluation without_answer;
+            without_answer.reason = why_no_number(*this, e);
             without_answer.parameters = std::move(e.parameters);
-            without_answer.reason =
-                "the misfit is no number: the noise of a reading, or the reading that its residual is relative to, "
-                "is next to nothing";
             return without_answer;
         }
     }
@@ -106,6 +114,18 @@ std::vector<std::size_t> Problem::active_limits(const Evaluation& evaluation) co
         }
     }
     return active;
+}
+
+std::vector<std::size_t> Problem::broken_limits(const Evaluation& evaluation) const {
+    constexpr double gives_way = 100.0;
+    std::vector<std::size_t> broken;
+    for (std::size_t i = 0; i < limits.size(); ++i) {
+        const double value = limits[i]->value(evaluation.parameters, evaluation.responses);
+        if (!((limits[i]->is_equality() ? std::abs(value) : value) <= gives_way)) {
+            broken.push_back(i);
+        }
+    }
+    return broken;
 }
 
 Eigen::RowVectorXd Problem::limit_gradient(const Limit& limit, const Evaluation& evaluation) const {
@@ -204,6 +224,12 @@ Problem Problem::with_misfit(Misfit misfit) const {
 Problem Problem::without_priors() const {
     Problem other = *this;
     other.with_priors_ = false;
+    return other;
+}
+
+Problem Problem::of_readings() const {
+    Problem other = without_priors();
+    other.limits.clear();
     return other;
 }
 

@@ -97,6 +97,8 @@ public:
     bool noise_is_stated() const;
     // Which limits hold back here: equalities, and those within ten tolerances of it.
     std::vector<std::size_t> active_limits(const Evaluation& evaluation) const;
+    // Which limits are not met here, by more than a penalty gives way to readings: a hundred tolerances.
+    std::vector<std::size_t> broken_limits(const Evaluation& evaluation) const;
     // How far beyond each limit that is no equality, below 0 within it, and d(that)/d(unit coordinates).
     Eigen::VectorXd beyond_limits(const Evaluation& evaluation) const;
     Eigen::MatrixXd limit_jacobian(const Evaluation& evaluation) const;
@@ -106,6 +108,8 @@ public:
 
     // The same question without what is known beforehand.
     Problem without_priors() const;
+    // The same question without priors and limits.
+    Problem of_readings() const;
     // The same question with these readings alone, and without priors.
     Problem with_readings(const std::vector<std::size_t>& residuals) const;
     // The same with every residual in units of its noise and all of one weight, where all state one; else as it is.

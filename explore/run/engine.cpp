@@ -313,7 +313,17 @@ std::vector<std::size_t> distinct_starts(const search::Design& design, const std
     return taken;
 }
 
-std::string why_no_start(const std::vector<Evaluation>& evaluations) {
+std::string why_no_minimum(const problem::Problem& problem, const std::vector<Evaluation>& evaluations) {
+    const auto nearest = std::min_element(evaluations.begin(), evaluations.end(), [](const auto& a, const auto& b) {
+        return a.converged() && (!b.converged() || a.misfit < b.misfit);
+    });
+    if (nearest != evaluations.end() && nearest->converged()) {
+        std::string broken;
+        for (const std::size_t i : problem.broken_limits(*nearest)) {
+            broken += (broken.empty() ? "\"" : "\", \"") + problem.limits[i]->text();
+        }
+        return "no search ended where the constraints are met" + (broken.empty() ? "" : ": " + broken + "\"");
+    }
     return "not one explored point has an answer" +
            (evaluations.empty() ? "" : "; the first says: " + evaluations.front().reason);
 }

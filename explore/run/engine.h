@@ -84,7 +84,7 @@ std::vector<std::size_t> distinct_starts(const search::Design& design,
                                          const std::vector<problem::Evaluation>& evaluations, int count,
                                          double distance);
 
-// Why no search can start from these points, of which none has an answer.
-std::string why_no_start(const std::vector<problem::Evaluation>& evaluations);
+// Why searches from these points lead to no minimum: none has an answer, or no search met the constraints.
+std::string why_no_minimum(const problem::Problem& problem, const std::vector<problem::Evaluation>& evaluations);
 
 } // namespace explore::run

@@ -1,6 +1,7 @@
 // What is known besides the readings: priors by the closed form of linear Gaussian inference, constraints by
 // projection, ties by the section written out.
 #include "landscape/prior_influence.h"
+#include "landscape/readings_alone.h"
 #include "optimise/local_search.h"
 #include "support/formula.h"
 
@@ -85,10 +86,11 @@ TEST(Priors, ShareAndConflictHaveTheirClosedForm) {
     problem::Problem problem = linear_problem(measured);
     problem.space.axes[2].prior = {.mean = 0.3, .sd = 0.1};
     run::Engine engine(problem, nullptr, 0, {.threads = 1, .show_progress = false});
-    const auto found = minimum_of(engine, problem);
+    auto found = minimum_of(engine, problem);
+    ASSERT_TRUE(landscape::find_alone(engine, problem, found, 1000));
     const auto acceptance = landscape::acceptance_of(problem, found);
     ASSERT_TRUE(acceptance && !acceptance->widened);
-    const auto influence = landscape::prior_influence(engine, problem, *acceptance, found, 1000);
+    const auto influence = landscape::prior_influence(problem, *acceptance, found);
     ASSERT_TRUE(influence);
     const MatrixXd a = readings_of_three();
     const MatrixXd alone = a.transpose() * a / (sigma * sigma);
@@ -120,9 +122,10 @@ TEST(Priors, ThatContradictTheReadingsAreFound) {
     problem.space.axes[0].prior = {.mean = 0.2, .sd = 0.1};
     run::Engine engine(problem, nullptr, 0, {.threads = 1, .show_progress = false});
     const auto ends = engine.search({{0.5}}, *optimise::find_method("gauss-newton"), {.step_tolerance = 1e-9}, 0);
-    const auto found = landscape::distinct_minima(*ends, problem)[0];
+    auto found = landscape::distinct_minima(*ends, problem)[0];
+    ASSERT_TRUE(landscape::find_alone(engine, problem, found, 1000));
     landscape::Acceptance acceptance{.noise_is_stated = true, .threshold = 3.84};
-    const auto influence = landscape::prior_influence(engine, problem, acceptance, found, 1000);
+    const auto influence = landscape::prior_influence(problem, acceptance, found);
     const double statistic = 0.4 * 0.4 / (0.1 * 0.1 + sigma * sigma / 4.0);
     EXPECT_NEAR(influence->statistic, statistic, 0.005);
     EXPECT_NEAR(influence->p_value, gsl_cdf_chisq_Q(statistic, 1.0), 1e-3);

@@ -46,6 +46,18 @@ for misfit in ("log", "relative", "weighted"):
 wrong = DATA.replace("520,um", "700,um")
 said = answer("fit", made("wrong", NOISY.replace("0.05", "0.02"), wrong), "--explore", 24, "--starts", 2)["findings"]
 check(said[0].startswith("The model does not fit"), f"what the data contradict stands first: {said[0]}")
+# Parameters on bounds follow no reading: what is within its noise stays so, though the box keeps four parameters from following it.
+others = "".join(f'\n[[parameters]]\nname = "base.{name}"\nmin = {low}\nmax = {high}\n' for name, low, high in (("k2", 0, 0.47), ("k3", -0.27, 0)))
+more = DATA + "fwd,deflection,900,0,0,0,0.12,mm,\nfwd,deflection,450,0,0,0,0.32,mm,\n"
+exact = made("exact", NOISY + others.replace("0.47", "0.6").replace("-0.27", "-0.4"), more)
+answer("twin", exact, "--noise", 0)
+bounded = made("bounded", NOISY + others, (exact.parent / "twin" / "twin.csv").read_text())
+fit = answer("fit", bounded, "--explore", 24, "--starts", 2)
+check(len(fit["at_bounds"]) > 0 and fit["noise"]["p_value"] > 0.9, f"the truth lies a little beyond the box: {fit['at_bounds']} {fit['noise']}")
+check(not any("stands out" in s for s in fit["findings"]), f"nothing is accused at a bound: {fit['findings']}")
+sentinel = answer("fit", made("sentinel", NOISY.replace("0.05", "0.02").replace('misfit = "log"', 'misfit = "weighted"'), DATA.replace("520,um", "-9999,um")), "--explore", 24, "--starts", 2)
+said = [s for s in sentinel["findings"] if "stands out" in s]
+check(len(said) == 1 and "measured -9999" in said[0] and "p = 0 " not in said[0], f"the sentinel is accused, not what fits because of it: {said}")
 
 # More parameters than readings: said first, with what is known of which.
 few = DATA[:DATA.index("fwd,deflection,300")]
