@@ -46,17 +46,18 @@ std::vector<double> Mimicry::best_response(const std::vector<double>& unit, cons
 }
 
 Family::Family(const MatrixXd& directions, const std::vector<int>& sense, const Mimicry& mimicry, bool estimated,
-               std::uint64_t seed)
+               std::uint64_t seed, const std::function<VectorXd(VectorXd)>& rows_of)
     : sense_(sense) {
     constexpr int draws = 10'000;
     const Index n = directions.rows();
     const pave::RandomStream random(seed, 6);
-    VectorXd noise(n);
+    VectorXd deviates(n);
     for (int draw = 0; draw < draws; ++draw) {
         for (Index i = 0; i < n; ++i) {
-            noise[i] = random.normal(static_cast<std::uint64_t>(draw) * static_cast<std::uint64_t>(n) +
-                                     static_cast<std::uint64_t>(i));
+            deviates[i] = random.normal(static_cast<std::uint64_t>(draw) * static_cast<std::uint64_t>(n) +
+                                        static_cast<std::uint64_t>(i));
         }
+        const VectorXd noise = rows_of ? rows_of(deviates) : deviates;
         const double scale =
             estimated ? mimicry.beyond(noise).norm() / std::sqrt(std::max(1.0, static_cast<double>(n - mimicry.rank())))
                       : 1.0;
@@ -338,7 +339,8 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
     for (std::size_t j = 0; j < directions.size(); ++j) {
         all.col(static_cast<Index>(j)) = directions[j];
     }
-    screening.family.emplace(all, sense, mimicry, estimated, seed);
+    screening.family.emplace(all, sense, mimicry, estimated, seed,
+                             [&](VectorXd deviates) { return own->noise_rows(base.evaluation, std::move(deviates)); });
     constexpr double level = 0.05;
     screening.threshold = screening.family->threshold(level);
     for (Screened& item : screening.items) {

@@ -3,6 +3,8 @@
 
 #include "diagnose/workbench.h"
 
+#include <functional>
+
 namespace explore::diagnose {
 
 // What free parameters can follow, to first order: the span of the residuals' derivatives. Directions that crossing the
@@ -29,8 +31,9 @@ class Family {
 public:
     // directions: unit vectors, one column a statistic: minus their product with the residuals. Only the sign of
     // `sense` counts, where it is not 0. estimated: the noise is what the residuals leave over, beyond `mimicry`.
+    // rows_of: residuals in standard deviations by standard normal deviates; without: the deviates.
     Family(const Eigen::MatrixXd& directions, const std::vector<int>& sense, const Mimicry& mimicry, bool estimated,
-           std::uint64_t seed);
+           std::uint64_t seed, const std::function<Eigen::VectorXd(Eigen::VectorXd)>& rows_of = {});
 
     // The chance that the largest statistic of the family reaches this under noise alone. Simulated with 10,000 draws;
     // below their reach by the bound of Bonferroni, which is close there.

@@ -262,6 +262,21 @@ Eigen::VectorXd Problem::noise(const Evaluation& evaluation) const {
     return noise;
 }
 
+Eigen::VectorXd Problem::noise_rows(const Evaluation& evaluation, Eigen::VectorXd deviates) const {
+    if (misfit_.kind() != MisfitKind::noise || noise_is_correlated() || noise_is_student()) {
+        return deviates;
+    }
+    for (std::size_t i = 0; i < readings(); ++i) {
+        const Misfit::Term& term = misfit_.terms()[i];
+        const double value = evaluation.responses[term.response];
+        double& row = deviates[static_cast<Eigen::Index>(i)];
+        if (term.noise.relative > 0.0) {
+            row = term.noise.residual(value, value - row * term.noise.deviation(value));
+        }
+    }
+    return deviates;
+}
+
 Problem Problem::with_readings(const std::vector<std::size_t>& residuals) const {
     std::vector<Misfit::Term> terms;
     terms.reserve(residuals.size());

@@ -106,6 +106,11 @@ public:
     // Standard deviation of every row by the stated noise, at the value of the model; 0: not stated.
     Eigen::VectorXd noise(const Evaluation& evaluation) const;
 
+    // The rows that standard normal deviates, one a row, make where the model is right here and every reading errs by
+    // that many of its standard deviations: what noise is like as it is stated. A residual is on the scale on which
+    // that has one variance everywhere, so of a large relative part it is skew. Correlated or Student's noise, and the
+    // rows of priors: the deviates themselves.
+    Eigen::VectorXd noise_rows(const Evaluation& evaluation, Eigen::VectorXd deviates) const;
     // The same question without what is known beforehand.
     Problem without_priors() const;
     // The same question without priors and limits.
