@@ -156,4 +156,35 @@ pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int thread
     return estimates(study, *timing, threads);
 }
 
+std::vector<std::string> doubtful_readings(const study::Study& study) {
+    using pave::pavement::Quantity;
+    std::vector<std::string> words;
+    for (std::size_t i = 0; i < study.measured().size(); ++i) {
+        const data::Reading& reading = study.readings[i];
+        const double value = reading.value * reading.unit.to_si;
+        double low = -10e6;
+        double high = 10e6;
+        switch (study.model.sensors[i].quantity) {
+        case Quantity::deflection:
+            low = -2e-3;
+            high = 20e-3;
+            break;
+        case Quantity::strain_zz:
+        case Quantity::strain_xx:
+        case Quantity::strain_yy:
+            low = -0.05;
+            high = 0.05;
+            break;
+        default: break;
+        }
+        if (!(value >= low && value <= high)) {
+            words.push_back(
+                fmt::format("{}:{}: {} = {:g}: no pavement reads that; a sign, a unit, or a mark of what is "
+                            "missing?",
+                            reading.file, reading.line, reading.label_with_unit(), reading.value));
+        }
+    }
+    return words;
+}
+
 } // namespace explore::analysis

@@ -16,4 +16,8 @@ struct Estimate {
 // what every command that fits would complain of.
 pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int threads);
 
+// What is said of readings that no pavement has: a deflection above 20 mm or as far upwards as 2 mm, a strain above 5
+// %, a stress above 10 MPa.
+std::vector<std::string> doubtful_readings(const study::Study& study);
+
 } // namespace explore::analysis

@@ -271,6 +271,16 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     if (d.location) {
         result.located = located(study, result.after->study, *bench.problem(d.location->fit.model.members), d,
                                  result.channels, result.corrections);
+        if (std::none_of(result.located.begin(), result.located.end(),
+                         [](const LocatedCorrection& found) { return found.says_where(); })) {
+            // What leaves noise only by corrections of which nothing is known at any place is not located.
+            result.diagnosis.verdict = diagnose::Verdict::unexplained;
+            result.diagnosis.location.reset();
+            result.diagnosis.extended.reset();
+            result.located.clear();
+            result.diagnosis.explanations.clear();
+            result.after.reset();
+        }
     }
     if (d.explanations.size() > 1) {
         result.next = separating_readings(study, result.variants, bench, d);

@@ -201,19 +201,24 @@ private:
     // What was found of every correction, and which effects of the catalogue it looks like.
     void corrections(std::vector<std::string>& text) const {
         std::vector<std::string> where;
+        std::vector<std::string> certain;
+        std::vector<std::string> vague;
         for (const LocatedCorrection& found : result.located) {
             where.push_back(channel_words(found.correction));
+            (found.says_where() ? certain : vague).push_back(where.back());
         }
         text.push_back(fmt::format(
             "LOCATED: the data contradict the model, and no effect of the catalogue explains it, but they say where it "
-            "errs: {}. A smooth correction there {}.",
-            pave::join(where, "; "),
+            "errs: {}{}. A smooth correction there {}.",
+            pave::join(certain, "; "),
+            vague.empty() ? "" : fmt::format(" (with {}, of which they do not say where)", pave::join(vague, "; ")),
             d.leaves_more_than_noise
                 ? fmt::format("explains most of it, and still leaves more than noise (p = {:.2g})", d.extended->p_value)
                 : "leaves noise only"));
         for (std::size_t i = 0; i < result.located.size(); ++i) {
             const auto& own = d.location->corrections[i];
-            for (std::string& words : words_of(result.located[i])) {
+            for (std::string& words :
+                 result.located[i].says_where() ? words_of(result.located[i]) : std::vector<std::string>()) {
                 text.push_back(std::move(words));
             }
             std::string sentence = fmt::format("Noise alone would make some correction as likely as that of {} with "

@@ -72,6 +72,10 @@ double modulus_at(const Layer& layer, pave::mechanics::Invariants state) {
 
 } // namespace
 
+bool LocatedCorrection::says_where() const {
+    return std::any_of(places.begin(), places.end(), [](const LocatedPlace& p) { return p.side() != 0; });
+}
+
 std::vector<LocatedCorrection> located(const study::Study& study, const study::Study& corrected,
                                        const problem::Problem& problem, const diagnose::Diagnosis& d,
                                        const std::vector<diagnose::Channel>& channels,
@@ -183,16 +187,14 @@ std::vector<std::string> words_of(const LocatedCorrection& found) {
                              : found.correction.channel == Channel::offset ? "the deflectometer"
                                                                            : "the gauges";
     const bool of_layer = info(found.correction.channel).of_layer;
-    // Which side of 1 a place lies on for certain; 0: neither.
-    const auto side = [&](const LocatedPlace& p) { return !p.seen ? 0 : p.high < 1.0 ? -1 : p.low > 1.0 ? 1 : 0; };
     std::vector<std::string> text;
     const auto& places = found.places;
     for (std::size_t i = 0; i < places.size();) {
         std::size_t end = i + 1;
-        while (end < places.size() && side(places[end]) == side(places[i])) {
+        while (end < places.size() && places[end].side() == places[i].side()) {
             ++end;
         }
-        if (side(places[i]) != 0) {
+        if (places[i].side() != 0) {
             const auto clearest = std::max_element(
                 places.begin() + static_cast<std::ptrdiff_t>(i), places.begin() + static_cast<std::ptrdiff_t>(end),
                 [](const auto& a, const auto& b) { return std::abs(std::log(a.value)) < std::abs(std::log(b.value)); });

@@ -15,12 +15,17 @@ struct LocatedPlace {
     double modulus = 0.0;       // Pa, of the corrected model; 0: of readings
     double variance_left = 1.0; // of ln(value), over what was thought possible beforehand
     bool seen = false;          // less than a quarter of it is left
+
+    // Which side of 1 it lies on for certain; 0: neither.
+    int side() const { return !seen ? 0 : high < 1.0 ? -1 : low > 1.0 ? 1 : 0; }
 };
 
 struct LocatedCorrection {
     pave::pavement::Correction correction; // its factors those found
     double strength = 0.0;                 // see diagnose::Correction
     std::vector<LocatedPlace> places;
+
+    bool says_where() const; // some place is seen to differ from 1
 };
 
 // The corrections among the members of a model, all factors 1. channels: those of the diagnosis.

@@ -69,12 +69,16 @@ int check_study(const CommonOptions& options) {
                                       {"groups", groups},
                                       {"parameters", study.parameters.size()},
                                       {"outputs", study.outputs().size()},
+                                      {"doubtful", analysis::doubtful_readings(study)},
                                       {"threads", threads},
                                       {"estimate", {{"memory_GB", cost.memory / giga}, {"seconds", cost.seconds}}},
                                       {"commands", commands}}));
         return done;
     }
     print_study(study);
+    for (const std::string& words : analysis::doubtful_readings(study)) {
+        fmt::print("  {}\n", words);
+    }
     fmt::print("\n  Time on {}, from runs made just now at the study's own values\n",
                counted(static_cast<std::size_t>(threads), "thread", "threads"));
     report::Table table({"command", "runs", "time"});

@@ -1,7 +1,10 @@
 #include "cli/common.h"
 
+#include "pavement/forward.h"
 #include "run/message.h"
+#include "run/progress.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
@@ -38,6 +41,20 @@ CLI::Validator whole_number() {
 std::vector<std::string> command_line; // one a process
 
 } // namespace
+
+analysis::RunOptions CommonOptions::run(const study::Study& s) const {
+    const auto& loads = s.model.loads;
+    if (!std::all_of(loads.begin(), loads.end(), [](const auto& load) { return load.is_axisymmetric(); })) {
+        constexpr double long_seconds = 20.0;
+        const auto cost = pave::pavement::ForwardModel(s.model).cost();
+        if (cost.seconds > long_seconds) {
+            run::message("a run of this study asks for some {:.1f} GB a thread and takes some {}; check estimates the "
+                         "whole, --threads and [mesh] refine lessen it\n",
+                         1e-9 * cost.memory, run::duration_words(cost.seconds));
+        }
+    }
+    return run(folder(s));
+}
 
 analysis::RunOptions CommonOptions::run(std::string folder) const {
     return {.folder = std::move(folder), .threads = threads, .seed = seed, .arguments = command_line};

@@ -33,7 +33,7 @@ struct CommonOptions {
 
     std::string folder(const study::Study& s) const { return out.empty() ? "output/" + s.stem() : out; }
     analysis::RunOptions run(std::string folder) const;
-    analysis::RunOptions run(const study::Study& s) const { return run(folder(s)); }
+    analysis::RunOptions run(const study::Study& s) const; // where a run takes long, says what it takes
 };
 
 // The value of an option lies between these; nan does not.

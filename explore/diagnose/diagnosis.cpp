@@ -390,6 +390,12 @@ private:
                 effect.delta_aicc = effect.fit->aicc - d_.baseline.aicc;
                 const auto problem = bench_.problem(effect.fit->model.members);
                 effect.size = interval_of(*problem, effect.fit->model, problem->space.axes.size() - 1, d_.variance);
+                constexpr double accepted = 3.84; // rise of chi2, 95 %: so much less, and no effect is accepted too
+                if (effect.gain < accepted) {
+                    const double none = problem->space.axes.back().physical(task_.candidates[effect.candidate].null);
+                    effect.size.low = std::min(effect.size.low, none);
+                    effect.size.high = std::max(effect.size.high, none);
+                }
                 effect.alike = alike_of(effect);
             }
         }

@@ -21,6 +21,7 @@ std::span<const Key> study_keys() {
         solver_integration,
         solver_path,
         solver_equilibrium,
+        solver_time_limit,
         solver_time_step,
         mesh_extent,
         mesh_refine,

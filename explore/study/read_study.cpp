@@ -198,6 +198,16 @@ void read_parameter(const toml::table& table, Study& study) {
         TableReader r(*prior, study.file, "prior of \"" + axis.name + "\"");
         axis.prior = problem::Prior{.mean = r.number(keys::prior_mean, axis.low, axis.high, false),
                                     .sd = r.number(keys::prior_sd)};
+        // Several times the range in logarithms: meant in the parameter's unit.
+        const double widest = 3.0 * std::log(axis.high / axis.low);
+        if (axis.scale == problem::Scale::log && axis.prior->sd > widest) {
+            throw pave::Error(r.place(keys::prior_sd.key),
+                              "the sd of a prior on a logarithmic axis is that of the natural logarithm",
+                              fmt::format("{:g}", axis.prior->sd),
+                              fmt::format("sd over mean, {:.2g} here, if it was meant in the parameter's unit; at most "
+                                          "{:.2g}",
+                                          axis.prior->sd / axis.prior->mean, widest));
+        }
         r.done();
     }
     reader.done();
@@ -357,6 +367,9 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
         check_integration(study.model, r.place(keys::solver_integration.key));
         settings.solver.path_tolerance = r.number(keys::solver_path);
         settings.solver.equilibrium_tolerance = r.number(keys::solver_equilibrium);
+        if (r.has(keys::solver_time_limit)) {
+            settings.solver.time_limit = r.number(keys::solver_time_limit);
+        }
         settings.time_step = unit::ms * r.number(keys::solver_time_step);
         r.done();
     }

@@ -17,6 +17,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
     Solution<Element> solution = w.empty_solution();
     Statistics& statistics = solution.statistics;
 
+    const Deadline deadline(settings.time_limit);
     using State = PathState<Element>;
     auto& path = w.path;
     path.set_zero(w.model->free_unknowns(), points, count);
@@ -115,7 +116,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         now.du = slope[0].du;
         statistics.load_steps = 1;
     } else {
-        const auto steps = path.follow(settings.path_tolerance, rate, step_error, [&](double load_factor) {
+        const auto steps = path.follow(settings.path_tolerance, deadline, rate, step_error, [&](double load_factor) {
             if (on_step_) {
                 on_step_(load_factor, slope[0].u, modulus);
             }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/outcome.h"
+#include "fe/deadline.h"
 
 #include <cmath>
 #include <utility>
@@ -45,7 +46,7 @@ public:
     // error(gaps) is that of a step to `trial`, relative to what is reached, where gaps[i] times slope[i] add up to
     // the difference of the two solutions. accepted(load factor): `now` and slope[0] belong to it; called at 0 too.
     template <class Rate, class Error, class Accepted>
-    Outcome<PathSteps> follow(double tolerance, Rate rate, Error error, Accepted accepted) {
+    Outcome<PathSteps> follow(double tolerance, const Deadline& deadline, Rate rate, Error error, Accepted accepted) {
         const Failure not_definite = stiffness_not_definite();
         if (!rate(now, 0)) {
             return not_definite;
@@ -67,6 +68,9 @@ public:
                     if (const double f = h * a[i][j]; f != 0.0) {
                         trial.add(f, slope[j]);
                     }
+                }
+                if (deadline.has_passed()) {
+                    return Deadline::failure();
                 }
                 if (!rate(trial, i)) {
                     return not_definite;

@@ -20,6 +20,7 @@
 #include "fe/sparse_solver.h"
 
 #include <functional>
+#include <limits>
 #include <memory>
 
 namespace pave::fe {
@@ -32,6 +33,7 @@ struct SolverSettings {
     // Error of an iterative solution of one linear system in the energy norm, relative to the solution (3D): well below
     // what the path tolerance leaves. What adds up along a load path is brought back to equilibrium at its end.
     double linear_tolerance = 1e-4;
+    double time_limit = std::numeric_limits<double>::infinity(); // s, of a load path: beyond it fails
 };
 
 // Rates of all that the positions of the nodes enter, when the mesh moves with one parameter.

@@ -411,7 +411,8 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
         }
         return std::sqrt(error / energy);
     };
-    const auto steps = path.follow(values.settings.solver.path_tolerance, rate, step_error, [](double) {});
+    const auto steps = path.follow(values.settings.solver.path_tolerance,
+                                   fe::Deadline(values.settings.solver.time_limit), rate, step_error, [](double) {});
     if (!steps) {
         return steps.failure();
     }

@@ -30,7 +30,7 @@ check(prior["share"] > 0.99, f"nearly all that is known of it is the prior's: {p
 check(abs(sure["noise"]["chi2"] / free["noise"]["chi2"] - 1) < 1e-2, f"the readings alone judge their noise: {sure['noise']} {free['noise']}")
 check(sure["priors"]["p_value"] < 1e-4 or sure["priors"]["degrees_of_freedom"] == 0, f"and contradict that prior: {sure['priors']['p_value']}")
 check(not any("stands out" in f or f.startswith("The model does not fit") for f in sure["findings"]), f"neither a reading nor the model is blamed: {sure['findings']}")
-vague = fit("vague", after("base.k1", f"prior = {{ mean = {k1}, sd = 10.0 }}"))
+vague = fit("vague", after("base.k1", f"prior = {{ mean = {k1}, sd = 8.0 }}"))
 check(abs(vague["best"]["parameters"]["base.k1"] - k1) < 0.05 * error, "a vague prior changes nothing")
 check(all(p["share"] < 0.05 for p in vague["priors"]["parameters"]), "and tells nothing")
 
@@ -170,6 +170,7 @@ for name, text in (("prior", after("base.k1", f"prior = {{ mean = {k1}, sd = 0.1
     done = run("sample", write_study(folder / f"sample-{name}", text), "--out", folder / f"sample-{name}" / "out", "--samples", 400, "--model", "reduced")
     check(done.returncode in (0, 1) and "Segmentation" not in done.stderr and ("evidence" in done.stdout or "draws" in done.stdout),
           f"sample with a {name}: {done.returncode} {done.stderr}")
+refused("sd in the unit of a logarithmic axis", ["natural logarithm", "600"], after("base.k1", "prior = { mean = 2000, sd = 600 }"))
 refused("contradiction", ["contradict each other", "base.k1 <= 1000", "base.k1 >= 2000"],
         WEIGHTED + LIMIT.format("base.k1 <= 1000") + LIMIT.format("base.k1 >= 2000"))
 refused("against the bounds", ["cannot be met", "base.k1 >= 90000"], WEIGHTED + LIMIT.format("base.k1 >= 90000"))

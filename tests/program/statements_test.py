@@ -58,6 +58,13 @@ check(not any("stands out" in s for s in fit["findings"]), f"nothing is accused 
 sentinel = answer("fit", made("sentinel", NOISY.replace("0.05", "0.02").replace('misfit = "log"', 'misfit = "weighted"'), DATA.replace("520,um", "-9999,um")), "--explore", 24, "--starts", 2)
 said = [s for s in sentinel["findings"] if "stands out" in s]
 check(len(said) == 1 and "measured -9999" in said[0] and "p = 0 " not in said[0], f"the sentinel is accused, not what fits because of it: {said}")
+done = run("check", folder / "sentinel" / "small.toml")
+check(done.returncode == 0 and "= -9999: no pavement reads that" in done.stdout, f"check names it before anything runs: {done.stdout} {done.stderr}")
+
+# A run in three dimensions that takes too long ends with words.
+limited = made("limited", (ROOT / "grids" / "dual-nonlinear.toml").read_text().replace("[solver]", "[solver]\ntime_limit_s = 0.01"))
+done = run("forward", limited)
+check(done.returncode == 1 and "time_limit_s" in done.stderr, f"a run that takes too long: {done.returncode} {done.stderr}")
 
 # More parameters than readings: said first, with what is known of which.
 few = DATA[:DATA.index("fwd,deflection,300")]
