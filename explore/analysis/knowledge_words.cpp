@@ -59,7 +59,7 @@ std::string constraint_words(const problem::Problem& problem, const problem::Eva
         texts.push_back(problem.limits[i]->text());
     }
     return texts.empty() ? ""
-                         : fmt::format("The answer lies where this must hold: {}. Without it the readings may call for "
+                         : fmt::format("This constraint is active at the answer: {}. Without it the readings may call for "
                                        "other values.",
                                        pave::join(texts));
 }

@@ -299,22 +299,39 @@ std::string quantity_words(const std::string& quantity) {
     return way.empty() && !axis.empty() ? kind + " " + axis : way + kind;
 }
 
-std::string parameter_words(const std::string& name) {
+AxisWords axis_words(const std::string& name) {
     static constexpr std::pair<std::string_view, std::string_view> units[] = {
         {"_kg_m3", "kg/m³"}, {"_MPa", "MPa"}, {"_kPa", "kPa"},   {"_GPa", "GPa"}, {"_kN", "kN"}, {"_mm", "mm"},
         {"_um", "µm"},       {"_ms", "ms"},   {"_percent", "%"}, {"_C", "°C"},    {"_m", "m"},   {"_s", "s"}};
-    std::string words = name;
-    std::string unit;
+    const auto dot = name.find('.');
+    AxisWords words{dot == std::string::npos ? "" : name.substr(0, dot),
+                    dot == std::string::npos ? name : name.substr(dot + 1)};
     for (const auto& [suffix, text] : units) {
-        if (words.size() > suffix.size() && words.ends_with(suffix)) {
-            words.resize(words.size() - suffix.size());
-            unit = fmt::format(" ({})", text);
+        if (words.number.size() > suffix.size() && words.number.ends_with(suffix)) {
+            words.number.resize(words.number.size() - suffix.size());
+            words.unit = text;
             break;
         }
     }
-    std::replace(words.begin(), words.end(), '_', ' ');
-    std::replace(words.begin(), words.end(), '.', ' ');
-    return words + unit;
+    for (std::string* part : {&words.of, &words.number}) {
+        std::replace(part->begin(), part->end(), '_', ' ');
+        std::replace(part->begin(), part->end(), '.', ' ');
+    }
+    return words;
+}
+
+std::string AxisWords::line() const {
+    return fmt::format("{}{}{}{}", of, of.empty() ? "" : " ", number, unit.empty() ? "" : " (" + unit + ")");
+}
+
+std::string AxisWords::lines() const {
+    const std::string in_unit = unit.empty() ? "" : "(" + unit + ")";
+    return of.empty() ? number + (unit.empty() ? "" : "\n" + in_unit)
+                      : of + "\n" + number + (unit.empty() ? "" : " " + in_unit);
+}
+
+std::string parameter_words(const std::string& name) {
+    return axis_words(name).line();
 }
 
 } // namespace explore::report

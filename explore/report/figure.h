@@ -101,7 +101,15 @@ std::string csv_text(const DataTable& table);
 // A number as a cell; not a number: empty.
 std::string cell(double value);
 
-// "subgrade.modulus_MPa" as "subgrade modulus (MPa)".
+// A number and its unit, as they stand beside an axis.
+struct AxisWords {
+    std::string of; // "subgrade"; empty: of nothing more
+    std::string number, unit{};
+    std::string line() const;  // "subgrade modulus (MPa)"
+    std::string lines() const; // the same over two lines
+};
+// Of "subgrade.modulus_MPa".
+AxisWords axis_words(const std::string& name);
 std::string parameter_words(const std::string& name);
 // "strain_zz" as "vertical strain", "um" as "µm".
 std::string quantity_words(const std::string& quantity);

@@ -41,14 +41,11 @@ struct Parameter {
     }
 };
 
-// "subgrade\nmodulus (MPa)" where the panel is too narrow for a line.
-std::string in_lines(const std::string& words, double width) {
-    constexpr double letter = 0.145; // cm
-    if (static_cast<double>(words.size()) * letter <= width) {
-        return words;
-    }
-    const auto blank = words.find(' ');
-    return blank == std::string::npos ? words : words.substr(0, blank) + "\n" + words.substr(blank + 1);
+// Over two lines where the panel is too narrow for one.
+std::string fitting(const AxisWords& words, double width) {
+    constexpr double letter = 0.16; // cm
+    std::string line = words.line();
+    return static_cast<double>(line.size()) * letter <= width ? line : words.lines();
 }
 
 // Where the panels of a corner stand.
@@ -82,7 +79,7 @@ struct Corner {
         // None at the ends, where the next panel begins.
         std::erase_if(axis.ticks, [&](const Tick& tick) { return std::abs(p.unit(tick.at) - 0.5) > 0.46; });
         axis.labelled = named;
-        axis.label = named ? in_lines(parameter_words(p.name), side) : "";
+        axis.label = named ? fitting(axis_words(p.name), side) : "";
         return axis;
     }
     Panel panel(std::size_t column, std::size_t row) const {

@@ -143,14 +143,14 @@ Figure profiles_figure(const Json& unique) {
     const double limit = unique.at("acceptance").at("chi2_rise_allowed").get<double>();
     struct One {
         const Json* profile;
-        std::string label;
+        AxisWords label;
         bool log = false;
         const Json* whole = nullptr; // over the whole range, of the landscape
         double low = none, high = none;
     };
     std::vector<One> all;
     for (const Json& profile : unique.at("profiles")) {
-        One one{&profile, parameter_words(profile.at("name").get<std::string>())};
+        One one{&profile, axis_words(profile.at("name").get<std::string>())};
         for (const Json& p : unique.at("parameters")) {
             if (p.at("name") == profile.at("name")) {
                 one.log = p.at("scale") == "log";
@@ -167,8 +167,8 @@ Figure profiles_figure(const Json& unique) {
     }
     for (const Json& output : unique.at("outputs")) {
         if (output.contains("profile")) {
-            all.push_back({&output, fmt::format("{} ({})", output.at("name").get<std::string>(),
-                                                unit_words(output.at("unit").get<std::string>()))});
+            all.push_back({&output, AxisWords{"", output.at("name").get<std::string>(),
+                                              unit_words(output.at("unit").get<std::string>())}});
         }
     }
     const bool other_model = unique.contains("landscape") && unique.at("landscape").at("model") != unique.at("model");
@@ -178,13 +178,8 @@ Figure profiles_figure(const Json& unique) {
     constexpr double high = 3.4;
     constexpr double gap = 0.75;
     constexpr std::size_t widest = 24; // letters of a label that fits under its panel
-    bool two_lines = false;
-    for (One& one : all) {
-        if (const auto unit = one.label.rfind(" ("); one.label.size() > widest && unit != std::string::npos) {
-            one.label.replace(unit, 1, "\n");
-            two_lines = true;
-        }
-    }
+    const bool two_lines =
+        std::any_of(all.begin(), all.end(), [](const One& one) { return one.label.line().size() > widest; });
     const double below = two_lines ? 1.65 : 1.25;
     Figure figure{.name = "profiles"};
     figure.width = 1.4 + static_cast<double>(columns) * (side + gap);
@@ -275,7 +270,7 @@ Figure profiles_figure(const Json& unique) {
         panel.x.high = to;
         panel.x.log = one.log;
         panel.x.ticks = round_ticks(from, to, one.log, 5);
-        panel.x.label = one.label;
+        panel.x.label = two_lines ? one.label.lines() : one.label.line();
         panel.y.low = -0.04 * top;
         panel.y.high = top;
         panel.y.ticks = round_ticks(0.0, top, false, 5);
