@@ -473,7 +473,7 @@
         const rows = [...parameters.map((p) => [p, ""]), ...(r.outputs || []).map((o) => [o, o.unit])];
         section("The posterior", r.reason ? make("p", {}, r.reason) : null, opening("sample", "What the readings leave of every parameter and output."),
             rows.length ? table(["", "mean", "sd", "2.5 %", "50 %", "97.5 %", "R-hat", "eff. draws"],
-                rows.map(([q, unit]) => [q.name + (unit ? ` (${unit})` : ""), ...[q.mean, q.sd, q.q025, q.q50, q.q975].map(figure), q.rhat.toFixed(3), q.ess.toFixed(0)])) : [],
+                rows.map(([q, unit]) => [q.name + (unit ? ` (${unit})` : ""), ...[q.mean, q.sd, q.q025, q.q50, q.q975].map(figure), q.rhat.toFixed(3), q.ess.toFixed(0)]), [0]) : [],
             (r.draws || []).length && parameters.length ? corner(parameters, r.draws) : [],
             r.correlations && parameters.length > 1 ? [part("Correlations of the draws"), table(["", ...parameters.map((p) => p.name)],
                 parameters.map((p, i) => [p.name, ...r.correlations[i].map((v) => v.toFixed(2))]))] : [],
