@@ -58,10 +58,11 @@ std::string constraint_words(const problem::Problem& problem, const problem::Eva
     for (const std::size_t i : problem.active_limits(answer)) {
         texts.push_back(problem.limits[i]->text());
     }
-    return texts.empty() ? ""
-                         : fmt::format("This constraint is active at the answer: {}. Without it the readings may call for "
-                                       "other values.",
-                                       pave::join(texts));
+    return texts.empty()
+               ? ""
+               : fmt::format("This constraint is active at the answer: {}. Without it the readings may call for "
+                             "other values.",
+                             pave::join(texts));
 }
 
 } // namespace explore::analysis

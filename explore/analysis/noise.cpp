@@ -295,11 +295,12 @@ std::vector<std::string> findings(const NoiseResult& result) {
     text.push_back(fmt::format("Repeated drops agree within {:.2g} % (one standard deviation) at its worst sensor.",
                                100.0 * largest));
     if (value[NoiseModel::common] > 0.0 || value[NoiseModel::correlation] > 0.0) {
-        text.push_back(fmt::format(
-            "Errors are not independent: {}. A fit that takes them so gives ranges too narrow for some parameters and too wide for others.",
-            value[NoiseModel::common] == 0.0        ? "neighbouring sensors share theirs"
-            : value[NoiseModel::correlation] == 0.0 ? "all sensors of a drop share one"
-                                                    : "all sensors of a drop share one, neighbouring ones more"));
+        text.push_back(fmt::format("Errors are not independent: {}. A fit that takes them so gives ranges too narrow "
+                                   "for some parameters and too wide for others.",
+                                   value[NoiseModel::common] == 0.0 ? "neighbouring sensors share theirs"
+                                   : value[NoiseModel::correlation] == 0.0
+                                       ? "all sensors of a drop share one"
+                                       : "all sensors of a drop share one, neighbouring ones more"));
     } else {
         text.push_back("Nothing tells the errors of the sensors from independent ones.");
     }

@@ -33,7 +33,8 @@ std::string answer_words(const SampleResult& result) {
     const auto& axes = result.problem.space.axes;
     for (std::size_t k = 0; k < axes.size(); ++k) {
         const landscape::Marginal& m = result.parameters[k];
-        ranges.push_back(fmt::format("{} {} to {} (median {})", axes[k].name, figure(m.q025), figure(m.q975), figure(m.q50)));
+        ranges.push_back(
+            fmt::format("{} {} to {} (median {})", axes[k].name, figure(m.q025), figure(m.q975), figure(m.q50)));
     }
     return fmt::format("With a probability of 95 % each lies in its range: {}.", pave::join(ranges));
 }
@@ -67,9 +68,8 @@ void say_bounds(const SampleResult& result, std::vector<std::string>& text) {
         }
     }
     if (!silent.empty()) {
-        text.push_back(
-            fmt::format("The data hardly constrain {} alone: the draws fill the whole range of the study.",
-                        pave::join(silent)));
+        text.push_back(fmt::format("The data hardly constrain {} alone: the draws fill the whole range of the study.",
+                                   pave::join(silent)));
     }
 }
 

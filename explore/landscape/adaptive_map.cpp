@@ -250,7 +250,7 @@ private:
 } // namespace
 
 std::vector<double> predict(const std::vector<std::vector<double>>& at, const std::vector<std::vector<double>>& points,
-                             const std::vector<problem::Evaluation>& evaluations, int threads) {
+                            const std::vector<problem::Evaluation>& evaluations, int threads) {
     std::vector<double> level;
     level.reserve(evaluations.size());
     for (const auto& e : evaluations) {

@@ -67,7 +67,8 @@ std::string terminal(const Figure& figure, FigureFormat format) {
         constexpr double scale = dpi / 72.0;
         return fmt::format("set terminal pngcairo size {:.0f},{:.0f} font 'Arial,{}' fontscale {:.4f} linewidth {:.4f} "
                            "pointscale {:.4f} background '#FFFFFF' noenhanced",
-                           figure.width / inch * dpi, figure.height / inch * dpi, font_points, scale * of_pango, scale, scale);
+                           figure.width / inch * dpi, figure.height / inch * dpi, font_points, scale * of_pango, scale,
+                           scale);
     }
     }
     return {};
@@ -193,11 +194,12 @@ std::string gnuplot_script(const Figure& figure, FigureFormat format, const std:
         text += panel.framed ? "set border 15 front lw 0.7 lc rgb '#333333'\n" : "unset border\n";
         text += panel.title.empty() ? "set title\n" : fmt::format("set title {} offset 0,-0.6\n", quoted(panel.title));
         const std::size_t named = legend_entries(panel);
-        text += named > 0 ? fmt::format("set key at screen {:.6f},{:.6f} left top reverse Left samplen 2 spacing 1.1 {} "
-                                        "noenhanced\n",
-                                        panel.left / figure.width, (panel.bottom - legend_below) / figure.height,
-                                        named > 3 ? "horizontal maxcols 2" : "vertical maxcols 1")
-                          : "unset key\n";
+        text += named > 0
+                    ? fmt::format("set key at screen {:.6f},{:.6f} left top reverse Left samplen 2 spacing 1.1 {} "
+                                  "noenhanced\n",
+                                  panel.left / figure.width, (panel.bottom - legend_below) / figure.height,
+                                  named > 3 ? "horizontal maxcols 2" : "vertical maxcols 1")
+                    : "unset key\n";
         for (const Note& note : panel.notes) {
             text += fmt::format("set label {} at graph {},{} {} front textcolor rgb {}\n", quoted(note.text),
                                 gnuplot_number(note.x), gnuplot_number(note.y), note.at_right ? "right" : "left",

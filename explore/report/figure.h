@@ -96,9 +96,9 @@ inline constexpr double legend_below = 1.05; // cm
 std::size_t legend_entries(const Panel& panel);
 double legend_height(const Panel& panel); // cm
 
-// A rise over rising places as a smooth line: the monotone cubic (Steffen 1990) of its root, with the sign of the side of
-// the lowest, which is nearly straight beside a minimum; of the rise itself where the lowest is an end. As it is where
-// there are fewer than three points, or some without a number.
+// A rise over rising places as a smooth line: the monotone cubic (Steffen 1990) of its root, with the sign of the side
+// of the lowest, which is nearly straight beside a minimum; of the rise itself where the lowest is an end. As it is
+// where there are fewer than three points, or some without a number.
 std::pair<std::vector<double>, std::vector<double>> smooth_rise(const std::vector<double>& at,
                                                                 const std::vector<double>& rise);
 

@@ -10,10 +10,10 @@ namespace {
 
 constexpr double row = 0.45; // cm
 
-// A panel of rows with names at its left, the first at the top.
-Panel rows_panel(double bottom, std::size_t count) {
+// A panel of rows with names at its left, the first at the top. longest: letters of a name.
+Panel rows_panel(double bottom, std::size_t count, std::size_t longest) {
     Panel panel;
-    panel.left = 6.0;
+    panel.left = 0.6 + 0.165 * static_cast<double>(longest);
     panel.bottom = bottom;
     panel.width = 8.0;
     panel.height = row * static_cast<double>(count);
@@ -35,9 +35,18 @@ Figure candidates_figure(const Json& diagnose) {
     const Json causes = diagnose.value("causes", Json::array());
     constexpr std::size_t most = 20;
     const std::size_t count = std::min(most, candidates.size());
-    Figure figure{.name = "candidates", .width = 14.5, .height = row * static_cast<double>(count) + 1.8};
+    Figure figure{.name = "candidates", .height = row * static_cast<double>(count) + 1.8};
     DataTable table{"candidates", {"effect", "on", "fall_of_chi2", "by", "named"}, {}};
-    Panel panel = rows_panel(1.3, count);
+    const auto name_of = [](const Json& candidate) {
+        const std::string on = text_at(candidate, "on");
+        return candidate.at("effect").get<std::string>() + (on.empty() ? "" : ", " + on);
+    };
+    std::size_t longest = 0;
+    for (std::size_t c = 0; c < count; ++c) {
+        longest = std::max(longest, name_of(candidates[c]).size());
+    }
+    Panel panel = rows_panel(1.3, count, longest);
+    figure.width = panel.left + panel.width + 0.5;
     Boxes bars;
     double highest = 1.0;
     for (std::size_t c = 0; c < count; ++c) {
@@ -47,10 +56,10 @@ Figure candidates_figure(const Json& diagnose) {
         const double score = number_or_none(candidate.value("score_z", Json()));
         const double fall = std::isnan(fitted) ? score * score : fitted;
         const bool named = std::find(causes.begin(), causes.end(), effect) != causes.end();
-        table.rows.push_back({effect, text_at(candidate, "on"), cell(fall), std::isnan(fitted) ? "score" : "fit",
-                              named ? "yes" : "no"});
+        table.rows.push_back(
+            {effect, text_at(candidate, "on"), cell(fall), std::isnan(fitted) ? "score" : "fit", named ? "yes" : "no"});
         const auto at = static_cast<double>(c);
-        panel.y.ticks.push_back({at, effect + (text_at(candidate, "on").empty() ? "" : ", " + text_at(candidate, "on"))});
+        panel.y.ticks.push_back({at, name_of(candidate)});
         if (std::isfinite(fall)) {
             bars.left.push_back(0.0);
             bars.right.push_back(std::max(0.0, fall));
@@ -118,7 +127,8 @@ Figure corrections_figure(const Json& diagnose) {
         factor.log = true;
         factor.ticks = round_ticks(factor.low, factor.high, factor.high > 3.0 * factor.low, 5);
         factor.label = layer.empty() ? "factor on the readings" : "factor on the modulus";
-        const auto [first, last] = std::minmax_element((down ? line.y : line.x).begin(), (down ? line.y : line.x).end());
+        const auto [first, last] =
+            std::minmax_element((down ? line.y : line.x).begin(), (down ? line.y : line.x).end());
         const double margin = *last > *first ? 0.06 * (*last - *first) : std::max(1.0, 0.1 * std::abs(*first));
         place.low = *first - margin;
         place.high = *last + margin;
@@ -140,13 +150,28 @@ Figure corrections_figure(const Json& diagnose) {
 
 Figure sensitivity_figure(const Json& sensitivity) {
     const Json& indices = sensitivity.at("global").at("indices");
-    Figure figure{.name = "sensitivity", .width = 14.5};
+    Figure figure{.name = "sensitivity"};
+    std::size_t longest = 0;
+    double lowest = -0.1;
+    double highest = 1.1;
+    for (const Json& of : indices) {
+        for (const char* order : {"first_order", "total"}) {
+            for (const auto& [parameter, index] : of.at(order).items()) {
+                longest = std::max(longest, parameter_words(parameter).size());
+                const double low = number_or_none(index.at("low"));
+                const double high = number_or_none(index.at("high"));
+                lowest = std::isfinite(low) ? std::min(lowest, low) : lowest;
+                highest = std::isfinite(high) ? std::max(highest, high) : highest;
+            }
+        }
+    }
     DataTable table{"sensitivity", {"response", "parameter", "index", "value", "low", "high"}, {}};
     double bottom = 1.3;
     for (std::size_t r = indices.size(); r-- > 0;) { // from the bottom
         const Json& of = indices[r];
         const auto response = of.at("response").get<std::string>();
-        Panel panel = rows_panel(bottom, of.at("total").size());
+        Panel panel = rows_panel(bottom, of.at("total").size(), longest);
+        figure.width = panel.left + panel.width + 0.5;
         double at = 0.0;
         for (const auto& [parameter, total] : of.at("total").items()) {
             panel.y.ticks.push_back({at, parameter_words(parameter)});
@@ -155,7 +180,8 @@ Figure sensitivity_figure(const Json& sensitivity) {
                 const double value = number_or_none(index.at("value"));
                 const double low = number_or_none(index.at("low"));
                 const double high = number_or_none(index.at("high"));
-                table.rows.push_back({response, parameter, whole ? "total" : "first order", cell(value), cell(low), cell(high)});
+                table.rows.push_back(
+                    {response, parameter, whole ? "total" : "first order", cell(value), cell(low), cell(high)});
                 const double y = at + (whole ? 0.2 : -0.2);
                 const Colour colour = whole ? okabe_ito[1] : okabe_ito[0];
                 panel.layers.emplace_back(Line{.x = {low, high}, .y = {y, y}, .colour = colour, .width = 1.2});
@@ -168,9 +194,9 @@ Figure sensitivity_figure(const Json& sensitivity) {
             }
             at += 1.0;
         }
-        panel.x.low = -0.1;
-        panel.x.high = 1.1;
-        panel.x.ticks = round_ticks(0.0, 1.0, false, 5);
+        panel.x.low = lowest;
+        panel.x.high = highest;
+        panel.x.ticks = round_ticks(lowest, highest, false, 6);
         panel.x.labelled = r + 1 == indices.size();
         panel.x.label = r + 1 == indices.size() ? "share of the variance: ● first order, ■ total" : "";
         panel.title = response;

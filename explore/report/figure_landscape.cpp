@@ -190,11 +190,10 @@ Panel colour_bar(double left, double bottom, double height, const std::vector<Co
 }
 
 // A way of light colour with a dark border, and squares at its ends.
-void draw_way(Panel& panel, const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& ends_x,
-              const std::vector<double>& ends_y) {
+void draw_way(Panel& panel, const std::vector<double>& x, const std::vector<double>& y,
+              const std::vector<double>& ends_x, const std::vector<double>& ends_y) {
     for (const bool outer : {true, false}) {
-        panel.layers.emplace_back(
-            Line{.x = x, .y = y, .colour = outer ? black : white, .width = outer ? 2.8 : 1.4});
+        panel.layers.emplace_back(Line{.x = x, .y = y, .colour = outer ? black : white, .width = outer ? 2.8 : 1.4});
     }
     for (const bool outer : {true, false}) {
         panel.layers.emplace_back(Line{.x = ends_x,
@@ -422,7 +421,7 @@ struct Valley {
 Valley valley_of(const Json& unique) {
     Valley valley;
     const double limit = unique.at("landscape").at("limit").get<double>();
-    for (const Json& trace : unique.value("traces", Json::array())) {
+    for (const Json& trace : unique.at("traces")) {
         if (!trace.contains("accepted_end")) {
             continue;
         }

@@ -378,8 +378,7 @@ Figure residuals_figure(const Json& readings, const std::vector<ComparedModel>& 
     panel.x.low = -most;
     panel.x.high = most;
     panel.x.ticks = round_ticks(-most, most, false, 8);
-    panel.x.label =
-        std::string("model - measured (standard deviations)") + (any_held_out ? "; open: not fitted" : "");
+    panel.x.label = std::string("model - measured (standard deviations)") + (any_held_out ? "; open: not fitted" : "");
     panel.y.low = -0.5;
     panel.y.high = rows - 0.5;
     panel.y.reversed = true;

@@ -194,7 +194,7 @@ Figure pair_figure(const FolderContents& contents, const NamedPair& pair) {
             known.push_back(x + "," + y);
         }
     }
-    throw pave::Error({}, "this run has no landscape of such a pair", pair.a + "," + pair.b,
+    throw pave::Error({}, "this run has no such figure: the landscape of a pair", pair.a + "," + pair.b,
                       known.empty() ? "a run of unique with --landscape" : pave::join(known, " "));
 }
 

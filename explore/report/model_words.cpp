@@ -67,7 +67,8 @@ std::string model_words(const study::Study& study) {
     say(text, inert, "is a pulse that moves the mass of the section", "are pulses that move the mass of the section");
     say(text, stiff, "acts through a plate that resists bending", "act through plates that resist bending");
     for (const auto& applied : model.effects) {
-        text += fmt::format("Effect {} = {:g} [{}] is added. ", applied.effect->name, applied.size, applied.effect->unit);
+        text +=
+            fmt::format("Effect {} = {:g} [{}] is added. ", applied.effect->name, applied.size, applied.effect->unit);
     }
     text.pop_back();
     return text;

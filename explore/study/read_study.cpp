@@ -138,8 +138,8 @@ void read_effect(const toml::table& table, Study& study) {
     reader.done();
     for (const AppliedEffect& other : model.effects) {
         if (other.effect == applied.effect) {
-            throw pave::Error(reader.place("name"), "this effect is given twice", "\"" + std::string(effect.name) + "\"",
-                              "each once");
+            throw pave::Error(reader.place("name"), "this effect is given twice",
+                              "\"" + std::string(effect.name) + "\"", "each once");
         }
     }
     check_effect(study, applied, reader.place("name"));
@@ -393,8 +393,7 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
         }
     }
     if (const std::string wrong = apply_ties(study.model); !wrong.empty()) {
-        throw pave::Error({.file = file, .key = "[[parameters]] equals"},
-                          "a tied number is out of range", wrong,
+        throw pave::Error({.file = file, .key = "[[parameters]] equals"}, "a tied number is out of range", wrong,
                           "values of the others that keep it in range");
     }
     read_prior_correlations(reader.tables("prior_correlations"), study);
