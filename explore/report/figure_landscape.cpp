@@ -457,11 +457,9 @@ DataTable valley_table(const Valley& valley, const std::vector<Parameter>& param
         table.columns.push_back(p.name);
     }
     for (const Json* point : valley.way) {
-        std::vector<std::string> row;
-        for (const Parameter& p : parameters) {
-            row.push_back(cell(number_or_none(point->at(p.name))));
-        }
-        table.rows.push_back(std::move(row));
+        std::vector<std::string>& row = table.rows.emplace_back();
+        std::transform(parameters.begin(), parameters.end(), std::back_inserter(row),
+                       [&](const Parameter& p) { return cell(number_or_none(point->at(p.name))); });
     }
     return table;
 }

@@ -191,7 +191,7 @@ Figure pair_figure(const FolderContents& contents, const NamedPair& pair) {
                 figure.name = fmt::format("landscape-{}-{}", x, y);
                 return figure;
             }
-            known.push_back(x + "," + y);
+            known.push_back(fmt::format("{},{}", x, y));
         }
     }
     throw pave::Error({}, "this run has no such figure: the landscape of a pair", pair.a + "," + pair.b,
