@@ -13,7 +13,7 @@ RUN tools/setup release \
 FROM debian:12
 COPY --from=build /package/*.deb /package/
 RUN apt-get update \
-    && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends gnuplot-nox /package/*.deb \
+    && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends gnuplot-nox fonts-liberation /package/*.deb \
     && rm -rf /var/lib/apt/lists/* /package
 WORKDIR /work
 ENTRYPOINT ["pavescape"]

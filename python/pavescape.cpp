@@ -4,8 +4,10 @@
 #include "report/diagnose.h"
 #include "report/fit.h"
 #include "report/map.h"
+#include "report/road_run.h"
 #include "report/sample.h"
 #include "report/sensitivity.h"
+#include "report/survey.h"
 #include "report/unique.h"
 #include "run/blas.h"
 
@@ -371,6 +373,34 @@ private:
     std::vector<double> to_si_;
 };
 
+// study: a file whose section and parameters are fitted; empty: no back-calculation.
+py::object survey(const std::vector<std::string>& files, const std::string& study, const std::string& columns,
+                  const std::string& out, int threads, std::uint64_t seed) {
+    explore::report::Json json;
+    {
+        const py::gil_scoped_release release;
+        explore::analysis::RoadFiles road = explore::analysis::read_road(files, columns);
+        explore::analysis::RunOptions run = run_options(out, threads, seed);
+        if (!out.empty()) {
+            explore::analysis::refuse_other_road(out, "survey", road);
+        }
+        run.inputs = std::move(road.inputs);
+        explore::analysis::Session session(std::move(run));
+        std::optional<explore::study::Study> of;
+        if (!study.empty()) {
+            of = explore::study::load_survey_study(study);
+        }
+        const auto result = explore::analysis::survey(session, std::move(road.files), std::move(of), {});
+        if (!result) {
+            throw std::runtime_error("interrupted");
+        }
+        json = explore::report::survey_json(*result);
+        explore::report::add_run(json, road, session.options());
+        session.keep("survey", explore::report::json_text(json));
+    }
+    return dictionary(json);
+}
+
 } // namespace
 
 PYBIND11_MODULE(pavescape, m) {
@@ -449,4 +479,9 @@ PYBIND11_MODULE(pavescape, m) {
              py::arg("points") = explore::analysis::SensitivityOptions{}.points,
              py::arg("samples") = explore::analysis::SensitivityOptions{}.samples, py::arg("out") = "",
              py::arg("threads") = 0, py::arg("seed") = 1, as_command("sensitivity").c_str());
+    m.def("survey", &survey, py::arg("files"), py::arg("study") = "", py::arg("columns") = "", py::arg("out") = "",
+          py::arg("threads") = 0, py::arg("seed") = 1,
+          (as_command("survey") + " files: of FWD drops; study: of which the parameters are fitted at every station; "
+                                  "columns: as --columns.")
+              .c_str());
 }

@@ -93,7 +93,7 @@ std::vector<double> Explorer::unit_of(const std::vector<double>& values) const {
     std::vector<double> unit;
     for (std::size_t k = 0; k < axes.size(); ++k) {
         if (!std::isfinite(values[k])) {
-            throw std::invalid_argument(fmt::format("the value of {} is no number", axes[k].name));
+            throw std::invalid_argument(fmt::format("the value of {} is not a number", axes[k].name));
         }
         unit.push_back(std::clamp(axes[k].unit(std::clamp(values[k], axes[k].low, axes[k].high)), 0.0, 1.0));
     }

@@ -14,14 +14,15 @@
 namespace explore::analysis {
 
 std::optional<WithoutFloor> fit_without_floor(const study::Study& study, const std::vector<double>& unit) {
-    const auto is_of_the_floor = [&](const problem::Axis& axis) {
-        return axis.name == study.model.layers.back().name + ".thickness_mm" || axis.name == "floor-depth.size";
+    const auto is_of_the_floor = [&](const pave::pavement::Parameter& parameter) {
+        return parameter.changes_geometry() && !parameter.in_load && !parameter.in_effect && !parameter.in_correction &&
+               parameter.owner + 1 == static_cast<int>(study.model.layers.size());
     };
     const auto is_plane = [](const pave::pavement::Load& load) { return load.is_axisymmetric(); };
     const auto moves_floor = [](const pave::pavement::AppliedEffect& applied) {
         return applied.effect->name == "floor-depth";
     };
-    if (study.model.half_space || std::any_of(study.space.axes.begin(), study.space.axes.end(), is_of_the_floor) ||
+    if (study.model.half_space || std::any_of(study.parameters.begin(), study.parameters.end(), is_of_the_floor) ||
         std::any_of(study.model.effects.begin(), study.model.effects.end(), moves_floor) ||
         !std::all_of(study.model.loads.begin(), study.model.loads.end(), is_plane)) {
         return std::nullopt;

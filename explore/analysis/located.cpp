@@ -222,7 +222,7 @@ std::vector<std::string> words_of(const LocatedCorrection& found) {
         i = end;
     }
     if (!unseen.empty()) {
-        text.push_back(fmt::format("These readings say next to nothing of it {}.", pave::join(unseen, " and ")));
+        text.push_back(fmt::format("These readings hardly constrain it {}.", pave::join(unseen, " and ")));
     }
     return text;
 }

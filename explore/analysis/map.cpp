@@ -1,6 +1,7 @@
 #include "analysis/map.h"
 
 #include "base/error.h"
+#include "base/text.h"
 #include "study/problems.h"
 
 #include <algorithm>
@@ -11,11 +12,14 @@ namespace {
 
 constexpr std::int64_t most_points = 10'000'000;
 
+bool is_grid(const MapOptions& options, const study::Study& study) {
+    return options.design == MapDesign::automatic ? search::full_grid_size(study.space) > 0
+                                                  : options.design == MapDesign::grid;
+}
+
 search::Design make_design(const MapOptions& options, const study::Study& study, std::uint64_t seed) {
     const auto grid_size = search::full_grid_size(study.space, options.points);
-    const bool grid = options.design == MapDesign::automatic ? search::full_grid_size(study.space) > 0
-                                                             : options.design == MapDesign::grid;
-    if (!grid) {
+    if (!is_grid(options, study)) {
         return search::sobol(study.space, options.points > 0 ? options.points : map_points, seed);
     }
     if (grid_size <= 0 || grid_size > most_points) {
@@ -65,6 +69,20 @@ bool complete(Session& session, MapResult& map, const std::string& settings) {
 
 } // namespace
 
+std::vector<std::string> findings(const MapResult& result) {
+    if (result.failed()) {
+        return {};
+    }
+    const problem::Evaluation& lowest = result.lowest[0].evaluation;
+    std::vector<std::string> at;
+    for (std::size_t k = 0; k < lowest.parameters.size(); ++k) {
+        at.push_back(fmt::format("{} = {}", result.study.space.axes[k].name, pave::figure(lowest.parameters[k])));
+    }
+    return {fmt::format("The lowest misfit of {} is {}, at {}. Between the points it may be lower: fit searches there.",
+                        pave::counted(result.evaluations.size(), "point", "points"), pave::figure(lowest.misfit),
+                        pave::join(at))};
+}
+
 std::optional<MapResult> map(Session& session, const study::Study& study, const MapOptions& options) {
     const bool adaptive = options.design == MapDesign::adaptive;
     const int points = options.points > 0 ? options.points : map_points;
@@ -80,6 +98,7 @@ std::optional<MapResult> map(Session& session, const study::Study& study, const 
                      .options = options,
                      .design = adaptive ? search::Design{landscape::adaptive_name(points, seed), {}}
                                         : make_design(options, study, seed),
+                     .is_grid = is_grid(options, study),
                      .evaluations = {},
                      .lowest = {},
                      .explored = {},

@@ -25,6 +25,7 @@ struct MapResult {
     study::Study study;
     MapOptions options;
     search::Design design;
+    bool is_grid = false; // of a value of every axis with every other
     std::vector<problem::Evaluation> evaluations;
     std::vector<Low> lowest;                     // by misfit; empty: not one point has an answer
     std::optional<landscape::Explored> explored; // of an adaptive map
@@ -36,6 +37,9 @@ struct MapResult {
         return "not one point of the map has an answer; the first says: " + evaluations.front().reason;
     }
 };
+
+// The lowest point in a sentence; none: the map failed.
+std::vector<std::string> findings(const MapResult& result);
 
 // Throws pave::Error for a grid without points or with too many. Nothing: interrupted.
 std::optional<MapResult> map(Session& session, const study::Study& study, const MapOptions& options);

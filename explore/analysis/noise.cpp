@@ -272,7 +272,7 @@ NoiseResult noise_of_drops(const std::vector<data::FwdFile>& files) {
     // Repeats that agree to the last digit say nothing: a reading has been copied.
     std::erase_if(groups, [](const RepeatedDrops& g) { return g.scatter.isZero(0.0); });
     if (groups.empty()) {
-        throw pave::Error({.file = names}, "no drop is repeated: nothing tells its noise", {},
+        throw pave::Error({.file = names}, "no drop is repeated, so its noise cannot be estimated", {},
                           "two or more drops of one station within 10 % of one pressure");
     }
     result.groups = groups.size();
@@ -292,21 +292,22 @@ std::vector<std::string> findings(const NoiseResult& result) {
         std::max_element(result.sensors.begin(), result.sensors.end(), [](const auto& a, const auto& b) {
             return a.scatter < b.scatter;
         })->scatter;
-    text.push_back(fmt::format("One drop repeats another within {:.2g} % (one standard deviation) at its worst sensor.",
+    text.push_back(fmt::format("Repeated drops agree within {:.2g} % (one standard deviation) at its worst sensor.",
                                100.0 * largest));
     if (value[NoiseModel::common] > 0.0 || value[NoiseModel::correlation] > 0.0) {
-        text.push_back(fmt::format(
-            "Errors are not independent: {}. A fit that takes them so promises too much or too little, by reading.",
-            value[NoiseModel::common] == 0.0        ? "neighbouring sensors share theirs"
-            : value[NoiseModel::correlation] == 0.0 ? "all sensors of a drop share one"
-                                                    : "all sensors of a drop share one, neighbouring ones more"));
+        text.push_back(fmt::format("Errors are not independent: {}. A fit that takes them so gives ranges too narrow "
+                                   "for some parameters and too wide for others.",
+                                   value[NoiseModel::common] == 0.0 ? "neighbouring sensors share theirs"
+                                   : value[NoiseModel::correlation] == 0.0
+                                       ? "all sensors of a drop share one"
+                                       : "all sensors of a drop share one, neighbouring ones more"));
     } else {
         text.push_back("Nothing tells the errors of the sensors from independent ones.");
     }
     constexpr int few = 30;
     if (result.degrees < few) {
-        text.push_back(fmt::format("Only {} beyond the first of each group: the numbers are as wide as their ranges.",
-                                   pave::counted(static_cast<std::size_t>(result.degrees), "drop", "drops")));
+        text.push_back(fmt::format("Only {}: see how wide the ranges are.",
+                                   pave::counted(static_cast<std::size_t>(result.degrees), "repeat", "repeats")));
     }
     text.push_back("Repeats do not show what stays the same from drop to drop: calibration, places of sensors, the "
                    "model. For readings that are means of n drops divide all but correlation_mm by sqrt(n).");

@@ -91,7 +91,7 @@ std::string shape_words(const problem::Problem& problem, const Uniqueness& u) {
     }
     return words.empty()
                ? ""
-               : "The walked ranges are not what a standard error says, by more than a fifth: " + pave::join(words) +
+               : "The profile ranges differ from the standard-error ranges by more than a fifth: " + pave::join(words) +
                      ".";
 }
 

@@ -28,6 +28,17 @@ std::vector<double> units_of(const SampleResult& result, std::size_t k) {
     return units;
 }
 
+std::string answer_words(const SampleResult& result) {
+    std::vector<std::string> ranges;
+    const auto& axes = result.problem.space.axes;
+    for (std::size_t k = 0; k < axes.size(); ++k) {
+        const landscape::Marginal& m = result.parameters[k];
+        ranges.push_back(
+            fmt::format("{} {} to {} (median {})", axes[k].name, figure(m.q025), figure(m.q975), figure(m.q50)));
+    }
+    return fmt::format("With a probability of 95 % each lies in its range: {}.", pave::join(ranges));
+}
+
 void say_bounds(const SampleResult& result, std::vector<std::string>& text) {
     const auto& axes = result.problem.space.axes;
     const auto& weight = result.descent.weight;
@@ -43,7 +54,7 @@ void say_bounds(const SampleResult& result, std::vector<std::string>& text) {
         }
         for (const int upper : {0, 1}) {
             if (ends[upper] > held * total) {
-                text.push_back(fmt::format("The box ends {} at its {} bound {}: {:.0f} % of the draws lie within "
+                text.push_back(fmt::format("{} is cut off at its {} bound {}: {:.0f} % of the draws lie within "
                                            "{:.0f} % of the range from it. "
                                            "What is said of it rests on that bound.",
                                            axes[k].name, upper != 0 ? "upper" : "lower",
@@ -57,9 +68,8 @@ void say_bounds(const SampleResult& result, std::vector<std::string>& text) {
         }
     }
     if (!silent.empty()) {
-        text.push_back(
-            fmt::format("The data say next to nothing of {} alone: the draws fill the whole range of the study.",
-                        pave::join(silent)));
+        text.push_back(fmt::format("The data hardly constrain {} alone: the draws fill the whole range of the study.",
+                                   pave::join(silent)));
     }
 }
 
@@ -193,6 +203,7 @@ std::vector<std::string> findings(const SampleResult& result) {
                                    "what the model may lack.",
                                    figure(result.chi2), result.degrees_of_freedom, result.p_value));
     }
+    text.push_back(answer_words(result));
     say_modes(result, text);
     say_bounds(result, text);
     say_correlations(result, text);

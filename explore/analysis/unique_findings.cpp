@@ -58,7 +58,7 @@ std::string unique_words(const problem::ParameterSpace& space, const Uniqueness&
             u.acceptance->p_value);
     }
     if (!bounds.empty()) {
-        text += fmt::format("; it is the box that ends it: {}", pave::join(bound_words(space, bounds)));
+        text += fmt::format("; limited by the bound: {}", pave::join(bound_words(space, bounds)));
     }
     return text + ".";
 }

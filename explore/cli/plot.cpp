@@ -13,7 +13,7 @@ namespace {
 
 struct Options {
     std::string folder, out;
-    std::vector<std::string> figures;
+    std::vector<std::string> figures, pair;
     report::FigureFormat format = report::FigureFormat::svg;
 };
 
@@ -34,12 +34,16 @@ int plot(const Options& options) {
         for (const std::string& name : options.figures) {
             if (std::find(known.begin(), known.end(), name) == known.end()) {
                 throw pave::Error({.file = options.folder, .key = "FIGURE"}, "this run has no such figure", name,
-                                  known.empty() ? "none: map, fit, unique and diagnose have some" : pave::join(known));
+                                  known.empty() ? "none: forward, sample and survey have none" : pave::join(known));
             }
         }
         if (known.empty()) {
             throw pave::Error({.file = options.folder, .key = "RUN"}, "this run has no figures", {},
-                              "a folder of map, fit, unique or diagnose");
+                              "a folder of map, fit, unique, diagnose, compare or sensitivity");
+        }
+        if (!options.pair.empty()) {
+            figures.push_back(report::pair_figure(contents, {options.pair[0], options.pair[1]}));
+            known.clear();
         }
         for (const std::string& name : known) {
             const auto& wanted = options.figures;
@@ -79,7 +83,12 @@ void add_plot(CLI::App& app, Action& action) {
     auto options = std::make_shared<Options>();
     command->add_option("RUN", options->folder, "folder of the run")->required();
     command->add_option("FIGURE", options->figures,
-                        "landscape, profiles, fit, residuals (default: all that the run has)");
+                        "landscape, landscape-close, profiles, fit, residuals, candidates, corrections, sensitivity "
+                        "(default: all that the run has)");
+    command->add_option("--pair", options->pair, "two parameters, X,Y: their landscape alone and large (unique)")
+        ->delimiter(',')
+        ->expected(2)
+        ->type_name("X,Y");
     add_choice(*command, "--format", options->format, report::figure_format_names, "svg, pdf, png");
     command->add_option("--out", options->out, "folder for the figures (default: RUN/figures)")->type_name("DIR");
     command->footer("Example: pavescape plot output/captif-p1-unique-fwd landscape --format pdf");

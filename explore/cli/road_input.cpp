@@ -1,6 +1,6 @@
 #include "cli/road_input.h"
 
-#include "analysis/build.h"
+#include "report/road_run.h"
 #include "run/files.h"
 
 #include <filesystem>
@@ -48,11 +48,7 @@ int run_road(const RoadInput& input, const std::string& name,
         return report_interrupt(folder);
     }
     report::Json& json = pages->json;
-    json["seed"] = input.common.seed;
-    json["files"] = road.names;
-    json["content"] = road.content;
-    json["version"] = analysis::version;
-    json["run"] = folder;
+    report::add_run(json, road, session.options());
     std::string written = name + ".csv, " + name + ".json";
     run::write_file(folder, name + ".csv", pages->csv);
     session.keep(name, report::json_text(json));

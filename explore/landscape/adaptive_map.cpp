@@ -97,12 +97,12 @@ public:
                 u = random.uniform(number++);
             }
         }
-        const auto foretold = foretell(drawn, points, map_.evaluations, threads_);
+        const auto predicted = predict(drawn, points, map_.evaluations, threads_);
         points.insert(points.end(), drawn.begin(), drawn.end());
         if (!compute()) {
             return std::nullopt;
         }
-        judge(foretold);
+        judge(predicted);
         return std::move(map_);
     }
 
@@ -214,19 +214,19 @@ private:
         return order;
     }
 
-    void judge(const std::vector<double>& foretold) {
+    void judge(const std::vector<double>& predicted) {
         Explored& e = map_.explored;
         e.checks = checks_;
         std::vector<double> errors;
         for (std::size_t i = 0; i < checks_; ++i) {
             const auto& truth = map_.evaluations[map_.evaluations.size() - checks_ + i];
-            e.foretold += is_foretold(foretold[i], truth) ? 1 : 0;
-            if (truth.converged() && !std::isnan(foretold[i])) {
-                errors.push_back(std::abs(foretold[i] / truth.misfit - 1.0));
+            e.predicted += is_predicted(predicted[i], truth) ? 1 : 0;
+            if (truth.converged() && !std::isnan(predicted[i])) {
+                errors.push_back(std::abs(predicted[i] / truth.misfit - 1.0));
             }
         }
-        const auto hits = static_cast<double>(e.foretold);
-        const auto misses = static_cast<double>(e.checks - e.foretold);
+        const auto hits = static_cast<double>(e.predicted);
+        const auto misses = static_cast<double>(e.checks - e.predicted);
         constexpr double tail = 0.025;
         e.low = hits > 0.0 ? gsl_cdf_beta_Pinv(tail, hits, misses + 1.0) : 0.0;
         e.high = misses > 0.0 ? gsl_cdf_beta_Qinv(tail, hits + 1.0, misses) : 1.0;
@@ -249,8 +249,8 @@ private:
 
 } // namespace
 
-std::vector<double> foretell(const std::vector<std::vector<double>>& at, const std::vector<std::vector<double>>& points,
-                             const std::vector<problem::Evaluation>& evaluations, int threads) {
+std::vector<double> predict(const std::vector<std::vector<double>>& at, const std::vector<std::vector<double>>& points,
+                            const std::vector<problem::Evaluation>& evaluations, int threads) {
     std::vector<double> level;
     level.reserve(evaluations.size());
     for (const auto& e : evaluations) {
@@ -265,11 +265,11 @@ std::vector<double> foretell(const std::vector<std::vector<double>>& at, const s
     return misfit;
 }
 
-bool is_foretold(double foretold, const problem::Evaluation& evaluation) {
-    if (!evaluation.converged() || std::isnan(foretold)) {
-        return !evaluation.converged() && std::isnan(foretold);
+bool is_predicted(double predicted, const problem::Evaluation& evaluation) {
+    if (!evaluation.converged() || std::isnan(predicted)) {
+        return !evaluation.converged() && std::isnan(predicted);
     }
-    return std::abs(foretold / evaluation.misfit - 1.0) <= Explored::tolerance;
+    return std::abs(predicted / evaluation.misfit - 1.0) <= Explored::tolerance;
 }
 
 std::string adaptive_name(int points, std::uint64_t seed) {

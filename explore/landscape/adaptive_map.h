@@ -7,9 +7,9 @@ namespace explore::landscape {
 
 // How well the misfit at a point drawn at random from the box is predicted from the points of a map.
 struct Explored {
-    std::size_t checks = 0;   // points that were drawn, uniform and independent
-    std::size_t foretold = 0; // of them: the misfit within `tolerance` of itself, or rightly no answer
-    double low = 0.0;         // share of the box that is predicted: 95 % interval (Clopper and Pearson 1934)
+    std::size_t checks = 0;    // points that were drawn, uniform and independent
+    std::size_t predicted = 0; // of them: the misfit within `tolerance` of itself, or rightly no answer
+    double low = 0.0;          // share of the box that is predicted: 95 % interval (Clopper and Pearson 1934)
     double high = 1.0;
     double median_error = 0.0; // of the misfit, relative
     static constexpr double tolerance = 0.1;
@@ -17,10 +17,10 @@ struct Explored {
 
 // The misfit at each of some points of the unit cube from what was evaluated elsewhere: a plane through the logarithms
 // at the nearest of those, by least squares. Not a number: the nearest has no answer, nor will this one.
-std::vector<double> foretell(const std::vector<std::vector<double>>& at, const std::vector<std::vector<double>>& points,
-                             const std::vector<problem::Evaluation>& evaluations, int threads);
+std::vector<double> predict(const std::vector<std::vector<double>>& at, const std::vector<std::vector<double>>& points,
+                            const std::vector<problem::Evaluation>& evaluations, int threads);
 // Whether that is within Explored::tolerance of what was then evaluated, or rightly no answer.
-bool is_foretold(double foretold, const problem::Evaluation& evaluation);
+bool is_predicted(double predicted, const problem::Evaluation& evaluation);
 
 struct AdaptiveMap {
     search::Design design;

@@ -154,13 +154,13 @@ private:
         return open;
     }
 
-    // The point of `node` that the linear model of a neighbour foretells as the lowest there, and its chi2 by that
+    // The point of `node` that the linear model of a neighbour predicts as the lowest there, and its chi2 by that
     // model, times the variance.
-    struct Foretold {
+    struct Predicted {
         std::vector<double> unit;
         double squares = 0.0;
     };
-    Foretold foretell(const Work& work, std::size_t node, const Node& from) const {
+    Predicted predict(const Work& work, std::size_t node, const Node& from) const {
         std::vector<double> unit = with_held(work, node, from.unit);
         const VectorXd residuals = problem_.residuals(from.evaluation);
         const MatrixXd jacobian = problem_.residual_jacobian(from.evaluation);
@@ -224,7 +224,7 @@ private:
                 from.resize(std::min(from.size(), most));
                 Task task{s, n, {}, next_chain_++};
                 for (const std::size_t other : from) {
-                    task.starts.push_back(foretell(work, n, work.nodes[other]).unit);
+                    task.starts.push_back(predict(work, n, work.nodes[other]).unit);
                     task.starts.push_back(with_held(work, n, work.nodes[other].unit));
                     work.nodes[n].tried.push_back(other);
                 }
@@ -234,7 +234,7 @@ private:
         return wave;
     }
 
-    // Nodes that a neighbour foretells a fit for which is lower and differs from their own by more than the noise.
+    // Nodes that a neighbour predicts a fit for which is lower and differs from their own by more than the noise.
     std::vector<Task> across_branches() {
         std::vector<Task> wave;
         for (std::size_t s = 0; s < slices_.size(); ++s) {
@@ -250,24 +250,24 @@ private:
                 }
                 const MatrixXd jacobian = problem_.residual_jacobian(node.evaluation);
                 std::size_t best = work.nodes.size();
-                Foretold lowest;
+                Predicted lowest;
                 for (const std::size_t other : work.neighbours(n)) {
                     const bool again = std::find(node.tried.begin(), node.tried.end(), other) != node.tried.end();
                     if (!work.nodes[other].found || again) {
                         continue;
                     }
-                    Foretold foretold = foretell(work, n, work.nodes[other]);
+                    Predicted predicted = predict(work, n, work.nodes[other]);
                     VectorXd apart = VectorXd::Zero(jacobian.cols());
                     for (const Index k : open) {
                         const auto i = static_cast<std::size_t>(k);
-                        apart[k] = foretold.unit[i] - node.unit[i];
+                        apart[k] = predicted.unit[i] - node.unit[i];
                     }
-                    const double chi2 = foretold.squares / acceptance_.variance;
+                    const double chi2 = predicted.squares / acceptance_.variance;
                     const double significant = std::max(0.2, 0.05 * node.chi2);
                     if ((jacobian * apart).squaredNorm() / acceptance_.variance > significant &&
                         chi2 < node.chi2 - negligible && (best == work.nodes.size() || chi2 < lowest.squares)) {
                         best = other;
-                        lowest = {std::move(foretold.unit), chi2};
+                        lowest = {std::move(predicted.unit), chi2};
                     }
                 }
                 if (best < work.nodes.size()) {

@@ -39,7 +39,7 @@ struct PairProfileSettings {
 std::vector<double> profile_lines(int count, double best, const Reach& reach);
 
 // Bounded Gauss-Newton over the parameters that are not held, node by node from the minima outwards: each node starts
-// where the lowest node beside it ends, moved by its linear model. Then nodes whose neighbours foretell a lower fit on
+// where the lowest node beside it ends, moved by its linear model. Then nodes whose neighbours predict a lower fit on
 // another branch start from there, until none gains. A wave of nodes runs in parallel and depends on the waves before
 // it alone: the same numbers for any number of threads. minima: points of the unit cube, the best first, with
 // best_misfit; reach: of each parameter. Nothing: interrupted.

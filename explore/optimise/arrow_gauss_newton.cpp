@@ -50,10 +50,10 @@ public:
         }
     }
 
-    // The step of every block; foretold: how much lower the quadratic is there. low, high: of every block's step; of
+    // The step of every block; predicted: how much lower the quadratic is there. low, high: of every block's step; of
     // common unknowns any block's.
     std::vector<VectorXd> step(const std::vector<MatrixXd>& matrix, const std::vector<VectorXd>& gradient,
-                               const std::vector<VectorXd>& low, const std::vector<VectorXd>& high, double& foretold) {
+                               const std::vector<VectorXd>& low, const std::vector<VectorXd>& high, double& predicted) {
         std::vector<Held> held(blocks_.size());
         Held common_held(static_cast<std::size_t>(common_), 0);
         VectorXd common_gradient = VectorXd::Zero(common_);
@@ -79,11 +79,11 @@ public:
             bool changed = false;
             VectorXd common_slope = VectorXd::Zero(common_);
             VectorXd common_step = VectorXd::Zero(common_);
-            foretold = 0.0;
+            predicted = 0.0;
             for (std::size_t b = 0; b < blocks_.size(); ++b) {
                 const VectorXd pull = matrix[b] * d[b];
                 const VectorXd slope = gradient[b] + pull;
-                foretold -= gradient[b].dot(d[b]) + 0.5 * pull.dot(d[b]);
+                predicted -= gradient[b].dot(d[b]) + 0.5 * pull.dot(d[b]);
                 common_slope(to_common_[b]) += slope(shared_[b]);
                 common_step(to_common_[b]) = d[b](shared_[b]);
                 for (const Index k : own_[b]) {
@@ -270,13 +270,13 @@ ArrowResult arrow_gauss_newton(const std::vector<ArrowBlock>& blocks, std::vecto
             low.emplace_back(-unit);
             high.emplace_back(1.0 - unit.array());
         }
-        double foretold = 0.0;
-        const std::vector<VectorXd> step = system.step(damped, here.gradient, low, high, foretold);
+        double predicted = 0.0;
+        const std::vector<VectorXd> step = system.step(damped, here.gradient, low, high, predicted);
         double longest = 0.0;
         for (const VectorXd& d : step) {
             longest = std::max(longest, d.cwiseAbs().maxCoeff());
         }
-        if (foretold <= std::max(settings.misfit_tolerance * half, settings.enough)) {
+        if (predicted <= std::max(settings.misfit_tolerance * half, settings.enough)) {
             result.converged = true;
             result.ended = "the misfit no longer changes";
             break;
@@ -303,7 +303,7 @@ ArrowResult arrow_gauss_newton(const std::vector<ArrowBlock>& blocks, std::vecto
             result.ended = "stopped";
             break;
         }
-        const double gain = there.answer == Answer::computed ? (half - there.half()) / foretold : -INFINITY;
+        const double gain = there.answer == Answer::computed ? (half - there.half()) / predicted : -INFINITY;
         if (!(gain > 1e-4)) {
             damping *= raise;
             raise *= 2.0;

@@ -77,9 +77,9 @@ VectorXd bounded_step(const MatrixXd& h, const VectorXd& g, const VectorXd& low,
 
 // The same for that and half the sum of max(0, limit + a d)^2 over the limits, of which h and g hold those above 0: the
 // steps of ever other sets of limits that count, until the set is that beyond which its own step leads.
-// foretold: how much lower all of it is at the step.
+// predicted: how much lower all of it is at the step.
 VectorXd limited_step(const MatrixXd& h, const VectorXd& g, const VectorXd& low, const VectorXd& high,
-                      const Sample& here, double& foretold) {
+                      const Sample& here, double& predicted) {
     const auto count = here.limits.size();
     std::vector<char> counts(static_cast<std::size_t>(count));
     for (Index i = 0; i < count; ++i) {
@@ -108,11 +108,11 @@ VectorXd limited_step(const MatrixXd& h, const VectorXd& g, const VectorXd& low,
         step = bounded_step(matrix, gradient, low, high);
     }
     // What h and g hold of the limits above 0, and what there is of all.
-    foretold = -(g.dot(step) + 0.5 * step.dot(h * step));
+    predicted = -(g.dot(step) + 0.5 * step.dot(h * step));
     for (Index i = 0; i < count; ++i) {
         const double there = here.limits[i] + here.limit_jacobian.row(i) * step;
         const double held = here.limits[i] > 0.0 ? there : 0.0;
-        foretold += 0.5 * (held * held - std::max(0.0, there) * std::max(0.0, there));
+        predicted += 0.5 * (held * held - std::max(0.0, there) * std::max(0.0, there));
     }
     return step;
 }
@@ -167,9 +167,9 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
             low[i] = -point[static_cast<std::size_t>(i)];
             high[i] = 1.0 - point[static_cast<std::size_t>(i)];
         }
-        double foretold = 0.0;
-        const VectorXd step = limited_step(h, gradient, low, high, here, foretold);
-        if (foretold <= std::max(settings.misfit_tolerance * half, settings.enough)) {
+        double predicted = 0.0;
+        const VectorXd step = limited_step(h, gradient, low, high, here, predicted);
+        if (predicted <= std::max(settings.misfit_tolerance * half, settings.enough)) {
             result.converged = true;
             result.ended = "the misfit no longer changes";
             break;
@@ -195,7 +195,7 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
             break;
         }
         const double half_there = answer == Answer::computed ? 0.5 * there.residuals.squaredNorm() : INFINITY;
-        const double gain = (half - half_there) / foretold;
+        const double gain = (half - half_there) / predicted;
         if (!(gain > 1e-4)) {
             damping *= raise;
             raise *= 2.0;

@@ -72,9 +72,9 @@ Json held_out_json(const diagnose::HeldOut& held) {
 
 Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Candidate>& candidates,
                      const Diagnosis& d) {
-    Json foretold = Json::array();
+    Json predicted = Json::array();
     for (std::size_t e = 0; e < s.values.size(); ++e) {
-        foretold.push_back(
+        predicted.push_back(
             {{"explanation", members_words(candidates, d.explanations[e].fit.model.members)}, {"value", s.values[e]}});
     }
     return {{"reading", s.reading.words()},
@@ -82,7 +82,7 @@ Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Can
             {"sigma", s.reading.in_unit(s.reading.noise.absolute)},
             {"power", s.power},
             {"rate_now", s.rate_now},
-            {"foretold", foretold}};
+            {"predicted", predicted}};
 }
 
 Json channel_json(const pave::pavement::Correction& correction) {

@@ -41,7 +41,7 @@ Number number_of(std::string_view text, const char* what) {
     Number value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size()) {
-        throw std::invalid_argument(fmt::format("{}: \"{}\" is no number", what, text.substr(0, 40)));
+        throw std::invalid_argument(fmt::format("{}: \"{}\" is not a number", what, text.substr(0, 40)));
     }
     return value;
 }

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
+#include <gsl/gsl_interp.h>
 #include <map>
+#include <memory>
 
 namespace explore::report {
 namespace {
@@ -50,20 +53,22 @@ constexpr double font_points = 8.0;
 
 std::string terminal(const Figure& figure, FigureFormat format) {
     constexpr double inch = 2.54;
+    constexpr double of_pango = 72.0 / 96.0; // by which its points are larger
     switch (format) {
     case FigureFormat::svg:
         return fmt::format("set terminal svg size {:.0f},{:.0f} font 'Arial,{}' background '#FFFFFF' noenhanced",
                            figure.width / inch * 96.0, figure.height / inch * 96.0, font_points * 96.0 / 72.0);
     case FigureFormat::pdf:
-        return fmt::format("set terminal pdfcairo size {}cm,{}cm font 'Arial,{}' fontscale 1.0 background '#FFFFFF' "
+        return fmt::format("set terminal pdfcairo size {}cm,{}cm font 'Arial,{}' fontscale {} background '#FFFFFF' "
                            "noenhanced",
-                           figure.width, figure.height, font_points);
+                           figure.width, figure.height, font_points, of_pango);
     case FigureFormat::png: {
         constexpr double dpi = 300.0;
         constexpr double scale = dpi / 72.0;
         return fmt::format("set terminal pngcairo size {:.0f},{:.0f} font 'Arial,{}' fontscale {:.4f} linewidth {:.4f} "
                            "pointscale {:.4f} background '#FFFFFF' noenhanced",
-                           figure.width / inch * dpi, figure.height / inch * dpi, font_points, scale, scale, scale);
+                           figure.width / inch * dpi, figure.height / inch * dpi, font_points, scale * of_pango, scale,
+                           scale);
     }
     }
     return {};
@@ -188,9 +193,13 @@ std::string gnuplot_script(const Figure& figure, FigureFormat format, const std:
         text += axis_commands(panel.x, "x", panel.grid) + axis_commands(panel.y, "y", panel.grid);
         text += panel.framed ? "set border 15 front lw 0.7 lc rgb '#333333'\n" : "unset border\n";
         text += panel.title.empty() ? "set title\n" : fmt::format("set title {} offset 0,-0.6\n", quoted(panel.title));
-        text += panel.legend ? fmt::format("set key inside {} right reverse Left samplen 2 spacing 1.1 noenhanced\n",
-                                           panel.legend_at_bottom ? "bottom" : "top")
-                             : "unset key\n";
+        const std::size_t named = legend_entries(panel);
+        text += named > 0
+                    ? fmt::format("set key at screen {:.6f},{:.6f} left top reverse Left samplen 2 spacing 1.1 {} "
+                                  "noenhanced\n",
+                                  panel.left / figure.width, (panel.bottom - legend_below) / figure.height,
+                                  named > 3 ? "horizontal maxcols 2" : "vertical maxcols 1")
+                    : "unset key\n";
         for (const Note& note : panel.notes) {
             text += fmt::format("set label {} at graph {},{} {} front textcolor rgb {}\n", quoted(note.text),
                                 gnuplot_number(note.x), gnuplot_number(note.y), note.at_right ? "right" : "left",
@@ -203,6 +212,50 @@ std::string gnuplot_script(const Figure& figure, FigureFormat format, const std:
         text += (plot.empty() ? "plot NaN notitle" : plot) + "\n";
     }
     return text + "\nunset multiplot\nset output\n";
+}
+
+std::size_t legend_entries(const Panel& panel) {
+    return static_cast<std::size_t>(std::count_if(panel.layers.begin(), panel.layers.end(), [](const Layer& layer) {
+        const auto* line = std::get_if<Line>(&layer);
+        return line != nullptr && !line->name.empty();
+    }));
+}
+
+double legend_height(const Panel& panel) {
+    const std::size_t entries = legend_entries(panel);
+    constexpr double line = 0.38; // cm
+    return line * static_cast<double>(entries > 3 ? (entries + 1) / 2 : entries);
+}
+
+std::pair<std::vector<double>, std::vector<double>> smooth_rise(const std::vector<double>& at,
+                                                                const std::vector<double>& rise) {
+    if (at.size() < gsl_interp_type_min_size(gsl_interp_steffen) ||
+        std::adjacent_find(at.begin(), at.end(), std::greater_equal<>()) != at.end() ||
+        !std::all_of(rise.begin(), rise.end(), [](double r) { return std::isfinite(r); })) {
+        return {at, rise};
+    }
+    const auto least = static_cast<std::size_t>(std::min_element(rise.begin(), rise.end()) - rise.begin());
+    const bool inside = least > 0 && least + 1 < rise.size();
+    std::vector<double> shape = rise;
+    for (std::size_t i = 0; inside && i < shape.size(); ++i) {
+        shape[i] = (i < least ? -1.0 : 1.0) * std::sqrt(std::max(0.0, rise[i]));
+    }
+    const std::unique_ptr<gsl_interp, void (*)(gsl_interp*)> cubic(gsl_interp_alloc(gsl_interp_steffen, at.size()),
+                                                                   gsl_interp_free);
+    gsl_interp_init(cubic.get(), at.data(), shape.data(), at.size());
+    constexpr int each = 12; // points from one to the next
+    std::pair<std::vector<double>, std::vector<double>> curve;
+    for (std::size_t i = 0; i + 1 < at.size(); ++i) {
+        for (int k = 0; k < each; ++k) {
+            const double x = at[i] + (at[i + 1] - at[i]) * k / each;
+            const double value = gsl_interp_eval(cubic.get(), at.data(), shape.data(), x, nullptr);
+            curve.first.push_back(x);
+            curve.second.push_back(inside ? value * value : value);
+        }
+    }
+    curve.first.push_back(at.back());
+    curve.second.push_back(rise.back());
+    return curve;
 }
 
 std::string csv_text(const DataTable& table) {
@@ -299,22 +352,39 @@ std::string quantity_words(const std::string& quantity) {
     return way.empty() && !axis.empty() ? kind + " " + axis : way + kind;
 }
 
-std::string parameter_words(const std::string& name) {
+AxisWords axis_words(const std::string& name) {
     static constexpr std::pair<std::string_view, std::string_view> units[] = {
         {"_kg_m3", "kg/m³"}, {"_MPa", "MPa"}, {"_kPa", "kPa"},   {"_GPa", "GPa"}, {"_kN", "kN"}, {"_mm", "mm"},
         {"_um", "µm"},       {"_ms", "ms"},   {"_percent", "%"}, {"_C", "°C"},    {"_m", "m"},   {"_s", "s"}};
-    std::string words = name;
-    std::string unit;
+    const auto dot = name.find('.');
+    AxisWords words{dot == std::string::npos ? "" : name.substr(0, dot),
+                    dot == std::string::npos ? name : name.substr(dot + 1)};
     for (const auto& [suffix, text] : units) {
-        if (words.size() > suffix.size() && words.ends_with(suffix)) {
-            words.resize(words.size() - suffix.size());
-            unit = fmt::format(" ({})", text);
+        if (words.number.size() > suffix.size() && words.number.ends_with(suffix)) {
+            words.number.resize(words.number.size() - suffix.size());
+            words.unit = text;
             break;
         }
     }
-    std::replace(words.begin(), words.end(), '_', ' ');
-    std::replace(words.begin(), words.end(), '.', ' ');
-    return words + unit;
+    for (std::string* part : {&words.of, &words.number}) {
+        std::replace(part->begin(), part->end(), '_', ' ');
+        std::replace(part->begin(), part->end(), '.', ' ');
+    }
+    return words;
+}
+
+std::string AxisWords::line() const {
+    return fmt::format("{}{}{}{}", of, of.empty() ? "" : " ", number, unit.empty() ? "" : " (" + unit + ")");
+}
+
+std::string AxisWords::lines() const {
+    const std::string in_unit = unit.empty() ? "" : "(" + unit + ")";
+    return of.empty() ? number + (unit.empty() ? "" : "\n" + in_unit)
+                      : of + "\n" + number + (unit.empty() ? "" : " " + in_unit);
+}
+
+std::string parameter_words(const std::string& name) {
+    return axis_words(name).line();
 }
 
 } // namespace explore::report

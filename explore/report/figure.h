@@ -73,7 +73,6 @@ struct Panel {
     std::vector<Layer> layers{}; // the first lowest
     std::string title{};
     bool framed = true;
-    bool legend = false, legend_at_bottom = false;
     bool grid = false;
     std::vector<Note> notes{};
 };
@@ -92,6 +91,17 @@ struct Figure {
     std::vector<DataTable> tables{};
 };
 
+// Named lines of a panel stand in a legend below it, this far down, in one column or, more than three, in two.
+inline constexpr double legend_below = 1.05; // cm
+std::size_t legend_entries(const Panel& panel);
+double legend_height(const Panel& panel); // cm
+
+// A rise over rising places as a smooth line: the monotone cubic (Steffen 1990) of its root, with the sign of the side
+// of the lowest, which is nearly straight beside a minimum; of the rise itself where the lowest is an end. As it is
+// where there are fewer than three points, or some without a number.
+std::pair<std::vector<double>, std::vector<double>> smooth_rise(const std::vector<double>& at,
+                                                                const std::vector<double>& rise);
+
 enum class FigureFormat { svg, pdf, png };
 inline constexpr std::string_view figure_format_names[] = {"svg", "pdf", "png"};
 
@@ -101,7 +111,15 @@ std::string csv_text(const DataTable& table);
 // A number as a cell; not a number: empty.
 std::string cell(double value);
 
-// "subgrade.modulus_MPa" as "subgrade modulus (MPa)".
+// A number and its unit, as they stand beside an axis.
+struct AxisWords {
+    std::string of; // "subgrade"; empty: of nothing more
+    std::string number, unit{};
+    std::string line() const;  // "subgrade modulus (MPa)"
+    std::string lines() const; // the same over two lines
+};
+// Of "subgrade.modulus_MPa".
+AxisWords axis_words(const std::string& name);
 std::string parameter_words(const std::string& name);
 // "strain_zz" as "vertical strain", "um" as "µm".
 std::string quantity_words(const std::string& quantity);

@@ -21,6 +21,7 @@ struct Parameter {
     std::string name;
     double low = 0.0, high = 1.0;
     bool log = false;
+    double from = 0.0, to = 1.0; // what is shown, in the unit interval
 
     explicit Parameter(const Json& json)
         : name(json.at("name").get<std::string>()),
@@ -31,6 +32,7 @@ struct Parameter {
         return log ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
     }
     double physical(double unit) const { return log ? low * std::pow(high / low, unit) : low + unit * (high - low); }
+    bool shows(double value) const { return unit(value) >= from - 1e-9 && unit(value) <= to + 1e-9; }
     std::vector<double> units(const std::vector<double>& values) const {
         std::vector<double> all;
         all.reserve(values.size());
@@ -41,21 +43,18 @@ struct Parameter {
     }
 };
 
-// "subgrade\nmodulus (MPa)" where the panel is too narrow for a line.
-std::string in_lines(const std::string& words, double width) {
-    constexpr double letter = 0.145; // cm
-    if (static_cast<double>(words.size()) * letter <= width) {
-        return words;
-    }
-    const auto blank = words.find(' ');
-    return blank == std::string::npos ? words : words.substr(0, blank) + "\n" + words.substr(blank + 1);
+// Over two lines where the panel is too narrow for one.
+std::string fitting(const AxisWords& words, double width) {
+    constexpr double letter = 0.16; // cm
+    std::string line = words.line();
+    return static_cast<double>(line.size()) * letter <= width ? line : words.lines();
 }
 
 // Where the panels of a corner stand.
 struct Corner {
     std::vector<Parameter> parameters;
     double side = 3.0; // of a panel, cm
-    static constexpr double gap = 0.25, left = 1.75, bottom = 1.75, above = 0.45, right = 0.5;
+    static constexpr double gap = 0.25, left = 1.75, bottom = 1.75, above = 0.45, right = 0.5, large = 11.0;
 
     explicit Corner(const Json& list) {
         for (const Json& p : list) {
@@ -75,14 +74,16 @@ struct Corner {
     PlotAxis axis(std::size_t k, bool named) const {
         const Parameter& p = parameters[k];
         PlotAxis axis;
-        axis.low = p.low;
-        axis.high = p.high;
+        axis.low = p.physical(p.from);
+        axis.high = p.physical(p.to);
         axis.log = p.log;
-        axis.ticks = round_ticks(p.low, p.high, p.log, side < 2.5 ? 3 : 4);
+        constexpr double wide = 3.0; // less is labelled evenly
+        axis.ticks = round_ticks(axis.low, axis.high, p.log && axis.high > wide * axis.low, side < 2.5 ? 3 : 4);
         // None at the ends, where the next panel begins.
-        std::erase_if(axis.ticks, [&](const Tick& tick) { return std::abs(p.unit(tick.at) - 0.5) > 0.46; });
+        const auto share = [&](const Tick& tick) { return (p.unit(tick.at) - p.from) / (p.to - p.from); };
+        std::erase_if(axis.ticks, [&](const Tick& tick) { return std::abs(share(tick) - 0.5) > 0.46; });
         axis.labelled = named;
-        axis.label = named ? in_lines(parameter_words(p.name), side) : "";
+        axis.label = named ? fitting(axis_words(p.name), side) : "";
         return axis;
     }
     Panel panel(std::size_t column, std::size_t row) const {
@@ -97,6 +98,18 @@ struct Corner {
         }
         return panel;
     }
+    // One pair large.
+    Panel alone(std::size_t column, std::size_t row) const {
+        Panel panel;
+        panel.left = left;
+        panel.bottom = bottom;
+        panel.width = panel.height = large;
+        Corner one = *this;
+        one.side = large;
+        panel.x = one.axis(column, true);
+        panel.y = one.axis(row, true);
+        return panel;
+    }
     // The empty corner, from there to the right and top edge.
     double key_left() const { return left + 2.0 * (side + gap) + 0.6; }
     double key_top() const { return bottom + reach(); }
@@ -109,9 +122,11 @@ Line minima_marks(const Json& minima, const Parameter& x, const Parameter* y, do
     line.marker_size = outer ? 1.5 : 0.95;
     line.colour = outer ? black : white;
     for (const Json& m : minima) {
-        if (m.value("accepted", true)) {
-            line.x.push_back(m.at("parameters").at(x.name).get<double>());
-            line.y.push_back(y != nullptr ? m.at("parameters").at(y->name).get<double>() : height);
+        const double at = m.at("parameters").at(x.name).get<double>();
+        const double above = y != nullptr ? m.at("parameters").at(y->name).get<double>() : height;
+        if (m.value("accepted", true) && x.shows(at) && (y == nullptr || y->shows(above))) {
+            line.x.push_back(at);
+            line.y.push_back(above);
         }
     }
     return line;
@@ -174,6 +189,22 @@ Panel colour_bar(double left, double bottom, double height, const std::vector<Co
     return bar;
 }
 
+// A way of light colour with a dark border, and squares at its ends.
+void draw_way(Panel& panel, const std::vector<double>& x, const std::vector<double>& y,
+              const std::vector<double>& ends_x, const std::vector<double>& ends_y) {
+    for (const bool outer : {true, false}) {
+        panel.layers.emplace_back(Line{.x = x, .y = y, .colour = outer ? black : white, .width = outer ? 2.8 : 1.4});
+    }
+    for (const bool outer : {true, false}) {
+        panel.layers.emplace_back(Line{.x = ends_x,
+                                       .y = ends_y,
+                                       .colour = outer ? black : white,
+                                       .width = 0.0,
+                                       .marker = Marker::square,
+                                       .marker_size = outer ? 1.4 : 0.9});
+    }
+}
+
 // Marks and what they mean, below each other from the top; each is drawn into a square at the left.
 class Key {
 public:
@@ -205,6 +236,10 @@ public:
         }
         text(words);
     }
+    void valley(const std::string& words) {
+        draw_way(panel_, {0.0, 0.55}, {middle(), middle()}, {0.55}, {middle()});
+        text(words);
+    }
     void box(Colour colour, bool hatched, const std::string& words) {
         Boxes boxes{{0.0}, {0.55}, {middle() - 0.32}, {middle() + 0.32}, {colour}, false};
         if (hatched) {
@@ -214,6 +249,8 @@ public:
         }
         text(words);
     }
+    // How far it reaches to the right of its left edge, cm.
+    double reach() const { return 0.75 + 0.165 * static_cast<double>(longest_); }
     Panel done() {
         // Rows are 1 apart whatever the height of the panel.
         const double rows = std::max(1.0, count_);
@@ -231,7 +268,9 @@ private:
     void text(const std::string& words) {
         panel_.notes.push_back({0.75 / 6.0, middle(), words});
         count_ += 1.0;
+        longest_ = std::max(longest_, words.size());
     }
+    std::size_t longest_ = 0; // letters
     Panel panel_;
     double count_ = 0.0;
 };
@@ -346,8 +385,11 @@ void draw_pair(Panel& panel, const Corner& corner, const Pair& pair, const std::
 
 void draw_profile(Panel& panel, const Json& profile, const Json& minima, const Parameter& p, double limit, double top) {
     Line line;
-    line.x = numbers_of(profile.at("values"));
-    line.y = numbers_of(profile.at("rise"));
+    const auto [units, rises] = smooth_rise(p.units(numbers_of(profile.at("values"))), numbers_of(profile.at("rise")));
+    for (const double unit : units) {
+        line.x.push_back(p.physical(unit));
+    }
+    line.y = rises;
     line.width = 1.5;
     line.colour = okabe_ito[0];
     // The first point beyond the panel stays: the line leaves it.
@@ -371,6 +413,76 @@ std::size_t index_of(const std::vector<Parameter>& parameters, const Json& name)
     return static_cast<std::size_t>(found - parameters.begin());
 }
 
+// The valley that was followed, from one end through the best minimum to the other.
+struct Valley {
+    std::vector<const Json*> way; // {name: value}
+    std::vector<const Json*> ends;
+};
+Valley valley_of(const Json& unique) {
+    Valley valley;
+    const double limit = unique.at("landscape").at("limit").get<double>();
+    for (const Json& trace : unique.at("traces")) {
+        if (!trace.contains("accepted_end")) {
+            continue;
+        }
+        std::reverse(valley.way.begin(), valley.way.end()); // the first ends where the second begins
+        valley.way.push_back(&unique.at("minima").at(0).at("parameters"));
+        for (const Json& point : trace.at("points")) {
+            if (number_or_none(point.at("rise")) <= limit) {
+                valley.way.push_back(&point.at("parameters"));
+            }
+        }
+        valley.way.push_back(&trace.at("accepted_end"));
+        valley.ends.push_back(&trace.at("accepted_end"));
+    }
+    return valley;
+}
+
+void draw_valley(Panel& panel, const Valley& valley, const Parameter& x, const Parameter& y) {
+    if (valley.ends.empty()) {
+        return;
+    }
+    const auto values = [](const std::vector<const Json*>& points, const Parameter& p) {
+        std::vector<double> list;
+        std::transform(points.begin(), points.end(), std::back_inserter(list),
+                       [&](const Json* point) { return number_or_none(point->at(p.name)); });
+        return list;
+    };
+    draw_way(panel, values(valley.way, x), values(valley.way, y), values(valley.ends, x), values(valley.ends, y));
+}
+
+DataTable valley_table(const Valley& valley, const std::vector<Parameter>& parameters) {
+    DataTable table{"valley", {}, {}};
+    for (const Parameter& p : parameters) {
+        table.columns.push_back(p.name);
+    }
+    for (const Json* point : valley.way) {
+        std::vector<std::string>& row = table.rows.emplace_back();
+        std::transform(parameters.begin(), parameters.end(), std::back_inserter(row),
+                       [&](const Parameter& p) { return cell(number_or_none(point->at(p.name))); });
+    }
+    return table;
+}
+
+// Shows of every parameter what the data accept and three quarters of that on either side, within the box.
+void look_close(std::vector<Parameter>& parameters, const Json& unique) {
+    for (Parameter& p : parameters) {
+        for (const Json& profile : unique.at("profiles")) {
+            if (profile.at("name") == p.name) {
+                const double low = p.unit(profile.at("low").get<double>());
+                const double high = p.unit(profile.at("high").get<double>());
+                const double margin = 0.75 * std::max(0.01, high - low);
+                p.from = std::max(0.0, low - margin);
+                p.to = std::min(1.0, high + margin);
+            }
+        }
+    }
+}
+
+std::vector<Parameter> parameters_of(const Json& list) {
+    return {list.begin(), list.end()};
+}
+
 DataTable minima_table(const Json& minima, const std::vector<Parameter>& parameters) {
     DataTable table{"minima", {"minimum", "accepted", "misfit"}, {}};
     for (const Parameter& p : parameters) {
@@ -390,15 +502,25 @@ DataTable minima_table(const Json& minima, const std::vector<Parameter>& paramet
 
 } // namespace
 
-Figure profiled_landscape_figure(const Json& unique) {
+bool has_close_landscape(const Json& unique) {
+    auto parameters = parameters_of(unique.at("parameters"));
+    look_close(parameters, unique);
+    constexpr double close = 0.4;
+    return std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.to - p.from < close; });
+}
+
+Figure profiled_landscape_figure(const Json& unique, bool close, const std::optional<NamedPair>& only) {
     const Json& landscape = unique.at("landscape");
     const Json& minima = unique.at("minima");
     const double limit = landscape.at("limit").get<double>();
-    const Corner corner(unique.at("parameters"));
+    Corner corner(unique.at("parameters"));
+    if (close) {
+        look_close(corner.parameters, unique);
+    }
     const std::size_t n = corner.parameters.size();
-    Figure figure{.name = "landscape", .width = corner.width(), .height = corner.height()};
-    DataTable nodes{"landscape", {"x_parameter", "y_parameter", "x", "y", "rise_of_chi2"}, {}};
-    DataTable singles{"landscape-profiles", {"parameter", "value", "rise_of_chi2"}, {}};
+    Figure figure{.name = close ? "landscape-close" : "landscape", .width = corner.width(), .height = corner.height()};
+    DataTable nodes{figure.name, {"x_parameter", "y_parameter", "x", "y", "rise_of_chi2"}, {}};
+    DataTable singles{figure.name + "-profiles", {"parameter", "value", "rise_of_chi2"}, {}};
 
     std::vector<Pair> pairs;
     double highest = 0.0;
@@ -421,28 +543,38 @@ Figure profiled_landscape_figure(const Json& unique) {
         pairs.push_back(std::move(pair));
     }
     const std::vector<double> levels = levels_up_to(highest);
+    const Valley valley = valley_of(unique);
     bool holes = false;
     for (const Pair& pair : pairs) {
-        Panel panel = corner.panel(pair.x, pair.y);
+        const Parameter& x = corner.parameters[pair.x];
+        const Parameter& y = corner.parameters[pair.y];
+        if (only && !only->is(x.name, y.name)) {
+            continue;
+        }
+        Panel panel = only ? corner.alone(pair.x, pair.y) : corner.panel(pair.x, pair.y);
         draw_pair(panel, corner, pair, levels, limit);
-        add_minima(panel, minima, corner.parameters[pair.x], &corner.parameters[pair.y]);
+        draw_valley(panel, valley, x, y);
+        add_minima(panel, minima, x, &y);
         figure.panels.push_back(std::move(panel));
         holes = holes || std::any_of(pair.grid.z.begin(), pair.grid.z.end(), [](double z) { return std::isnan(z); });
     }
     const double top = 3.0 * limit;
     for (const Json& profile : landscape.at("profiles")) {
         const std::size_t k = index_of(corner.parameters, profile.at("name"));
+        const auto values = numbers_of(profile.at("values"));
+        const auto rises = numbers_of(profile.at("rise"));
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            singles.rows.push_back({corner.parameters[k].name, cell(values[i]), cell(rises[i])});
+        }
+        if (only) {
+            continue;
+        }
         Panel panel = corner.panel(k, k);
         draw_profile(panel, profile, minima, corner.parameters[k], limit, top);
         panel.y.ticks = round_ticks(0.0, top, false, 4);
         panel.y.labelled = k == 0;
         panel.y.label = k == 0 ? "rise of χ²" : "";
         figure.panels.push_back(std::move(panel));
-        const auto values = numbers_of(profile.at("values"));
-        const auto rises = numbers_of(profile.at("rise"));
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            singles.rows.push_back({corner.parameters[k].name, cell(values[i]), cell(rises[i])});
-        }
     }
 
     std::vector<Colour> colours;
@@ -455,24 +587,36 @@ Figure profiled_landscape_figure(const Json& unique) {
     }
     double left = corner.key_left();
     double key_top = corner.key_top();
-    if (n < 3) { // beside the corner, not in it
+    if (only) {
+        left = Corner::left + Corner::large + 0.6;
+        key_top = Corner::bottom + Corner::large;
+        figure.width = left;
+        figure.height = key_top + Corner::above;
+    } else if (n < 3) { // beside the corner, not in it
         left = corner.width() + 0.4;
-        figure.width += 5.6;
     }
     Key key(left, key_top);
     key.line(okabe_ito[1], false, 1.6, fmt::format("accepted by the data: rise of χ² {:.3g}", limit));
-    key.line(okabe_ito[0], false, 1.5, "profile of each parameter");
-    key.minimum("best fit and other accepted minima");
+    if (!only) {
+        key.line(okabe_ito[0], false, 1.5, "profile of each parameter");
+    }
+    key.minimum(minima.size() > 1 ? "best fit and other accepted minima" : "best fit");
+    if (!valley.ends.empty()) {
+        key.valley("the valley that was followed, its ends");
+    }
     if (holes) {
         key.box(grey, true, "no answer of the model");
     }
+    figure.width = std::max(figure.width, left + key.reach() + 0.2);
     Panel explained = key.done();
     const double bar_height = std::min(3.6, std::max(2.4, corner.side));
     const double bar_bottom = explained.bottom - 0.95 - bar_height;
     figure.panels.push_back(colour_bar(left, bar_bottom, bar_height, colours, ticks, "rise of χ², the others fitted"));
-    figure.width = std::max(figure.width, left + 5.6);
     figure.panels.push_back(std::move(explained));
     figure.tables = {std::move(nodes), std::move(singles), minima_table(minima, corner.parameters)};
+    if (!valley.ends.empty()) {
+        figure.tables.push_back(valley_table(valley, corner.parameters));
+    }
     return figure;
 }
 
@@ -617,7 +761,6 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
     double left = corner.key_left();
     if (n < 3) {
         left = corner.width() + 0.4;
-        figure.width += 5.6;
     }
     Key key(left, corner.key_top());
     key.minimum(minima.size() > 1 ? "minima" : "lowest point");
@@ -625,11 +768,11 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
         key.box(grey, true, "no answer of the model");
     }
     key.box(white, false, "white: nothing was computed");
+    figure.width = std::max(figure.width, left + key.reach() + 0.2);
     Panel explained = key.done();
     const double bar_height = std::min(3.6, std::max(2.4, corner.side));
     figure.panels.push_back(colour_bar(left, explained.bottom - 0.95 - bar_height, bar_height, colours, ticks,
                                        "lowest misfit computed in a cell"));
-    figure.width = std::max(figure.width, left + 5.6);
     figure.panels.push_back(std::move(explained));
     figure.tables = {std::move(points), minima_table(minima, corner.parameters)};
     return figure;

@@ -174,16 +174,14 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
     const double width = columns == 1 ? 9.0 : 6.5;
     const double height = columns == 1 ? 6.0 : 4.8;
     constexpr double left = 2.1;
-    constexpr double bottom = 1.15;
     constexpr double above = 0.75;
     figure.width = static_cast<double>(columns) * (width + left) + 0.5;
-    figure.height = static_cast<double>(rows) * (height + bottom + above);
     for (std::size_t g = 0; g < groups.size(); ++g) {
         const Group& group = groups[g];
         const std::size_t row = g / columns; // from the top
         Panel panel;
         panel.left = left + static_cast<double>(g % columns) * (width + left);
-        panel.bottom = bottom + static_cast<double>(rows - 1 - row) * (height + bottom + above);
+        panel.bottom = static_cast<double>(rows - 1 - row);
         panel.width = width;
         panel.height = height;
         panel.grid = true;
@@ -299,10 +297,16 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
         place_axis.reversed = by_depth;
         value_axis.reversed = !by_depth && !over_time && group.quantity == "deflection";
         panel.title = "load " + group.load;
-        panel.legend = true;
-        panel.legend_at_bottom = value_axis.reversed;
         figure.panels.push_back(std::move(panel));
     }
+    double bottom = 0.0; // room for axis and legend
+    for (const Panel& panel : figure.panels) {
+        bottom = std::max(bottom, legend_below + legend_height(panel) + 0.25);
+    }
+    for (Panel& panel : figure.panels) { // which know their rows so far
+        panel.bottom = bottom + panel.bottom * (height + bottom + above);
+    }
+    figure.height = static_cast<double>(rows) * (height + bottom + above);
     figure.tables = {readings_table("fit", readings, models, false)};
     return figure;
 }
@@ -374,8 +378,7 @@ Figure residuals_figure(const Json& readings, const std::vector<ComparedModel>& 
     panel.x.low = -most;
     panel.x.high = most;
     panel.x.ticks = round_ticks(-most, most, false, 8);
-    panel.x.label =
-        std::string("model less measured (standard deviations)") + (any_held_out ? "; open: not fitted" : "");
+    panel.x.label = std::string("model - measured (standard deviations)") + (any_held_out ? "; open: not fitted" : "");
     panel.y.low = -0.5;
     panel.y.high = rows - 0.5;
     panel.y.reversed = true;

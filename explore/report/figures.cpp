@@ -1,5 +1,7 @@
 #include "report/figures.h"
 
+#include "base/error.h"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -25,6 +27,28 @@ Compared of_best_fit(const Json& result) {
         }
     }
     compared.models.push_back(std::move(best));
+    return compared;
+}
+
+// The best fit of every law that has an answer.
+Compared of_laws(const Json& result) {
+    Compared compared;
+    for (const Json& law : result.at("laws")) {
+        if (law.at("status") != "converged") {
+            continue;
+        }
+        ComparedModel model{.name = law.at("law").get<std::string>(), .values = {}, .residuals = {}};
+        for (const Json& r : law.at("responses")) {
+            if (r.contains("measured")) {
+                if (compared.models.empty()) {
+                    compared.readings.push_back(r);
+                }
+                model.values.push_back(number_or_none(r.at("value")));
+                model.residuals.push_back(number_or_none(r.value("residual", Json())));
+            }
+        }
+        compared.models.push_back(std::move(model));
+    }
     return compared;
 }
 
@@ -58,6 +82,9 @@ std::optional<Compared> compared_in(const Json& results) {
             return of_best_fit(results.at(command));
         }
     }
+    if (results.contains("compare")) {
+        return of_laws(results.at("compare"));
+    }
     if (results.contains("diagnose") && results.at("diagnose").contains("readings")) {
         return of_diagnosis(results.at("diagnose"));
     }
@@ -90,6 +117,21 @@ std::optional<Sampled> sampled_in(const FolderContents& contents) {
     return Sampled{result.at("parameters"), std::move(minima)};
 }
 
+// A walk, its values rising, as a smooth line.
+std::vector<std::pair<double, double>> smoothed(const std::vector<std::pair<double, double>>& walk, bool log) {
+    std::vector<double> at, rise;
+    for (const auto& [value, r] : walk) {
+        at.push_back(log ? std::log(value) : value);
+        rise.push_back(r);
+    }
+    const auto [places, rises] = smooth_rise(at, rise);
+    std::vector<std::pair<double, double>> line;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        line.emplace_back(log ? std::exp(places[i]) : places[i], rises[i]);
+    }
+    return line;
+}
+
 bool has_profiled(const Json& results) {
     return results.contains("unique") && results.at("unique").contains("landscape") &&
            !results.at("unique").at("landscape").at("profiles").empty();
@@ -111,6 +153,10 @@ std::vector<std::string> figures_of(const FolderContents& contents) {
     if (has_profiled(contents.results) || sampled_in(contents)) {
         names.emplace_back("landscape");
     }
+    if (has_profiled(contents.results) && has_profiles(contents.results) &&
+        has_close_landscape(contents.results.at("unique"))) {
+        names.emplace_back("landscape-close");
+    }
     if (has_profiles(contents.results)) {
         names.emplace_back("profiles");
     }
@@ -120,16 +166,57 @@ std::vector<std::string> figures_of(const FolderContents& contents) {
             names.emplace_back("residuals");
         }
     }
+    const Json& results = contents.results;
+    if (results.contains("diagnose") && !results.at("diagnose").value("candidates", Json::array()).empty()) {
+        names.emplace_back("candidates");
+    }
+    if (results.contains("diagnose") && !results.at("diagnose").value("corrections", Json::array()).empty()) {
+        names.emplace_back("corrections");
+    }
+    if (results.contains("sensitivity") && results.at("sensitivity").contains("global")) {
+        names.emplace_back("sensitivity");
+    }
     return names;
+}
+
+Figure pair_figure(const FolderContents& contents, const NamedPair& pair) {
+    std::vector<std::string> known;
+    if (has_profiled(contents.results)) {
+        const Json& unique = contents.results.at("unique");
+        for (const Json& one : unique.at("landscape").at("pairs")) {
+            const auto x = one.at("x").get<std::string>();
+            const auto y = one.at("y").get<std::string>();
+            if (pair.is(x, y)) {
+                Figure figure = profiled_landscape_figure(unique, false, pair);
+                figure.name = fmt::format("landscape-{}-{}", x, y);
+                return figure;
+            }
+            known.push_back(fmt::format("{},{}", x, y));
+        }
+    }
+    throw pave::Error({}, "this run has no such figure: the landscape of a pair", pair.a + "," + pair.b,
+                      known.empty() ? "a run of unique with --landscape" : pave::join(known, " "));
 }
 
 Figure make_figure(const FolderContents& contents, const std::string& name) {
     if (name == "landscape") {
         if (has_profiled(contents.results)) {
-            return profiled_landscape_figure(contents.results.at("unique"));
+            return profiled_landscape_figure(contents.results.at("unique"), false);
         }
         const Sampled sampled = sampled_in(contents).value();
         return sampled_landscape_figure(contents.evaluations, sampled.parameters, sampled.minima);
+    }
+    if (name == "landscape-close") {
+        return profiled_landscape_figure(contents.results.at("unique"), true);
+    }
+    if (name == "candidates") {
+        return candidates_figure(contents.results.at("diagnose"));
+    }
+    if (name == "corrections") {
+        return corrections_figure(contents.results.at("diagnose"));
+    }
+    if (name == "sensitivity") {
+        return sensitivity_figure(contents.results.at("sensitivity"));
     }
     if (name == "profiles") {
         return profiles_figure(contents.results.at("unique"));
@@ -143,14 +230,14 @@ Figure profiles_figure(const Json& unique) {
     const double limit = unique.at("acceptance").at("chi2_rise_allowed").get<double>();
     struct One {
         const Json* profile;
-        std::string label;
+        AxisWords label;
         bool log = false;
         const Json* whole = nullptr; // over the whole range, of the landscape
         double low = none, high = none;
     };
     std::vector<One> all;
     for (const Json& profile : unique.at("profiles")) {
-        One one{&profile, parameter_words(profile.at("name").get<std::string>())};
+        One one{&profile, axis_words(profile.at("name").get<std::string>())};
         for (const Json& p : unique.at("parameters")) {
             if (p.at("name") == profile.at("name")) {
                 one.log = p.at("scale") == "log";
@@ -167,8 +254,8 @@ Figure profiles_figure(const Json& unique) {
     }
     for (const Json& output : unique.at("outputs")) {
         if (output.contains("profile")) {
-            all.push_back({&output, fmt::format("{} ({})", output.at("name").get<std::string>(),
-                                                unit_words(output.at("unit").get<std::string>()))});
+            all.push_back({&output, AxisWords{"", output.at("name").get<std::string>(),
+                                              unit_words(output.at("unit").get<std::string>())}});
         }
     }
     const bool other_model = unique.contains("landscape") && unique.at("landscape").at("model") != unique.at("model");
@@ -178,13 +265,8 @@ Figure profiles_figure(const Json& unique) {
     constexpr double high = 3.4;
     constexpr double gap = 0.75;
     constexpr std::size_t widest = 24; // letters of a label that fits under its panel
-    bool two_lines = false;
-    for (One& one : all) {
-        if (const auto unit = one.label.rfind(" ("); one.label.size() > widest && unit != std::string::npos) {
-            one.label.replace(unit, 1, "\n");
-            two_lines = true;
-        }
-    }
+    const bool two_lines =
+        std::any_of(all.begin(), all.end(), [](const One& one) { return one.label.line().size() > widest; });
     const double below = two_lines ? 1.65 : 1.25;
     Figure figure{.name = "profiles"};
     figure.width = 1.4 + static_cast<double>(columns) * (side + gap);
@@ -224,7 +306,7 @@ Figure profiles_figure(const Json& unique) {
         }
         for (auto& branch : branches) {
             std::sort(branch.begin(), branch.end());
-            for (const auto& [value, rise] : branch) {
+            for (const auto& [value, rise] : one.whole == nullptr ? smoothed(branch, one.log) : branch) {
                 walked.x.push_back(value);
                 walked.y.push_back(std::min(std::max(rise, 0.0), 1e3 * top));
                 if (std::isnan(one.low)) {
@@ -249,11 +331,14 @@ Figure profiles_figure(const Json& unique) {
             Line whole{.colour = other_model ? grey : okabe_ito[0], .width = other_model ? 1.0 : 1.5};
             const Json& values = one.whole->at("values");
             const Json& rises = one.whole->at("rise");
+            std::vector<std::pair<double, double>> nodes;
             for (std::size_t i = 0; i < values.size(); ++i) {
-                const double rise = number_or_none(rises.at(i));
-                whole.x.push_back(number_or_none(values.at(i)));
+                nodes.emplace_back(number_or_none(values.at(i)), number_or_none(rises.at(i)));
+                table.rows.push_back({name, "landscape", cell(nodes.back().first), cell(nodes.back().second)});
+            }
+            for (const auto& [value, rise] : smoothed(nodes, one.log)) {
+                whole.x.push_back(value);
                 whole.y.push_back(std::isnan(rise) ? none : std::min(rise, 1e3 * top));
-                table.rows.push_back({name, "landscape", cell(whole.x.back()), cell(rise)});
             }
             panel.layers.emplace_back(std::move(whole));
             if (!other_model) {
@@ -275,7 +360,7 @@ Figure profiles_figure(const Json& unique) {
         panel.x.high = to;
         panel.x.log = one.log;
         panel.x.ticks = round_ticks(from, to, one.log, 5);
-        panel.x.label = one.label;
+        panel.x.label = two_lines ? one.label.lines() : one.label.line();
         panel.y.low = -0.04 * top;
         panel.y.high = top;
         panel.y.ticks = round_ticks(0.0, top, false, 5);

@@ -16,13 +16,24 @@ struct FolderContents {
     Json evaluations;
 };
 
-// Names of the figures that can be made of it, in their order: "landscape", "profiles", "fit", "residuals".
+// Names of the figures that can be made of it, in their order: "landscape", "landscape-close", "profiles", "fit",
+// "residuals", "candidates", "corrections", "sensitivity".
 std::vector<std::string> figures_of(const FolderContents& contents);
 // One of them. Throws Json::exception for results that are not those of this program.
 Figure make_figure(const FolderContents& contents, const std::string& name);
 
-// The corner figure: every pair of parameters below the diagonal, each alone on it.
-Figure profiled_landscape_figure(const Json& unique);
+// Two parameters, either first.
+struct NamedPair {
+    std::string a, b;
+    bool is(const std::string& x, const std::string& y) const { return (a == x && b == y) || (a == y && b == x); }
+};
+// The corner figure: every pair of parameters below the diagonal, each alone on it. close: around what the data accept,
+// not the whole box; only: this pair alone, large.
+Figure profiled_landscape_figure(const Json& unique, bool close, const std::optional<NamedPair>& only = {});
+// Whether what the data accept is so small a part of the box that it is drawn once more, close.
+bool has_close_landscape(const Json& unique);
+// One pair of the landscape of `unique` large. Throws pave::Error (its place filled by the caller) where there is none.
+Figure pair_figure(const FolderContents& contents, const NamedPair& pair);
 // The same of points that were computed: the lowest misfit in the cells of each pair. minima: [{"parameters"}].
 Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters, const Json& minima);
 // Rises of chi2 along every parameter and output.
@@ -37,6 +48,12 @@ struct ComparedModel {
     // 1990, Astronomy and Astrophysics 239), which the legend says, other readings by straight lines.
     Json curves = Json::array();
 };
+// What each effect alone would gain, and corrections over their places, of a diagnosis.
+Figure candidates_figure(const Json& diagnose);
+Figure corrections_figure(const Json& diagnose);
+// Sobol's indices of every response, with their 95 % intervals.
+Figure sensitivity_figure(const Json& sensitivity);
+
 Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models);
 Figure residuals_figure(const Json& readings, const std::vector<ComparedModel>& models);
 

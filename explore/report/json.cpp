@@ -1,5 +1,7 @@
 #include "report/json.h"
 
+#include "report/model_words.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -81,7 +83,7 @@ void add_residuals(Json& responses, const study::Study& study, const problem::Pr
 }
 
 Json study_json(const study::Study& study) {
-    return {{"file", study.file}, {"title", study.title}, {"hash", study.hash}};
+    return {{"file", study.file}, {"title", study.title}, {"hash", study.hash}, {"model_words", model_words(study)}};
 }
 
 Json status_counts(const std::vector<problem::Evaluation>& evaluations) {
@@ -105,12 +107,17 @@ Json minimum_json(const problem::ParameterSpace& space, const landscape::Minimum
         const double error = analysis.standard_error[k] * axis.d_physical(minimum.unit[k]);
         errors[axis.name] = std::isfinite(error) ? Json(error) : Json(nullptr);
     }
+    Json at_bounds = Json::array();
+    for (const auto& bound : minimum.on_bound) {
+        at_bounds.push_back(space.axes[bound.axis].name);
+    }
     Json json = {{"misfit", minimum.evaluation.misfit},
                  {"parameters", parameters_json(space, minimum.evaluation.parameters)},
                  {"standard_errors", std::move(errors)},
                  {"starts", minimum.members},
                  {"converged", minimum.converged},
                  {"on_bound", bound_words(space, minimum.on_bound)},
+                 {"at_bounds", std::move(at_bounds)},
                  {"lowest", parameters_json(space, minimum.lowest)},
                  {"highest", parameters_json(space, minimum.highest)}};
     if (minimum.second) {

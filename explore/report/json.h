@@ -39,7 +39,7 @@ Json responses_json(const study::Study& study, const std::vector<double>& respon
 void add_residuals(Json& responses, const study::Study& study, const problem::Problem& problem,
                    const problem::Evaluation& evaluation, double noise);
 
-// {"file", "title", "hash"}
+// {"file", "title", "hash", "model_words"}
 Json study_json(const study::Study& study);
 
 // The warnings of a run, in sentences.

@@ -75,12 +75,13 @@ Json map_json(const MapResult& map, const analysis::RunOptions& run) {
     }
     if (map.explored) {
         json["explored"] = {{"checks", map.explored->checks},
-                            {"foretold", map.explored->foretold},
+                            {"predicted", map.explored->predicted},
                             {"tolerance", landscape::Explored::tolerance},
                             {"share_low", map.explored->low},
                             {"share_high", map.explored->high},
                             {"median_error", map.explored->median_error}};
     }
+    json["findings"] = findings(map);
     json["lowest"] = Json::array();
     for (const auto& low : map.lowest) {
         json["lowest"].push_back({{"number", low.number},
@@ -125,13 +126,14 @@ std::string map_text(const MapResult& map, const analysis::RunOptions& run) {
         text += fmt::format(
             "  explored: from the map the misfit of a point drawn at random is predicted within {:g} % in {} of {} "
             "draws,\n    so in {:.0f} to {:.0f} % of the box (95 %); median error {:.2g} %\n",
-            100.0 * landscape::Explored::tolerance, map.explored->foretold, map.explored->checks,
+            100.0 * landscape::Explored::tolerance, map.explored->predicted, map.explored->checks,
             100.0 * map.explored->low, 100.0 * map.explored->high, 100.0 * map.explored->median_error);
     }
     if (map.failed()) {
         return text;
     }
-    if (map.design.name.starts_with("grid")) {
+    text += "\n" + sentences(findings(map));
+    if (map.is_grid) {
         text += "\n" + axis_profiles(map);
     }
     std::vector<std::string> columns = with_axes({"lowest", "misfit"}, map.study.space);

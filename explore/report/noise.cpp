@@ -77,7 +77,7 @@ std::string noise_text(const analysis::NoiseResult& result) {
     Table parts({"part", "value", "95 % range", "unit"});
     for (const auto& [part, key, unit] : words) {
         const double value = result.model.value[part];
-        parts.add({key, value > 0.0 ? fmt::format("{:.3g}", value) : "nothing tells of it",
+        parts.add({key, value > 0.0 ? fmt::format("{:.3g}", value) : "not determined",
                    value > 0.0 ? fmt::format("{:.3g} to {:.3g}", result.model.low[part], result.model.high[part]) : "",
                    unit});
     }

@@ -10,6 +10,7 @@
     extern "C" const char name##_end[]
 
 PAVESCAPE_EMBED(pavescape_script, PAVESCAPE_WEB "/report.js");
+PAVESCAPE_EMBED(pavescape_landscape, PAVESCAPE_WEB "/landscape.js");
 PAVESCAPE_EMBED(pavescape_blocks, PAVESCAPE_WEB "/blocks.js");
 PAVESCAPE_EMBED(pavescape_style, PAVESCAPE_WEB "/report.css");
 PAVESCAPE_EMBED(pavescape_explore, PAVESCAPE_WEB "/explore.js");
@@ -67,7 +68,8 @@ std::string page(const Json& data) {
                     "<main id=\"report\"><noscript>This report draws itself: allow its own script.</noscript></main>\n"
                     "<script type=\"application/json\" id=\"data\">" +
                         harmless(data) + "</script>",
-                    text(pavescape_script_begin, pavescape_script_end));
+                    std::string(text(pavescape_landscape_begin, pavescape_landscape_end)) +
+                        std::string(text(pavescape_script_begin, pavescape_script_end)));
 }
 
 std::string explore_page() {

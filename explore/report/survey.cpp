@@ -252,7 +252,7 @@ Json survey_json(const SurveyResult& result) {
     }
     if (result.study) {
         const study::Study& study = *result.study;
-        json["study"] = {{"file", study.file}, {"title", study.title}, {"hash", study.hash}};
+        json["study"] = study_json(study);
         json["misfit_kind"] = std::string(to_string(study.data.misfit));
         json["explored_points"] = analysis::survey_explored_points;
         json["fits_all_levels"] = result.fits_all_levels;

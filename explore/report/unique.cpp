@@ -208,6 +208,10 @@ Json answer_json(const UniqueResult& result) {
         json["traces"].push_back(
             {{"stopped_by", analysis::end_words(problem, trace.end, trace.on_bound, trace.on_limit)},
              {"points", points}});
+        if (u.acceptance) {
+            json["traces"].back()["accepted_end"] =
+                parameters_json(space, space.physical(accepted_end(trace, u.minima[0].unit, u.acceptance->threshold)));
+        }
     }
     if (u.conflict) {
         Json alone = Json::array();

@@ -59,7 +59,7 @@ void read_correction(const toml::table& table, Study& study) {
     }
     for (const Correction& other : study.model.corrections) {
         if (other.name() == correction.name()) {
-            throw pave::Error(reader.place(keys::correction_channel), "this correction stands twice",
+            throw pave::Error(reader.place(keys::correction_channel), "this correction is given twice",
                               "\"" + correction.name() + "\"", "each once");
         }
     }

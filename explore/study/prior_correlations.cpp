@@ -36,7 +36,7 @@ void read_prior_correlations(const std::vector<const toml::table*>& tables, Stud
             at[i] = found - known.begin();
         }
         if (all(at[0], at[1]) != 0.0) {
-            throw pave::Error(place, "this pair of priors stands twice", pave::join(between), "each pair once");
+            throw pave::Error(place, "this pair of priors is given twice", pave::join(between), "each pair once");
         }
         const double value = reader.number(keys::correlation_value);
         reader.done();

@@ -138,8 +138,8 @@ void read_effect(const toml::table& table, Study& study) {
     reader.done();
     for (const AppliedEffect& other : model.effects) {
         if (other.effect == applied.effect) {
-            throw pave::Error(reader.place("name"), "this effect stands twice", "\"" + std::string(effect.name) + "\"",
-                              "each once");
+            throw pave::Error(reader.place("name"), "this effect is given twice",
+                              "\"" + std::string(effect.name) + "\"", "each once");
         }
     }
     check_effect(study, applied, reader.place("name"));
@@ -190,7 +190,7 @@ void read_parameter(const toml::table& table, Study& study) {
     }
     for (const auto& other : study.space.axes) {
         if (other.name == axis.name) {
-            throw pave::Error(reader.place("name"), "this parameter stands twice", "\"" + axis.name + "\"",
+            throw pave::Error(reader.place("name"), "this parameter is given twice", "\"" + axis.name + "\"",
                               "each once");
         }
     }
@@ -216,7 +216,7 @@ void read_parameter(const toml::table& table, Study& study) {
     study.space.axes.push_back(std::move(axis));
 }
 
-// A number that follows others.
+// A tied number.
 void read_tie(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[[parameters]]");
     const std::string path = reader.text(keys::parameter_name);
@@ -233,7 +233,7 @@ void read_tie(const toml::table& table, Study& study) {
     const bool is_tied =
         std::any_of(study.model.ties.begin(), study.model.ties.end(), [&](const Tie& tie) { return tie.path == path; });
     if (axis != study.space.axes.end() || is_tied) {
-        throw pave::Error(reader.place("name"), "this parameter stands twice", "\"" + path + "\"", "each once");
+        throw pave::Error(reader.place("name"), "this parameter is given twice", "\"" + path + "\"", "each once");
     }
     add_tie(study.model, path, expression, reader.place(keys::parameter_equals));
     set_present(study.model, find_parameter(study.model, path, {}));
@@ -406,8 +406,7 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
         }
     }
     if (const std::string wrong = apply_ties(study.model); !wrong.empty()) {
-        throw pave::Error({.file = file, .key = "[[parameters]] equals"},
-                          "a number that follows others is out of range", wrong,
+        throw pave::Error({.file = file, .key = "[[parameters]] equals"}, "a tied number is out of range", wrong,
                           "values of the others that keep it in range");
     }
     read_prior_correlations(reader.tables("prior_correlations"), study);

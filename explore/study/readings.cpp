@@ -153,7 +153,7 @@ void read_noise(const toml::table& table, Study& study, const TableReader& of_da
     TableReader reader(table, study.file, "[data.noise]");
     if (reader.has(keys::noise_relative)) {
         if (study.data.noise_relative) {
-            throw pave::Error(of_data.place(keys::data_noise_relative), "the relative noise stands twice",
+            throw pave::Error(of_data.place(keys::data_noise_relative), "the relative noise is given twice",
                               "noise_relative and [data.noise] relative", "one of them");
         }
         study.data.noise_relative = reader.number(keys::noise_relative);

@@ -91,8 +91,8 @@ TEST(AdaptiveMap, SaysHowMuchOfTheBoxItKnows) {
         const auto map = map_of(problem, 600, seed);
         const auto& e = map.explored;
         EXPECT_EQ(e.checks, 60U);
-        EXPECT_LT(e.low, static_cast<double>(e.foretold) / 60.0 + 1e-12);
-        EXPECT_GT(e.high, static_cast<double>(e.foretold) / 60.0 - 1e-12);
+        EXPECT_LT(e.low, static_cast<double>(e.predicted) / 60.0 + 1e-12);
+        EXPECT_GT(e.high, static_cast<double>(e.predicted) / 60.0 - 1e-12);
         auto points = map.design.points;
         auto evaluations = map.evaluations;
         points.resize(540); // without the checks
@@ -105,10 +105,10 @@ TEST(AdaptiveMap, SaysHowMuchOfTheBoxItKnows) {
         }
         run::Engine engine(problem, nullptr, 0, {.threads = 0, .show_progress = false});
         const auto truth = *engine.evaluate(more);
-        const auto foretold = landscape::foretell(more.points, points, evaluations, 0);
+        const auto predicted = landscape::predict(more.points, points, evaluations, 0);
         double share = 0.0;
         for (std::size_t i = 0; i < truth.size(); ++i) {
-            share += landscape::is_foretold(foretold[i], truth[i]) ? 1.0 / static_cast<double>(truth.size()) : 0.0;
+            share += landscape::is_predicted(predicted[i], truth[i]) ? 1.0 / static_cast<double>(truth.size()) : 0.0;
         }
         within += share >= e.low && share <= e.high ? 1 : 0;
     }
@@ -120,5 +120,5 @@ TEST(AdaptiveMap, IsTheSameForAnyNumberOfThreads) {
     const auto one = map_of(problem, 500, 3, 1);
     const auto two = map_of(problem, 500, 3, 2);
     EXPECT_EQ(one.design.points, two.design.points);
-    EXPECT_EQ(one.explored.foretold, two.explored.foretold);
+    EXPECT_EQ(one.explored.predicted, two.explored.predicted);
 }

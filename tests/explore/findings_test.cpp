@@ -1,6 +1,10 @@
 // What results say in sentences: constructed results, the sentences that they must give.
+#include "analysis/compare.h"
+#include "analysis/diagnose.h"
 #include "analysis/fit.h"
+#include "analysis/sample.h"
 #include "analysis/unique.h"
+#include "material/catalog.h"
 #include "support/formula.h"
 
 #include <algorithm>
@@ -69,6 +73,30 @@ analysis::FitResult fit_result(const std::vector<double>& unit, int starts, cons
     return result;
 }
 
+// Of the same fit, whose searches found nothing else.
+analysis::UniqueResult unique_result(const analysis::FitResult& fit, landscape::Verdict verdict) {
+    landscape::Uniqueness answer;
+    answer.verdict = verdict;
+    answer.minima = fit.searches.minima;
+    answer.acceptance =
+        landscape::Acceptance{.noise_is_stated = true, .degrees_of_freedom = 2, .threshold = 3.84, .chi2 = 1.25};
+    answer.unseen = {.starts = 24, .since_new = 24, .volume_bound = 0.117};
+    return {.study = fit.study,
+            .options = {},
+            .problem = fit.problem,
+            .answer = std::move(answer),
+            .next = {},
+            .landscape = {},
+            .reduced = {},
+            .curves = {}};
+}
+
+analysis::FitResult determined_fit(const std::vector<double>& unit) {
+    Eigen::MatrixXd seen = Eigen::MatrixXd::Zero(5, 3);
+    seen.diagonal().setConstant(50.0);
+    return fit_result(unit, 4, seen, Eigen::VectorXd::Constant(5, 0.5));
+}
+
 bool says(const std::vector<std::string>& text, std::string_view words) {
     return std::any_of(text.begin(), text.end(),
                        [&](const std::string& sentence) { return sentence.find(words) != std::string::npos; });
@@ -97,6 +125,152 @@ TEST(FindingsOfAFit, SayWhereTheSearchesEndedAndWhatTheDataDoNotSee) {
     EXPECT_TRUE(says(findings(fit_result({0.5, 0.4, 0.3}, 1, seen, small)), "One search from one start"));
     EXPECT_TRUE(says(findings(fit_result({0.5, 0.4, 0.3}, 4, seen, Eigen::VectorXd::Constant(5, 4.0))),
                      "does not fit these data within their stated noise"));
+}
+
+TEST(FindingsOfUnique, SayTheVerdictWithWhatTakesItBack) {
+    using landscape::Verdict;
+    auto result = unique_result(determined_fit({0.5, 0.4, 0.3}), Verdict::unique);
+    auto text = findings(result);
+    EXPECT_EQ(text[0],
+              "UNIQUE within what was searched: one set of parameters, with the ranges below, fits these data.");
+    EXPECT_TRUE(says(text, "24 independent starts in a row found no minimum"));
+    EXPECT_TRUE(says(text, "less than 12 % of the box"));
+    EXPECT_FALSE(says(text, "anywhere from"));
+
+    result.answer.parameters.resize(3);
+    for (std::size_t k = 0; k < 3; ++k) {
+        result.answer.parameters[k].low = result.problem.space.axes[k].physical(k == 0 ? 0.0 : 0.25);
+        result.answer.parameters[k].high = result.problem.space.axes[k].physical(k == 0 ? 1.0 : 0.5);
+    }
+    text = findings(result);
+    EXPECT_TRUE(says(text, "The data accept base.k1 anywhere from 300.0 to 12000, if the others follow."));
+
+    result.answer.acceptance->widened = true;
+    result.answer.acceptance->p_value = 0.0012;
+    text = findings(result);
+    EXPECT_EQ(text[0].find("UNIQUE, but the data contradict the model (p = 0.0012)"), 0);
+    EXPECT_TRUE(
+        says(text, "does not fit these data within their stated noise (chi2 = 1.250 with 2 degrees of freedom"));
+
+    EXPECT_TRUE(says(findings(unique_result(determined_fit({0.5, 1.0, 0.3}), Verdict::unique)),
+                     "limited by the bound: base.k2 at its upper bound."));
+}
+
+TEST(FindingsOfUnique, TellValleysFromAlternativesAndSayWhatIsMissing) {
+    auto result = unique_result(determined_fit({0.5, 0.4, 0.3}), landscape::Verdict::non_unique);
+    result.answer.valley = true;
+    EXPECT_EQ(findings(result)[0], "NON-UNIQUE: a continuous valley of parameter sets fits these data equally well.");
+    result.answer.alternatives = true;
+    EXPECT_EQ(findings(result)[0],
+              "NON-UNIQUE: separate minima fit these data, and a continuous valley of parameter sets too.");
+    result.answer.valley = false;
+    EXPECT_EQ(findings(result)[0],
+              "NON-UNIQUE: separate minima fit these data, with no acceptable way found between them.");
+    result.answer.verdict = landscape::Verdict::undecided;
+    result.answer.missing = {"more searches"};
+    EXPECT_EQ(findings(result)[0], "UNDECIDED. What is missing: more searches.");
+}
+
+TEST(FindingsOfADiagnosis, SayTheVerdictAndTheNoise) {
+    const study::Study study = study_in_memory("uzan");
+    analysis::DiagnoseResult result{.study = study,
+                                    .options = {},
+                                    .variants = {},
+                                    .candidates = {},
+                                    .corrections = {},
+                                    .channels = {},
+                                    .layout = {},
+                                    .diagnosis = {},
+                                    .before = {},
+                                    .after = {},
+                                    .located = {},
+                                    .next = {},
+                                    .held_out = {},
+                                    .reduced = {},
+                                    .tally = {}};
+    result.before = analysis::DiagnosedModel{.study = study, .evaluation = {}, .parameters = {}, .held_out_rms = {}};
+    result.diagnosis.baseline.chi2 = 1.25;
+    result.diagnosis.baseline.dof = 2;
+    result.diagnosis.baseline.p_value = 0.54;
+    auto text = findings(result);
+    EXPECT_EQ(text[0], "ADEQUATE: nothing in these data contradicts the model beyond their noise.");
+    EXPECT_TRUE(says(text, "leaves chi2 = 1.250 with 2 degrees of freedom: the stated noise explains that (p = 0.54)"));
+
+    result.diagnosis.verdict = diagnose::Verdict::ambiguous;
+    result.diagnosis.baseline.chi2 = 40.0;
+    result.diagnosis.baseline.p_value = 1e-9;
+    result.diagnosis.extended.emplace();
+    for (const std::string effect : {"load-magnitude", "plate-rigidity"}) {
+        diagnose::Candidate candidate;
+        candidate.effect = effect;
+        result.diagnosis.explanations.emplace_back().fit.model.members = {result.candidates.size()};
+        result.candidates.push_back(std::move(candidate));
+    }
+    text = findings(result);
+    EXPECT_EQ(text[0], "AMBIGUOUS: the model lacks something, and 2 explanations fit these data so alike that they "
+                       "cannot be told apart: load-magnitude; plate-rigidity.");
+    EXPECT_TRUE(says(text, "the stated noise explains so much with probability less than 1 in 10,000"));
+}
+
+TEST(FindingsOfAComparison, NameTheLawThatTheDataPreferOrSayThatTheyDoNot) {
+    const study::Study study = study_in_memory("uzan");
+    analysis::CompareResult result{.study = study, .layer = "base", .laws = {}};
+    for (const std::string name : {"uzan", "k-theta"}) {
+        const bool first = name == "uzan";
+        result.laws.push_back({.law = pave::material::find_law(name),
+                               .study = study,
+                               .p_value = first ? 0.4 : 0.001,
+                               .aicc = first ? 10.0 : 22.0,
+                               .weight = first ? 0.9975 : 0.0025});
+    }
+    auto text = findings(result);
+    EXPECT_EQ(text[0], "In \"base\" AICc prefers uzan: next best is k-theta, 12.00 higher.");
+    EXPECT_TRUE(says(text, "Within the stated noise fit: uzan."));
+
+    result.laws[0].weight = 0.6;
+    result.laws[1].weight = 0.4;
+    result.laws[0].p_value = 0.01;
+    text = findings(result);
+    EXPECT_EQ(text[0], "The data cannot tell these laws in \"base\" apart: uzan, k-theta.");
+    EXPECT_TRUE(says(text, "None fits within the stated noise"));
+
+    result.laws[0].failed = "no equilibrium";
+    EXPECT_EQ(findings(result), std::vector<std::string>{"No law has an answer."});
+}
+
+TEST(FindingsOfASample, BeginWithTheRangesAndSayWhatABoundCutsOff) {
+    const auto fit = determined_fit({0.5, 0.4, 0.3});
+    analysis::SampleResult result{.study = fit.study, .options = {}, .problem = fit.problem, .posterior = {}};
+    result.status = analysis::SampleStatus::converged;
+    result.posterior.answered = 1.0;
+    constexpr int draws = 200;
+    for (int i = 0; i < draws; ++i) {
+        // In the middle; crowded at the lower bound; all over the range, in another order.
+        const double at = (i + 0.5) / draws;
+        const double other = ((37 * i) % draws + 0.5) / draws;
+        analysis::SampledDraw draw;
+        draw.unit = {0.45 + 0.1 * at, std::pow(((61 * i) % draws + 0.5) / draws, 6), other};
+        result.draws.push_back(std::move(draw));
+        result.descent.weight.push_back(1.0);
+        result.descent.population.push_back(i % 2);
+        result.descent.ancestor.push_back(i);
+    }
+    result.parameters = {{.q025 = 1500.0, .q50 = 1900.0, .q975 = 2400.0},
+                         {.q025 = 0.0, .q50 = 0.004, .q975 = 0.8},
+                         {.q025 = -1.95, .q50 = -1.0, .q975 = -0.05}};
+    const auto text = findings(result);
+    EXPECT_EQ(text[0],
+              "With a probability of 95 % each lies in its range: base.k1 1500 to 2400 (median 1900), base.k2 0 to "
+              "0.8000 (median 0.004000), base.k3 -1.950 to -0.05000 (median -1.000).");
+    EXPECT_TRUE(says(text, "base.k2 is cut off at its lower bound 0: 52 % of the draws lie within 2 % of the range"));
+    EXPECT_TRUE(says(text, "The data hardly constrain base.k3 alone"));
+    EXPECT_FALSE(says(text, "base.k1 is cut off"));
+
+    result.status = analysis::SampleStatus::not_converged;
+    result.missing = {"R-hat of base.k2 is 1.300"};
+    EXPECT_EQ(findings(result)[0],
+              "NOT CONVERGED: no quantile is given. What is missing: R-hat of base.k2 is 1.300. More "
+              "draws (--samples) may do.");
 }
 
 TEST(CombinationsInWords, HaveTheStressesOfTheirLaw) {

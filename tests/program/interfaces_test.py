@@ -59,6 +59,7 @@ if packages:
     check("libtbb" in command("dpkg-deb", "--field", packages[0], "Depends"), "the package names what it needs")
 
 # Python.
+ROAD = ROOT / "grids" / "road-example.csv"
 script = """
 import json, sys
 import numpy as np, pavescape
@@ -87,6 +88,9 @@ mapped, points, misfits = noisy.map(design="sobol", points=20, out=folder + "/ma
 answers["map"] = mapped
 sampled, draws, outputs, weights = noisy.sample(samples=400, out=folder + "/sample")
 answers["sample"] = sampled
+answers["compare"] = noisy.compare(laws=["uzan", "k-theta"], explore=8, verify=2, out=folder + "/compare")
+answers["sensitivity"] = noisy.sensitivity(samples=4, out=folder + "/sensitivity")
+answers["survey"] = pavescape.survey([sys.argv[5]], out=folder + "/survey")
 mean = float((weights @ draws[:, 0]) / weights.sum())
 with open(sys.argv[3]) as text, open(sys.argv[4]) as readings:
     memory = pavescape.Study.from_text(text.read(), {"small.csv": readings.read()})
@@ -107,7 +111,7 @@ else:
     if sanitizer() == "address":  # before everything else, with what throws
         first = (command("g++", f"-print-file-name={library}").strip() for library in ("libasan.so", "libstdc++.so"))
         environment["LD_PRELOAD"] = " ".join(first)
-    found = json.loads(command("/usr/bin/python3", "-c", script, study, folder / "python", noisy, folder / "small.csv", env=environment) or "{}")
+    found = json.loads(command("/usr/bin/python3", "-c", script, study, folder / "python", noisy, folder / "small.csv", ROAD, env=environment) or "{}")
 if found:
     check(found["forward"] == forward, "Python gives the bits of the program")
     check(found["again"], "with and without derivatives the responses are the same")
@@ -117,8 +121,9 @@ if found:
     check(abs(found["fit"] - same["best"]["misfit"]) < 1e-12 and found["minima"] == len(same["minima"]), "fit is the command fit")
     for name, options in (("fit", ("--starts", 3, "--explore", 48)), ("unique", ("--explore", 24, "--verify", 4)),
                           ("diagnose", ("--explore", 16, "--starts", 2, "--bootstrap", 4)), ("map", ("--design", "sobol", "--points", 20)),
-                          ("sample", ("--samples", 400))):
-        printed = run(name, noisy, *options, "--out", folder / "program" / name, "--json").stdout.replace(str(folder / "program"), str(folder / "python"))
+                          ("sample", ("--samples", 400)), ("compare", ("--laws", "uzan,k-theta", "--explore", 8, "--verify", 2)),
+                          ("sensitivity", ("--samples", 4)), ("survey", ())):
+        printed = run(name, ROAD if name == "survey" else noisy, *options, "--out", folder / "program" / name, "--json").stdout.replace(str(folder / "program"), str(folder / "python"))
         check(lasting(json.loads(printed)) == lasting(found["answers"][name]), f"{name} in Python is the program's to the last bit")
         check((folder / "python" / name / f"{name}.json").exists(), f"{name} in Python keeps its result")
     check(found["lowest"] == found["answers"]["map"]["lowest"][0]["misfit"] and found["shape"] == [20, 2], f"the points of a map as arrays: {found['shape']}")

@@ -147,7 +147,7 @@ refused("expressions in a circle", ["reads the number it sets"],
         WEIGHTED + TIE.format("base.k2", "-base.k3") + TIE.format("base.k3", "-base.k2"))
 refused("unknown name", ["base.k7", "no known name"], WEIGHTED + TIE.format("base.k2", "0.1 * base.k7"))
 refused("expression and bounds", ["min", "name and equals alone"], WEIGHTED + TIE.format("base.k2", "0.5") + "min = 0.1\n")
-refused("searched and tied", ["stands twice"], WEIGHTED + TIE.format("base.k1", "1000"))
+refused("searched and tied", ["is given twice"], WEIGHTED + TIE.format("base.k1", "1000"))
 refused("out of its range", ["out of range", "base.poisson_12"], WEIGHTED + TIE.format("base.poisson_12", "9"))
 refused("constraint without a relation", ["<=", "two sides"], WEIGHTED + LIMIT.format("base.k1 < 5"))
 refused("constraint with an unknown name", ["base.k7", "no known name"], WEIGHTED + LIMIT.format("base.k7 <= 5"))

@@ -105,8 +105,12 @@ for command in ("fit", "map"):
     computed = len(json.loads(run("export", run_folder, "--command", command, "--format", "json").stdout)["evaluations"])
     check(re.search(rf"<td[^>]*>pavescape {command} [^<]*</td><td[^>]*>\d+</td><td[^>]*>{computed}</td>", dom),
           f"the timings count the {computed} forward runs of {command}")
-ends = next(c for c in charts if c["chart"] == "waterfall")
-check(same(ends["traces"][0]["y"], sorted(e["misfit"] for e in fit["ends"])), "the waterfall holds the ends of the searches")
+ends = sorted(e["misfit"] for e in fit["ends"])
+waterfall = [c for c in charts if c["chart"] == "waterfall"]
+if ends[-1] - ends[0] <= 1e-3 * ends[0]:
+    check(not waterfall and f"All {len(ends)} searches ended at the misfit" in dom, "searches that agree are a sentence")
+else:
+    check(same(waterfall[0]["traces"][0]["y"], ends), "the waterfall holds the ends of the searches")
 pairs = [c for c in charts if c["chart"] == "pair"]
 points = [e for e in json.loads(run("export", run_folder, "--command", "map", "--format", "json").stdout)["evaluations"]]
 converged = [e for e in points if e["status"] == "converged"]

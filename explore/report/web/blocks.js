@@ -25,19 +25,27 @@ const blocks = (() => {
         }
         return element;
     };
+    // Four significant digits, as the program prints them.
     const figure = (v) => {
         if (v === null || v === undefined || Number.isNaN(v)) return "–";
         if (typeof v !== "number") return String(v);
         if (v === 0) return "0";
-        const size = Math.abs(v);
-        return size >= 1e6 || size < 1e-4 ? v.toExponential(3) : String(Number(v.toPrecision(4)));
+        const digits = 3 - Math.floor(Math.log10(Math.abs(v)));
+        return digits > 9 ? v.toExponential(3) : v.toFixed(Math.max(0, digits));
     };
+    // Counts, places and round values: without zeros at the end.
+    const plain = (v) => (typeof v === "number" ? String(Number(v.toPrecision(6))) : figure(v));
+    const signed = (v, digits) => (v < 0 ? "-" : "+") + Math.abs(v).toFixed(digits);
+    // "subgrade.modulus_MPa" over two lines, for what stands under or beside a chart.
+    const broken = (name) => name.replace(/\.(?=[^\d])/, ".<br>");
     const part = (title) => make("h3", {}, title);
     const words = (sentences) => make("ul", {}, (sentences || []).map((s) => make("li", {}, s)));
+    // A name may fold after its dots and underscores.
+    const foldable = (text) => (/^[^ ]{9,}$/.test(text) ? text.split(/(?<=[._])/).flatMap((piece, i) => (i > 0 ? [make("wbr"), piece] : [piece])) : text);
     const table = (header, rows, leftColumns = []) => make("div", { className: "wide" },
-        make("table", {}, make("thead", {}, make("tr", {}, header.map((h) => make("th", {}, h)))),
+        make("table", {}, make("thead", {}, make("tr", {}, header.map((h, c) => make("th", { className: leftColumns.includes(c) ? "words" : "" }, foldable(h))))),
             make("tbody", {}, rows.map((row) => make("tr", {}, row.map((cell, c) =>
-                make("td", { className: leftColumns.includes(c) ? "words" : "" }, figure(cell))))))));
+                make("td", { className: leftColumns.includes(c) ? "words" : "" }, foldable(Number.isInteger(cell) ? plain(cell) : figure(cell)))))))));
 
     // What all charts have in common.
     const dressed = (layout) => ({
@@ -61,6 +69,14 @@ const blocks = (() => {
     };
     const axis = (title, more = {}) => ({ title: { text: title }, gridcolor: "#e6e9ec", zeroline: false, ...more });
     const scaleOf = (parameter) => (parameter && parameter.scale === "log" ? "log" : "linear");
+    // The axis of a parameter from low to high: logarithmic with every label in full, at 1, 2 and 5 where there is room.
+    const scaled = (title, scale, low, high, more = {}) => {
+        if (scale !== "log" || high < 3 * low) return axis(title, { range: [low, high], nticks: 5, ...more });
+        const decades = Math.log10(high / low);
+        return axis(title, { type: "log", range: [Math.log10(low), Math.log10(high)], tickformat: "~g", dtick: decades < 2.2 ? "D2" : Math.ceil(decades / 5), ...more });
+    };
+    // The same names as columns or rows: each in full over two lines.
+    const named = (names, more = {}) => axis("", { automargin: true, tickvals: names, ticktext: names.map(broken), ...more });
 
     // A monotone cubic through three points or more that rise in x (Fritsch and Carlson 1980), at `wanted` or between them.
     const smooth = (x, y, wanted) => {
@@ -84,5 +100,5 @@ const blocks = (() => {
         }) };
     };
 
-    return { note, colours, symbols, dashes, make, figure, part, words, table, dressed, pending, chart, axis, scaleOf, smooth };
+    return { note, colours, symbols, dashes, make, figure, plain, signed, broken, part, words, table, dressed, pending, chart, axis, scaleOf, scaled, named, smooth };
 })();

@@ -1,6 +1,6 @@
 // A study under someone's hands: sliders, what the model reads there, the landscape, readings taken to be others.
 (() => {
-    const { note, colours, make, figure, part, table, dressed, axis, smooth } = blocks;
+    const { note, colours, make, figure, plain, signed, part, table, dressed, axis, scaled, smooth } = blocks;
     const root = document.getElementById("explore");
     root.textContent = "";
     const token = new URLSearchParams(window.location.search).get("token");
@@ -58,7 +58,6 @@
     const unitOf = (p, v) => (p.scale === "log" ? Math.log(v / p.min) / Math.log(p.max / p.min) : (v - p.min) / (p.max - p.min));
     const valueAt = (p, u) => (p.scale === "log" ? p.min * (p.max / p.min) ** u : p.min + u * (p.max - p.min));
     const within = (p, v) => Math.min(p.max, Math.max(p.min, v));
-    const signed = (v, digits) => (v < 0 ? "−" : "+") + Math.abs(v).toFixed(digits);
     const exact = (v) => String(Number(v.toPrecision(12)));
     const begin = (state) => {
         const { parameters, readings, outputs } = state;
@@ -86,8 +85,7 @@
             const accepted = state.limit === null || rise <= state.limit;
             sentence.className = accepted ? "state" : "state outside";
             sentence.textContent = `χ² = ${figure(point.chi2)}, ${rise < 5e-4 ? "the minimum" : figure(rise) + " above the minimum"}` +
-                (state.limit === null ? "" : accepted ? `: the readings accept this point (they allow ${figure(state.limit)}).`
-                    : `: the readings reject this point (they allow ${figure(state.limit)}).`) +
+                (state.limit === null ? "" : `: the readings ${accepted ? "accept" : "reject"} this point (a rise of ${figure(state.limit)} above the minimum is accepted).`) +
                 (point.full && state.model === "reduced" ? " The full model answered: the reduced one is not sure here." : "");
         };
 
@@ -215,7 +213,7 @@
 
         const moved = make("div");
         const cells = readings.map((r, i) => {
-            const field = make("input", { type: "number", value: figure(r.measured), step: "any", ariaLabel: `${r.words} under ${r.load}, taken to be (${r.unit_words})` });
+            const field = make("input", { type: "number", value: plain(r.measured), step: "any", ariaLabel: `${r.words} under ${r.load}, taken to be (${r.unit_words})` });
             field.addEventListener("change", () => take(i, field.value === "" ? r.measured : Number(field.value)));
             const times = (text, factor, title) => {
                 const button = make("button", { type: "button", title: `${title}: ${r.words}` }, text);
@@ -225,6 +223,9 @@
             const now = make("td");
             const off = make("td");
             const byFull = make("td");
+            now.dataset.label = "model";
+            off.dataset.label = "off (sd)";
+            byFull.dataset.label = "full model";
             const row = make("tr", { className: "reading" }, make("td", {}, `${groups.length > 1 ? r.load + ", " : ""}${r.words}${r.fitted ? "" : " (held out)"}`), make("td", {}, field),
                 make("td", {}, times("−5 %", 0.95, "5 % less"), " ", times("+5 %", 1.05, "5 % more"), " ", times("↺", null, "as measured")), make("td", {}, r.unit_words), now, off, byFull);
             return { field, now, off, byFull, row };
@@ -277,6 +278,7 @@
             mark.style.top = `${yaxis._offset + yaxis.d2p(here[y])}px`;
         };
         const landscapeNote = make("figcaption");
+        let followed = false;
         const drawLandscape = () => {
             const [x, y] = pairs[Number(pairField.value)];
             const px = parameters[x];
@@ -294,19 +296,22 @@
                     contours: { start: Math.log10(least), end: most, size: 0.25 }, hoverinfo: "text",
                     text: grid.chi2.map((row, j) => row.map((v, i) => `${px.words} ${figure(grid.x_values[i])}<br>${py.words} ${figure(grid.y_values[j])}<br>` +
                         (v === null ? "no answer" : `χ² rises by ${figure(v - grid.lowest)}`))),
-                    colorbar: { title: { text: "rise of χ²" }, thickness: 10, tickvals: ticks.map(Math.log10), ticktext: ticks.map(figure) } },
+                    colorbar: { title: { text: "rise of χ²" }, thickness: 10, tickvals: ticks.map(Math.log10), ticktext: ticks.map(plain) } },
                 { ...on, showscale: false, hoverinfo: "skip", showlegend: false, contours: { type: "constraint", operation: "=", value: Math.log10(limit) }, line: { color: "#D55E00", width: 3 } });
             }
-            const star = (m, name, extra) => ({ type: "scatter", mode: "markers", name, x: [m.at[x]], y: [m.at[y]], marker: { symbol: "star", size: 14, line: { color: "#000", width: 1 }, ...extra } });
+            const star = (m, name, extra) => ({ type: "scatter", mode: "markers", name, x: [m.at[x]], y: [m.at[y]], marker: { symbol: "star", size: 9, line: { color: "#000", width: 1 }, ...extra } });
             state.minima.forEach((m, k) => traces.push(star(m, state.minima.length > 1 ? `minimum ${k + 1}` : "minimum", { color: changes() ? "#ccc" : colours[1] })));
             if (changes() && lowest) {
                 traces.push({ type: "scatter", mode: "lines", showlegend: false, hoverinfo: "skip", x: [first.at[x], lowest.at[x]], y: [first.at[y], lowest.at[y]], line: { color: colours[1], width: 2 } },
                     star(lowest, "with these readings", { color: colours[1] }));
             }
-            const along = (p) => axis(p.words, { type: p.scale === "log" ? "log" : "linear",
-                range: p.scale === "log" ? [Math.log10(p.min), Math.log10(p.max)] : [p.min, p.max] });
+            const along = (p) => scaled(p.words, p.scale, p.min, p.max);
             return Plotly.react(landscapePlace, traces, dressed({ height: 450, dragmode: false, margin: { l: 70, r: 10, t: 14, b: 100 }, legend: { orientation: "h", y: -0.2 },
-                xaxis: along(px), yaxis: along(py) }), { displayModeBar: false, responsive: true }).then(moveMark);
+                xaxis: along(px), yaxis: along(py) }), { displayModeBar: false, responsive: true }).then(() => {
+                if (!followed) landscapePlace.on("plotly_afterplot", moveMark); // drawn again in another size
+                followed = true;
+                moveMark();
+            });
         };
         const computeLandscape = latest(async () => {
             if (pairs.length === 0) return;
@@ -375,12 +380,12 @@
                 go(at, [k]);
             });
             return { range, field, box: make("div", { className: "slider" }, make("label", { htmlFor: "p" + k }, p.words), make("div", { className: "row" }, range, field),
-                make("div", { className: "ends" }, make("span", {}, figure(p.min)), make("span", {}, figure(p.max)))) };
+                make("div", { className: "ends" }, make("span", {}, plain(p.min)), make("span", {}, plain(p.max)))) };
         });
         const showSliders = () => sliders.forEach((s, k) => {
             s.range.value = String(Math.round(1000 * unitOf(parameters[k], here[k])));
             s.range.ariaValueText = `${figure(here[k])}, ${parameters[k].words}`;
-            if (document.activeElement !== s.field) s.field.value = figure(here[k]);
+            if (document.activeElement !== s.field) s.field.value = plain(Number(here[k].toPrecision(4)));
         });
         // axes: which parameters were moved; empty: all.
         const go = (at, axes = []) => {
@@ -410,7 +415,7 @@
         const take = (i, value) => {
             if (!Number.isFinite(value)) return;
             taken[i] = value;
-            cells[i].field.value = figure(value);
+            cells[i].field.value = plain(value);
             full = null;
             moving = refit();
         };
@@ -468,8 +473,8 @@
                     outputs.length ? [make("h2", {}, "Outputs"), make("div", { className: "wide" }, make("table", {}, header(["output", "here", "minimum", "full model", "unit"]),
                         make("tbody", {}, outputs.map((o, i) => make("tr", {}, make("td", { className: "words" }, o.name), outputCells[i].now, outputCells[i].best, outputCells[i].byFull, make("td", {}, o.unit)))))), beyond] : [],
                     make("h2", {}, "What if a sensor read something else?"),
-                    make("div", { className: "choices" }, make("label", {}, follow, " sliders follow the minimum"), button("all as measured", () => { readings.forEach((r, i) => { taken[i] = r.measured; cells[i].field.value = figure(r.measured); }); moving = refit(); })),
-                    make("div", { className: "wide" }, make("table", {}, header(["reading", "taken to be", "", "unit", "model", "off (sd)", "full model"]), make("tbody", {}, cells.map((c) => c.row)))), moved)));
+                    make("div", { className: "choices" }, make("label", {}, follow, " sliders follow the minimum"), button("all as measured", () => { readings.forEach((r, i) => { taken[i] = r.measured; cells[i].field.value = plain(r.measured); }); moving = refit(); })),
+                    make("div", { className: "wide" }, make("table", { className: "readings" }, header(["reading", "taken to be", "", "unit", "model", "off (sd)", "full model"]), make("tbody", {}, cells.map((c) => c.row)))), moved)));
         let home = { values: readings.map(() => null), outputs: outputs.map(() => null) };
         showSliders();
         groups.forEach(draggable);

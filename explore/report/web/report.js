@@ -1,7 +1,8 @@
 // Draws the report from the JSON of the page. Everything from the data enters as text, never as markup.
 "use strict";
 (() => {
-    const { colours, symbols, dashes, make, figure, part, words, table, pending, chart, axis, scaleOf, smooth } = blocks;
+    const { colours, symbols, dashes, make, figure, plain, signed, broken, part, words, table, pending, chart, axis, scaleOf, scaled, named, smooth } = blocks;
+    const { unitOf, valueAt, parameterAxis, minimumMark, minimaTrace, landscapePart } = landscapes;
     const data = JSON.parse(document.getElementById("data").textContent);
     const results = data.results;
     const root = document.getElementById("report");
@@ -25,8 +26,39 @@
         });
         return groups;
     };
-    const placeOf = (r) => `x = ${figure(r.x_mm)}` + (r.y_mm ? `, y = ${figure(r.y_mm)}` : "") +
-        (r.depth_mm ? `, depth ${figure(r.depth_mm)}` : "") + " mm";
+    const placeOf = (r) => `x = ${plain(r.x_mm)}` + (r.y_mm ? `, y = ${plain(r.y_mm)}` : "") +
+        (r.depth_mm ? `, depth ${plain(r.depth_mm)}` : "") + " mm" + (r.time_ms === undefined ? "" : `, ${plain(r.time_ms)} ms`);
+    // A table without the columns in which all rows are alike: a sentence says what they hold.
+    const told = (header, rows, may) => {
+        const alike = header.map((h, c) => may.includes(h) && rows.every((r) => r[c] === rows[0][c]));
+        const rest = (row) => row.filter((_, c) => !alike[c]);
+        const said = header.flatMap((h, c) => (alike[c] && rows[0][c] !== "" && rows[0][c] !== 0 ? [`${h} ${plain(rows[0][c])}`] : []));
+        return [said.length ? make("p", { className: "soft" }, `All readings: ${said.join(", ")}.`) : null, table(rest(header), rows.map(rest))];
+    };
+    // A table of few things with many numbers each: a column a thing, at most four side by side. rows: [name, value of each thing]
+    const turned = (names, rows) => {
+        const parts = [];
+        for (let first = 0; first < names.length; first += 4) {
+            const some = (list) => list.slice(first, first + 4);
+            parts.push(table(["", ...some(names)], rows.map(([name, ...values]) => [name, ...some(values)])));
+        }
+        return parts;
+    };
+
+    // models: [{name, residuals}], standard deviations in the order of the readings; null: none.
+    const residualsPart = (readings, models) => {
+        const shown = readings.map((_, i) => i).filter((i) => models.some((m) => typeof m.residuals[i] === "number"));
+        if (shown.length === 0) return [];
+        const kinds = groupsOf(readings).size > 1;
+        const label = (r, i) => `${i + 1}: ${kinds ? `${r.load} ${r.quantity.replace("_", " ")}<br>` : ""}${placeOf(r)}`;
+        return [part("Residuals in standard deviations"), chart("residuals", models.map((m, k) => ({
+            type: "bar", orientation: "h", name: m.name, y: shown.map((i) => label(readings[i], i)), x: shown.map((i) => m.residuals[i]),
+            marker: { color: models.length > 1 && k === 0 ? "#999" : colours[0], pattern: { shape: models.length > 1 && k > 0 ? "/" : "" } },
+        })), { xaxis: axis("model - measured [sd]"), yaxis: axis("", { automargin: true, autorange: "reversed", tickfont: { size: 11 } }),
+            height: 130 + shown.length * (kinds ? 34 : 22), margin: { l: 64, r: 16, t: 24, b: models.length > 1 ? 90 : 50 }, showlegend: models.length > 1, barmode: "group",
+            legend: { orientation: "h", y: -70 / (shown.length * (kinds ? 34 : 22)) },
+            shapes: [-2, 2].map((x) => ({ type: "line", yref: "paper", y0: 0, y1: 1, x0: x, x1: x, line: { dash: "dot", color: "#555" } })) })];
+    };
 
     // Readings of one kind over time: a colour a place, marks what was measured, lines the models.
     const histories = (name, rows, measured, models) => {
@@ -95,9 +127,10 @@
         return [part("Measured and modelled"),
             againstMeasured(read, read.map((r) => r.measured), [{ name: "best fit", values: read.map((r) => r.value), curves: result.curves }]),
             make("p", { className: "soft" }, "Deflection is positive downwards; strains and stresses are positive in compression."),
-            table(["load", "quantity", "x [mm]", "y [mm]", "depth [mm]", ...(hasTimes ? ["time [ms]"] : []), "measured", "modelled", "difference", "unit"],
-                read.map((r) => [r.load, r.quantity, r.x_mm, r.y_mm, r.depth_mm, ...(hasTimes ? [r.time_ms === undefined ? "" : r.time_ms] : []), r.measured, r.value,
-                    figure(100 * (r.value - r.measured) / Math.abs(r.measured)) + " %", r.unit]))];
+            told(["load", "quantity", "x [mm]", "y [mm]", "depth [mm]", ...(hasTimes ? ["time [ms]"] : []), "measured", "model", "difference", "unit"],
+                read.map((r) => [r.load, r.quantity, r.x_mm, r.y_mm, r.depth_mm, ...(hasTimes ? [r.time_ms === undefined ? "" : r.time_ms] : []), plain(r.measured), figure(r.value),
+                    signed(100 * (r.value - r.measured) / Math.abs(r.measured), 1) + " %", r.unit]), ["load", "quantity", "y [mm]", "depth [mm]", "unit"]),
+            residualsPart(read, [{ name: "best fit", residuals: read.map((r) => r.residual) }])];
     };
 
     // -- the landscape --------------------------------------------------------------------------------------------
@@ -108,39 +141,42 @@
         const range = !p ? Infinity : p.scale === "log" ? value * Math.log(p.max / p.min) : p.max - p.min;
         return error > range ? " ± > range" : " ± " + figure(error);
     };
-    // A column a minimum: parameters are many and have long names, minima are few.
     const minimaPart = (minima, parameters) => {
         if (!minima || minima.length === 0) return [];
         const known = new Map((parameters || []).map((p) => [p.name, p]));
+        const cell = (m, n) => figure(m.parameters[n]) + ((m.at_bounds || []).includes(n) ? " (at bound)"
+            : errorOf(m.standard_errors ? m.standard_errors[n] : null, m.parameters[n], known.get(n)));
         const shown = minima.slice(0, 8);
-        const row = (name, of) => [name, ...shown.map(of)];
-        return [part("Minima"), table(["", ...shown.map((_, i) => `minimum ${i + 1}`)], [
-            row("misfit", (m) => m.misfit),
-            ...Object.keys(minima[0].parameters).map((n) => row(n, (m) => figure(m.parameters[n]) +
-                errorOf(m.standard_errors ? m.standard_errors[n] : null, m.parameters[n], known.get(n)))),
-            row("starts", (m) => (m.starts || []).length),
-            ...(shown.some((m) => (m.on_bound || []).length) ? [row("at a bound", (m) => (m.on_bound || []).join("; "))] : [])]),
-        minima.length > shown.length ? make("p", { className: "soft" }, `${minima.length - shown.length} higher minima are not shown.`) : null];
+        return [part("Minima"), ...turned(shown.map((_, i) => `minimum ${i + 1}`), [
+            ["misfit", ...shown.map((m) => figure(m.misfit))],
+            ...Object.keys(minima[0].parameters).map((n) => [n, ...shown.map((m) => cell(m, n))]),
+            ["starts", ...shown.map((m) => (m.starts || []).length)]]),
+        make("p", { className: "soft" }, "± one standard error." + (minima.length > shown.length ? ` ${minima.length - shown.length} higher minima are not shown.` : ""))];
     };
 
     const waterfall = (result) => {
         const ends = [...(result.ends || [])].filter((e) => e.misfit !== undefined).sort((a, b) => a.misfit - b.misfit);
         if (ends.length === 0) return [];
+        const open = ends.filter((e) => !e.converged).length;
+        if (ends[ends.length - 1].misfit - ends[0].misfit <= 1e-3 * ends[0].misfit) {
+            return [part("Where the searches ended"), make("p", {}, `${ends.length === 1 ? "The search" : `All ${ends.length} searches`} ended at the misfit ${figure(ends[0].misfit)}` +
+                (open ? `; ${open} did not converge.` : "."))];
+        }
         return [part("Where the searches ended"), chart("waterfall", [{
             type: "scatter", mode: "markers+lines", x: ends.map((_, i) => i + 1), y: ends.map((e) => e.misfit),
             text: ends.map((e) => `start ${e.start}, ${e.evaluations} evaluations, ${e.ended || ""}`),
             marker: { size: 8, symbol: ends.map((e) => (e.converged ? "circle" : "circle-open")) },
             line: { dash: "dot" },
         }], { xaxis: axis("searches, best first"), yaxis: axis("misfit", { rangemode: "tozero" }) },
-        "A flat beginning: many starts agree on the best minimum. Steps: other minima. Open circles: searches that no tolerance ended.")];
+        "A flat beginning: many starts agree on the best minimum. Steps: other minima. Open circles: searches that did not converge.")];
     };
 
     // The lowest misfit in the cells of pairs of parameters, from a table of points. A grid has a cell a value, other
     // points so many cells that a few fall in each.
     const cellsOf = (p, values, count) => {
         const distinct = [...new Set(values)].sort((a, b) => a - b);
-        const share = (v) => (p.scale === "log" ? Math.log(v / p.min) / Math.log(p.max / p.min) : (v - p.min) / (p.max - p.min));
-        const at = (u) => (p.scale === "log" ? p.min * (p.max / p.min) ** u : p.min + u * (p.max - p.min));
+        const share = (v) => unitOf(p, v);
+        const at = (u) => valueAt(p, u);
         if (distinct.length <= 40 && distinct.length * 4 <= values.length) {
             const middle = (a, b) => at((share(a) + share(b)) / 2);
             const edges = [p.min, ...distinct.slice(1).map((v, i) => middle(distinct[i], v)), p.max];
@@ -183,8 +219,8 @@
                     type: "heatmap", name: "lowest misfit", x: cx.edges, y: cy.edges,
                     z: z.map((line) => line.map((v) => (v === null ? null : Math.log10(Math.max(v, lowest))))),
                     text: z.map((line) => line.map((v) => (v === null ? "" : "lowest misfit " + figure(v)))), hoverinfo: "text",
-                    zmin: Math.log10(lowest), zmax: Math.log10(highest), colorscale: "Cividis", reversescale: true,
-                    colorbar: { title: { text: "misfit" }, thickness: 10, tickvals: ticks.map((v) => Math.log10(v)), ticktext: ticks.map(figure) },
+                    zmin: Math.log10(lowest), zmax: Math.log10(highest), colorscale: "Cividis",
+                    colorbar: { title: { text: "misfit" }, thickness: 10, tickvals: ticks.map((v) => Math.log10(v)), ticktext: ticks.map(plain) },
                 }];
                 if (holes.length > 0) {
                     traces.push({ type: "scatter", mode: "markers", name: "no answer", showlegend: false,
@@ -193,56 +229,16 @@
                 }
                 traces.push(minimaTrace(minima, parameters[x], parameters[y]));
                 charts.push(chart("pair", traces, {
-                    xaxis: axis(parameters[x].name, { type: scaleOf(parameters[x]) }),
-                    yaxis: axis(parameters[y].name, { type: scaleOf(parameters[y]) }), height: 330,
+                    xaxis: parameterAxis(parameters[x]), yaxis: parameterAxis(parameters[y]), height: 330,
                 }));
             }
         }
         return make("div", { className: "charts" }, charts);
     };
-    const minimaTrace = (minima, x, y) => ({
-        type: "scatter", mode: "markers+text", showlegend: false, name: "minima",
-        x: (minima || []).map((m) => m.parameters[x.name]), y: (minima || []).map((m) => m.parameters[y.name]),
-        text: (minima || []).map((_, i) => String(i + 1)), textposition: "top right",
-        marker: { symbol: "star", size: 13, color: "#D55E00", line: { color: "#000", width: 1 } },
-    });
-
-    // The rise of chi2 over pairs of parameters with all others fitted: logarithmic levels, and the border of what the data
-    // accept.
-    const landscapeCharts = (unique) => {
-        const found = unique.landscape;
-        const parameter = new Map((unique.parameters || []).map((p) => [p.name, p]));
-        if (!found) return null;
-        const lowest = found.limit / 30;
-        const level = (rise) => (rise === null ? null : Math.log10(Math.max(rise, lowest)));
-        const ticks = [0.3, 1, 3, 10, 30, 100, 300, 1000, 3000, 10000, 1e5, 1e6];
-        const charts = found.pairs.filter((p) => parameter.has(p.x) && parameter.has(p.y)).map((p) => {
-            const z = p.rise.map((row) => row.map(level));
-            const highest = Math.max(...z.flat().filter((v) => v !== null), level(10 * found.limit));
-            const shown = ticks.filter((v) => v >= lowest && Math.log10(v) <= highest);
-            const place = { type: "contour", x: p.x_values, y: p.y_values, z };
-            return chart("landscape", [{
-                ...place, colorscale: "Cividis", zmin: level(lowest), zmax: highest,
-                contours: { start: level(lowest), end: highest, size: 0.25 }, line: { width: 0 },
-                text: p.rise.map((row) => row.map((v) => (v === null ? "no answer" : `chi2 rises by ${figure(v)}`))), hoverinfo: "text",
-                colorbar: { title: { text: "rise of chi2" }, thickness: 10, tickvals: shown.map((v) => Math.log10(v)), ticktext: shown.map(figure) },
-            }, {
-                ...place, showscale: false, hoverinfo: "skip", contours: { type: "constraint", operation: "=", value: Math.log10(found.limit) },
-                line: { color: "#D55E00", width: 3 }, name: "accepted", showlegend: false,
-            }, minimaTrace(unique.minima, parameter.get(p.x), parameter.get(p.y))], {
-                xaxis: axis(p.x, { type: scaleOf(parameter.get(p.x)) }), yaxis: axis(p.y, { type: scaleOf(parameter.get(p.y)) }), height: 330,
-            });
-        });
-        return charts.length > 0 ? make("div", { className: "charts" }, charts) : null;
-    };
-
     // The lowest explored misfit in the cells of pairs of parameters, with contours.
     const projectionCharts = (unique) => {
         const parameter = new Map((unique.parameters || []).map((p) => [p.name, p]));
-        const centres = (p, cells) => Array.from({ length: cells }, (_, i) => {
-            const u = (i + 0.5) / cells;
-            return p.scale === "log" ? p.min * (p.max / p.min) ** u : p.min + u * (p.max - p.min);
-        });
+        const centres = (p, cells) => Array.from({ length: cells }, (_, i) => valueAt(p, (i + 0.5) / cells));
         const charts = (unique.projections || []).filter((p) => parameter.has(p.x) && parameter.has(p.y)).map((p) => {
             const px = parameter.get(p.x);
             const py = parameter.get(p.y);
@@ -252,46 +248,64 @@
                 colorscale: "Cividis", ncontours: 14, line: { width: 0.5 },
                 colorbar: { title: { text: "misfit" }, thickness: 10 },
             }, minimaTrace(unique.minima, px, py)], {
-                xaxis: axis(p.x, { type: scaleOf(px) }), yaxis: axis(p.y, { type: scaleOf(py) }), height: 330,
+                xaxis: parameterAxis(px), yaxis: parameterAxis(py), height: 330,
             });
         });
         return charts.length > 0 ? make("div", { className: "charts" }, charts) : null;
     };
 
-    const mergeTree = (unique) => {
-        const tree = unique.merge_tree || [];
-        if (tree.length === 0) return [];
-        const top = Math.max(...tree.map((m) => m.pass ?? m.misfit), ...tree.map((m) => m.misfit));
-        return [part("Merge tree of the explored points"), chart("merge", tree.flatMap((m, i) => {
-            const pass = m.pass === null || m.pass === undefined || m.joins < 0 ? top * 1.05 : m.pass;
-            const x = m.joins === undefined || m.joins < 0 ? i : m.joins;
-            return [{ type: "scatter", mode: "lines+markers", showlegend: false, x: [i, i, x], y: [m.misfit, pass, pass],
-                text: [`lowest misfit ${figure(m.misfit)}, ${m.basin_points} points`, "pass", "joins " + (x + 1)],
-                line: { color: colours[i % colours.length], dash: dashes[i % dashes.length] },
-                marker: { size: [10, 1, 1], symbol: symbols[i % symbols.length] } }];
-        }), { xaxis: axis("basin", { dtick: 1 }), yaxis: axis("misfit") },
-        "Each line rises from the lowest explored point of a basin to the pass where it joins a deeper one: long lines are separate minima, short ones are noise of the sampling.")];
+    // Minima joined at the lowest ways that were found between them: each to a deeper one.
+    const passesPart = (unique) => {
+        const minima = unique.minima || [];
+        const passes = (unique.passes || []).filter((p) => typeof p.rise === "number").sort((a, b) => a.rise - b.rise);
+        if (passes.length === 0 || !unique.acceptance) return [];
+        const rise = (m) => (m.misfit ** 2 - minima[0].misfit ** 2) / unique.acceptance.residual_variance;
+        const deepest = minima.map((_, i) => i); // of what each is joined to so far
+        const traces = [];
+        for (const p of passes) {
+            const [a, b] = [deepest[p.a], deepest[p.b]].sort((i, j) => i - j);
+            if (a === b) continue;
+            deepest.forEach((of, i) => { if (of === b) deepest[i] = a; });
+            traces.push({ type: "scatter", mode: "lines+markers", showlegend: false, x: [b + 1, b + 1, a + 1, a + 1], y: [rise(minima[b]), p.rise, p.rise, rise(minima[a])],
+                text: [`minimum ${b + 1}`, `pass ${figure(p.rise)}`, `pass ${figure(p.rise)}`, `minimum ${a + 1}`], line: { color: colours[traces.length % colours.length] }, marker: { size: [9, 1, 1, 9] } });
+        }
+        const limit = unique.acceptance.chi2_rise_allowed;
+        return [part("Minima and the passes between them"), chart("passes", traces, { xaxis: axis("minimum", { dtick: 1 }), yaxis: axis("rise of chi2", { rangemode: "tozero" }),
+            shapes: [{ type: "line", xref: "paper", x0: 0, x1: 1, y0: limit, y1: limit, line: { dash: "dash", color: "#555" } }] },
+        `Each line rises from a minimum to the lowest way that was found to a deeper one. Minima joined below the dashed line, the rise that the data accept (${figure(limit)}), are one valley.`)];
     };
 
-    // Both sides of one minimum are one line through it.
-    const linesOf = (p) => {
-        const best = [p.best, 0];
-        const ordered = (points) => [...points].sort((a, b) => a[0] - b[0]);
-        return p.profile.length <= 2 ? [ordered([...p.profile.flat(), best])] : p.profile.map(ordered);
+    // Between the points of a walk a monotone cubic: of the root of the rise with the sign of the side where the best lies inside,
+    // for that is nearly a straight line; of the rise itself where the best is an end, or lies elsewhere.
+    const walkOf = (points, best, scale) => {
+        const at = (v) => (scale === "log" ? Math.log(v) : v);
+        const back = (u) => (scale === "log" ? Math.exp(u) : u);
+        const rising = [...points].sort((a, b) => a[0] - b[0]).filter((q, i, all) => i === 0 || q[0] > all[i - 1][0]);
+        const inside = rising[0][0] < best && rising[rising.length - 1][0] > best && rising.some((q) => q[0] === best);
+        const sign = (q) => (q[0] < best ? -1 : 1);
+        const curve = smooth(rising.map((q) => at(q[0])), rising.map((q) => (inside ? sign(q) * Math.sqrt(Math.max(0, q[1])) : q[1])));
+        return { x: curve.x.map(back), y: curve.y.map((v) => (inside ? v ** 2 : v)) };
     };
     // allowed: the rise that the data accept.
     const profiles = (list, title, name, caption, parameters, allowed) => {
         const known = new Map((parameters || []).map((p) => [p.name, p]));
-        const charts = (list || []).filter((p) => (p.profile || []).length > 0).map((p) => chart(name,
-            [...linesOf(p).map((branch, b) => ({
-                type: "scatter", mode: "lines+markers", x: branch.map((q) => q[0]), y: branch.map((q) => q[1]),
-                name: "branch " + (b + 1), showlegend: p.profile.length > 2, line: { dash: dashes[b % dashes.length] }, marker: { size: 5 },
-            })), { type: "scatter", mode: "markers", name: "best fit", showlegend: false, x: [p.best], y: [0],
-                marker: { symbol: "star", size: 12, color: "#D55E00", line: { color: "#000", width: 1 } } }],
+        const charts = (list || []).filter((p) => (p.profile || []).length > 0).map((p) => {
+            const branches = p.profile.length <= 2 ? [[...p.profile.flat(), [p.best, 0]]] : p.profile.filter((b) => b.length > 0);
+            const color = (b) => colours[b % colours.length];
+            const all = branches.flat().map((q) => q[0]);
+            const scale = scaleOf(known.get(p.name));
+            const [low, high] = [Math.min(...all), Math.max(...all)];
+            const margin = scale === "log" ? (high / low) ** 0.03 : 0.03 * (high - low);
+            return chart(name, [...branches.flatMap((points, b) => [
+                { type: "scatter", mode: "lines", ...walkOf(points, p.best, scale), name: "branch " + (b + 1), showlegend: branches.length > 1, hoverinfo: "skip", line: { color: color(b), dash: dashes[b % dashes.length] } },
+                { type: "scatter", mode: "markers", x: points.map((q) => q[0]), y: points.map((q) => q[1]), showlegend: false, name: "walked", marker: { size: 5, color: color(b) } }]),
+            { type: "scatter", mode: "markers", name: "best fit", showlegend: false, x: [p.best], y: [0], marker: minimumMark }],
             { title: { text: p.name + (p.unit ? ` [${p.unit}]` : "") }, height: 300,
                 shapes: [{ type: "line", xref: "paper", x0: 0, x1: 1, y0: allowed, y1: allowed, line: { dash: "dash", color: "#555" } }],
-                xaxis: axis("", { type: scaleOf(known.get(p.name)) }), yaxis: axis("rise of chi2", { rangemode: "tozero" }) },
-            `${figure(p.low)} (ended by ${p.low_stopped_by}) to ${figure(p.high)} (ended by ${p.high_stopped_by}).`));
+                xaxis: scale === "log" ? scaled("", scale, low / margin, high * margin) : scaled("", scale, low - margin, high + margin),
+                yaxis: axis("rise of chi2", { range: [-0.1 * allowed, 3 * allowed] }) },
+            `${figure(p.low)} (ended by ${p.low_stopped_by}) to ${figure(p.high)} (ended by ${p.high_stopped_by}).`);
+        });
         return charts.length === 0 ? [] : [part(title), make("p", { className: "soft" }, caption),
             make("div", { className: "charts" }, charts)];
     };
@@ -299,27 +313,28 @@
     // sets: [{name, parameters, kind}]
     const parallel = (sets, parameters) => {
         if (sets.length < 2 || !parameters || parameters.length < 2) return [];
-        const share = (p, v) => (p.scale === "log" ? Math.log(v / p.min) / Math.log(p.max / p.min) : (v - p.min) / (p.max - p.min));
         const names = parameters.map((p) => p.name);
         return [part("Acceptable sets side by side"), chart("parallel", sets.map((s, i) => ({
             type: "scatter", mode: "lines+markers", name: s.name, x: names,
-            y: parameters.map((p) => share(p, s.parameters[p.name])),
+            y: parameters.map((p) => unitOf(p, s.parameters[p.name])),
             text: parameters.map((p) => `${p.name} = ${figure(s.parameters[p.name])}`), hoverinfo: "text+name",
             line: { width: i === 0 ? 4 : 1.5, color: i === 0 ? "#000" : colours[(i - 1) % colours.length],
                 dash: dashes[i % dashes.length] }, marker: { size: 6 }, showlegend: sets.length <= 12,
-        })), { xaxis: axis(""), yaxis: axis("place between min and max of the study", { range: [-0.05, 1.05] }), height: 420 },
+        })), { xaxis: named(names, { range: [-0.35, names.length - 0.65] }), yaxis: axis("place between min and max", { range: [-0.05, 1.05] }), height: 420 },
         "Every line is a set of parameters that the data accept. Where lines spread over the whole height, the data do not fix that parameter.")];
     };
 
     // -- one section a command ------------------------------------------------------------------------------------
 
-    const asked = (result, what) => {
-        const parts = [what];
-        if (result.study) parts.push(`“${result.study.title}”`);
-        return make("p", { className: "soft" }, parts.join(" "));
+    // What a command says first stands at the top of the page, or of its section where another command's does.
+    const summary = ["unique", "sample", "diagnose", "compare", "fit", "sensitivity", "road", "map"].find((c) => results[c] && (results[c].findings || []).length);
+    const opening = (command, about) => {
+        const said = results[command].findings || [];
+        return [command !== summary && said.length ? make("p", { className: "verdict" }, said[0]) : null,
+            about ? make("p", { className: "soft" }, about) : null, said.length > 1 ? words(said.slice(1)) : null];
     };
     const rangesTable = (parameters) => (parameters && parameters.length > 0 && parameters[0].min !== undefined
-        ? [part("What was varied"), table(["parameter", "min", "max", "scale"], parameters.map((p) => [p.name, p.min, p.max, p.scale]))]
+        ? [part("What was varied"), table(["parameter", "min", "max", "scale"], parameters.map((p) => [p.name, plain(p.min), plain(p.max), p.scale]))]
         : []);
 
     const showFit = (r) => {
@@ -327,21 +342,21 @@
         const parameters = r.parameters || [];
         const others = (r.minima || []).map((m, i) => ({ name: "minimum " + (i + 1), parameters: m.parameters }));
         section("The fit",
-            asked(r, `${r.evaluations} evaluations: ${r.explored}, then ${r.starts} searches by ${r.method}.`),
-            words(r.findings), responsesPart(r), minimaPart(r.minima, parameters), waterfall(r), parallel(others, parameters),
+            opening("fit", `${r.evaluations} evaluations: ${r.explored}, then ${r.starts} searches by ${r.method}.`),
+            responsesPart(r), minimaPart(r.minima, parameters), waterfall(r), parallel(others, parameters),
             rows && parameters.length > 1 ? [part("Landscape of the misfit"),
                 pairCharts(parameters, rows.rows, r.minima),
-                make("p", { className: "soft" }, "Colour: the lowest misfit computed in a cell, over all values of the other parameters; white: nothing was computed there. Stars are the minima; crosses have no answer." +
+                make("p", { className: "soft" }, "Colour: the lowest misfit computed in a cell, over all values of the other parameters; white: nothing was computed there. Circles: minima; crosses: no answer." +
                     (rows.left_out ? ` ${rows.left_out} of the higher points are not drawn.` : ""))] : [],
             rangesTable(parameters), (r.warnings || []).length ? [part("Warnings"), words(r.warnings)] : []);
     };
     const showMap = (r) => {
         const rows = data.evaluations && data.evaluations.command === "map" ? data.evaluations : null;
         const lowest = (r.lowest || []).slice(0, 1);
-        section("The map", asked(r, `${r.points} points, ${r.design}.`),
+        section("The map", opening("map", `${r.points} points, ${r.design}.`),
             rows && (r.parameters || []).length > 1 ? pairCharts(r.parameters, rows.rows, lowest) : null,
-            part("Lowest points"), table(["misfit", ...Object.keys((r.lowest[0] || { parameters: {} }).parameters)],
-                r.lowest.map((e) => [e.misfit, ...Object.values(e.parameters)])),
+            part("Lowest points"), turned(r.lowest.slice(0, 8).map((e) => `point ${e.number}`), [["misfit", ...r.lowest.map((e) => figure(e.misfit))],
+                ...(r.parameters || []).map((p) => [p.name, ...r.lowest.map((e) => figure(e.parameters[p.name]))])]),
             rangesTable(r.parameters), statusTable(r.statuses));
     };
     const statusTable = (statuses) => (statuses ? [part("How the forward runs ended"),
@@ -358,26 +373,23 @@
         }
         const rise = r.acceptance ? r.acceptance.chi2_rise_allowed : null;
         const allowed = figure(rise);
-        section("Is the answer unique?", make("p", { className: "verdict" }, "Verdict: " + r.verdict),
-            asked(r, ""), words(r.findings),
+        section("Is the answer unique?", opening("unique"),
             (r.outputs || []).length ? [part("What it means for the outputs"), chart("outputs", [{
-                type: "scatter", mode: "markers", x: r.outputs.map((o) => 1), y: r.outputs.map((o) => `${o.name} [${o.unit}]`),
+                type: "scatter", mode: "markers", x: r.outputs.map((o) => 1), y: r.outputs.map((o) => `${o.name}<br>[${o.unit}]`),
                 text: r.outputs.map((o) => `best ${figure(o.best)}, ${figure(o.low)} to ${figure(o.high)}`),
                 marker: { size: 10, color: "#000" },
                 error_x: { type: "data", symmetric: false, thickness: 3, color: colours[0],
                     array: r.outputs.map((o) => o.high / o.best - 1), arrayminus: r.outputs.map((o) => 1 - o.low / o.best) },
             }], { xaxis: axis("relative to the best fit"), yaxis: axis("", { automargin: true }), height: 160 + 40 * r.outputs.length },
             "Range of each output over all sets of parameters that the data accept."),
-            table(["output", "best", "low", "high", "unit"], r.outputs.map((o) => [o.name, o.best, o.low, o.high, o.unit]))] : [],
+            table(["output", "best", "low", "high", "unit"], r.outputs.map((o) => [o.name, figure(o.best), figure(o.low), figure(o.high), o.unit]))] : [],
             responsesPart(r),
-            r.landscape && r.landscape.pairs.length > 0
-                ? [part("Landscape of the misfit"), landscapeCharts(r),
-                    make("p", { className: "soft" }, `Colour: the least rise of chi2 over the minimum with all other parameters fitted, by the ${r.landscape.model} model. Inside the orange line lies what the data accept (a rise of ${figure(r.landscape.limit)} or less); white: no answer. Stars are the minima.`)]
+            r.landscape && r.landscape.pairs.length > 0 ? landscapePart(r)
                 : data.evaluations && data.evaluations.command === "unique" && (r.parameters || []).length > 1
                 ? [part("Landscape of the misfit"), pairCharts(r.parameters, data.evaluations.rows, r.minima),
-                    make("p", { className: "soft" }, "Colour: the lowest misfit computed in a cell, over all values of the other parameters; white: nothing was computed there. Stars are the minima; crosses have no answer.")]
+                    make("p", { className: "soft" }, "Colour: the lowest misfit computed in a cell, over all values of the other parameters; white: nothing was computed there. Circles: minima; crosses: no answer.")]
                 : [part("Landscape: lowest explored misfit over pairs"), projectionCharts(r)],
-            minimaPart(r.minima, r.parameters), mergeTree(r),
+            minimaPart(r.minima, r.parameters), passesPart(r),
             profiles(r.profiles, "Profiles of the parameters", "profile",
                 `The least rise of chi2 at each value with everything else fitted again. Dashed: the rise that the data accept, ${allowed}.`, r.parameters, rise),
             profiles(r.outputs, "Profiles of the outputs", "profile", "The same for each output.", [], rise),
@@ -391,13 +403,15 @@
             type: "heatmap", x: names, y: list.map((d, i) => `${i + 1}: ${figure(d.singular_value)}${d.flat ? " (flat)" : ""}`),
             z: list.map((d) => names.map((n) => d.vector[n])), zmin: -1, zmax: 1, colorscale: "RdBu", xgap: 1, ygap: 1,
             texttemplate: "%{z:.2f}",
-        }], { yaxis: axis("singular value", { autorange: "reversed", automargin: true, type: "category" }), xaxis: axis(""),
-            height: 140 + 34 * list.length })];
+        }], { yaxis: axis("singular value", { autorange: "reversed", automargin: true, type: "category" }), xaxis: named(names),
+            height: 160 + 34 * list.length })];
     };
     const nextPart = (r) => {
-        const list = Array.isArray(r.next_measurement) ? r.next_measurement.slice(0, 10) : [];
+        const list = Array.isArray(r.next_measurement) ? r.next_measurement.slice(0, 6) : [];
+        const left = (c) => Object.entries({ ...c.standard_error_after_over_before, ...c.outputs_after_over_before })
+            .filter(([, v]) => typeof v === "number").map(([n, v]) => `${n} ${(100 * v).toFixed(0)} %`).join(", ");
         return list.length === 0 ? [] : [part("Most informative further readings"),
-            table(["reading", "gain"], list.map((c) => [c.reading, c.gain]))];
+            table(["reading", "noise", "standard error left over"], list.map((c) => [c.reading, `${figure(c.sigma)} ${c.unit}`, left(c)]), [0, 2])];
     };
 
     // The draws over every pair of parameters, and each alone as a histogram, all by their weights.
@@ -408,7 +422,6 @@
         const gap = 0.02;
         const side = (1 - gap * (d - 1)) / d;
         const number = (i, j) => i * d + j + 1; // of a panel's axes
-        const broken = (name) => name.replace(".", ".<br>"); // over two lines
         const key = (n) => (n === 1 ? "" : String(n));
         const most = Math.max(...draws.map((q) => q[0]));
         // From the lowest draw to the highest, with a margin, on the scale of the axis.
@@ -426,7 +439,7 @@
             const left = j * (side + gap);
             const bottom = (d - 1 - i) * (side + gap);
             const ends = { showline: true, mirror: true, linecolor: "#999", nticks: 5, tickfont: { size: 10 }, exponentformat: "none" };
-            layout["xaxis" + n] = axis(i === d - 1 ? broken(px.name) : "", { ...ends, domain: [left, left + side], anchor: "y" + n, type: scaleOf(px), range: ranges[j], showticklabels: i === d - 1 });
+            layout["xaxis" + n] = axis(i === d - 1 ? broken(px.name) : "", { ...ends, domain: [left, left + side], anchor: "y" + n, type: scaleOf(px), range: ranges[j], ...(px.scale === "log" ? { tickformat: "~g" } : {}), showticklabels: i === d - 1 });
             layout["yaxis" + n] = axis(i > 0 && j === 0 ? broken(py.name) : "", { ...ends, domain: [bottom, bottom + side], anchor: "x" + n, showticklabels: i > 0 && j === 0,
                 ...(i === j ? { rangemode: "tozero" } : { type: scaleOf(py), range: ranges[i] }) });
             const on = { xaxis: "x" + n, yaxis: "y" + n };
@@ -458,9 +471,9 @@
     const showSample = (r) => {
         const parameters = r.parameters || [];
         const rows = [...parameters.map((p) => [p, ""]), ...(r.outputs || []).map((o) => [o, o.unit])];
-        section("The posterior", make("p", { className: "verdict" }, `Status: ${r.status}${r.reason ? " – " + r.reason : ""}`), asked(r, "What the readings leave of every parameter and output."),
-            words(r.findings), rows.length ? table(["", "unit", "mean", "sd", "2.5 %", "50 %", "97.5 %", "R-hat", "effective draws"],
-                rows.map(([q, unit]) => [q.name, unit, q.mean, q.sd, q.q025, q.q50, q.q975, q.rhat, Math.round(q.ess)])) : [],
+        section("The posterior", r.reason ? make("p", {}, r.reason) : null, opening("sample", "What the readings leave of every parameter and output."),
+            rows.length ? table(["", "mean", "sd", "2.5 %", "50 %", "97.5 %", "R-hat", "eff. draws"],
+                rows.map(([q, unit]) => [q.name + (unit ? ` (${unit})` : ""), ...[q.mean, q.sd, q.q025, q.q50, q.q975].map(figure), q.rhat.toFixed(3), q.ess.toFixed(0)]), [0]) : [],
             (r.draws || []).length && parameters.length ? corner(parameters, r.draws) : [],
             r.correlations && parameters.length > 1 ? [part("Correlations of the draws"), table(["", ...parameters.map((p) => p.name)],
                 parameters.map((p, i) => [p.name, ...r.correlations[i].map((v) => v.toFixed(2))]))] : [],
@@ -484,29 +497,18 @@
     };
 
     const showDiagnose = (r) => {
-        const named = (r.readings || []).map((q, i) => `${i + 1}: ${q.load} ${q.quantity.replace("_", " ")}, ${placeOf(q)}`);
-        const fitted = r.residuals.baseline.map((v, i) => (v === null ? -1 : i)).filter((i) => i >= 0); // not held out
-        const of = (list) => fitted.map((i) => list[i]);
         const extended = r.residuals.extended.length > 0;
         const candidates = (r.candidates || []).slice(0, 20).reverse();
         const corrections = r.corrections || [];
         const alike = [...(r.confounding || [])].sort((a, b) => Math.abs(a.cosine) - Math.abs(b.cosine));
         section("What the model gets wrong",
-            make("p", { className: "verdict" }, `Verdict: ${r.verdict}${r.causes && r.causes.length ? " – " + r.causes.join(", ") : ""}`),
-            asked(r, ""), words(r.findings),
+            opening("diagnose"),
             r.readings ? [part("Measured and modelled, before and after"), againstMeasured(r.readings, r.responses.measured,
                 [{ name: "study's model", values: r.responses.baseline },
                     ...(extended ? [{ name: "extended model", values: r.responses.extended }] : [])])] : [],
-            part("Residuals in standard deviations"), chart("residuals", [
-                { type: "bar", name: "study's model", x: of(named), y: of(r.residuals.baseline),
-                    marker: { color: "#999" } },
-                ...(extended ? [{ type: "bar", name: "extended model", x: of(named), y: of(r.residuals.extended),
-                    marker: { color: colours[0], pattern: { shape: "/" } } }] : []),
-            ], { xaxis: axis("", { automargin: true, tickangle: -60, tickfont: { size: 10 } }), height: 460,
-                legend: { orientation: "h", y: 1.15 }, yaxis: axis("model less measured [sigma]"), barmode: "group",
-                shapes: [-2, 2].map((y) => ({ type: "line", xref: "paper", x0: 0, x1: 1, y0: y, y1: y, line: { dash: "dot", color: "#555" } })) }),
+            residualsPart(r.readings || [], [{ name: "study's model", residuals: r.residuals.baseline }, ...(extended ? [{ name: "extended model", residuals: r.residuals.extended }] : [])]),
             corrections.length ? [part("Where the model errs"), make("div", { className: "charts" }, corrections.map(correctionChart)),
-                make("p", { className: "soft" }, "What multiplies the study's model, with its 95 % band. In grey: places of which these readings say next to nothing.")] : [],
+                make("p", { className: "soft" }, "What multiplies the study's model, with its 95 % band. In grey: places that these readings hardly constrain.")] : [],
             candidates.length ? [part("Candidates: what each effect alone would gain"), chart("candidates", [{
                 type: "bar", orientation: "h", y: candidates.map((c) => c.effect + (c.on ? " – " + c.on : "")),
                 x: candidates.map((c) => (c.delta_chi2 === null || c.delta_chi2 === undefined ? (c.score_z ?? 0) ** 2 : -c.delta_chi2)),
@@ -531,20 +533,22 @@
 
     const showCompare = (r) => {
         const good = r.laws.filter((l) => l.status === "converged");
-        section("Which law do the data prefer?", asked(r, `Laws of “${r.layer}”.`), words(r.findings),
-            table(["law", "misfit", "chi2", "degrees of freedom", "p", "AICc", "weight [%]", "left out", "held out", "answer"], r.laws.map((l) =>
-                l.status === "converged" ? [l.law, l.misfit, l.chi2, l.dof, l.p_value, l.aicc, 100 * l.weight, l.held_out_rms, l.study_held_out_rms, l.verdict]
-                    : [l.law, l.reason, "", "", "", "", "", "", "", ""])),
+        const row = (name, of) => [name, ...good.map(of)];
+        section("Which law do the data prefer?", opening("compare", `Laws of “${r.layer}”.`),
+            good.length ? turned(good.map((l) => l.law), [row("misfit", (l) => figure(l.misfit)), row("chi2", (l) => figure(l.chi2)), row("degrees of freedom", (l) => l.dof), row("p", (l) => figure(l.p_value)),
+                row("AICc", (l) => figure(l.aicc)), row("weight [%]", (l) => (typeof l.weight === "number" ? (100 * l.weight).toFixed(1) : null)), row("left out", (l) => figure(l.held_out_rms)),
+                row("held out", (l) => figure(l.study_held_out_rms)), row("answer", (l) => l.verdict)]) : null,
+            words(r.laws.filter((l) => l.status !== "converged").map((l) => `${l.law}: ${l.reason}`)),
             make("p", { className: "soft" }, "Left out: error of readings predicted place by place by fits without them; held out: of those that the study holds out."),
             good.length ? [part("Measured and modelled"), againstMeasured(good[0].responses.filter((q) => q.measured !== undefined),
                 good[0].responses.map((q) => q.measured), good.map((l) => ({ name: l.law, values: l.responses.map((q) => q.value) })))] : [],
             good.map((l) => [part(l.law), make("p", { className: "soft" }, l.summary), table(["", "best", "low", "high"],
-                [...Object.entries(l.parameters).map(([n, v]) => [n, v.value, v.low, v.high]), ...l.outputs.map((o) => [`${o.name} [${o.unit}]`, o.best, o.low, o.high])])]));
+                [...Object.entries(l.parameters).map(([n, v]) => [n, ...[v.value, v.low, v.high].map(figure)]), ...l.outputs.map((o) => [`${o.name} [${o.unit}]`, ...[o.best, o.low, o.high].map(figure)])])]));
     };
 
     const showSensitivity = (r) => {
         const responses = r.responses.map((s) => s.name);
-        section("Sensitivity", asked(r, `One at a time over ±${figure(r.range_percent)} %.`), words(r.findings),
+        section("Sensitivity", opening("sensitivity", `One at a time over ±${plain(r.range_percent)} %.`),
             make("div", { className: "charts" }, responses.slice(0, 12).map((name, i) => chart("curves", r.curves.map((c, k) => ({
                 type: "scatter", mode: "lines", name: c.parameter, line: { dash: dashes[k % dashes.length], color: colours[k % colours.length] },
                 x: c.points.map((p) => p.change_percent),
@@ -556,7 +560,7 @@
                 marker: { color: colours[k], pattern: { shape: k ? "/" : "" } },
                 error_y: { type: "data", symmetric: false, array: Object.values(set).map((e) => e.high - e.value),
                     arrayminus: Object.values(set).map((e) => e.value - e.low) },
-            })), { title: { text: g.response }, yaxis: axis("share of the variance"), xaxis: axis(""), barmode: "group" })))] : []);
+            })), { title: { text: g.response }, yaxis: axis("share of the variance"), xaxis: named(Object.keys(g.total)), barmode: "group" })))] : []);
     };
 
     // Stations of one profile and lane: they follow each other along the road, others do not.
@@ -656,7 +660,7 @@
     };
 
     const showRoad = (r) => {
-        section("The road as one experiment", words(r.findings),
+        section("The road as one experiment", opening("road"),
             table(["", "value", "from", "to", "% of its box", "median station alone [%]", "stations"],
                 [...r.shared, ...r.section_parameters].map((p) => [p.level === "section" ? `${p.name}, section ${p.section + 1}` : p.name, p.value, p.low,
                     p.high, 100 * p.width, 100 * p.median_width_alone, p.stations])),
@@ -667,11 +671,6 @@
 
     const show = { unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: showSurvey, road: showRoad };
 
-    const floorOf = (studies) => {
-        const endless = studies.filter((s) => /^\s*bottom\s*=\s*"half-space"/m.test(s.text || "")).length;
-        return endless === 0 ? "on a rigid rough floor" : endless === studies.length ? "the last one going on for ever" : "on a rigid rough floor or going on for ever";
-    };
-
     // -- the page -------------------------------------------------------------------------------------------------
 
     const titles = [...new Set(Object.values(results).map((r) => r.study && r.study.title).filter(Boolean))];
@@ -680,21 +679,20 @@
     const navigation = make("nav");
     root.append(make("header", {}, make("h1", {}, titles[0] || data.folder),
         make("p", { className: "soft" }, `Pavescape ${data.version}, run “${data.folder}”: ${Object.keys(results).join(", ") || "not finished"}`)), navigation);
-    const summary = ["unique", "sample", "diagnose", "compare", "fit"].filter((c) => results[c] && (results[c].findings || []).length);
-    if (summary.length > 0) {
-        root.append(make("div", { className: "verdict" }, results[summary[0]].findings[0]));
-    }
+    if (summary) root.append(make("div", { className: "verdict" }, results[summary].findings[0]));
     for (const [command, draw] of Object.entries(show)) {
         if (results[command]) draw(results[command]);
     }
     if (Object.keys(results).length === 0) {
         section("An unfinished run", make("p", {}, `No command has finished here yet. ${data.evaluations.rows.length} evaluations of “${data.evaluations.command}” are kept; the same command goes on from them.`));
     }
+    const builds = Math.max(0, ...Object.values(results).map((r) => ((r.reduced_model || {}).loads || []).reduce((sum, l) => sum + l.full_runs, 0)));
     if (data.sessions.length > 0) {
-        section("Timings", table(["began (UTC)", "command", "threads", "forward runs", "seconds", "runs a second"],
+        section("Timings", table(["began (UTC)", "command", "threads", "runs", "seconds", "runs/s"],
             data.sessions.map((s) => [s.began.replace("T", " ").replace("Z", ""), "pavescape " + s.arguments.join(" "), s.threads,
-                s.evaluations, figure(s.seconds), figure(s.evaluations / s.seconds)]), [0, 1]),
-            make("p", { className: "soft" }, "Wall time from opening the folder to the last forward run that was computed there; what was found in the folder is not counted again."));
+                s.evaluations, figure(s.seconds), figure(s.evaluations / s.seconds)]), [1]),
+            make("p", { className: "soft" }, "Wall time from opening the folder to the last forward run that was computed there; what was found in the folder is not counted again." +
+                (builds ? ` Nor is the building of the reduced model, of ${builds} full runs.` : "")));
     }
     section("What this rests on",
         make("ul", {}, Object.entries(results).map(([command, r]) => make("li", {}, [`${command}: program ${r.version || data.version}`,
@@ -702,8 +700,7 @@
             r.noise ? `noise ${r.noise.source || r.noise}` : "", r.runs_per_second ? `${figure(r.runs_per_second)} forward runs a second` : "",
             r.study ? `study hash ${r.study.hash}` : ""].filter(Boolean).join(", ")))),
         make("p", { className: "soft" }, [...new Set(data.sessions.map((s) => `Computed by pavescape ${s.version} with ${s.libraries}.`))].join(" ")),
-        data.studies.length ? make("p", { className: "soft" }, "Layers are cross-anisotropic and bonded unless the study says otherwise, " +
-            `${floorOf(data.studies)}; loads act at rest. The study states the rest:`) : [],
+        [...new Set(Object.values(results).map((r) => r.study && r.study.model_words).filter(Boolean))].map((words) => make("p", { className: "soft" }, words)),
         data.studies.flatMap((s) => [make("h3", {}, s.file), s.note ? make("p", {}, s.note) : make("pre", {}, s.text)]));
     for (const { id, title } of sections) navigation.append(make("a", { href: "#" + id }, title));
     for (const draw of pending) draw();

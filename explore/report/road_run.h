@@ -1,0 +1,13 @@
+// What the JSON of a survey says of its run.
+#pragma once
+
+#include "analysis/road_files.h"
+#include "analysis/session.h"
+#include "report/json.h"
+
+namespace explore::report {
+
+// Adds "seed", "files" (names), "content" (a hash of what they hold), "version" and "run" (its folder).
+void add_run(Json& json, const analysis::RoadFiles& road, const analysis::RunOptions& run);
+
+} // namespace explore::report
