@@ -21,7 +21,8 @@ constexpr int samples = 512;
 constexpr std::uint64_t sample_seed = 0x5eed0fca5e5;
 
 // Nothing: interrupted.
-std::optional<study::ReducedLoads> build(const study::Study& study, const RunOptions& options) {
+std::optional<study::ReducedLoads> build(const study::Study& study, const RunOptions& options,
+                                         const pave::reduced::BuildSettings& settings) {
     tbb::task_arena arena(run::usable_threads(options.threads));
     run::Progress progress("build the reduced model", options.show_progress ? 0 : -1);
     const pave::reduced::ForEach for_each = [&](std::size_t n, const std::function<void(std::size_t)>& body) {
@@ -34,7 +35,8 @@ std::optional<study::ReducedLoads> build(const study::Study& study, const RunOpt
         }
     };
     try {
-        auto outcome = study::build_reduced(study, search::sobol(study.space, samples, sample_seed).points, for_each);
+        auto outcome =
+            study::build_reduced(study, search::sobol(study.space, samples, sample_seed).points, settings, for_each);
         if (!outcome) {
             throw std::runtime_error(outcome.failure().reason);
         }
@@ -87,19 +89,20 @@ run::EngineSettings Session::engine_settings() const {
 }
 
 std::optional<ReducedProblem> Session::reduced(const problem::Problem& fitted, const study::Study& study,
-                                               const ModelOptions& model, const std::string& name) {
+                                               const ModelOptions& model, const std::string& name,
+                                               const pave::reduced::BuildSettings& settings) {
     if (!model.reduced()) {
         return std::nullopt;
     }
     if (const std::string why = study::why_no_reduced_model(study); !why.empty()) {
         throw pave::Error({.file = study.file}, "this study has no reduced model", why, "--model full");
     }
-    const std::string key = study::reduced_key(study, samples);
+    const std::string key = study::reduced_key(study, samples, settings);
     const std::string file = (std::filesystem::path(options_.folder) / (name + ".bin")).string();
     auto loads = options_.folder.empty() ? std::nullopt : study::load_reduced(file, key);
     const bool built = !loads;
     if (built) {
-        loads = build(study, options_);
+        loads = build(study, options_, settings);
         if (!loads) {
             return std::nullopt;
         }

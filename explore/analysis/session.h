@@ -64,7 +64,8 @@ public:
     // there, in NAME.bin. fitted: the study's fitted readings. Nothing: interrupted, or the full model is asked for.
     // Throws pave::Error for a study that has none, std::runtime_error where the full model has too few answers.
     std::optional<ReducedProblem> reduced(const problem::Problem& fitted, const study::Study& study,
-                                          const ModelOptions& model, const std::string& name = "reduced");
+                                          const ModelOptions& model, const std::string& name = "reduced",
+                                          const pave::reduced::BuildSettings& build = {});
 
     // A whole result as JSON: in NAME.json of the folder, and with the newest run of the store.
     void keep(const std::string& name, const std::string& json);

@@ -46,7 +46,8 @@ public:
     StationFits(Session& session, SurveyResult& result, const std::vector<StationTask>& tasks)
         : session_(session),
           result_(result),
-          tasks_(tasks) {
+          tasks_(tasks),
+          networks_(session, result) {
         settings_.starts = searches;
     }
 
@@ -144,6 +145,7 @@ private:
     Session& session_;
     SurveyResult& result_;
     const std::vector<StationTask>& tasks_;
+    Networks networks_;
     landscape::MultistartSettings settings_;
     std::vector<StationSearch> searches_; // of each task
     std::vector<std::string> why_none_;   // should a station end without a result

@@ -15,46 +15,33 @@ namespace {
 
 constexpr double worth_confirming = 1.1; // times the lowest misfit: what the reduced model may take one for the other
 
-using Group = std::vector<StationSearch*>;
+// Every answer is fitted by the full model from where this one's searches end: half of what is built elsewhere will do.
+constexpr pave::reduced::BuildSettings build_settings{.most_runs = 150, .calibration = 50};
 
-std::map<std::vector<double>, Group> layouts_of(std::vector<StationSearch>& searches) {
-    std::map<std::vector<double>, Group> groups;
-    for (StationSearch& search : searches) {
-        groups[layout_key(search.task->layout())].push_back(&search);
-    }
-    return groups;
-}
+using Group = std::vector<const StationTask*>;
 
 study::Study study_of(const SurveyResult& result, const Group& group) {
     constexpr double margin = 1.01; // the range is one of positive length where all pressures are the same
     double low = std::numeric_limits<double>::infinity();
     double high = 0.0;
-    for (const StationSearch* search : group) {
-        for (const data::DeflectionBowl* bowl : search->task->bowls()) {
+    for (const StationTask* task : group) {
+        for (const data::DeflectionBowl* bowl : task->bowls()) {
             low = std::min(low, bowl->pressure_kPa);
             high = std::max(high, bowl->pressure_kPa);
         }
     }
-    return study::network_study(*result.study, group[0]->task->layout(), low / margin, high * margin);
-}
-
-problem::Problem problem_of(const StationTask& task, const std::shared_ptr<const problem::ForwardFunction>& network) {
-    const data::DeflectionBowl layout = task.layout();
-    std::vector<study::NetworkLevel> levels;
-    for (const data::DeflectionBowl* bowl : task.bowls()) {
-        levels.push_back({bowl->pressure_kPa, sensors_of(*bowl, layout)});
-    }
-    return study::with_network(task.problem, network, std::move(levels));
+    return study::network_study(*result.study, group[0]->layout(), low / margin, high * margin);
 }
 
 // False: interrupted.
-bool search_group(Session& session, SurveyResult& result, const Group& group, const ReducedProblem& network,
+bool search_group(Session& session, const std::vector<StationSearch*>& group, const ReducedProblem& network,
                   const landscape::MultistartSettings& settings) {
     std::vector<landscape::BatchItem> items;
     items.reserve(group.size());
     for (const StationSearch* search : group) {
         const int run = session.begin(search->task->study, "survey", search->settings + network.settings);
-        items.push_back({problem_of(*search->task, network.problem.function), run, search->starts});
+        const StationTask& task = *search->task;
+        items.push_back({on_network(task.problem, network, task.bowls(), task.layout()), run, search->starts});
     }
     run::Progress progress("search by the reduced model",
                            session.options().show_progress ? static_cast<std::int64_t>(items.size()) : -1,
@@ -83,40 +70,68 @@ bool search_group(Session& session, SurveyResult& result, const Group& group, co
     };
     landscape::search_batch(items, session.store(), *optimise::find_method(settings.method), settings.search,
                             session.options().threads, keep);
-    result.networks.push_back({group.size(), network.loads[0].report});
     return finished == items.size();
 }
 
 } // namespace
 
-bool search_by_networks(Session& session, SurveyResult& result, std::vector<StationSearch>& searches,
-                        const landscape::MultistartSettings& settings) {
-    if (study::stress_dependent_layers(*result.study).empty() || !result.study->constraints.empty()) {
+problem::Problem on_network(problem::Problem problem, const ReducedProblem& network,
+                            const std::vector<const data::DeflectionBowl*>& bowls, const data::DeflectionBowl& layout) {
+    std::vector<study::NetworkLevel> levels;
+    for (const data::DeflectionBowl* bowl : bowls) {
+        levels.push_back({bowl->pressure_kPa, sensors_of(*bowl, layout)});
+    }
+    return study::with_network(std::move(problem), network.problem.function, std::move(levels));
+}
+
+bool Networks::build(const std::vector<StationTask>& tasks) {
+    if (study::stress_dependent_layers(*result_.study).empty() || !result_.study->constraints.empty()) {
         return true; // the layered engine is as quick; constraints may be on outputs, which the network does not read
     }
-    for (const auto& [key, group] : layouts_of(searches)) {
+    std::map<std::vector<double>, Group> groups;
+    for (const StationTask& task : tasks) {
+        groups[layout_key(task.layout())].push_back(&task);
+    }
+    for (const auto& [key, group] : groups) {
         if (group.size() < network_stations) {
             continue;
         }
-        const study::Study study = study_of(result, group);
+        const study::Study study = study_of(result_, group);
         if (!study::why_no_reduced_model(study).empty()) {
             continue;
         }
-        const std::string name =
-            result.networks.empty() ? "reduced" : fmt::format("reduced-{}", result.networks.size());
-        std::optional<ReducedProblem> network;
+        const std::string name = networks_.empty() ? "reduced" : fmt::format("reduced-{}", networks_.size());
         try {
-            network = session.reduced(study::make_problem(study), study, {.use = ModelUse::automatic}, name);
+            auto network =
+                session_.reduced(study::make_problem(study), study, {.use = ModelUse::automatic}, name, build_settings);
+            if (!network) {
+                return false;
+            }
+            result_.networks.push_back({group.size(), network->loads[0].report});
+            networks_.emplace(key, std::move(*network));
         } catch (const pave::Error&) {
             throw;
         } catch (const std::runtime_error&) {
             continue; // the full model has too few answers in the box to learn from
         }
-        if (!network || !search_group(session, result, group, *network, settings)) {
-            return false;
-        }
     }
     return true;
+}
+
+const ReducedProblem* Networks::of(const data::DeflectionBowl& layout) const {
+    const auto found = networks_.find(layout_key(layout));
+    return found == networks_.end() ? nullptr : &found->second;
+}
+
+bool Networks::search(std::vector<StationSearch>& searches, const landscape::MultistartSettings& settings) {
+    std::map<const ReducedProblem*, std::vector<StationSearch*>> groups;
+    for (StationSearch& search : searches) {
+        if (const ReducedProblem* network = of(search.task->layout())) {
+            groups[network].push_back(&search);
+        }
+    }
+    return std::all_of(groups.begin(), groups.end(),
+                       [&](const auto& group) { return search_group(session_, group.second, *group.first, settings); });
 }
 
 } // namespace explore::analysis

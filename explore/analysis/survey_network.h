@@ -20,9 +20,26 @@ struct StationSearch {
     bool by_network() const { return searched > 0; }
 };
 
-// Searches the stations of every layout that has enough of them by one reduced model, and puts what it found in place
-// of their starts. False: interrupted.
-bool search_by_networks(Session& session, SurveyResult& result, std::vector<StationSearch>& searches,
-                        const landscape::MultistartSettings& settings);
+// The reduced models of a road, one for every plate and set of sensors that enough of its stations have.
+class Networks {
+public:
+    Networks(Session& session, SurveyResult& result) : session_(session), result_(result) {}
+
+    // False: interrupted.
+    bool build(const std::vector<StationTask>& tasks);
+    // Of these sensors; none: too few stations have them, or the study has no reduced model.
+    const ReducedProblem* of(const data::DeflectionBowl& layout) const;
+    // Searches the stations that have one, and puts what was found in place of their starts. False: interrupted.
+    bool search(std::vector<StationSearch>& searches, const landscape::MultistartSettings& settings);
+
+private:
+    Session& session_;
+    SurveyResult& result_;
+    std::map<std::vector<double>, ReducedProblem> networks_; // by layout_key()
+};
+
+// The problem of bowls with this model in place of the finite elements.
+problem::Problem on_network(problem::Problem problem, const ReducedProblem& network,
+                            const std::vector<const data::DeflectionBowl*>& bowls, const data::DeflectionBowl& layout);
 
 } // namespace explore::analysis

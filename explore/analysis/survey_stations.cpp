@@ -1,5 +1,6 @@
 #include "analysis/survey_stations.h"
 
+#include "analysis/survey_network.h"
 #include "analysis/survey_road.h"
 #include "base/units.h"
 #include "data/asphalt_temperature.h"
@@ -309,11 +310,13 @@ ParameterRange range_about(const problem::Axis& axis, double unit, double half) 
             .determined = low > 0.0 && high < 1.0 && high - low < half_box};
 }
 
-Exploration::Exploration(const SurveyResult& result, search::Design design, Session& session, std::string command)
+Exploration::Exploration(const SurveyResult& result, search::Design design, Session& session, std::string command,
+                         const Networks* networks)
     : result_(result),
       design_(std::move(design)),
       session_(session),
-      command_(std::move(command)) {}
+      command_(std::move(command)),
+      networks_(networks) {}
 
 std::optional<Exploration::Starts> Exploration::starts(const StationTask& task,
                                                        const landscape::MultistartSettings& settings) {
@@ -360,10 +363,16 @@ const std::vector<problem::Evaluation>* Exploration::at(const StationResult& s, 
     }
     bowl.pressure_kPa = result_.common_pressure_kPa;
     const study::Study study = study::station_study(*result_.study, s.station, {&bowl}, std::nullopt);
-    const problem::Problem problem = study::make_problem(study);
-    auto engine = session_.engine(problem, session_.begin(study, command_, "explored: " + design_.run_name()));
+    problem::Problem problem = study::make_problem(study);
+    std::string settings = "explored: " + design_.run_name();
+    const ReducedProblem* network = networks_ == nullptr ? nullptr : networks_->of(bowl);
+    if (network != nullptr) {
+        problem = on_network(std::move(problem), *network, {&bowl}, bowl);
+        settings += network->settings;
+    }
+    auto engine = session_.engine(problem, session_.begin(study, command_, settings));
     auto evaluations = engine.evaluate(design_);
-    tally_.computed += engine.tally().computed;
+    tally_.computed += network == nullptr ? engine.tally().computed : 0;
     if (!evaluations) {
         return nullptr;
     }

@@ -43,12 +43,16 @@ std::optional<NoFit> no_fit_of(const StationFit& fit);
 // The 95 % range of a parameter about a point in unit coordinates. half: its half width, in the same.
 ParameterRange range_about(const problem::Axis& axis, double unit, double half);
 
+class Networks;
+
 // What is explored once for all stations with one plate and one set of sensors: the responses at the points of a
 // design, under the common pressure. Nothing: interrupted.
 class Exploration {
 public:
-    // command: under which the run is kept. All but the design must outlive this.
-    Exploration(const SurveyResult& result, search::Design design, Session& session, std::string command);
+    // command: under which the run is kept; networks: models that explore where there is one. All but the design must
+    // outlive this.
+    Exploration(const SurveyResult& result, search::Design design, Session& session, std::string command,
+                const Networks* networks = nullptr);
 
     struct Starts {
         std::vector<std::vector<double>> points;
@@ -60,7 +64,7 @@ public:
     std::optional<Starts> starts(const StationTask& task, const landscape::MultistartSettings& settings);
 
     const search::Design& design() const { return design_; }
-    const run::Tally& tally() const { return tally_; }
+    const run::Tally& tally() const { return tally_; } // of the full model
 
 private:
     const std::vector<problem::Evaluation>* at(const StationResult& s, data::DeflectionBowl bowl);
@@ -69,6 +73,7 @@ private:
     search::Design design_;
     Session& session_;
     std::string command_;
+    const Networks* networks_;
     std::map<std::vector<double>, std::vector<problem::Evaluation>> explored_; // by plate radius and offsets
     run::Tally tally_;
 };

@@ -123,8 +123,8 @@ std::string why_no_reduced_model(const Study& study) {
     return {};
 }
 
-std::string reduced_key(const Study& study, std::size_t samples) {
-    std::string text = fmt::format("{} {} ", format_version, samples);
+std::string reduced_key(const Study& study, std::size_t samples, const pave::reduced::BuildSettings& settings) {
+    std::string text = fmt::format("{} {} {} {} ", format_version, samples, settings.most_runs, settings.calibration);
     text += make_function(study.model, study.parameters, fitted_loads(study))->description();
     for (const auto& axis : study.space.axes) {
         text += fmt::format("{} {:a} {:a} {} ", axis.name, axis.low, axis.high, static_cast<int>(axis.scale));
@@ -133,6 +133,7 @@ std::string reduced_key(const Study& study, std::size_t samples) {
 }
 
 pave::Outcome<ReducedLoads> build_reduced(const Study& study, const std::vector<std::vector<double>>& samples,
+                                          const pave::reduced::BuildSettings& settings,
                                           const pave::reduced::ForEach& for_each) {
     std::vector<Case> cases;
     for (const auto& unit : samples) {
@@ -149,7 +150,7 @@ pave::Outcome<ReducedLoads> build_reduced(const Study& study, const std::vector<
             continue;
         }
         pave::reduced::BuildReport report;
-        auto outcome = pave::reduced::build(study.model, static_cast<int>(l), cases, {}, for_each, &report);
+        auto outcome = pave::reduced::build(study.model, static_cast<int>(l), cases, settings, for_each, &report);
         if (!outcome) {
             return outcome.failure();
         }

@@ -17,10 +17,11 @@ using ReducedLoads = std::vector<std::optional<ReducedLoad>>;
 std::string why_no_reduced_model(const Study& study);
 
 // What a reduced model is a function of: section, loads, sensors, parameters and their ranges, samples.
-std::string reduced_key(const Study& study, std::size_t samples);
+std::string reduced_key(const Study& study, std::size_t samples, const pave::reduced::BuildSettings& settings);
 
 // samples: points of the unit cube in random order. Failure: the full model has too few answers.
 pave::Outcome<ReducedLoads> build_reduced(const Study& study, const std::vector<std::vector<double>>& samples,
+                                          const pave::reduced::BuildSettings& settings,
                                           const pave::reduced::ForEach& for_each);
 
 // Throws pave::Error where the file cannot be written. Nothing: there is none, it is of another key, or damaged.
