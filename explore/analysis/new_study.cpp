@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "data/asphalt_temperature.h"
 #include "data/bowl_indices.h"
 #include "data/reading.h"
 #include "study/station.h"
@@ -227,7 +228,8 @@ NewStudy study_of_station(const std::string& name, const data::FwdFile& file, co
     parts.head = fmt::format("# Station {} of {}{}{}{}{}{}. Written by `pavescape new`:\n", harmless(station.name),
                              source, station.date.empty() ? "" : ", " + harmless(station.date),
                              station.time.empty() ? "" : " " + harmless(station.time), given("air", station.air_C),
-                             given("surface", station.surface_C), given("asphalt", station.asphalt_C));
+                             given("surface", station.surface_C),
+                             given("asphalt", data::measured_asphalt_C(station.asphalt_C, station.surface_C)));
     parts.title = fmt::format("Station {} of {}", harmless(station.name), source);
     parts.layers = "# Layers from the top down. The file does not say what they are: REPLACE thicknesses and laws by "
                    "those of your road.\n# depth_mm of the outputs below goes with the thicknesses.";
@@ -261,6 +263,9 @@ NewStudy study_of_station(const std::string& name, const data::FwdFile& file, co
                          : fmt::format("# Drop {} is left out{}{}\n", drop.number,
                                        drop.why == data::LeftOut::seating ? ": it seats the plate" : "",
                                        drop.words.empty() ? "" : ": " + harmless(drop.words));
+    }
+    for (const std::string& remark : bowls->remarks) {
+        left_out += fmt::format("# {}\n", harmless(remark));
     }
     parts.noise = fmt::format(R"(# What was read; every reading states its noise (sigma).
 [data]

@@ -1,6 +1,7 @@
 #include "analysis/survey.h"
 
 #include "analysis/survey_network.h"
+#include "analysis/survey_outputs.h"
 #include "analysis/survey_road.h"
 #include "analysis/survey_stations.h"
 #include "data/csv.h"
@@ -28,12 +29,12 @@ StationFit fit_of(const StationTask& task, const landscape::Minimum& best) {
     // Noise that was stated and is not contradicted is known; otherwise it is estimated from what the fit leaves over.
     const landscape::LocalAnalysis& local = fit.local;
     const bool noise_is_known = local.noise_is_stated && !local.widened;
-    const double quantile = noise_is_known || local.degrees_of_freedom < 1
-                                ? 1.96
-                                : gsl_cdf_tdist_Pinv(0.975, static_cast<double>(local.degrees_of_freedom));
+    fit.quantile = noise_is_known || local.degrees_of_freedom < 1
+                       ? 1.96
+                       : gsl_cdf_tdist_Pinv(0.975, static_cast<double>(local.degrees_of_freedom));
     const auto& axes = task.problem.space.axes;
     for (std::size_t k = 0; k < axes.size(); ++k) {
-        fit.parameters.push_back(range_about(axes[k], best.unit[k], quantile * local.standard_error[k]));
+        fit.parameters.push_back(range_about(axes[k], best.unit[k], fit.quantile * local.standard_error[k]));
         fit.parameters[k].value = best.evaluation.parameters[k];
     }
     return fit;
@@ -51,7 +52,8 @@ public:
 
     bool run() {
         const auto begin = std::chrono::steady_clock::now();
-        if (!explore() || !search_by_networks(session_, result_, searches_, settings_) || !fit()) {
+        if (!explore() || !search_by_networks(session_, result_, searches_, settings_) || !fit() ||
+            !predict_outputs(session_, result_, tasks_)) {
             return false;
         }
         result_.floor = floor_of(result_, tasks_);
@@ -218,6 +220,16 @@ std::vector<std::string> SurveyResult::parameter_names() const {
         }
     }
     return names;
+}
+
+std::vector<data::Reading> SurveyResult::outputs() const {
+    std::vector<data::Reading> found;
+    if (study) {
+        for (const std::size_t i : study->outputs()) {
+            found.push_back(study->readings[i]);
+        }
+    }
+    return found;
 }
 
 std::optional<SurveyResult> survey(Session& session, std::vector<data::FwdFile> files,

@@ -52,6 +52,14 @@ struct ParameterRange {
     bool determined = false;      // the range reaches neither bound and covers less than half of the box
 };
 
+// An [[outputs]] entry of the study at the best fit, with its 95 % range by the delta method: g' C g of its gradient g
+// and the covariance C that the parameters' own ranges are made of. SI.
+struct OutputRange {
+    double value = 0.0;
+    double low = 0.0, high = 0.0;
+    bool determined = false; // no direction that the readings do not see moves it
+};
+
 struct StationFit {
     landscape::Minimum best;
     std::size_t minima = 0;
@@ -61,6 +69,9 @@ struct StationFit {
     std::vector<std::size_t> levels;           // of the station's bowls that were fitted together
     std::vector<ParameterRange> parameters;    // in the order of the study's
     landscape::LocalAnalysis local;
+    double quantile = 1.96;             // half a 95 % range over a standard error
+    std::vector<OutputRange> outputs{}; // in the order of SurveyResult::outputs
+    std::string why_no_outputs{};       // where the model has no answer for them
 };
 
 enum class TemperatureSource {
@@ -159,6 +170,7 @@ struct SurveyResult {
     // Behind the last of the stations from `begin` on that lie in one profile and lane.
     std::size_t end_of_lane(std::size_t begin) const;
     std::vector<std::string> parameter_names() const;
+    std::vector<data::Reading> outputs() const; // of the study; none without one
     double d0_at_common(const StationResult& s) const {
         return s.bowl().d0_um() * common_pressure_kPa / s.bowl().pressure_kPa;
     }

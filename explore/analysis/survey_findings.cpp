@@ -3,6 +3,7 @@
 #include "data/asphalt_temperature.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <map>
 
@@ -81,6 +82,12 @@ void add_fit(const SurveyResult& result, const StationResult& s, std::vector<std
     if (s.is_fitted() && !unknown.empty()) {
         words.push_back("not determined by these readings: " + pave::join(unknown));
     }
+    if (s.is_fitted() && fit.local.widened) {
+        words.push_back(fmt::format(
+            "chi2 {:.0f} of {} degrees of freedom: the stated noise does not explain what the fit "
+            "leaves over, and the ranges are {:.1f} times as wide for it",
+            fit.local.chi2, fit.local.degrees_of_freedom, std::sqrt(fit.local.chi2 / fit.local.expected_chi2)));
+    }
     if (fit.minima > 1) {
         words.push_back(
             fmt::format("{} minima: another set of parameters fits nearly as well or was met on the way", fit.minima));
@@ -92,6 +99,18 @@ void add_fit(const SurveyResult& result, const StationResult& s, std::vector<std
 std::string_view verdict(const StationResult& s) {
     const auto passes = s.passes();
     return !passes ? "" : *passes ? "pass" : "fail";
+}
+
+std::string why_no_ratio(const StationResult& s) {
+    if (!s.has_bowl() || s.ratio()) {
+        return "";
+    }
+    const auto& readings = s.bowl().readings;
+    if (readings.back().offset_mm < data::ratio_offset_mm) {
+        return fmt::format("no sensor at {:g} mm or beyond", data::ratio_offset_mm);
+    }
+    return fmt::format("no sensor between the edge of the plate ({:g} mm) and {:g} mm", s.bowl().radius_mm,
+                       data::ratio_offset_mm);
 }
 
 std::string reason_of(const StationResult& s) {
@@ -122,6 +141,13 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
     if (without_place > 0) {
         words.push_back(
             fmt::format("{} of {} stations have no chainage: they stand at the end.", without_place, stations));
+    }
+    const auto doubted = [](const StationResult& s) { return s.bowls && !s.bowls->doubt.empty(); };
+    if (const auto doubts = result.count(doubted); doubts > 0) {
+        const auto& first = *std::find_if(result.stations.begin(), result.stations.end(), doubted);
+        words.push_back(fmt::format("At {} of {} stations what is stated is not common, and a slip would explain it; "
+                                    "nothing was changed. At {}: {}",
+                                    doubts, stations, first.station.name, first.bowls->doubt));
     }
     const auto seated = result.count([](const StationResult& s) {
         return s.bowls && std::any_of(s.bowls->left_out.begin(), s.bowls->left_out.end(),

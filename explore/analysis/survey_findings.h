@@ -8,6 +8,9 @@ namespace explore::analysis {
 // By its deflection ratio: "pass", "fail", or "" without one.
 std::string_view verdict(const StationResult& station);
 
+// Why there is none, of a station with a bowl; "": there is one.
+std::string why_no_ratio(const StationResult& station);
+
 // Why a station is not "ok"; "": it is.
 std::string reason_of(const StationResult& station);
 

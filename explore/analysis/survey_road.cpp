@@ -28,8 +28,10 @@ double p_of_means(const std::vector<double>& values, std::size_t begin, std::siz
     const auto [n1, mean1, v1] = moments(begin, middle);
     const auto [n2, mean2, v2] = moments(middle, end);
     const double v = v1 + v2;
-    if (!(v > 0.0)) {
-        return mean1 == mean2 ? 1.0 : 0.0;
+    // Values (logarithms) that are the same but for rounding vary by nothing that a mean could be held against.
+    constexpr double same = 1e-9;
+    if (v <= same * same) {
+        return std::abs(mean1 - mean2) <= same ? 1.0 : 0.0;
     }
     const double degrees = v * v / (v1 * v1 / (n1 - 1.0) + v2 * v2 / (n2 - 1.0));
     return 2.0 * gsl_cdf_tdist_Q(std::abs(mean1 - mean2) / std::sqrt(v), degrees);
@@ -185,7 +187,7 @@ std::optional<SuspectSensor> suspect_sensor(const SurveyResult& result) {
 std::optional<SurveyResult::Floor> floor_of(const SurveyResult& result, const std::vector<StationTask>& tasks) {
     std::vector<const StationTask*> fitted;
     for (const StationTask& task : tasks) {
-        if (task.station->fit) {
+        if (task.station->is_fitted()) {
             fitted.push_back(&task);
         }
     }

@@ -8,7 +8,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
+#include <functional>
+#include <map>
+#include <set>
 #include <span>
 #include <tuple>
 
@@ -36,9 +40,11 @@ bool first_drops_seat(const std::vector<StationResult>& stations) {
 // Temperatures that no road has are not there; Fahrenheit under Celsius is the likely slip.
 void check_temperatures(data::FwdStation& station) {
     constexpr double coldest = -50.0;
-    constexpr double hottest = 75.0;
-    for (auto [name, celsius] : {std::pair{"air", &station.air_C}, std::pair{"surface", &station.surface_C},
-                                 std::pair{"asphalt", &station.asphalt_C}}) {
+    constexpr double hottest_air = 58.0;
+    constexpr double hottest_road = 75.0;
+    for (auto [name, celsius, hottest] :
+         {std::tuple{"air", &station.air_C, hottest_air}, std::tuple{"surface", &station.surface_C, hottest_road},
+          std::tuple{"asphalt", &station.asphalt_C, hottest_road}}) {
         if (*celsius && !(**celsius >= coldest && **celsius <= hottest)) {
             station.remarks.push_back(fmt::format("the {} temperature of {:g} C is not used{}", name, **celsius,
                                                   **celsius > hottest ? ": Fahrenheit in a Celsius column?" : ""));
@@ -54,6 +60,51 @@ void make_bowls(StationResult& s, const data::DropChoice& choice) {
     } else {
         s.state = StationState::rejected;
         s.reason = bowls.failure().reason;
+    }
+}
+
+// What one lane holds of different dates, or of different files: runs of their own where their stretches lie over each
+// other, one road where one follows the other.
+using Stretches = std::map<std::string, std::pair<double, double>>; // by date or file: the first and the last chainage
+bool are_runs(const Stretches& stretches) {
+    for (auto a = stretches.begin(); a != stretches.end(); ++a) {
+        for (auto b = std::next(a); b != stretches.end(); ++b) {
+            const double shared =
+                std::min(a->second.second, b->second.second) - std::max(a->second.first, b->second.first);
+            const bool is_point = a->second.first == a->second.second || b->second.first == b->second.second;
+            if (is_point ? shared >= 0.0 : shared > 0.0) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+void part_runs(std::vector<StationResult>& stations,
+               const std::function<std::string(const data::FwdStation&)>& name_of) {
+    std::map<std::pair<std::string, std::string>, Stretches> lanes; // by profile and lane
+    for (const StationResult& s : stations) {
+        if (const auto at = s.station.chainage_m) {
+            const auto [known, is_new] =
+                lanes[{s.station.profile, s.station.lane}].try_emplace(name_of(s.station), *at, *at);
+            auto& [first, last] = known->second;
+            first = std::min(first, *at);
+            last = std::max(last, *at);
+        }
+    }
+    std::set<std::string> profiles; // with a lane of several runs
+    for (const auto& [lane, stretches] : lanes) {
+        if (are_runs(stretches)) {
+            profiles.insert(lane.first);
+        }
+    }
+    for (StationResult& s : stations) {
+        if (profiles.contains(s.station.profile)) {
+            const std::string name = name_of(s.station);
+            if (s.station.profile.find(name) == std::string::npos) {
+                s.station.profile += (s.station.profile.empty() || name.empty() ? "" : ", ") + name;
+            }
+        }
     }
 }
 
@@ -77,6 +128,8 @@ SurveyResult read_stations(std::vector<data::FwdFile> files, data::DropChoice ch
             }
         }
     }
+    part_runs(result.stations, [](const data::FwdStation& s) { return s.date.substr(0, s.date.find_first_of(" T")); });
+    part_runs(result.stations, [](const data::FwdStation& s) { return std::filesystem::path(s.file).stem().string(); });
     const auto order = [](const StationResult& s) {
         return std::tuple<const std::string&, const std::string&, double>(s.station.profile, s.station.lane,
                                                                           s.station.chainage_m.value_or(no_place));
@@ -118,14 +171,17 @@ double rms_percent(const problem::Problem& problem, const std::vector<double>& r
 
 void add_temperature(StationResult& s, const SurveyOptions& options, std::optional<double> thickness_mm) {
     const data::FwdStation& station = s.station;
-    // Writers without a reading put 0 there.
-    const bool is_measured =
-        station.asphalt_C && (*station.asphalt_C != 0.0 || (station.surface_C && std::abs(*station.surface_C) < 2.0));
-    if (is_measured) {
-        s.asphalt = {*station.asphalt_C, TemperatureSource::measured};
+    if (const auto measured = data::measured_asphalt_C(station.asphalt_C, station.surface_C)) {
+        s.asphalt = {*measured, TemperatureSource::measured};
         return;
     }
-    const auto hour = data::hour_of_day(station.time);
+    const bool is_in_date = station.time.empty() && station.date.find(':') != std::string::npos;
+    const std::string& clock = is_in_date ? station.date : station.time;
+    const auto hour = data::hour_of_day(clock);
+    if (station.surface_C && !hour && !data::is_nil(clock)) {
+        s.station.remarks.push_back(
+            fmt::format("\"{}\" is no time of day: no asphalt temperature is made of the surface's", clock));
+    }
     const auto air = options.air_of_day_before_C ? options.air_of_day_before_C : station.air_C;
     if (station.surface_C && hour && air && thickness_mm) {
         s.asphalt = {data::bells3(*station.surface_C, *air, *hour, *thickness_mm / 2.0),

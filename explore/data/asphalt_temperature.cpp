@@ -15,6 +15,12 @@ double wave(double hour, double centre) {
 
 } // namespace
 
+std::optional<double> measured_asphalt_C(std::optional<double> asphalt_C, std::optional<double> surface_C) {
+    constexpr double near_zero = 2.0;
+    const bool is_measured = asphalt_C && (*asphalt_C != 0.0 || (surface_C && std::abs(*surface_C) < near_zero));
+    return is_measured ? asphalt_C : std::nullopt;
+}
+
 double bells3(double surface_C, double air_of_day_before_C, double hour, double depth_mm) {
     return 0.95 + 0.892 * surface_C +
            (std::log10(depth_mm) - 1.25) *

@@ -5,6 +5,10 @@
 
 namespace explore::data {
 
+// What a file states for the asphalt, unless it is the 0 that writers put without a reading: beside a surface that is
+// not near 0 too.
+std::optional<double> measured_asphalt_C(std::optional<double> asphalt_C, std::optional<double> surface_C);
+
 // BELLS3, for routine testing (the surface shaded for no more than a minute), in degrees Celsius:
 //     T_d = 0.95 + 0.892 IR + (lg d - 1.25) (-0.448 IR + 0.621 A + 1.83 s(h, 15.5)) + 0.042 IR s(h, 13.5)
 // d: depth in mm, IR: surface temperature, A: mean air temperature of the day before, h: hour of the day,

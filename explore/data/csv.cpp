@@ -14,7 +14,7 @@
 
 namespace explore::data {
 
-std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file, char separator) {
+std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file, char separator, Comments comments) {
     if (text.starts_with("\xef\xbb\xbf")) {
         text.remove_prefix(3);
     }
@@ -22,7 +22,7 @@ std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file, ch
     int line = 1;
     std::size_t i = 0;
     while (i < text.size()) {
-        if (text[i] == '#') {
+        if (text[i] == '#' && (comments == Comments::anywhere)) {
             i = std::min(text.find('\n', i), text.size() - 1) + 1;
             ++line;
             continue;
@@ -138,6 +138,26 @@ double finite_number(std::string_view cell, const pave::Place& place) {
     return *result;
 }
 
+namespace {
+
+std::string with_plain_blanks(std::string_view text) {
+    std::string out;
+    out.reserve(text.size());
+    for (std::size_t i = 0; i < text.size();) {
+        std::size_t length = 0;
+        if (static_cast<unsigned char>(text[i]) >= 0x80U) {
+            for (const std::string_view blank : {"\u00a0", "\u2007", "\u2009", "\u202f", "\u3000"}) {
+                length = text.substr(i).starts_with(blank) ? blank.size() : length;
+            }
+        }
+        out += length > 0 ? ' ' : text[i];
+        i += std::max<std::size_t>(length, 1);
+    }
+    return out;
+}
+
+} // namespace
+
 std::string read_file(const std::string& file, std::string_view what, Encoding encoding) {
     const std::string problem = "cannot read this " + std::string(what);
     std::error_code error;
@@ -166,6 +186,7 @@ std::string read_file(const std::string& file, std::string_view what, Encoding e
         if (text.find('\n') == std::string::npos) {
             std::replace(text.begin(), text.end(), '\r', '\n');
         }
+        text = with_plain_blanks(text);
     }
     if (const std::size_t at = pave::first_not_utf8(text); at != std::string::npos) {
         const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');

@@ -16,8 +16,11 @@ struct CsvRow {
 };
 
 // Splits text into rows; quoted cells may hold separators, doubled quotes and line breaks. Blank lines and lines that
-// start with # are left out; a UTF-8 byte order mark is skipped. Throws pave::Error for a quote that never closes.
-std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file, char separator = ',');
+// start with # are left out (comments: or not); a UTF-8 byte order mark is skipped. Throws pave::Error for a quote that
+// never closes.
+enum class Comments { anywhere, none };
+std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file, char separator = ',',
+                              Comments comments = Comments::anywhere);
 
 // A cell as RFC 4180 wants it: quoted when it holds a separator, a quote or a line break, or would be read as a
 // comment.
@@ -38,8 +41,8 @@ std::optional<double> number_or_nothing(std::string_view cell);
 // when it is not text. what: "measurement file".
 enum class Encoding {
     utf8,
-    of_instruments // UTF-8, UTF-16, else ISO 8859-1: all become UTF-8, zero bytes blanks, lone carriage returns line
-                   // ends
+    of_instruments // UTF-8, UTF-16, else ISO 8859-1: all become UTF-8, zero bytes and no-break spaces blanks, lone
+                   // carriage returns line ends
 };
 std::string read_file(const std::string& file, std::string_view what, Encoding encoding = Encoding::utf8);
 

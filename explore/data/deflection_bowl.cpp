@@ -1,5 +1,6 @@
 #include "data/deflection_bowl.h"
 
+#include "data/bowl_sensors.h"
 #include "data/fwd_values.h"
 #include "data/plausibility.h"
 
@@ -18,9 +19,10 @@ constexpr double near_target = 0.15;     // of the target
 constexpr double seating_differs = 0.05; // deflection of a seating drop from the repeats
 constexpr double repeats_agree = 0.025;  // deflections of the repeats from each other
 constexpr double drops_disagree = 0.1;   // deflection of a drop from the median: worth a remark
+constexpr double drops_contradict = 0.5; // scatter of the logarithms of a sensor's readings
 constexpr double sides_disagree = 0.1;   // deflections ahead of and behind the plate: worth a remark
 constexpr double dead_um = 1.0;          // half of what a sensor resolves
-constexpr double dead_share = 0.25;      // of the next sensor further out
+constexpr double full_bowl_mm = 600.0;   // where a bowl has fallen
 constexpr double accuracy_um = 2.0;      // of a sensor, and
 constexpr double accuracy_share = 0.02;  // of what it reads
 constexpr double centre_tolerance_mm = 0.5;
@@ -116,7 +118,7 @@ public:
                 main_ = i == chosen_ ? std::optional(result_.levels.size()) : main_;
                 result_.levels.push_back(std::move(*bowl));
             } else if (i == chosen_) {
-                return rejected(reason_);
+                return rejected(reason_with_sensors());
             } else {
                 for (const FwdDrop* d : levels_[i]) {
                     result_.left_out.push_back({d->number, LeftOut::implausible, reason_});
@@ -124,10 +126,23 @@ public:
             }
         }
         result_.main = *main_;
+        result_.doubt = doubtful(*levels_[chosen_][0]);
+        if (!result_.doubt.empty()) {
+            remark(result_.doubt);
+        }
         return std::move(result_);
     }
 
 private:
+    // Sensors that were left out may be why.
+    std::string reason_with_sensors() const {
+        std::string words = reason_;
+        for (const std::string& remark : result_.remarks) {
+            words += remark.ends_with("is left out") || remark.ends_with("no reading here") ? "; " + remark : "";
+        }
+        return words;
+    }
+
     // Fills levels_ and chosen_. Returns why there is nothing to choose, or "".
     std::string choose_drops() {
         if (!station_.unusable.empty()) {
@@ -214,6 +229,7 @@ private:
         bowl.radius_mm = level[0]->radius_mm;
         bowl.pressure_kPa = pressure_of(level);
         std::map<double, std::vector<double>> scaled; // by offset
+        std::set<double> not_read;
         for (const FwdDrop* d : level) {
             bowl.drops.push_back(d->number);
             for (const FwdReading& r : d->readings) {
@@ -222,6 +238,22 @@ private:
                         r.deflection_um * (bowl.pressure_kPa / d->pressure_kPa));
                 }
             }
+            not_read.insert(d->not_read_mm.begin(), d->not_read_mm.end());
+        }
+        std::vector<std::string> silent;
+        for (const double offset : not_read) {
+            if (!scaled.contains(offset)) {
+                silent.push_back(fmt::format("{:g}", offset));
+            }
+        }
+        if (!silent.empty()) {
+            remark(fmt::format("{} at {} mm gave no reading here", silent.size() == 1 ? "the sensor" : "the sensors",
+                               pave::join(silent)));
+        }
+        if (!scaled.empty() &&
+            std::all_of(scaled.begin(), scaled.end(), [](const auto& at) { return median(at.second) < 0.0; })) {
+            reason_ = "every deflection is negative: the sign is turned (positive is down)";
+            return std::nullopt;
         }
         for (const auto& [offset, deflections] : scaled) {
             if (deflections.size() < level.size()) {
@@ -271,18 +303,26 @@ private:
     }
 
     // side: -1 behind the plate, for words.
+    void take_out(std::map<double, BowlReading>& readings, double offset, double side) {
+        const BowlReading& r = readings.at(offset);
+        remark(fmt::format("the sensor at {:g} mm reads {:.1f} um{} and is left out",
+                           offset == 0.0 ? 0.0 : side * offset, r.deflection_um,
+                           r.scatter.value_or(0.0) > drops_contradict ? ", in drops that contradict each other," : ""));
+        readings.erase(offset);
+    }
+
     void take_out_dead(std::map<double, BowlReading>& readings, double side) {
-        double outer = 0.0; // of the next live sensor further out
-        for (auto it = readings.end(); it != readings.begin();) {
-            --it;
-            const double um = it->second.deflection_um;
-            if (um < dead_um || um < dead_share * outer) {
-                remark(fmt::format("the sensor at {:g} mm reads {:.1f} um and is left out",
-                                   it->first == 0.0 ? 0.0 : side * it->first, um));
-                it = readings.erase(it);
-            } else {
-                outer = um;
+        std::vector<double> dead;
+        for (const auto& [offset, r] : readings) {
+            if (r.deflection_um < dead_um) {
+                dead.push_back(offset);
             }
+        }
+        for (const double offset : dead) {
+            take_out(readings, offset, side);
+        }
+        while (const auto culprit = most_contradicted(readings)) {
+            take_out(readings, *culprit, side);
         }
     }
 
@@ -333,8 +373,20 @@ private:
                 return false;
             }
         }
+        const BowlReading& last = bowl.readings.back();
+        if (last.offset_mm >= full_bowl_mm && bowl.readings.size() > 2 &&
+            last.deflection_um >= (1.0 - accuracy_share) * bowl.d0_um()) {
+            reason_ =
+                fmt::format("the deflection does not fall: {:.{}f} um at the centre and {:.{}f} um at {:g} mm",
+                            bowl.d0_um(), digits(bowl.readings[0]), last.deflection_um, digits(last), last.offset_mm);
+            return false;
+        }
+        for (std::string& words : faint_sensors(bowl.readings)) {
+            remark(std::move(words));
+        }
         return true;
     }
+
     static int digits(const BowlReading& r) { return r.deflection_um < 100.0 ? 1 : 0; }
 
     void remark_on_drops(const Level& level, const DeflectionBowl& bowl) {

@@ -7,8 +7,10 @@
 // of its highest. The level that counts is the highest, or the one nearest to the target load. Drops of a level are
 // scaled in proportion to their median pressure, and every sensor's deflection is the median over them.
 //
-// Readings. Sensors are good to 2 um + 2 % each (what manufacturers state). A reading below 1 um, or below a quarter of
-// the next one further out, is of a dead sensor and left out. Deflections fall outwards; a rise within what both
+// Readings. Sensors are good to 2 um + 2 % each (what manufacturers state). A reading below 1 um is of a dead sensor
+// and left out. Two others contradict each other where the outer one is more than a quarter larger: the reading that
+// contradicts the most others is left out, as long as one contradicts two or more, or stands at less than a quarter of
+// the outer one (of a single pair the inner one). Deflections fall outwards; a rise within what both
 // sensors are good to stays, with a remark; beyond that the last sensor is left out, and anywhere else the station:
 // which of the two is wrong cannot be told. Sensors behind the plate count only where there is no reading ahead of it
 // at that distance; the two sides are compared.
@@ -75,6 +77,7 @@ struct StationBowls {
     std::size_t main = 0;               // the level that counts
     std::vector<DropLeftOut> left_out;
     std::vector<std::string> remarks; // on the readings
+    std::string doubt;                // doubtful(), of the level that counts
 
     const DeflectionBowl& bowl() const { return levels[main]; }
 };

@@ -9,9 +9,13 @@
 #include "data/fwd_pddx.h"
 #include "data/fwd_primax.h"
 #include "data/fwd_r80.h"
+#include "data/fwd_values.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <fmt/format.h>
+#include <set>
 
 namespace explore::data {
 
@@ -23,24 +27,165 @@ std::span<const FwdFormat> fwd_formats() {
 }
 
 FwdFile with_drops(FwdFile read, const std::string& file, std::string_view allowed) {
-    if (read.stations.empty()) {
+    if (std::all_of(read.stations.begin(), read.stations.end(),
+                    [](const FwdStation& s) { return s.drops.empty() && s.unusable == no_drops; })) {
         throw pave::Error({.file = file}, "the file holds no drops", {}, std::string(allowed));
     }
     return read;
 }
 
+void take_pressure(FwdDrop& drop, double pressure_kPa, std::string_view where, FwdStation& station) {
+    if (drop.force_kN && !(std::abs(drop.pressure_kPa / pressure_kPa - 1.0) <= 0.05)) {
+        station.remarks.push_back(
+            fmt::format("{}: {:g} kN on this plate are {:.0f} kPa, the line states {:g} kPa, which "
+                        "is taken",
+                        where, *drop.force_kN, drop.pressure_kPa, pressure_kPa));
+    }
+    drop.pressure_kPa = pressure_kPa;
+    drop.force_kN.reset();
+}
+
+void set_position(FwdStation& station, std::string_view latitude, std::string_view longitude) {
+    const auto north = degrees(latitude);
+    const auto east = degrees(longitude);
+    for (const auto& [text, read] : {std::pair{latitude, north}, std::pair{longitude, east}}) {
+        if (!read && !is_nil(text)) {
+            station.remarks.push_back(fmt::format("\"{}\" is no position on the globe", text));
+            return;
+        }
+    }
+    set_position(station, north, east);
+}
+
+void set_position(FwdStation& station, std::optional<double> latitude, std::optional<double> longitude) {
+    if (latitude == 0.0 && longitude == 0.0) {
+        return;
+    }
+    const double north = latitude.value_or(0.0);
+    const double east = longitude.value_or(0.0);
+    if (std::abs(north) > 90.0 || std::abs(east) > 180.0) {
+        station.remarks.push_back(fmt::format("latitude {:.10g}, longitude {:.10g} is no position on the globe in "
+                                              "degrees{}",
+                                              north, east,
+                                              std::abs(north) > 200.0 ? ": degrees and minutes (ddmm.mmm)?" : ""));
+        return;
+    }
+    station.latitude = latitude;
+    station.longitude = longitude;
+}
+
+namespace {
+
+// What is no text with drops at all, in a sentence of its own.
+void refuse_others(std::string_view text, const std::string& file) {
+    if (trimmed(text).empty() || text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
+        throw pave::Error({.file = file}, "this file is empty", {}, "a file with FWD drops");
+    }
+    const std::string head = lower_case(text.substr(0, 1000));
+    const bool is_zip = text.starts_with("PK\x03\x04");
+    if (is_zip || text.starts_with("\xc3\x90\xc3\x8f\x11\xc3\xa0")) { // the signs of zip archives and of compound files
+        throw pave::Error({.file = file}, "this is a workbook or another packed file, not text", {},
+                          "a table saved as CSV by the spreadsheet");
+    }
+    if (head.find("<html") != std::string::npos || head.find("<table") != std::string::npos ||
+        head.find("<?xml") != std::string::npos) {
+        throw pave::Error({.file = file}, "this is a page (HTML or XML), whatever its name says", {},
+                          "a table saved as CSV by the spreadsheet");
+    }
+}
+
+// The first line that holds something, cut for a message.
+std::string first_words(std::string_view text) {
+    constexpr std::size_t shown = 60;
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+    const std::string_view line = trimmed(text.substr(0, text.find_first_of("\r\n")));
+    std::size_t end = std::min(shown, line.size());
+    while (end < line.size() && (static_cast<unsigned char>(line[end]) & 0xc0U) == 0x80U) {
+        ++end; // not inside a character
+    }
+    return "\"" + std::string(line.substr(0, end)) + (end < line.size() ? "...\"" : "\"");
+}
+
+// Letters beyond ASCII of ISO 8859-1 stand alone among others; in runs they are another encoding's, read as that.
+bool is_misread(std::string_view text) {
+    std::size_t letters = 0;
+    std::size_t runs = 0;
+    bool is_run = false;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte >= 0xc4U) {
+            return false; // beyond ISO 8859-1: the text was UTF-8
+        }
+        const bool is_high = byte >= 0x80U;
+        letters += byte >= 0xc2U ? 1 : 0;
+        runs += is_high && !is_run ? 1 : 0;
+        is_run = is_high;
+    }
+    return letters >= 2 && letters >= 2 * runs;
+}
+
+// A sensor that no station read is remarked once, one that others read at the station.
+void say_what_was_not_read(FwdFile& file, const std::string& name) {
+    std::set<double> read;
+    std::set<double> silent;
+    for (const FwdStation& station : file.stations) {
+        for (const FwdDrop& drop : station.drops) {
+            for (const FwdReading& reading : drop.readings) {
+                read.insert(reading.offset_mm);
+            }
+            silent.insert(drop.not_read_mm.begin(), drop.not_read_mm.end());
+        }
+    }
+    for (const double offset : silent) {
+        if (!read.contains(offset)) {
+            file.remarks.push_back(fmt::format("{}: the sensor at {:g} mm was never read", name, offset));
+        }
+    }
+    for (FwdStation& station : file.stations) {
+        for (FwdDrop& drop : station.drops) {
+            drop.not_read_mm.erase(std::remove_if(drop.not_read_mm.begin(), drop.not_read_mm.end(),
+                                                  [&](double offset) { return !read.contains(offset); }),
+                                   drop.not_read_mm.end());
+        }
+    }
+}
+
+constexpr const char* misread_words = "the letters beyond ASCII are neither UTF-8 nor ISO 8859-1 (GBK, Windows-1251?): "
+                                      "texts come out wrong; a file saved "
+                                      "as UTF-8 is read right";
+
+} // namespace
+
 FwdFile read_fwd(const std::string& file, const ColumnMap& columns) {
     const std::string text = read_file(file, "FWD file", Encoding::of_instruments);
+    const bool misread = is_misread(text);
+    refuse_others(text, file);
     std::string signs;
+    const bool is_table = text.substr(0, text.find('\n')).find_first_of(",;\t|") != std::string::npos;
     for (const FwdFormat& format : fwd_formats()) {
         if (format.recognises(text, columns)) {
             FwdFile read = format.read(text, file, columns);
             read.inputs.insert(read.inputs.begin(), {file, text});
+            if (misread) {
+                read.remarks.push_back(file + ": " + misread_words);
+            }
+            if (!columns.empty() && format.name != fwd_csv.name) {
+                read.remarks.push_back(
+                    fmt::format("{}: --columns describes tables and is not used for {}", file, format.name));
+            }
+            say_what_was_not_read(read, file);
             return read;
+        }
+        if (is_table && format.name == fwd_csv.name) {
+            continue; // said first
         }
         signs += (signs.empty() ? "" : "; ") + std::string(format.name) + ": " + std::string(format.sign);
     }
-    throw pave::Error({.file = file}, "this is not an FWD file of a known format", {}, signs);
+    throw pave::Error({.file = file}, "this is not an FWD file of a known format",
+                      first_words(text) +
+                          (is_table ? "; no line of the first 30 names two columns of a survey table" : "") +
+                          (misread ? std::string("; ") + misread_words : ""),
+                      (is_table ? std::string(fwd_csv.sign) + " (--columns takes names of its own); " : "") + signs);
 }
 
 ColumnMap read_column_map(const std::string& list_or_file) {

@@ -19,11 +19,12 @@ struct FwdReading {
 
 struct FwdDrop {
     int number = 0;
-    double radius_mm = 0.0;           // of the plate; not a number: not stated
-    double pressure_kPa = 0.0;        // peak, uniform under the plate; not a number: not measured
-    std::vector<FwdReading> readings; // those that were measured
-    std::optional<double> force_kN{}; // where the file states a force: pressure_kPa is made of it
-    std::string flag{};               // why the file itself warns of this drop; "": it does not
+    double radius_mm = 0.0;            // of the plate; not a number: not stated
+    double pressure_kPa = 0.0;         // peak, uniform under the plate; not a number: not measured
+    std::vector<FwdReading> readings;  // those that were measured
+    std::vector<double> not_read_mm{}; // offsets of the sensors that gave no number
+    std::optional<double> force_kN{};  // where the file states a force: pressure_kPa is made of it
+    std::string flag{};                // why the file itself warns of this drop; "": it does not
     int line = 0;
 };
 
@@ -31,7 +32,7 @@ struct FwdDrop {
 // judge. What a file does not state, or not as a number, is not there; remarks say what could not be read.
 struct FwdStation {
     std::string name;
-    std::string profile{};              // what runs along the road on its own: a section and date of LTPP; may be empty
+    std::string profile{};              // what runs along the road on its own: a section, a date; may be empty
     std::string lane;                   // may be empty
     std::optional<double> chainage_m{}; // nothing: not to be read
     std::string date{}, time{};         // as the file writes them
@@ -51,8 +52,19 @@ struct FwdFile {
     std::vector<InputFile> inputs{};  // the file, and the tables beside it that were read
 };
 
+inline constexpr const char* no_drops = "it has no drops"; // FwdStation::unusable
+
 // The file itself. Throws pave::Error where it holds no drops; allowed: what holds drops in its format, in words.
 FwdFile with_drops(FwdFile read, const std::string& file, std::string_view allowed);
+
+// A pressure that the file states counts before the force beside it; a station where they differ by more than 5 % is
+// remarked.
+void take_pressure(FwdDrop& drop, double pressure_kPa, std::string_view where, FwdStation& station);
+
+// Latitude and longitude as the file states them, in degrees: taken where they lie on the globe; 0, 0 is what receivers
+// write without a fix. Anything else that was written is remarked.
+void set_position(FwdStation& station, std::string_view latitude, std::string_view longitude);
+void set_position(FwdStation& station, std::optional<double> latitude, std::optional<double> longitude);
 
 // For tables with names of their own: the name of a column as fwd_csv.h knows it -> the file's own name of it, or a
 // number that holds for every line ("radius_mm" -> "150").

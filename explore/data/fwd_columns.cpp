@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "data/csv.h"
+#include "data/fwd_table.h"
 #include "data/fwd_values.h"
 
 #include <algorithm>
@@ -25,6 +26,14 @@ constexpr Word words[] = {{"station", Meaning::station},
                           {"name", Meaning::station},
                           {"id", Meaning::station},
                           {"lane", Meaning::lane},
+                          {"road", Meaning::profile},
+                          {"roadname", Meaning::profile},
+                          {"route", Meaning::profile},
+                          {"section", Meaning::profile},
+                          {"sectionid", Meaning::profile},
+                          {"run", Meaning::profile},
+                          {"direction", Meaning::profile},
+                          {"carriageway", Meaning::profile},
                           {"chainage", Meaning::chainage},
                           {"distance", Meaning::chainage},
                           {"dist", Meaning::chainage},
@@ -253,7 +262,7 @@ std::vector<const FwdColumn*> FwdHeader::deflections() const {
 
 std::string known_columns() {
     return "chainage_m, radius_mm, pressure_kPa or load_kN, deflections such as D0_um or D200_mm; and station, lane, "
-           "drop, air_C, surface_C, asphalt_C, latitude, longitude, date, time, remark";
+           "road, section, drop, air_C, surface_C, asphalt_C, latitude, longitude, date, time, remark";
 }
 
 FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const std::vector<int>& lines,
@@ -269,7 +278,7 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
             throw pave::Error({.key = "--columns"}, "unknown column", "\"" + ours + "\"", known_columns());
         }
         const auto at = std::find_if(names.begin(), names.end(), [&, theirs = theirs](const std::string& n) {
-            return lower_case(n) == lower_case(theirs);
+            return lower_case(n) == lower_case(with_plain_letters(theirs));
         });
         if (at != names.end()) {
             *at = ours;
@@ -291,7 +300,7 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
         }
         column->at = i;
         const auto same = std::find_if(header.columns.begin(), header.columns.end(), [&](const FwdColumn& c) {
-            return c.meaning == column->meaning && c.offset_mm == column->offset_mm;
+            return c.meaning == column->meaning && c.offset_mm == column->offset_mm && c.meaning != Meaning::profile;
         });
         if (same != header.columns.end()) {
             // "ID" beside "station" is another column, "load_lbf" beside "load_kN" the same one.

@@ -16,6 +16,7 @@ namespace explore::data {
 enum class Meaning {
     station,
     lane,
+    profile, // the road, section or run
     chainage,
     drop,
     radius,
@@ -51,7 +52,7 @@ std::optional<FwdColumn> column_named(std::string_view name);
 std::optional<double> deflection_unit(std::string_view word);
 
 struct FwdHeader {
-    std::vector<FwdColumn> columns;   // each meaning once; the deflections by offset
+    std::vector<FwdColumn> columns;   // each meaning once, profiles apart; the deflections by offset
     std::vector<std::string> unknown; // names that mean nothing here
     std::size_t rows = 1;             // of the table that are header: names, then offsets or units of the deflections
 

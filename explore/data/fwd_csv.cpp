@@ -2,6 +2,7 @@
 
 #include "data/csv.h"
 #include "data/fwd_columns.h"
+#include "data/fwd_table.h"
 #include "data/fwd_values.h"
 
 #include <algorithm>
@@ -14,174 +15,27 @@
 namespace explore::data {
 namespace {
 
-constexpr std::size_t npos = std::string_view::npos;
-constexpr std::array separators = {',', ';', '\t'};
-
-// The first line that is neither blank nor a comment.
-std::string_view first_line(std::string_view text) {
-    while (!text.empty()) {
-        const std::string_view line = text.substr(0, text.find('\n'));
-        if (!trimmed(line.substr(0, line.find('\r'))).empty() && line[0] != '#') {
-            return line.substr(0, line.find('\r'));
-        }
-        text.remove_prefix(std::min(line.size() + 1, text.size()));
-    }
-    return {};
+// Lines below the stations that sum them up.
+bool is_statistic(std::string_view name) {
+    constexpr std::array<std::string_view, 22> words = {"mean",     "average",  "avg",        "std",
+                                                        "stdev",    "stddev",   "min",        "minimum",
+                                                        "max",      "maximum",  "median",     "sum",
+                                                        "total",    "count",    "cv",         "cov",
+                                                        "variance", "mittel",   "mittelwert", "standardabweichung",
+                                                        "moyenne",  "ecarttype"};
+    return std::find(words.begin(), words.end(), plain_word(name)) != words.end();
 }
 
-// Spreadsheets may name the separator in a line before the table: sep=;
-bool names_separator(std::string_view line) {
-    return lower_case(line).starts_with("sep=");
+// Left and right carriageway of Chinese motorways, of "ZK0+160" and "YK0+160"; "": neither.
+std::string_view carriageway(std::string_view place) {
+    return place.starts_with("ZK") || place.starts_with("YK") ? place.substr(0, 2) : std::string_view{};
 }
 
-// The one that parts the header most often.
-char separator_of(std::string_view line) {
-    char best = separators[0];
-    std::ptrdiff_t most = -1;
-    for (const char separator : separators) {
-        bool is_quoted = false;
-        std::ptrdiff_t count = 0;
-        for (const char c : line) {
-            is_quoted = is_quoted != (c == '"');
-            count += c == separator && !is_quoted ? 1 : 0;
-        }
-        if (count > most) {
-            most = count;
-            best = separator;
-        }
-    }
-    return best;
-}
-
-struct Table {
-    std::vector<std::vector<std::string>> rows; // none of them blank
-    std::vector<int> lines;                     // where they stand
-    char separator = ',';
-};
-
-Table read_table(std::string_view text, const std::string& file) {
-    Table table;
-    const std::string_view line = first_line(text);
-    const bool named = names_separator(line);
-    table.separator = named && line.size() > 4 ? line[4] : separator_of(line);
-    for (CsvRow& row : parse_csv(text, file, table.separator)) {
-        const bool is_blank = std::all_of(row.cells.begin(), row.cells.end(),
-                                          [](const std::string& cell) { return trimmed(cell).empty(); });
-        if (!is_blank && !(named && table.rows.empty() && names_separator(row.cells[0]))) {
-            table.rows.push_back(std::move(row.cells));
-            table.lines.push_back(row.line);
-        }
-    }
-    return table;
-}
-
-// Without what parts thousands for the eye: blanks, no-break spaces, apostrophes between digits.
-std::string without_blanks(std::string_view cell) {
-    std::string out;
-    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-    for (std::size_t i = 0; i < cell.size();) {
-        std::size_t length = 0;
-        for (const std::string_view blank : {" ", "'", "\u00a0", "\u2009", "\u202f", "\u2019"}) {
-            length = cell.substr(i).starts_with(blank) ? blank.size() : length;
-        }
-        if (length > 0 && !out.empty() && is_digit(out.back()) && i + length < cell.size() &&
-            is_digit(cell[i + length])) {
-            i += length;
-        } else {
-            out += cell[i++];
-        }
-    }
-    return out;
-}
-
-// Digits in groups of three behind this sign: "1.234.567" of '.'.
-bool is_grouped(std::string_view digits, char sign) {
-    const std::size_t first = digits.find(sign);
-    if (first == std::string_view::npos || first == 0 || first > 3 || digits[0] == '0') {
-        return false;
-    }
-    for (std::size_t at = first; at != std::string_view::npos; at = digits.find(sign, at + 1)) {
-        const std::size_t next = std::min(digits.find(sign, at + 1), digits.size());
-        if (next - at != 4) {
-            return false;
-        }
-    }
-    return true;
-}
-
-// Which sign parts the whole from the rest in the numbers of a file.
-class Decimals {
-public:
-    // separator: a file separated by semicolons or tabs comes from where the comma is the decimal sign.
-    explicit Decimals(char separator) : otherwise_(separator == ',' ? '.' : ',') {}
-
-    void look_at(std::string_view cell, int line, std::string_view column) {
-        const std::string text = without_blanks(cell);
-        const std::size_t comma = text.rfind(',');
-        const std::size_t point = text.rfind('.');
-        if (text.find_first_not_of("+-.,0123456789") != std::string::npos || (comma == point)) {
-            return; // no number, or neither sign
-        }
-        const bool has_both = comma != std::string::npos && point != std::string::npos;
-        const char last = has_both ? (comma > point ? ',' : '.') : comma != std::string::npos ? ',' : '.';
-        if (!has_both && is_grouped(text, last)) {
-            doubtful_[last == ',' ? 0 : 1] = true;
-            return;
-        }
-        Sight& sight = seen_[last == ',' ? 0 : 1];
-        if (sight.line == 0) {
-            sight = {line, std::string(column), std::string(cell)};
-        }
-    }
-
-    // Throws pave::Error where the file contradicts itself.
-    char sign(const std::string& file) const {
-        const auto& [comma, point] = seen_;
-        if (comma.line > 0 && point.line > 0) {
-            const Sight& second = comma.line > point.line ? comma : point;
-            const Sight& first = comma.line > point.line ? point : comma;
-            throw pave::Error(
-                {.file = file, .line = second.line, .key = second.column},
-                "decimal points and decimal commas in one table",
-                fmt::format("\"{}\", and \"{}\" in line {}, {}", second.cell, first.cell, first.line, first.column),
-                "one of them");
-        }
-        if (comma.line > 0 || point.line > 0) {
-            return comma.line > 0 ? ',' : '.';
-        }
-        // "1,234" alone: thousands where commas part the cells, decimals where they do not; "1.234" is a decimal point.
-        return doubtful_[0] && !doubtful_[1] ? otherwise_ : '.';
-    }
-
-private:
-    struct Sight {
-        int line = 0;
-        std::string column;
-        std::string cell;
-    };
-    std::array<Sight, 2> seen_; // of commas, of points
-    std::array<bool, 2> doubtful_{false, false};
-    char otherwise_;
-};
-
-// The cell as a program reads it: no thousands, a decimal point.
-std::string with_point(std::string_view cell, char decimal) {
-    std::string text = without_blanks(cell);
-    const char group = decimal == ',' ? '.' : ',';
-    const std::size_t start = text.find_first_of("0123456789");
-    if (start == std::string::npos) {
-        return text;
-    }
-    const std::string_view whole = std::string_view(text).substr(start, text.find(decimal, start) - start);
-    if (is_grouped(whole, group)) {
-        std::string joined(whole);
-        joined.erase(std::remove(joined.begin(), joined.end(), group), joined.end());
-        text.replace(start, whole.size(), joined);
-    }
-    if (decimal == ',') {
-        std::replace(text.begin(), text.end(), ',', '.');
-    }
-    return text;
+// The day of "2023-04-12 10:30", or of the days that a spreadsheet counts.
+std::string_view day_of(std::string_view date) {
+    const bool is_count = date.find_first_not_of(".0123456789") == std::string_view::npos &&
+                          std::count(date.begin(), date.end(), '.') == 1;
+    return date.substr(0, date.find_first_of(is_count ? "." : " T"));
 }
 
 // Whether its cells tell the decimal sign. Positions keep their points where the spreadsheet knows commas.
@@ -191,6 +45,7 @@ bool tells_decimals(Meaning meaning) {
     case Meaning::longitude:
     case Meaning::station:
     case Meaning::lane:
+    case Meaning::profile:
     case Meaning::date:
     case Meaning::time:
     case Meaning::comment: return false;
@@ -200,12 +55,12 @@ bool tells_decimals(Meaning meaning) {
 
 class Reader {
 public:
-    Reader(std::string_view text, std::string file, const ColumnMap& map)
-        : file_(std::move(file)),
-          table_(read_table(text, file_)) {
-        if (table_.rows.empty()) {
+    Reader(std::string_view text, std::string file, const ColumnMap& map) : file_(std::move(file)) {
+        auto table = fwd_table(text, file_, map);
+        if (!table) {
             throw pave::Error({.file = file_}, "the file holds no table", {}, known_columns());
         }
+        table_ = std::move(*table);
         header_ = read_header(table_.rows, table_.lines, file_, map);
         Decimals decimals(table_.separator);
         for (std::size_t r = header_.rows; r < table_.rows.size(); ++r) {
@@ -216,6 +71,9 @@ public:
             }
         }
         decimal_ = decimals.sign(file_);
+        if (std::string doubt = decimals.doubt(); !doubt.empty()) {
+            result_.remarks.push_back(file_ + ", " + std::move(doubt));
+        }
     }
 
     FwdFile read() && {
@@ -226,11 +84,16 @@ public:
             result_.remarks.push_back(
                 fmt::format("the column \"{}\" states no unit: it is taken for metres", place->name));
         }
+        if (table_.above > 0) {
+            result_.remarks.push_back(
+                fmt::format("{}: the header is line {}, and what stands above is not used", file_, table_.lines[0]));
+        }
         for (std::size_t r = header_.rows; r < table_.rows.size(); ++r) {
-            if (table_.rows[r] != table_.rows[0]) { // tables one after the other repeat it
+            if (!repeats_header(r) && !is_summary(r)) {
                 take(r);
             }
         }
+        forget_lone_carriageway();
         if (result_.stations.empty()) {
             throw pave::Error({.file = file_}, "the file holds no stations", "a header and no rows",
                               "at least one row");
@@ -246,6 +109,51 @@ public:
     }
 
 private:
+    // Tables one after the other repeat it.
+    bool repeats_header(std::size_t r) const {
+        const auto& names = table_.rows[0];
+        const auto& row = table_.rows[r];
+        return row.size() == names.size() && std::equal(row.begin(), row.end(), names.begin(), [](auto& a, auto& b) {
+                   return lower_case(trimmed(with_plain_letters(a))) == lower_case(trimmed(b));
+               });
+    }
+
+    bool is_summary(std::size_t r) {
+        const FwdColumn* place = header_.find(Meaning::chainage);
+        const std::string name = text(r, Meaning::station);
+        const std::string_view words = name.empty() ? cell(r, place) : std::string_view(name);
+        if (!is_statistic(words) || (place != nullptr && chainage(with_point(cell(r, place), decimal_), 1.0))) {
+            return false;
+        }
+        result_.remarks.push_back(
+            fmt::format("{}, line {}: \"{}\" is no station and left out", file_, table_.lines[r], words));
+        return true;
+    }
+
+    // One carriageway alone is no lane beside another.
+    void forget_lone_carriageway() {
+        const bool are_two = std::any_of(result_.stations.begin(), result_.stations.end(),
+                                         [&](const FwdStation& s) { return s.lane != result_.stations[0].lane; });
+        if (header_.find(Meaning::lane) == nullptr && !are_two) {
+            for (FwdStation& s : result_.stations) {
+                s.lane.clear();
+            }
+        }
+    }
+
+    // Feet, miles and pounds beside a place that states no unit.
+    bool is_american() const {
+        return std::any_of(header_.columns.begin(), header_.columns.end(), [](const FwdColumn& c) {
+            const double of_column = c.to_si.value_or(0.0);
+            const auto is = [&](std::span<const NamedUnit> units, std::string_view unit) {
+                return of_column == *factor_of(units, unit);
+            };
+            return (c.meaning == Meaning::deflection && (is(length_units(), "mil") || is(length_units(), "in"))) ||
+                   (c.meaning == Meaning::load && (is(force_units(), "lbf") || is(force_units(), "kip"))) ||
+                   (c.meaning == Meaning::pressure && is(pressure_units(), "psi"));
+        });
+    }
+
     std::string_view cell(std::size_t r, const FwdColumn* column) const {
         const auto& row = table_.rows[r];
         return column == nullptr || column->constant || column->at >= row.size() ? std::string_view{}
@@ -265,10 +173,39 @@ private:
         }
         return value;
     }
-    std::optional<double> temperature(std::size_t r, Meaning meaning) const {
+    // In Celsius. The cell may state its scale: "20 °C".
+    std::optional<double> temperature(std::size_t r, Meaning meaning, FwdStation& station) const {
         const FwdColumn* column = header_.find(meaning);
-        const auto value = measured(with_point(cell(r, column), decimal_));
-        return value && column->is_fahrenheit ? std::optional(celsius(*value)) : value;
+        const std::string_view found = cell(r, column);
+        std::string_view number = found;
+        bool is_fahrenheit = column != nullptr && column->is_fahrenheit;
+        for (const std::string_view scale : {"C", "c", "F", "f", "\u2103", "\u2109"}) {
+            if (number.ends_with(scale)) {
+                is_fahrenheit = scale == "F" || scale == "f" || scale == "\u2109";
+                number = trimmed(number.substr(0, number.size() - scale.size()));
+                break;
+            }
+        }
+        for (const std::string_view sign : {"\u00b0", "\u00ba", "deg"}) {
+            number = number.ends_with(sign) ? trimmed(number.substr(0, number.size() - sign.size())) : number;
+        }
+        const auto value = measured(with_point(number, decimal_));
+        if (!value && !is_nil(found)) {
+            station.remarks.push_back(
+                fmt::format("line {}, {}: \"{}\" is no temperature", table_.lines[r], column->name, found));
+        }
+        return value && is_fahrenheit ? std::optional(celsius(*value)) : value;
+    }
+
+    // Of all columns that name one: road, section, run.
+    std::string profile(std::size_t r) const {
+        std::vector<std::string> words;
+        for (const FwdColumn& column : header_.columns) {
+            if (column.meaning == Meaning::profile && !cell(r, &column).empty()) {
+                words.emplace_back(cell(r, &column));
+            }
+        }
+        return pave::join(words, " ");
     }
 
     FwdStation& station_of(std::size_t r) {
@@ -276,19 +213,29 @@ private:
         const bool by_name = place == nullptr;
         place = by_name ? header_.find(Meaning::station) : place;
         const std::string stated = place->constant ? fmt::format("{}", *place->constant) : std::string(cell(r, place));
-        const auto chainage_m = chainage(with_point(stated, decimal_), place->to_si.value_or(1.0));
+        const double foot = *factor_of(length_units(), "ft");
+        const bool is_in_feet = !place->to_si && stated.find('+') != std::string::npos && is_american();
+        const auto chainage_m = chainage(with_point(stated, decimal_), is_in_feet ? foot : place->to_si.value_or(1.0));
         std::string name = text(r, Meaning::station);
         name = !name.empty() ? name : !stated.empty() ? stated : fmt::format("line {}", table_.lines[r]);
-        const auto [at, is_new] =
-            known_.try_emplace({name, text(r, Meaning::lane), chainage_m}, result_.stations.size());
+        const std::string lane =
+            header_.find(Meaning::lane) != nullptr ? text(r, Meaning::lane) : std::string(carriageway(stated));
+        const std::string date = text(r, Meaning::date);
+        const auto [at, is_new] = known_.try_emplace({profile(r), std::string(day_of(date)), name, lane, chainage_m},
+                                                     result_.stations.size());
         if (is_new) {
-            FwdStation station{.name = name, .lane = text(r, Meaning::lane), .chainage_m = chainage_m, .file = file_};
+            FwdStation station{
+                .name = name, .profile = profile(r), .lane = lane, .chainage_m = chainage_m, .file = file_};
             station.line = table_.lines[r];
             if (!chainage_m) {
                 station.remarks.push_back(
                     stated.empty() || is_nil(stated)
                         ? fmt::format("line {}: no chainage", table_.lines[r])
                         : fmt::format("line {}, {}: \"{}\" is no chainage", table_.lines[r], place->name, stated));
+            }
+            if (is_in_feet) {
+                station.remarks.push_back(
+                    fmt::format("\"{}\" is taken for stations of 100 ft, as pounds or mils stand beside it", stated));
             }
             result_.stations.push_back(std::move(station));
         }
@@ -303,19 +250,24 @@ private:
             }
         };
         const auto keep_text = [&](std::string& to, Meaning meaning) { to = to.empty() ? text(r, meaning) : to; };
-        keep(s.air_C, temperature(r, Meaning::air));
-        keep(s.surface_C, temperature(r, Meaning::surface));
-        keep(s.asphalt_C, temperature(r, Meaning::asphalt));
-        const auto position = [&](Meaning meaning) {
-            std::string found = text(r, meaning);
-            std::replace(found.begin(), found.end(), ',', '.');
-            return degrees(found);
-        };
-        keep(s.latitude, position(Meaning::latitude));
-        keep(s.longitude, position(Meaning::longitude));
+        keep(s.air_C, temperature(r, Meaning::air, s));
+        keep(s.surface_C, temperature(r, Meaning::surface, s));
+        keep(s.asphalt_C, temperature(r, Meaning::asphalt, s));
+        if (!s.latitude) {
+            const auto position = [&](Meaning meaning) {
+                std::string found = with_plain_letters(text(r, meaning));
+                std::replace(found.begin(), found.end(), ',', '.');
+                return found;
+            };
+            set_position(s, position(Meaning::latitude), position(Meaning::longitude));
+        }
         keep_text(s.date, Meaning::date);
         keep_text(s.time, Meaning::time);
-        keep_text(s.comment, Meaning::comment);
+        add_comment(s, text(r, Meaning::comment));
+        if (table_.rows[r][0].starts_with('#')) {
+            s.remarks.push_back(fmt::format(
+                "line {} begins with # and is read as a drop: comments stand above the header", table_.lines[r]));
+        }
 
         const auto& row = table_.rows[r];
         const auto beyond =
@@ -338,9 +290,18 @@ private:
         for (const FwdColumn* sensor : header_.deflections()) {
             if (const auto value = number(r, sensor, s)) {
                 d.readings.push_back({sensor->offset_mm, *value * (*sensor->to_si * 1e6)}); // 1e-6 x 1e6 is 1
+            } else {
+                d.not_read_mm.push_back(sensor->offset_mm);
             }
         }
         s.drops.push_back(std::move(d));
+    }
+
+    // What the operator wrote at each drop, once.
+    static void add_comment(FwdStation& s, const std::string& words) {
+        if (!words.empty() && s.comment.find(words) == std::string::npos) {
+            s.comment += (s.comment.empty() ? "" : "; ") + words;
+        }
     }
 
     int drop_number(std::size_t r, FwdStation& s) const {
@@ -364,65 +325,24 @@ private:
         }
         const FwdColumn* pressure = header_.find(Meaning::pressure);
         if (const auto stated = number(r, pressure, s)) {
-            const double kPa = *stated * *pressure->to_si / 1e3;
-            if (d.force_kN && !(std::abs(d.pressure_kPa / kPa - 1.0) <= 0.05)) {
-                s.remarks.push_back(fmt::format("line {}: {:g} kN on this plate are {:.0f} kPa, the line states {:g} "
-                                                "kPa, which is taken",
-                                                table_.lines[r], *d.force_kN, d.pressure_kPa, kPa));
-            }
-            d.pressure_kPa = kPa;
-            d.force_kN.reset();
+            take_pressure(d, *stated * *pressure->to_si / 1e3, fmt::format("line {}", table_.lines[r]), s);
         }
     }
 
     std::string file_;
-    Table table_;
+    FwdTable table_;
     FwdHeader header_;
     char decimal_ = '.';
     FwdFile result_;
-    std::map<std::tuple<std::string, std::string, std::optional<double>>, std::size_t> known_;
+    // By profile, date, name, lane and chainage.
+    std::map<std::tuple<std::string, std::string, std::string, std::string, std::optional<double>>, std::size_t> known_;
     std::size_t too_long_ = 0; // lines with more cells than the header
 };
 
 } // namespace
 
 bool recognises_fwd_csv(std::string_view text, const ColumnMap& columns) {
-    std::string_view line = first_line(text);
-    char separator = separator_of(line);
-    if (names_separator(line)) {
-        separator = line.size() > 4 ? line[4] : separator;
-        text.remove_prefix(std::min(static_cast<std::size_t>(line.data() - text.data()) + line.size(), text.size()));
-        line = first_line(text);
-    }
-    if (line.empty() || line.find(separator) == npos) {
-        return false;
-    }
-    if (!columns.empty()) {
-        return true;
-    }
-    // Any two words of such a table.
-    int known = 0;
-    std::string name;
-    bool is_quoted = false;
-    const auto take_name = [&] {
-        const auto column = column_named(name);
-        known += column && (column->meaning == Meaning::chainage || column->meaning == Meaning::deflection ||
-                            column->meaning == Meaning::radius || column->meaning == Meaning::diameter ||
-                            column->meaning == Meaning::pressure || column->meaning == Meaning::load)
-                     ? 1
-                     : 0;
-        name.clear();
-    };
-    for (const char c : line) {
-        is_quoted = is_quoted != (c == '"');
-        if (c == separator && !is_quoted) {
-            take_name();
-        } else if (c != '"') {
-            name += c;
-        }
-    }
-    take_name();
-    return known >= 2;
+    return has_fwd_table(text, columns);
 }
 
 FwdFile read_fwd_csv(std::string_view text, const std::string& file, const ColumnMap& columns) {

@@ -4,6 +4,7 @@
 #include "data/fwd_lines.h"
 #include "data/fwd_values.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 namespace explore::data {
 namespace {
 
+constexpr int file_line = 5001;
 constexpr int plate_and_x = 5020;
 constexpr int diameter_and_y = 5021;
 constexpr int position_line = 5280;
@@ -92,7 +94,15 @@ public:
     void take(const Line& line) {
         const auto id = line.id();
         if (!id) {
-            return; // of a time history
+            // Of a time history; or a drop whose number is not to be read.
+            if (is_open_ && line.cells.size() > sensors_.size() && readings_of(line) + 1 >= sensors_.size() &&
+                sensors_.size() > 1 && line.reading(1) && !line.reading(0)) {
+                take_drop(line, std::nullopt);
+            }
+            return;
+        }
+        if (*id > file_line && *id < position_line && stations_.empty() && is_new_) {
+            is_open_ = is_new_ = false; // the place where the survey ended, which is among the lines of the header
         }
         if (*id == plate_and_x) {
             take_plate(line);
@@ -104,7 +114,7 @@ public:
                 radius_mm_ = *diameter / 2.0;
             }
         } else if (*id == position_line) {
-            position_ = {line.reading(3), line.reading(4)};
+            position_ = {line.text(3), line.text(4)};
         } else if (*id == station_line) {
             begin_station(line);
         } else if (*id == comment_line && is_open_) {
@@ -124,7 +134,8 @@ public:
     }
 
     FwdFile file() && {
-        return with_drops({std::move(stations_), {}}, file_,
+        close_station();
+        return with_drops({std::move(stations_), std::move(remarks_)}, file_,
                           "after a line 5301 lines such as \"1, 574, 434, 396, ...\"");
     }
 
@@ -136,8 +147,11 @@ private:
         }
         sensors_.clear();
         for (std::size_t i = 2; i < line.cells.size(); ++i) {
-            if (!line.cells[i].empty() && line.cells[i] != "N0") {
-                sensors_.push_back({i, line.value(i, "x of a sensor"), 0.0});
+            if (const auto x = line.reading(i)) {
+                sensors_.push_back({i, *x, 0.0});
+            } else if (!is_nil(line.cells[i])) {
+                remarks_.push_back(fmt::format("{}, line {}: \"{}\" is no place of a sensor, which is left out", file_,
+                                               line.number, line.cells[i]));
             }
         }
         if (sensors_.empty()) {
@@ -145,7 +159,22 @@ private:
         }
     }
 
+    std::size_t readings_of(const Line& line) const {
+        return static_cast<std::size_t>(std::count_if(sensors_.begin(), sensors_.end(), [&](const Sensor& sensor) {
+            return line.reading(sensor.at).has_value();
+        }));
+    }
+
+    // A station without drops is one that nothing can be made of.
+    void close_station() {
+        if (is_open_ && is_new_) {
+            station_.unusable = no_drops;
+            stations_.push_back(station_);
+        }
+    }
+
     void begin_station(const Line& line) {
+        close_station();
         const auto unit = station_unit(line);
         station_ = {.name = line.text(5), .lane = line.text(8), .file = file_};
         station_.chainage_m = unit ? chainage(line.text(5), *unit) : std::nullopt;
@@ -161,14 +190,15 @@ private:
         if (line.cells.size() > 13) {
             station_.time = fmt::format("{}:{}", line.text(12), line.text(13));
         }
-        station_.latitude = position_.first;
-        station_.longitude = position_.second;
+        station_.line = line.number;
+        set_position(station_, position_.first, position_.second);
         position_ = {};
         is_open_ = true;
         is_new_ = true;
     }
 
-    void take_drop(const Line& line, int number) {
+    // number: nothing: not to be read.
+    void take_drop(const Line& line, std::optional<int> number) {
         if (!is_open_) {
             throw pave::Error(line.place("drop"), "a drop before any station", {}, "a line 5301 before it");
         }
@@ -176,34 +206,64 @@ private:
             throw pave::Error(line.place("drop"), "a drop before the places of the sensors", {},
                               "a line 5020 before it");
         }
-        FwdDrop drop{.number = number,
+        const std::size_t before = is_new_ ? 0 : stations_.back().drops.size();
+        FwdDrop drop{.number = number.value_or(static_cast<int>(before) + 1),
                      .radius_mm = radius_mm_.value_or(NAN),
                      .pressure_kPa = line.reading(1).value_or(NAN),
                      .readings = {}};
         drop.line = line.number;
         for (const Sensor& sensor : sensors_) {
+            // Behind the plate is where x is negative.
+            const double offset = std::copysign(std::hypot(sensor.x_mm, sensor.y_mm), sensor.x_mm);
             if (const auto deflection = line.reading(sensor.at)) {
-                // Behind the plate is where x is negative.
-                const double distance = std::hypot(sensor.x_mm, sensor.y_mm);
-                drop.readings.push_back({sensor.x_mm < 0.0 ? -distance : distance, *deflection});
+                drop.readings.push_back({offset, *deflection});
+            } else {
+                drop.not_read_mm.push_back(offset);
             }
         }
+        say_what_has_no_place(line);
         if (is_new_) {
             station_.line = line.number;
             stations_.push_back(station_);
             is_new_ = false;
         }
+        if (!number) {
+            stations_.back().remarks.push_back(
+                fmt::format("line {}: \"{}\" is no number of a drop, which is counted as {}", line.number, line.text(0),
+                            drop.number));
+        }
         stations_.back().drops.push_back(std::move(drop));
+    }
+
+    // Readings behind those of the placed sensors; one may be a temperature that writers add.
+    void say_what_has_no_place(const Line& line) {
+        std::size_t without = 0;
+        std::size_t among = 0; // the placed ones
+        for (std::size_t i = 2; i < line.cells.size(); ++i) {
+            const bool is_placed =
+                std::any_of(sensors_.begin(), sensors_.end(), [&](const Sensor& sensor) { return sensor.at == i; });
+            without += !is_placed && line.reading(i) ? 1 : 0;
+            among += !is_placed && line.reading(i) && i < sensors_.back().at ? 1 : 0;
+        }
+        if ((without > 1 || among > 0) && !has_said_so_) {
+            has_said_so_ = true;
+            remarks_.push_back(
+                fmt::format("{}, line {}: a drop has {} readings more than line 5020 places sensors; they "
+                            "are not used",
+                            file_, line.number, without));
+        }
     }
 
     std::string file_;
     std::optional<double> radius_mm_;
     std::vector<Sensor> sensors_;
-    std::pair<std::optional<double>, std::optional<double>> position_; // of the next station: latitude, longitude
+    std::pair<std::string, std::string> position_; // of the next station: latitude, longitude
     FwdStation station_;
-    bool is_open_ = false; // there is a station
-    bool is_new_ = false;  // without a drop so far
+    bool is_open_ = false;     // there is a station
+    bool is_new_ = false;      // without a drop so far
+    bool has_said_so_ = false; // of readings without a place
     std::vector<FwdStation> stations_;
+    std::vector<std::string> remarks_;
 };
 
 } // namespace

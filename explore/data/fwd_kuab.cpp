@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 
 namespace explore::data {
 namespace {
@@ -29,6 +30,13 @@ class Reader {
 public:
     explicit Reader(std::string file) : file_(std::move(file)) {}
 
+    // Before the lines are taken: where the positions, or else the time, stand in most lines of drops.
+    void look_at(std::string_view line) {
+        if (line.starts_with('D')) {
+            ++tails_[tail_of(words_of(line.substr(1)))];
+        }
+    }
+
     void take(std::string_view line, int number) {
         if (line.empty()) {
             return;
@@ -37,7 +45,7 @@ public:
         switch (line[0]) {
         case 'I':
         case 'H': take_header(rest, number); break;
-        case 'J': (names_.empty() ? names_ : units_) = lower_words(rest); break;
+        case 'J': take_names(rest, number); break;
         case 'D': take_drop(words_of(rest), number); break;
         default: break; // comments, time histories
         }
@@ -52,6 +60,45 @@ private:
             words.push_back(lower_case(word));
         }
         return words;
+    }
+
+    static bool is_position(const std::vector<std::string_view>& words, std::size_t i) {
+        return receiver_degrees(words[i], 2) && i + 1 < words.size() && receiver_degrees(words[i + 1], 3);
+    }
+
+    // The number of the word where the position begins, or else the time; of all words where a line has neither.
+    static std::size_t tail_of(const std::vector<std::string_view>& words) {
+        for (std::size_t i = 0; i < words.size(); ++i) {
+            if (is_position(words, i) || words[i].find(':') != std::string_view::npos) {
+                return i;
+            }
+        }
+        return words.size();
+    }
+
+    std::size_t usual_tail() const {
+        return std::max_element(tails_.begin(), tails_.end(),
+                                [](const auto& a, const auto& b) { return a.second < b.second; })
+            ->first;
+    }
+
+    void take_names(std::string_view rest, int line) {
+        if (!names_.empty()) {
+            units_ = lower_words(rest);
+            return;
+        }
+        names_ = lower_words(rest);
+        deflections_ =
+            static_cast<std::size_t>(std::count_if(names_.begin(), names_.end(), [](const std::string& name) {
+                return name.size() > 1 && name[0] == 'd' &&
+                       name.find_first_not_of("0123456789", 1) == std::string::npos;
+            }));
+        if (deflections_ > 0 && !offsets_mm_.empty() && deflections_ != offsets_mm_.size()) {
+            result_.remarks.push_back(
+                fmt::format("{}, line {}: {} columns of deflections and {} sensor distances: what "
+                            "has no distance is not used",
+                            file_, line, deflections_, offsets_mm_.size()));
+        }
     }
 
     void take_header(std::string_view rest, int line) {
@@ -75,14 +122,14 @@ private:
                 to_mm = *factor * 1e3;
                 words.pop_back();
             }
-            std::vector<double> numbers;
+            std::vector<double> numbers; // not a number: nil
             for (const std::string_view word : words) {
                 const auto number = measured_with_comma(word);
                 if (!number) {
-                    throw pave::Error(place, "not a number", "\"" + std::string(word) + "\"",
-                                      "a finite decimal number");
+                    result_.remarks.push_back(fmt::format(
+                        "{}, line {}, {}: \"{}\" is no number, and what it is of left out", file_, line, name, word));
                 }
-                numbers.push_back(*number * to_mm);
+                numbers.push_back(number ? *number * to_mm : NAN);
             }
             if (numbers.empty()) {
                 throw pave::Error(place, "no value", {}, "numbers and their unit, as in 15.0 (cm)");
@@ -113,9 +160,9 @@ private:
     }
 
     void take_drop(const std::vector<std::string_view>& words, int line) {
-        const std::size_t n = offsets_mm_.size();
+        const std::size_t n = deflections_ > 0 ? deflections_ : offsets_mm_.size();
         const pave::Place place{.file = file_, .line = line, .key = "drop"};
-        if (n == 0 || !radius_mm_) {
+        if (offsets_mm_.empty() || !radius_mm_) {
             throw pave::Error(place, "a drop before the plate and the places of the sensors", {},
                               "lines \"IPlate Radius\" and \"ISensor Distance\" before it");
         }
@@ -126,6 +173,10 @@ private:
         const std::string_view where = words.empty() ? std::string_view{} : words[0];
         const auto place_m = chainage(where, unit(0, length_units(), 1.0, line));
         const auto drop_number = number(1);
+        const std::size_t tail = tail_of(words);
+        const bool is_cut = words.size() < first_deflection + n;
+        const std::size_t least = tail < words.size() ? first_deflection + n + 2 : first_deflection + n;
+        const bool is_shifted = is_cut || tail < std::max(least, usual_tail());
         auto& stations = result_.stations;
         const bool is_new =
             stations.empty() || stations.back().name != where ||
@@ -142,14 +193,11 @@ private:
                 const bool fahrenheit = i < units_.size() && units_[i] == "f";
                 return value && fahrenheit ? std::optional(celsius(*value)) : value;
             };
-            station.air_C = temperature(first_deflection + n);
-            station.surface_C = temperature(first_deflection + n + 1);
+            station.air_C = is_shifted ? std::nullopt : temperature(first_deflection + n);
+            station.surface_C = is_shifted ? std::nullopt : temperature(first_deflection + n + 1);
             for (std::size_t i = first_deflection + n + 2; i < words.size(); ++i) {
-                const auto latitude = receiver_degrees(words[i], 2);
-                const auto longitude = i + 1 < words.size() ? receiver_degrees(words[i + 1], 3) : std::nullopt;
-                if (latitude && longitude) {
-                    station.latitude = latitude;
-                    station.longitude = longitude;
+                if (is_position(words, i)) {
+                    set_position(station, receiver_degrees(words[i], 2), receiver_degrees(words[i + 1], 3));
                 }
                 if (words[i].find(':') != std::string_view::npos) {
                     station.time = words[i];
@@ -172,10 +220,21 @@ private:
                 drop.pressure_kPa = plate_pressure_kPa(*drop.force_kN, *radius_mm_);
             }
         }
-        for (std::size_t i = 0; i < n; ++i) {
+        if (is_shifted) {
+            // Which of its values is missing cannot be told.
+            drop.flag = is_cut
+                            ? fmt::format("line {} ends after {} values", line, words.size())
+                            : fmt::format("line {} has a value less than it should before its position or time", line);
+        }
+        for (std::size_t i = 0; i < std::min(n, offsets_mm_.size()); ++i) {
+            if (!std::isfinite(offsets_mm_[i])) {
+                continue;
+            }
             if (const auto deflection = number(first_deflection + i)) {
                 drop.readings.push_back(
                     {offsets_mm_[i], *deflection * (unit(first_deflection + i, length_units(), 1e-6, line) * 1e6)});
+            } else {
+                drop.not_read_mm.push_back(offsets_mm_[i]);
             }
         }
         station.drops.push_back(std::move(drop));
@@ -186,6 +245,8 @@ private:
     std::optional<double> radius_mm_;
     std::vector<double> offsets_mm_;
     std::vector<std::string> names_, units_; // of the columns; may be empty
+    std::size_t deflections_ = 0;            // columns of them by these names; 0: not named
+    std::map<std::size_t, int> tails_;       // lines, by where their positions or times stand
     FwdFile result_;
 };
 
@@ -198,6 +259,7 @@ bool recognises_fwd_kuab(std::string_view text, const ColumnMap& /*columns*/) {
 
 FwdFile read_fwd_kuab(std::string_view text, const std::string& file, const ColumnMap& /*columns*/) {
     Reader reader(file);
+    for_each_line(text, [&](std::string_view line, int /*number*/) { reader.look_at(line); });
     for_each_line(text, [&](std::string_view line, int number) { reader.take(line, number); });
     return std::move(reader).file();
 }

@@ -22,7 +22,9 @@ constexpr std::string_view station_columns[] = {"STATE_CODE",   "SHRP_ID", "TEST
 // A table with named columns.
 class Table {
 public:
-    Table(std::string_view text, std::string file) : file_(std::move(file)), rows_(parse_csv(text, file_)) {
+    Table(std::string_view text, std::string file)
+        : file_(std::move(file)),
+          rows_(parse_csv(text, file_, separator_of(text))) {
         if (rows_.empty()) {
             throw pave::Error({.file = file_}, "the table is empty", {}, "a header and at least one row");
         }
@@ -79,6 +81,13 @@ public:
     }
 
 private:
+    // Of the two that tables come with, the one that stands in the header.
+    static char separator_of(std::string_view text) {
+        const std::string_view header = text.substr(0, text.find('\n'));
+        return std::count(header.begin(), header.end(), ';') > std::count(header.begin(), header.end(), ',') ? ';'
+                                                                                                             : ',';
+    }
+
     std::string file_;
     std::vector<CsvRow> rows_;
     std::map<std::string, std::size_t> columns_;
@@ -107,9 +116,9 @@ Table table_beside(const std::string& file, std::string_view table, std::vector<
 // What the database's own checks say against a drop; "": nothing. Records pass levels A to E; what stopped before E
 // failed a check.
 std::string flag_of(const Table& drops, std::size_t r) {
-    const std::string_view status = drops.has("RECORD_STATUS") ? drops.cell(r, "RECORD_STATUS") : std::string_view{};
-    if (status.size() == 1 && status[0] >= 'A' && status[0] <= 'D') {
-        return fmt::format("RECORD_STATUS {}", status);
+    const std::string status = lower_case(drops.has("RECORD_STATUS") ? drops.cell(r, "RECORD_STATUS") : "");
+    if (status.size() == 1 && status[0] >= 'a' && status[0] <= 'd') {
+        return fmt::format("RECORD_STATUS {}", drops.cell(r, "RECORD_STATUS"));
     }
     const auto rises = drops.reading(r, "NON_DECREASING_DEFL");
     return rises && *rises != 0.0 ? fmt::format("NON_DECREASING_DEFL {:g}", *rises) : "";
@@ -210,6 +219,8 @@ FwdFile read_fwd_ltpp(std::string_view text, const std::string& file, const Colu
             for (const Sensor& sensor : configuration->sensors) {
                 if (const auto deflection = drops.reading(r, fmt::format("PEAK_DEFL_{}", sensor.number))) {
                     drop.readings.push_back({sensor.offset_mm, *deflection});
+                } else {
+                    drop.not_read_mm.push_back(sensor.offset_mm);
                 }
             }
         }

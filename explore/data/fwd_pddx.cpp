@@ -22,7 +22,8 @@ struct Entry {
 struct Section {
     std::string name; // lower case
     int line = 0;
-    std::map<std::string, Entry> entries; // keys in lower case
+    std::map<std::string, Entry> entries;                  // keys in lower case
+    std::vector<std::pair<std::string, Entry>> repeated{}; // those that stand again
 
     const Entry* find(std::string_view key) const {
         const auto at = entries.find(lower_case(key));
@@ -42,7 +43,9 @@ public:
         const Section& head = sections_.front();
         delimiter_ = symbol(head, "DelimiterSymbol", ',');
         decimal_ = symbol(head, "DecimalSymbol", '.');
-        radius_m_ = length(units, "LoadPlateRadiusUnits") * number(device, "LoadPlateRadius");
+        const Entry& radius = entry(device, "LoadPlateRadius");
+        radius_m_ = length(units, "LoadPlateRadiusUnits") *
+                    (is_nil(radius.value) ? NAN : value(radius, "LoadPlateRadius", radius.value));
         to_um_ = length(units, "DeflectionUnits") * 1e6;
         set_load(units);
         set_sensors(units, device);
@@ -56,11 +59,10 @@ public:
         set_temperatures(units, device);
         for (const Section& at : sections_) {
             if (at.name.starts_with("test location")) {
-                if (auto found = station(at); !found.drops.empty()) {
-                    result_.stations.push_back(std::move(found));
-                }
+                result_.stations.push_back(station(at));
             }
         }
+        say_what_is_repeated();
         return with_drops(std::move(result_), file_, "sections [Test Location i] with DropData1 = load, deflections");
     }
 
@@ -81,8 +83,44 @@ private:
         if (equals == std::string_view::npos || sections_.empty()) {
             return; // a comment, or a line of a time history
         }
-        sections_.back().entries[lower_case(trimmed(line.substr(0, equals)))] = {
-            std::string(trimmed(line.substr(equals + 1))), number};
+        Section& section = sections_.back();
+        const std::string key = lower_case(trimmed(line.substr(0, equals)));
+        const Entry entry{std::string(trimmed(line.substr(equals + 1))), number};
+        if (!section.entries.try_emplace(key, entry).second) {
+            section.repeated.emplace_back(key, entry);
+        }
+    }
+
+    // Drops that stand again are drops of their own (see station); of other keys that are read the first counts.
+    void say_what_is_repeated() {
+        constexpr std::string_view read[] = {"delimitersymbol",
+                                             "decimalsymbol",
+                                             "loadplateradiusunits",
+                                             "loadunits",
+                                             "deflectionunits",
+                                             "temperatureunits",
+                                             "sensorlocationunits",
+                                             "testlocationunits",
+                                             "loadplateradius",
+                                             "numberofdeflectionsensors",
+                                             "deflectionsensorxaxisdistances",
+                                             "deflectionsensoryaxisdistances",
+                                             "temperaturesensoruse",
+                                             "startdate",
+                                             "testlocation",
+                                             "testlane",
+                                             "testtime",
+                                             "testcomment",
+                                             "testtemperatures",
+                                             "gpslocation"};
+        for (const Section& section : sections_) {
+            for (const auto& [key, entry] : section.repeated) {
+                if (std::find(std::begin(read), std::end(read), key) != std::end(read)) {
+                    result_.remarks.push_back(fmt::format("{}, line {}: {} stands again in [{}]: the first counts",
+                                                          file_, entry.line, key, section.name));
+                }
+            }
+        }
     }
 
     pave::Place place(const Entry& entry, std::string_view key) const {
@@ -137,12 +175,18 @@ private:
         const Entry& found = entry(s, key);
         return value(found, key, found.value);
     }
-    std::vector<double> numbers(const Entry& from, std::string_view key) const {
-        std::vector<double> list;
+    // Nothing where a nil stands; nils at the end are left out.
+    std::vector<std::optional<double>> numbers(const Entry& from, std::string_view key) {
+        std::vector<std::optional<double>> list;
         for (const std::string& part : split(from.value)) {
-            if (!part.empty()) {
-                list.push_back(value(from, key, part));
+            list.push_back(measured(with_point(part)));
+            if (!list.back() && !is_nil(part)) {
+                result_.remarks.push_back(
+                    fmt::format("{}, line {}, {}: \"{}\" is no number and left out", file_, from.line, key, part));
             }
+        }
+        while (!list.empty() && !list.back()) {
+            list.pop_back();
         }
         return list;
     }
@@ -180,10 +224,11 @@ private:
         const Entry& x = entry(device, "DeflectionSensorXAxisDistances");
         auto along = numbers(x, "DeflectionSensorXAxisDistances");
         const Entry* y = device.find("DeflectionSensorYAxisDistances");
-        auto across = y != nullptr ? numbers(*y, "DeflectionSensorYAxisDistances") : std::vector<double>{};
+        auto across =
+            y != nullptr ? numbers(*y, "DeflectionSensorYAxisDistances") : std::vector<std::optional<double>>{};
         const double stated = number(device, "NumberOfDeflectionSensors");
         const std::size_t read = deflections_of_a_drop();
-        if (read > 0 && along.size() == read + 1 && along[0] == 0.0 && along[1] <= 0.0) {
+        if (read > 0 && along.size() == read + 1 && along[0] == 0.0 && along[1] && *along[1] <= 0.0) {
             // The load cell, which stands at the centre, is counted among the sensors.
             along.erase(along.begin());
             if (across.size() == read + 1) {
@@ -205,9 +250,15 @@ private:
                             "many deflections a drop",
                             line, stated, along.size(), x.line));
         }
+        if (std::find(along.begin(), along.end(), std::nullopt) != along.end()) {
+            result_.remarks.push_back(
+                fmt::format("{}, line {}: a sensor without a place is left out with its readings", file_, x.line));
+        }
         for (std::size_t i = 0; i < along.size(); ++i) {
-            const double distance = to_mm * std::hypot(along[i], i < across.size() ? across[i] : 0.0);
-            offsets_mm_.push_back(along[i] < 0.0 ? -distance : distance); // behind the plate
+            // Not a number: not placed; negative: behind the plate.
+            const double x = along[i].value_or(NAN);
+            const double y_of = i < across.size() ? across[i].value_or(0.0) : 0.0;
+            offsets_mm_.push_back(to_mm * std::copysign(std::hypot(x, y_of), x));
         }
     }
     // Of the longest drop; 0: there is none.
@@ -225,20 +276,29 @@ private:
         }
         return most - 1;
     }
-    // The drops of a section, by number.
+    // Of a key such as dropdata_2 in a section of drops.
+    static std::optional<int> drop_number(const Section& at, std::string_view name) {
+        constexpr std::string_view key = "dropdata";
+        if (!at.name.starts_with("test location") || !name.starts_with(key)) {
+            return std::nullopt;
+        }
+        std::string_view rest = name.substr(key.size());
+        rest.remove_prefix(rest.starts_with('_') ? 1 : 0);
+        int number = 0;
+        const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
+        return error == std::errc() && end == rest.data() + rest.size() ? std::optional(number) : std::nullopt;
+    }
+    // The drops of a section, by number; those whose number stands again follow, counted on.
     std::map<int, const Entry*> drops_of(const Section& at) const {
         std::map<int, const Entry*> drops;
-        constexpr std::string_view key = "dropdata";
         for (const auto& [name, entry] : at.entries) {
-            if (!at.name.starts_with("test location") || !name.starts_with(key)) {
-                continue;
+            if (const auto number = drop_number(at, name)) {
+                drops[*number] = &entry;
             }
-            std::string_view rest = std::string_view(name).substr(key.size());
-            rest.remove_prefix(rest.starts_with('_') ? 1 : 0);
-            int number = 0;
-            const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
-            if (error == std::errc() && end == rest.data() + rest.size()) {
-                drops[number] = &entry;
+        }
+        for (const auto& [name, entry] : at.repeated) {
+            if (drop_number(at, name)) {
+                drops[drops.rbegin()->first + 1] = &entry;
             }
         }
         return drops;
@@ -270,9 +330,9 @@ private:
                 fmt::format("line {}: TestLocation \"{}\" is no chainage",
                             at.find("TestLocation") != nullptr ? at.find("TestLocation")->line : at.line, parts[0]));
         }
-        const std::vector<std::string> position = split(text("GPSLocation"));
-        s.latitude = measured_at(position, 0);
-        s.longitude = measured_at(position, 1);
+        std::vector<std::string> position = split(text("GPSLocation"));
+        position.resize(std::max<std::size_t>(position.size(), 2));
+        set_position(s, with_point(position[0]), with_point(position[1]));
         const std::vector<std::string> read = split(text("TestTemperatures"));
         for (std::size_t i = 0; i < temperature_of_.size(); ++i) {
             const std::string& use = temperature_of_[i];
@@ -284,7 +344,23 @@ private:
                 *to = is_fahrenheit_ ? celsius(*degree) : *degree;
             }
         }
-        for (const auto& [number, entry] : drops_of(at)) {
+        const auto drops = drops_of(at);
+        if (drops.empty()) {
+            s.unusable = no_drops;
+        }
+        for (const auto& [name, entry] : at.repeated) {
+            if (drop_number(at, name)) {
+                s.remarks.push_back(
+                    fmt::format("line {}: {} stands again and is taken for a drop of its own", entry.line, name));
+            }
+        }
+        if (const Entry* count = at.find("NumberOfDrops");
+            count != nullptr && measured(count->value) &&
+            *measured(count->value) != static_cast<double>(drops.size())) {
+            s.remarks.push_back(
+                fmt::format("line {} states {} drops; there are {}", count->line, count->value, drops.size()));
+        }
+        for (const auto& [number, entry] : drops) {
             const auto values = split(entry->value);
             const auto load = measured_at(values, 0);
             FwdDrop drop{.number = number,
@@ -306,8 +382,13 @@ private:
                 drop.pressure_kPa = NAN;
             }
             for (std::size_t i = 0; i < offsets_mm_.size(); ++i) {
+                if (!std::isfinite(offsets_mm_[i])) {
+                    continue;
+                }
                 if (const auto deflection = measured_at(values, i + 1)) {
                     drop.readings.push_back({offsets_mm_[i], to_um_ * *deflection});
+                } else {
+                    drop.not_read_mm.push_back(offsets_mm_[i]);
                 }
             }
             s.drops.push_back(std::move(drop));

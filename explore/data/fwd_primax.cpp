@@ -24,7 +24,7 @@ public:
         if (name.starts_with("date")) {
             date_ = value;
         } else if (name.starts_with("load plate radius")) {
-            radius_mm_ = scaled(value, unit, number, "load plate radius");
+            radius_mm_ = scaled(value, unit, number, "load plate radius").value_or(NAN);
         } else if (name.starts_with("radial offset")) {
             take_offsets(cells, unit, number);
         } else if (name.starts_with("chainage")) {
@@ -34,9 +34,12 @@ public:
         } else if (name.starts_with("remarks") && is_open_) {
             station_.comment = value;
         } else if (name.starts_with("position of drop") && is_open_) {
+            latitude_.clear();
+            longitude_.clear();
             for (const std::string_view cell : cells) {
                 take_position(cell);
             }
+            set_position(station_, latitude_, longitude_);
         } else if (name.starts_with("sequence") && is_open_) {
             for (const std::string_view cell : cells) {
                 if (cell.starts_with("Time:")) {
@@ -45,7 +48,7 @@ public:
             }
         } else if (name == "drop" && cells.size() > 1) {
             columns_.assign(cells.begin(), cells.end());
-        } else if (!columns_.empty() && measured_with_comma(cells[0])) {
+        } else if (!columns_.empty() && is_drop(cells)) {
             take_drop(cells, number);
         } else if (name.starts_with("$")) {
             columns_.clear();
@@ -53,6 +56,7 @@ public:
     }
 
     FwdFile file() && {
+        close_station();
         return with_drops(std::move(result_), file_,
                           "after a line \"Chainage\" a line \"Drop D(1) ...\" and lines of numbers");
     }
@@ -66,32 +70,60 @@ private:
                    ? std::string_view{}
                    : name.substr(open + 1, close - open - 1);
     }
-    // In mm. Throws pave::Error.
-    double scaled(std::string_view value, std::string_view unit, int line, std::string_view what) const {
+    // In mm; nothing: no number. Throws pave::Error for an unknown unit.
+    std::optional<double> scaled(std::string_view value, std::string_view unit, int line, std::string_view what) const {
         const pave::Place place{.file = file_, .line = line, .key = std::string(what)};
         const auto factor = factor_of(length_units(), unit);
         if (!factor) {
             throw pave::Error(place, "unknown unit", "\"" + std::string(unit) + "\"", names_of(length_units()));
         }
         const auto number = measured_with_comma(value);
-        if (!number) {
-            throw pave::Error(place, "not a number", "\"" + std::string(value) + "\"", "a finite decimal number");
-        }
-        return *number * *factor * 1e3;
+        return number ? std::optional(*number * *factor * 1e3) : std::nullopt;
+    }
+
+    // A line that begins with a number, or one as long whose number is not to be read.
+    bool is_drop(const std::vector<std::string_view>& cells) const {
+        const auto numbers = std::count_if(cells.begin(), cells.end(),
+                                           [](std::string_view cell) { return measured_with_comma(cell).has_value(); });
+        return measured_with_comma(cells[0]) || (2 * cells.size() > columns_.size() && numbers >= 3);
     }
 
     void take_offsets(const std::vector<std::string_view>& cells, std::string_view unit, int line) {
         offsets_mm_.clear();
         for (std::size_t i = 1; i < cells.size(); ++i) {
-            if (!cells[i].empty()) {
-                offsets_mm_.push_back(scaled(cells[i], unit, line, "radial offset"));
+            offsets_mm_.push_back(scaled(cells[i], unit, line, "radial offset"));
+            if (!offsets_mm_.back() && !is_nil(cells[i])) {
+                result_.remarks.push_back(fmt::format("{}, line {}: \"{}\" is no place of a sensor, which is left out",
+                                                      file_, line, cells[i]));
             }
+        }
+        while (!offsets_mm_.empty() && !offsets_mm_.back()) {
+            offsets_mm_.pop_back();
+        }
+        if (std::find(offsets_mm_.begin(), offsets_mm_.end(), std::nullopt) != offsets_mm_.end()) {
+            result_.remarks.push_back(
+                fmt::format("{}, line {}: a sensor without a place is left out with its readings", file_, line));
+        }
+    }
+
+    // A station without drops is one that nothing can be made of.
+    void close_station() {
+        if (is_open_ && is_new_) {
+            station_.unusable = no_drops;
+            result_.stations.push_back(station_);
         }
     }
 
     void begin_station(std::string_view value, std::string_view unit, int line) {
+        close_station();
         station_ = {.name = std::string(value), .lane = {}, .date = date_, .file = file_};
-        station_.chainage_m = chainage(value, factor_of(length_units(), unit).value_or(1.0));
+        station_.line = line;
+        const auto to_m = factor_of(length_units(), unit);
+        station_.chainage_m = chainage(value, to_m.value_or(1.0));
+        if (!to_m && !unit.empty()) {
+            station_.remarks.push_back(fmt::format(
+                "line {}: the unit \"{}\" of the chainage is not known: it is taken for metres", line, unit));
+        }
         if (!station_.chainage_m) {
             station_.remarks.push_back(fmt::format("line {}: \"{}\" is no chainage", line, value));
         }
@@ -104,9 +136,9 @@ private:
         constexpr std::string_view longitude = "Longitude:";
         constexpr std::string_view latitude = "Latitude:";
         if (cell.starts_with(longitude)) {
-            station_.longitude = degrees(cell.substr(longitude.size()));
+            longitude_ = cell.substr(longitude.size());
         } else if (cell.starts_with(latitude)) {
-            station_.latitude = degrees(cell.substr(latitude.size()));
+            latitude_ = cell.substr(latitude.size());
         }
     }
 
@@ -136,24 +168,32 @@ private:
             is_new_ = false;
         }
         FwdStation& station = result_.stations.back();
-        const double number = *measured_with_comma(cells[0]);
-        FwdDrop drop{.number = number >= 0.0 && number < 1e6 ? static_cast<int>(number)
-                                                             : static_cast<int>(station.drops.size()) + 1,
+        const auto number = measured_with_comma(cells[0]);
+        FwdDrop drop{.number = number && *number >= 0.0 && *number < 1e6 ? static_cast<int>(*number)
+                                                                         : static_cast<int>(station.drops.size()) + 1,
                      .radius_mm = *radius_mm_,
                      .pressure_kPa = NAN,
                      .readings = {}};
         drop.line = line;
+        if (!number) {
+            station.remarks.push_back(fmt::format("line {}: \"{}\" is no number of a drop, which is counted as {}",
+                                                  line, cells[0], drop.number));
+        }
         if (const auto force = column("kn"); force && *force != 0.0) {
             drop.force_kN = force;
             drop.pressure_kPa = plate_pressure_kPa(*force, *radius_mm_);
         }
         if (const auto pressure = column("kpa"); pressure && *pressure != 0.0) {
-            drop.pressure_kPa = *pressure;
-            drop.force_kN.reset();
+            take_pressure(drop, *pressure, fmt::format("line {}", line), station);
         }
         for (std::size_t i = 0; i < offsets_mm_.size(); ++i) {
+            if (!offsets_mm_[i]) {
+                continue;
+            }
             if (const auto deflection = column(fmt::format("d({})", i + 1))) {
-                drop.readings.push_back({offsets_mm_[i], *deflection});
+                drop.readings.push_back({*offsets_mm_[i], *deflection});
+            } else {
+                drop.not_read_mm.push_back(*offsets_mm_[i]);
             }
         }
         station.drops.push_back(std::move(drop));
@@ -162,7 +202,8 @@ private:
     std::string file_;
     std::string date_;
     std::optional<double> radius_mm_;
-    std::vector<double> offsets_mm_;
+    std::vector<std::optional<double>> offsets_mm_; // nothing: not stated
+    std::string latitude_, longitude_;
     std::vector<std::string> columns_; // of the drops that follow; empty: none follow
     FwdStation station_;
     bool is_open_ = false; // there is a station

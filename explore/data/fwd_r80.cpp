@@ -64,6 +64,7 @@ public:
     }
 
     FwdFile file() && {
+        close_station();
         return with_drops(std::move(result_), file_,
                           "after the header, lines S with a station and lines of pressure and deflections");
     }
@@ -96,11 +97,20 @@ private:
         }
         std::string_view longitude = trimmed(line.substr(second));
         longitude = longitude.ends_with("999.9") ? longitude.substr(0, longitude.size() - 5) : longitude; // no height
-        latitude_ = measured(line.substr(first, second - first));
-        longitude_ = measured(longitude);
+        latitude_ = line.substr(first, second - first);
+        longitude_ = longitude;
+    }
+
+    // A station without drops is one that nothing can be made of.
+    void close_station() {
+        if (is_open_ && is_new_) {
+            station_.unusable = no_drops;
+            result_.stations.push_back(station_);
+        }
     }
 
     void begin_station(std::string_view line, int number) {
+        close_station();
         const std::string_view where = trimmed(line.substr(1, 9));
         station_ = {.name = std::string(where), .lane = {}, .chainage_m = chainage(where, 1.0), .file = file_};
         if (!station_.chainage_m) {
@@ -118,8 +128,8 @@ private:
         if (mark != std::string_view::npos) {
             station_.time = std::string(trimmed(rest.substr(std::min(mark + 2, rest.size()), 4)));
         }
-        station_.latitude = std::exchange(latitude_, std::nullopt);
-        station_.longitude = std::exchange(longitude_, std::nullopt);
+        station_.line = number;
+        set_position(station_, std::exchange(latitude_, {}), std::exchange(longitude_, {}));
         is_open_ = true;
         is_new_ = true;
     }
@@ -151,6 +161,8 @@ private:
         for (std::size_t i = 1; i < n; ++i) {
             if (const auto deflection = value(i)) {
                 drop.readings.push_back({offsets_mm_[i - 1], *deflection});
+            } else {
+                drop.not_read_mm.push_back(offsets_mm_[i - 1]);
             }
         }
         station.drops.push_back(std::move(drop));
@@ -159,7 +171,7 @@ private:
     std::string file_;
     std::optional<double> radius_mm_;
     std::vector<double> offsets_mm_;
-    std::optional<double> latitude_, longitude_; // of the next station
+    std::string latitude_, longitude_; // of the next station
     FwdStation station_;
     bool is_open_ = false; // there is a station
     bool is_new_ = false;  // without a drop so far

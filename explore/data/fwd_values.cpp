@@ -76,21 +76,34 @@ std::optional<double> chainage(std::string_view cell, double to_m) {
         return std::nullopt;
     }
     constexpr double foot = 0.3048;
-    return to_m == foot ? (100.0 * *before + *after) * foot : 1000.0 * *before + *after;
+    const double whole = to_m == foot ? 100.0 : 1000.0;
+    if (*after >= whole) {
+        return std::nullopt; // "12+1340": one of the two is wrong
+    }
+    return to_m == foot ? (whole * *before + *after) * foot : whole * *before + *after;
 }
 
 std::optional<double> degrees(std::string_view text) {
     text = trimmed(text);
     double sign = 1.0;
-    if (!text.empty()) {
-        const char last = static_cast<char>(std::toupper(static_cast<unsigned char>(text.back())));
-        if (last == 'N' || last == 'E' || last == 'S' || last == 'W') {
-            sign = last == 'S' || last == 'W' ? -1.0 : 1.0;
-            text = trimmed(text.substr(0, text.size() - 1));
+    const auto take_hemisphere = [&](std::size_t at) {
+        const char letter = static_cast<char>(std::toupper(static_cast<unsigned char>(text[at])));
+        const bool is_one = letter == 'N' || letter == 'E' || letter == 'S' || letter == 'W';
+        if (is_one) {
+            sign = letter == 'S' || letter == 'W' ? -1.0 : 1.0;
+            text = trimmed(at == 0 ? text.substr(1) : text.substr(0, at));
         }
+        return is_one;
+    };
+    if (!text.empty() && !take_hemisphere(text.size() - 1)) {
+        take_hemisphere(0);
     }
     if (const auto decimal = measured(text)) {
         return sign * *decimal;
+    }
+    if (text.starts_with('-')) {
+        sign = -sign;
+        text.remove_prefix(1);
     }
     // Degrees, minutes and seconds, whatever stands between them.
     std::vector<double> parts;
@@ -122,7 +135,32 @@ std::optional<double> degrees(std::string_view text) {
 }
 
 std::optional<double> hour_of_day(std::string_view time) {
-    time = trimmed(time);
+    std::string words = lower_case(trimmed(time));
+    double noon = 0.0; // hours that "pm" adds, and "am" takes from twelve
+    bool is_twelve_hours = false;
+    bool has_word = false;
+    for (const std::string_view word : {"a.m.", "p.m.", "am", "pm", "uhr", "z", "h"}) {
+        if (!has_word && words.size() > word.size() && words.ends_with(word)) {
+            has_word = true;
+            is_twelve_hours = word.find('m') != std::string_view::npos;
+            noon = word.starts_with('p') ? 12.0 : 0.0;
+            words = trimmed(std::string_view(words).substr(0, words.size() - word.size()));
+        }
+    }
+    if (const std::size_t date = words.find_last_of(" t"); date != std::string::npos) {
+        words.erase(0, date + 1);
+    }
+    if (const auto number = number_or_nothing(words); number && words.find('.') != std::string::npos && !has_word) {
+        // A spreadsheet's number: days, of which the rest is the time.
+        constexpr double first_day = 20000.0;
+        return (*number >= 0.0 && *number < 1.0) || *number > first_day
+                   ? std::optional(24.0 * (*number - std::floor(*number)))
+                   : std::nullopt;
+    }
+    if (words.find(':') == std::string::npos) {
+        std::replace(words.begin(), words.end(), has_word ? '.' : 'h', ':');
+    }
+    time = words;
     std::optional<double> hours;
     std::optional<double> minutes;
     double seconds = 0.0;
@@ -136,6 +174,9 @@ std::optional<double> hour_of_day(std::string_view time) {
     } else if ((time.size() == 3 || time.size() == 4) && std::all_of(time.begin(), time.end(), is_digit)) {
         hours = plain_decimal(time.substr(0, time.size() - 2));
         minutes = plain_decimal(time.substr(time.size() - 2));
+    }
+    if (is_twelve_hours && hours) {
+        hours = *hours >= 1.0 && *hours < 13.0 ? std::optional(std::fmod(*hours, 12.0) + noon) : std::nullopt;
     }
     if (!hours || !minutes || *hours >= 24.0 || *minutes >= 60.0 || seconds >= 60.0) {
         return std::nullopt;
@@ -164,7 +205,7 @@ std::span<const NamedUnit> length_units() {
         {"foot", 0.3048},     {"feet", 0.3048},     {"ft", 0.3048},   {"yard", 0.9144},     {"yd", 0.9144},
         {"mile", 1609.344},   {"mi", 1609.344},     {"micron", 1e-6}, {"micrometer", 1e-6}, {"micrometre", 1e-6},
         {"um", 1e-6},         {"µm", 1e-6},         {"μm", 1e-6},     {"my", 1e-6},         {"mu", 1e-6},
-        {"mil", 25.4e-6},     {"0.01mm", 1e-5},     {"001mm", 1e-5}};
+        {"mil", 25.4e-6},     {"0.01mm", 1e-5},     {"001mm", 1e-5},  {"1/100mm", 1e-5}};
     return all;
 }
 
@@ -182,7 +223,11 @@ std::span<const NamedUnit> force_units() {
                                         {"kip", 1e3 * pound_force},
                                         {"kgf", 9.80665},
                                         {"kilogramforce", 9.80665},
-                                        {"tf", 9806.65}};
+                                        {"tf", 9806.65},
+                                        {"t", 9806.65},
+                                        {"ton", 9806.65},
+                                        {"tonne", 9806.65},
+                                        {"metricton", 9806.65}};
     return all;
 }
 

@@ -18,13 +18,15 @@ std::optional<double> measured(std::string_view cell);
 std::optional<double> measured_with_comma(std::string_view cell);
 
 // Metres along the road from "340", "12+340" (kilometres + metres), "ZK0+160", "K12+340.5"; where the unit is the foot,
-// "12+34" are stations of 100 ft: 1234 ft. to_m: metres in the unit of a plain number.
+// "12+34" are stations of 100 ft: 1234 ft. Nothing where what follows the plus makes another whole. to_m: metres in the
+// unit of a plain number.
 std::optional<double> chainage(std::string_view cell, double to_m);
 
-// Degrees from "48.97", "-2.5", "2.5W" or "48°58'26.1930"N"; south and west negative.
+// Degrees from "48.97", "-2.5", "2.5W", "W2.5" or "48°58'26.1930"N"; south and west negative.
 std::optional<double> degrees(std::string_view text);
 
-// Hours from midnight, from "09:31", "9:31:20", "0931"; nothing: not to be read.
+// Hours from midnight, from "09:31", "9:31:20", "0931", "1:30 PM", "13h30", "13.30 Uhr", with a date before it, or from
+// the days of a spreadsheet ("0.5625"); nothing: not to be read.
 std::optional<double> hour_of_day(std::string_view time);
 
 // Celsius of Fahrenheit.

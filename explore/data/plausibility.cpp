@@ -21,6 +21,9 @@ constexpr Range centre_um{5.0, 1e4}, common_centre_um{50.0, 3000.0};
 constexpr Range surface_modulus_MPa{1.0, 1e5};
 constexpr Range farthest_mm{0.0, 4000.0}, common_farthest_mm{600.0, 3000.0};
 constexpr double nearest_farthest_mm = 250.0; // of four sensors or more
+constexpr double common_force_kN = 20.0;
+constexpr double common_ground_MPa = 1000.0;
+constexpr double live_um = 1.0; // what a live sensor reads
 
 struct Slip {
     std::string_view words;
@@ -63,14 +66,9 @@ std::string implausible_plate(const FwdDrop& drop) {
                                 common_radius_mm, ""));
 }
 
-std::string implausible_pressure(const FwdDrop& drop) {
+// The pressure with the slips that lead to a common one.
+std::string pressure_words(const FwdDrop& drop) {
     const double kPa = drop.pressure_kPa;
-    if (pressure_kPa.holds(kPa)) {
-        return {};
-    }
-    if (!std::isfinite(kPa)) {
-        return "its load was not measured";
-    }
     if (drop.force_kN) {
         // The number itself may be a pressure.
         const double as_pressure = std::numbers::pi * drop.radius_mm * drop.radius_mm * 1e-6;
@@ -93,16 +91,79 @@ std::string implausible_pressure(const FwdDrop& drop) {
             common_pressure_kPa, " in a kPa column"));
 }
 
+std::string implausible_pressure(const FwdDrop& drop) {
+    if (pressure_kPa.holds(drop.pressure_kPa)) {
+        return {};
+    }
+    return std::isfinite(drop.pressure_kPa) ? pressure_words(drop) : "its load was not measured";
+}
+
+// The slips that make a small deflection, or a large one, a common one.
+std::string deflection_question(double um, Range common) {
+    return um > std::sqrt(common.low * common.high)
+               ? question(um, {{"micrometres", 1e-3}, {"mils", 0.0254}, {"hundredths of a mm", 0.01}}, common,
+                          " in a _mm column")
+               : question(um,
+                          {{"millimetres in a _um column", 1e3},
+                           {"mils in a _um column or inches in a _mm column", 25.4},
+                           {"hundredths of a mm in a _um column", 10.0}},
+                          common, "");
+}
+
 std::string implausible_deflection(double um, std::string_view where) {
     if (centre_um.holds(um)) {
         return {};
     }
-    return fmt::format(
-        "a deflection of {:g} um {}{}", um, where,
-        um > centre_um.high
-            ? question(um, {{"micrometres", 1e-3}, {"mils", 0.0254}, {"hundredths of a mm", 0.01}}, common_centre_um,
-                       " in a _mm column")
-            : question(um, {{"millimetres", 1e3}, {"mils", 25.4}}, common_centre_um, " in a _um column"));
+    return fmt::format("a deflection of {:g} um {}{}", um, where, deflection_question(um, common_centre_um));
+}
+
+// Away from the centre one reading that cannot be is a sensor's, several are a slip.
+std::string implausible_others(const FwdDrop& drop) {
+    double largest = 0.0;
+    double live = 0.0; // the largest of those that are no more than what dead sensors read
+    std::size_t others = 0;
+    std::size_t beyond = 0;
+    std::size_t faint = 0;
+    double centre = 0.0;
+    for (const FwdReading& r : drop.readings) {
+        if (r.offset_mm == 0.0) {
+            centre = r.deflection_um;
+            continue;
+        }
+        ++others;
+        beyond += r.deflection_um > centre_um.high ? 1 : 0;
+        largest = std::max(largest, r.deflection_um);
+        if (r.deflection_um < live_um && r.deflection_um > 0.0) {
+            ++faint;
+            live = std::max(live, r.deflection_um);
+        }
+    }
+    if (beyond >= 2) {
+        return fmt::format("{} deflections beyond 10 mm, {:g} um the largest{}", beyond, largest,
+                           deflection_question(largest, common_centre_um));
+    }
+    if (faint >= 2 && faint == others && centre_um.holds(centre) && live * 1e3 <= centre) {
+        return fmt::format("{:g} um at the centre and no more than {:g} um at {} other sensors{}", centre, live, faint,
+                           deflection_question(live, common_centre_um));
+    }
+    return {};
+}
+
+// The lowest surface modulus from two radii on, in MPa: that of the ground far down. Infinite without readings there.
+double ground_modulus_MPa(const FwdDrop& drop) {
+    double lowest = INFINITY;
+    for (const FwdReading& r : drop.readings) {
+        if (r.offset_mm >= 2.0 * drop.radius_mm && r.deflection_um >= live_um) {
+            lowest = std::min(lowest, (1.0 - 0.35 * 0.35) * drop.pressure_kPa * drop.radius_mm * drop.radius_mm /
+                                          (r.offset_mm * r.deflection_um));
+        }
+    }
+    return lowest;
+}
+
+std::string offsets_question(double farthest_mm) {
+    return question(farthest_mm, {{"offsets in cm", 10.0}, {"offsets in inches", 25.4}, {"offsets in m", 1e3}},
+                    common_farthest_mm, "");
 }
 
 } // namespace
@@ -119,14 +180,15 @@ std::string implausible(const FwdDrop& drop) {
         farthest = std::max(farthest, std::abs(r.offset_mm));
     }
     if (!farthest_mm.holds(farthest) || (drop.readings.size() >= 4 && farthest < nearest_farthest_mm)) {
-        return fmt::format("the farthest sensor at {:g} mm{}", farthest,
-                           question(farthest,
-                                    {{"offsets in cm", 10.0}, {"offsets in inches", 25.4}, {"offsets in m", 1e3}},
-                                    common_farthest_mm, ""));
+        return fmt::format("the farthest sensor at {:g} mm{}", farthest, offsets_question(farthest));
     }
     for (const FwdReading& r : drop.readings) {
         // A sensor that reads nothing is dead, which costs that reading alone: deflection_bowl.h.
-        if (r.offset_mm == 0.0 && r.deflection_um >= 0.1) {
+        const bool is_alone = std::any_of(drop.readings.begin(), drop.readings.end(), [&](const FwdReading& other) {
+            return other.deflection_um > 4.0 * std::max(r.deflection_um, centre_um.low) &&
+                   other.deflection_um <= centre_um.high;
+        });
+        if (r.offset_mm == 0.0 && r.deflection_um >= 0.1 && !is_alone) {
             if (auto words = implausible_deflection(r.deflection_um, "at the centre"); !words.empty()) {
                 return words;
             }
@@ -137,7 +199,53 @@ std::string implausible(const FwdDrop& drop) {
             }
         }
     }
-    return {};
+    return implausible_others(drop);
+}
+
+std::string doubtful(const FwdDrop& drop) {
+    // A question ends it: without a slip that explains it there is nothing to ask.
+    const auto asked = [](const std::string& words) { return words.ends_with('?') ? words : std::string(); };
+    const double kPa = drop.pressure_kPa;
+    if (!common_radius_mm.holds(drop.radius_mm)) {
+        // A light deflectometer has a small plate and little pressure.
+        const double as_radius = kPa / 4.0;
+        if (drop.force_kN && *drop.force_kN >= common_force_kN && common_pressure_kPa.holds(as_radius)) {
+            return fmt::format("a plate of radius {:g} mm under {:g} kN ({:.0f} kPa): the radius in place of the "
+                               "diameter?",
+                               drop.radius_mm, *drop.force_kN, kPa);
+        }
+    } else if (!common_pressure_kPa.holds(kPa) &&
+               (kPa > common_pressure_kPa.high ||
+                kPa * std::numbers::pi * drop.radius_mm * drop.radius_mm * 1e-6 < common_force_kN)) {
+        if (auto words = asked(pressure_words(drop)); !words.empty()) {
+            return words;
+        }
+    }
+    double farthest = 0.0;
+    for (const FwdReading& r : drop.readings) {
+        farthest = std::max(farthest, std::abs(r.offset_mm));
+    }
+    if (drop.readings.size() >= 3 && farthest < nearest_farthest_mm) {
+        if (auto words = asked(fmt::format("the farthest sensor at {:g} mm{}", farthest, offsets_question(farthest)));
+            !words.empty()) {
+            return words;
+        }
+    }
+    const auto centre = std::find_if(drop.readings.begin(), drop.readings.end(),
+                                     [](const FwdReading& r) { return r.offset_mm == 0.0; });
+    if (centre == drop.readings.end()) {
+        return {};
+    }
+    const double um = centre->deflection_um;
+    if (um > common_centre_um.high) {
+        return asked(
+            fmt::format("a deflection of {:g} um at the centre{}", um, deflection_question(um, common_centre_um)));
+    }
+    const double ground = ground_modulus_MPa(drop);
+    return std::isfinite(ground) && ground > common_ground_MPa
+               ? asked(fmt::format("{:g} um at the centre under {:.0f} kPa, ground of {:.0f} MPa or more{}", um, kPa,
+                                   ground, deflection_question(um, {60.0, common_centre_um.high})))
+               : "";
 }
 
 } // namespace explore::data

@@ -98,6 +98,16 @@ void add_fit(const SurveyResult& result, const StationResult& s, Json& json) {
             json["parameters"][names[k]] = {
                 {"value", p.value}, {"low", p.low}, {"high", p.high}, {"determined", p.determined}};
         }
+        const auto outputs = result.outputs();
+        for (std::size_t o = 0; o < fit.outputs.size(); ++o) {
+            const auto& p = fit.outputs[o];
+            json["outputs"][outputs[o].output] = {
+                {"value", outputs[o].in_unit(p.value)},
+                {"low", p.determined ? Json(outputs[o].in_unit(p.low)) : Json(nullptr)},
+                {"high", p.determined ? Json(outputs[o].in_unit(p.high)) : Json(nullptr)},
+                {"unit", std::string(outputs[o].unit.name)},
+                {"determined", p.determined}};
+        }
     }
 }
 
@@ -123,7 +133,8 @@ Json station_json(const SurveyResult& result, const StationResult& s) {
                  {"remarks", analysis::remarks_of(result, s)},
                  {"drops_used", drops_used(s)},
                  {"drops_left_out", drops_left_out(s)},
-                 {"parameters", Json::object()}};
+                 {"parameters", Json::object()},
+                 {"outputs", Json::object()}};
     if (s.asphalt) {
         json["asphalt_C_source"] = std::string(temperature_sources[static_cast<int>(s.asphalt->source)]);
     }
@@ -136,8 +147,9 @@ Json station_json(const SurveyResult& result, const StationResult& s) {
     json["D0_um"] = bowl.d0_um();
     json["D0_um_at_common_pressure"] = result.d0_at_common(s);
     json["D250_um"] = optional_json(bowl.at(data::ratio_offset_mm));
-    json["D250_is_interpolated"] = d250_is_interpolated(s);
+    json["D250_is_interpolated"] = s.ratio() ? Json(d250_is_interpolated(s)) : Json(nullptr);
     json["deflection_ratio"] = optional_json(s.ratio());
+    json["deflection_ratio_reason"] = analysis::why_no_ratio(s);
     json["pass"] = s.passes() ? Json(*s.passes()) : Json(nullptr);
     json["normalised"] = indices_json(s);
     const auto levels = s.used_levels();
@@ -263,6 +275,7 @@ std::string survey_csv(const SurveyResult& result) {
                                        "D250_is_interpolated",
                                        "deflection_ratio",
                                        "verdict",
+                                       "verdict_reason",
                                        "normalised_to_kPa",
                                        "normalised_D0_um",
                                        "SCI_um",
@@ -278,6 +291,11 @@ std::string survey_csv(const SurveyResult& result) {
     const auto names = result.parameter_names();
     for (const std::string& name : names) {
         header.insert(header.end(), {name, name + " low", name + " high", name + " determined"});
+    }
+    const auto outputs = result.outputs();
+    for (const auto& output : outputs) {
+        const std::string name = fmt::format("{} [{}]", output.output, output.unit.name);
+        header.insert(header.end(), {name, name + " low", name + " high"});
     }
     if (result.study) {
         header.insert(header.end(),
@@ -303,16 +321,18 @@ std::string survey_csv(const SurveyResult& result) {
             cells.insert(cells.end(),
                          {number(bowl.radius_mm), number(bowl.pressure_kPa), number(bowl.d0_um()),
                           number(result.d0_at_common(s)), number(bowl.at(data::ratio_offset_mm)),
-                          d250_is_interpolated(s) ? "true" : "false", number(s.ratio()),
-                          std::string(analysis::verdict(s)), number(s.normalised_kPa), number(indices.d0_um),
-                          number(indices.sci_um), number(indices.bdi_um), number(indices.bci_um),
-                          number(indices.area_mm), number(indices.curvature_radius_m),
-                          number(indices.surface_moduli[0].modulus_MPa)});
+                          !s.ratio()                ? ""
+                          : d250_is_interpolated(s) ? "true"
+                                                    : "false",
+                          number(s.ratio()), std::string(analysis::verdict(s)), analysis::why_no_ratio(s),
+                          number(s.normalised_kPa), number(indices.d0_um), number(indices.sci_um),
+                          number(indices.bdi_um), number(indices.bci_um), number(indices.area_mm),
+                          number(indices.curvature_radius_m), number(indices.surface_moduli[0].modulus_MPa)});
             for (const double offset : offsets) {
                 cells.push_back(bowl.has_sensor_at(offset) ? number(bowl.at(offset)) : "");
             }
         } else {
-            cells.resize(cells.size() + 16 + offsets.size());
+            cells.resize(cells.size() + 17 + offsets.size());
         }
         if (s.is_fitted()) {
             for (const auto& p : s.fit->parameters) {
@@ -321,6 +341,16 @@ std::string survey_csv(const SurveyResult& result) {
             }
         } else {
             cells.resize(cells.size() + 4 * names.size());
+        }
+        for (std::size_t o = 0; o < outputs.size(); ++o) {
+            if (!s.is_fitted() || s.fit->outputs.empty()) {
+                cells.resize(cells.size() + 3);
+                continue;
+            }
+            const auto& p = s.fit->outputs[o];
+            cells.insert(cells.end(),
+                         {number(outputs[o].in_unit(p.value)), p.determined ? number(outputs[o].in_unit(p.low)) : "",
+                          p.determined ? number(outputs[o].in_unit(p.high)) : ""});
         }
         if (result.study && s.fit) {
             const landscape::Minimum& best = s.fit->best;
@@ -350,18 +380,41 @@ std::optional<Json> survey_geojson(const SurveyResult& result) {
             continue;
         }
         Json properties = {{"station", f.name},
+                           {"profile", f.profile},
                            {"lane", f.lane},
                            {"chainage_m", optional_json(f.chainage_m)},
                            {"status", std::string(to_string(s.state))},
-                           {"reason", analysis::reason_of(s)}};
+                           {"reason", analysis::reason_of(s)},
+                           {"date", f.date},
+                           {"time", f.time},
+                           {"comment", f.comment},
+                           {"air_C", optional_json(f.air_C)},
+                           {"surface_C", optional_json(f.surface_C)},
+                           {"asphalt_C", s.asphalt ? Json(s.asphalt->celsius) : Json(nullptr)},
+                           {"remarks", pave::join(analysis::remarks_of(result, s), "; ")},
+                           {"file", f.file},
+                           {"line", f.line}};
         if (s.has_bowl()) {
             properties["normalised_D0_um"] = s.indices->d0_um;
             properties["deflection_ratio"] = optional_json(s.ratio());
+            properties["verdict"] = std::string(analysis::verdict(s));
+            properties["verdict_reason"] = analysis::why_no_ratio(s);
         }
         const auto names = result.parameter_names();
         for (std::size_t k = 0; s.is_fitted() && k < names.size(); ++k) {
-            properties[names[k]] = s.fit->parameters[k].value;
-            properties[names[k] + " determined"] = s.fit->parameters[k].determined;
+            const auto& p = s.fit->parameters[k];
+            properties[names[k]] = p.value;
+            properties[names[k] + " low"] = p.low;
+            properties[names[k] + " high"] = p.high;
+            properties[names[k] + " determined"] = p.determined;
+        }
+        const auto outputs = result.outputs();
+        for (std::size_t o = 0; s.is_fitted() && o < s.fit->outputs.size(); ++o) {
+            const auto& p = s.fit->outputs[o];
+            const std::string name = fmt::format("{} [{}]", outputs[o].output, outputs[o].unit.name);
+            properties[name] = outputs[o].in_unit(p.value);
+            properties[name + " low"] = p.determined ? Json(outputs[o].in_unit(p.low)) : Json(nullptr);
+            properties[name + " high"] = p.determined ? Json(outputs[o].in_unit(p.high)) : Json(nullptr);
         }
         features.push_back({{"type", "Feature"},
                             {"geometry", {{"type", "Point"}, {"coordinates", {*f.longitude, *f.latitude}}}},

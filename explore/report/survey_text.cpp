@@ -23,15 +23,26 @@ std::string with_range(const analysis::ParameterRange& p) {
                         : fmt::format("{} (?)", figure(p.value));
 }
 
+// Where its drops stand: " (north.f25, line 12)".
+std::string place_of(const data::FwdStation& s) {
+    return s.line == 0 ? "" : fmt::format(" ({}, line {})", s.file.substr(s.file.find_last_of('/') + 1), s.line);
+}
+
 std::string station_table(const SurveyResult& result) {
     const bool lanes = result.count([](const StationResult& s) { return !s.station.lane.empty(); }) > 0;
+    const bool profiles = result.count([](const StationResult& s) { return !s.station.profile.empty(); }) > 0;
     std::vector<std::string> header{"station"};
+    if (profiles) {
+        header.emplace_back("profile");
+    }
     if (lanes) {
         header.emplace_back("lane");
     }
-    for (const std::string& name : {std::string("chainage m"), std::string("drops"), std::string("pressure kPa"),
-                                    fmt::format("D0 um at {} kPa", figure(result.common_pressure_kPa)),
-                                    std::string("D250/D0"), std::string("ratio")}) {
+    const bool has_bowls = result.common_pressure_kPa > 0.0;
+    for (const std::string& name :
+         {std::string("chainage m"), std::string("drops"), std::string("pressure kPa"),
+          has_bowls ? fmt::format("D0 um at {} kPa", figure(result.common_pressure_kPa)) : "D0 um",
+          std::string("D250/D0"), std::string("ratio")}) {
         header.push_back(name);
     }
     const auto names = result.parameter_names();
@@ -43,6 +54,9 @@ std::string station_table(const SurveyResult& result) {
     Table table(header);
     for (const StationResult& s : result.stations) {
         std::vector<std::string> cells{s.station.name};
+        if (profiles) {
+            cells.push_back(s.station.profile);
+        }
         if (lanes) {
             cells.push_back(s.station.lane);
         }
@@ -73,7 +87,9 @@ std::string station_table(const SurveyResult& result) {
         }
         cells.resize(header.size() - 1);
         const std::string reason = analysis::reason_of(s);
-        cells.push_back(reason.empty() ? "ok" : fmt::format("{}: {}", to_string(s.state), reason));
+        cells.push_back(reason.empty() ? "ok"
+                                       : fmt::format("{}: {}{}", to_string(s.state), reason,
+                                                     s.state == StationState::rejected ? place_of(s.station) : ""));
         table.add(std::move(cells));
     }
     return table.text();
@@ -84,7 +100,11 @@ std::string remark_list(const SurveyResult& result) {
     constexpr std::size_t shown = 30;
     std::vector<std::pair<std::string, std::vector<std::string>>> remarks;
     for (const StationResult& s : result.stations) {
-        for (std::string& words : analysis::remarks_of(result, s)) {
+        auto list = analysis::remarks_of(result, s);
+        if (const std::string why = analysis::why_no_ratio(s); !why.empty()) {
+            list.push_back("no deflection ratio: " + why);
+        }
+        for (std::string& words : list) {
             const auto same =
                 std::find_if(remarks.begin(), remarks.end(), [&](const auto& r) { return r.first == words; });
             if (same == remarks.end()) {
@@ -185,9 +205,48 @@ std::string index_table(const SurveyResult& result) {
     return table.text();
 }
 
+std::string output_table(const SurveyResult& result) {
+    const auto outputs = result.outputs();
+    std::vector<std::string> header{"station"};
+    for (const auto& output : outputs) {
+        header.push_back(fmt::format("{} [{}]", output.output, output.unit.name));
+    }
+    Table table(header);
+    for (const StationResult& s : result.stations) {
+        if (!s.is_fitted()) {
+            continue;
+        }
+        std::vector<std::string> cells{s.station.name};
+        for (std::size_t o = 0; o < s.fit->outputs.size(); ++o) {
+            const auto& p = s.fit->outputs[o];
+            const auto shown = [&](double si) { return figure(outputs[o].in_unit(si)); };
+            cells.push_back(p.determined ? fmt::format("{} ({} to {})", shown(p.value), shown(p.low), shown(p.high))
+                                         : shown(p.value) + " (?)");
+        }
+        if (s.fit->outputs.empty()) {
+            cells.push_back("no answer: " + s.fit->why_no_outputs);
+        }
+        cells.resize(std::max(cells.size(), header.size()));
+        table.add(std::move(cells));
+    }
+    return table.text();
+}
+
 std::string section_table(const SurveyResult& result) {
     const auto names = result.parameter_names();
+    const auto any = [&](const auto& text_of) {
+        return std::any_of(result.sections.begin(), result.sections.end(),
+                           [&](const auto& section) { return !text_of(section).empty(); });
+    };
+    const bool profiles = any([](const auto& section) { return section.profile; });
+    const bool lanes = any([](const auto& section) { return section.lane; });
     std::vector<std::string> header{"from m", "to m", "stations", "D0 um"};
+    if (lanes) {
+        header.insert(header.begin(), "lane");
+    }
+    if (profiles) {
+        header.insert(header.begin(), "profile");
+    }
     header.insert(header.end(), names.begin(), names.end());
     Table table(header);
     const auto words = [](const analysis::Percentiles& p) {
@@ -197,6 +256,12 @@ std::string section_table(const SurveyResult& result) {
         std::vector<std::string> cells{fmt::format("{:g}", *result.stations[section.first].station.chainage_m),
                                        fmt::format("{:g}", *result.stations[section.last].station.chainage_m),
                                        std::to_string(section.d0_um.stations), words(section.d0_um)};
+        if (lanes) {
+            cells.insert(cells.begin(), section.lane);
+        }
+        if (profiles) {
+            cells.insert(cells.begin(), section.profile);
+        }
         for (const auto& p : section.parameters) {
             cells.push_back(words(p));
         }
@@ -232,10 +297,16 @@ std::string survey_text(const SurveyResult& result) {
                         to_string(result.study->data.misfit));
     }
     text += "\n" + station_table(result);
+    if (!result.outputs().empty()) {
+        text += "\nOutputs at the best fits (95 % ranges by their derivatives and the ranges of the parameters)\n" +
+                output_table(result);
+    }
     if (const std::string remarks = remark_list(result); !remarks.empty()) {
         text += "\nRemarks\n" + remarks;
     }
-    text += "\nAlong the road\n" + strip_charts(result);
+    if (counts.rejected < result.stations.size()) {
+        text += "\nAlong the road\n" + strip_charts(result);
+    }
     if (result.normalise || result.reference_C) {
         text += fmt::format("\nAt {}\n{}",
                             result.normalise ? result.normalise->pressure_kPa

@@ -34,9 +34,16 @@ Study load_survey_study(const std::string& file) {
             throw pave::Error({.file = file, .key = std::string(applied.effect->name)},
                               "a survey knows the load of its deflectometer only", "another load", plate->name);
         }
-        applied.load.reset();
     }
-    loads = {*plate};
+    // The plate first.
+    const auto at = static_cast<int>(plate - loads.begin());
+    std::rotate(loads.begin(), plate, plate + 1);
+    for (auto& sensor : study.model.sensors) {
+        sensor.load = sensor.load == at ? 0 : sensor.load < at ? sensor.load + 1 : sensor.load;
+    }
+    for (auto& applied : study.model.effects) {
+        applied.load = applied.load ? std::optional(0) : std::nullopt;
+    }
     return study;
 }
 
@@ -57,6 +64,9 @@ Study station_study(const Study& survey, const data::FwdStation& station,
     Study study = survey;
     const auto plate = study.model.loads[0];
     study.model.loads.clear();
+    for (auto& applied : study.model.effects) {
+        applied.load.reset(); // every load of the station is its plate's
+    }
     const bool noise_is_stated = study.data.states_noise();
     std::vector<data::Reading> measurements;
     for (const data::DeflectionBowl* bowl : bowls) {
@@ -80,6 +90,15 @@ Study station_study(const Study& survey, const data::FwdStation& station,
         study.model.loads.push_back(std::move(load));
     }
     return with_measurements(std::move(study), std::move(measurements));
+}
+
+Study station_outputs(const Study& survey, const data::DeflectionBowl& bowl) {
+    Study study = survey;
+    auto& plate = study.model.loads[0];
+    plate.radius = bowl.radius_mm * unit::mm;
+    plate.pressure = bowl.pressure_kPa * unit::kPa;
+    study.hash += fmt::format(" {} {}", bowl.radius_mm, bowl.pressure_kPa);
+    return study;
 }
 
 } // namespace explore::study

@@ -6,8 +6,8 @@
 
 namespace explore::study {
 
-// A study that a survey can use: one load of type plate, which is the only one kept, and no parameter of a load. Its
-// data files are not read. Throws pave::Error.
+// A study that a survey can use: one load of type plate, which comes first, and no parameter of a load; the other loads
+// are kept for the outputs. Its data files are not read. Throws pave::Error.
 Study load_survey_study(const std::string& file);
 
 // Standard deviation of a reading D of n drops in um. repeatability: standard deviation of a reading over repeated
@@ -21,5 +21,8 @@ double bowl_sigma_um(const data::BowlReading& reading, double repeatability);
 // the readings do not fit the model.
 Study station_study(const Study& survey, const data::FwdStation& station,
                     const std::vector<const data::DeflectionBowl*>& bowls, std::optional<double> repeatability);
+
+// The survey's outputs alone, its plate with the radius and the pressure of the bowl.
+Study station_outputs(const Study& survey, const data::DeflectionBowl& bowl);
 
 } // namespace explore::study

@@ -272,7 +272,7 @@ TEST(FwdCsv, PressureAndLoadMayBothBeStated) {
 
 TEST(FwdCsv, SaysWhatIsWrongAndWhere) {
     expect_complaint("x,y\n1,2\n", {"known format", "chainage_m", "D0_um", "F25", "PDDX", "KUAB"});
-    expect_complaint("", {"known format"});
+    expect_complaint("", {"this file is empty"});
     expect_complaint("chainage_m,radius_mm,pressure_kPa,D0\n0,150,600,500\n", {":1", "no unit", "\"D0\"", "D0_um"});
     expect_complaint("chainage_m,radius_mm,load,D0_um\n0,150,600,500\n", {":1", "no unit", "\"load\"", "load_kN"});
     expect_complaint("chainage_m,radius_mm,pressure_kPa,D0_um,D0_mm\n", {":1", "twice", "D0_mm"});

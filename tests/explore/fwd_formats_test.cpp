@@ -148,7 +148,7 @@ TEST(F25, SensorsBehindThePlateKeepTheirSide) {
 TEST(F25, SaysWhatIsWrongAndWhere) {
     EXPECT_NE(complaint(f25_head, "a.f25").find("no drops"), std::string::npos);
     EXPECT_NE(complaint("5001,25\n 1, 574, 434\n", "a.f25").find("before any station"), std::string::npos);
-    const std::string sensor = complaint("5001,25\n5020, 150, 0, far\n", "a.f25");
+    const std::string sensor = complaint("5001,25\n5020, 150, N0, far\n", "a.f25");
     EXPECT_NE(sensor.find(":2"), std::string::npos) << sensor;
 }
 

@@ -206,9 +206,13 @@ for name, content in (("road.csv", ROAD), ("road.f25", F25), ("road.ddx", PDDX))
     done = road(name, content)
     check(done.returncode == 0, f"survey of a sound {name}: {done.returncode} {done.stderr.strip()}")
 for word in ("nan", "inf"):
-    for name, content, old, new, line in (("road.f25", F25, "0,200,", f"0,{word},", 2), ("road.ddx", PDDX, "0,200,", f"0,{word},", 5)):
-        refused(road(name, changed(old, new, content)), f"{name}, line {line} with {word}", file=f"{name}:{line}:")
-    # A station whose place is no number costs that place.
+    # A place of a sensor that is no number costs that sensor, a station's place that place.
+    for name, content in (("road.f25", F25), ("road.ddx", PDDX)):
+        done = road(name, changed("0,200,", f"0,{word},", content), "--json")
+        check(done.returncode == 0, f"{name}, a place {word}: {done.returncode} {done.stderr.strip()}")
+        result = parsed(done, f"{name}, a place {word}")
+        check(all(200 not in [r["offset_mm"] for r in s.get("readings", [])] for s in result["stations"]), f"{name}, a place {word}: no sensor there")
+        check(any("line" in f and "place" in f for f in result["findings"]), f"{name}, a place {word}, is said: {result['findings']}")
     for name, content, old, new in (("road.csv", ROAD, "B,L,10,", f"B,L,{word},"), ("road.f25", F25, "2,2.0,", f"2,{word},"),
                                     ("road.ddx", PDDX, "= 1.5", f"= {word}")):
         done = road(name, changed(old, new, content), "--json")

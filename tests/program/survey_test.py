@@ -196,6 +196,63 @@ for name, modulus in (("asphalt", 1214), ("base", 197.4), ("subgrade", 70.8)):
     check(abs(found / modulus - 1) < 0.01, f"{name} of a half-space: {found}")
 check(not any("hangs on the floor" in f for f in endless["findings"]), "no floor, no finding of it")
 
+# [[outputs]] of every station: the value is the forward run's at the best fit; with one parameter the range is what the ends of
+# the parameter's own range give, to first order. Outputs may be under the plate or another load.
+text = layered("half-space").read_text()
+text = text[:text.index("[[parameters]]")].replace("pressure_kPa = 566", "pressure_kPa = 565.884242104515")
+text = text.replace("modulus_MPa = 1000", "modulus_MPa = 1214").replace("modulus_MPa = 200", "modulus_MPa = 197.4")
+text += '''[[loads]]
+name = "tyres"
+type = "gear"
+pressure_kPa = 800
+wheels = [ { x_mm = -160, y_mm = 0, force_kN = 20 }, { x_mm = 160, y_mm = 0, force_kN = 20 } ]
+[[outputs]]
+name = "base strain"
+load = "tyres"
+quantity = "strain_zz"
+depth_mm = 300
+[[outputs]]
+name = "subgrade strain"
+load = "fwd"
+quantity = "strain_zz"
+depth_mm = 760
+'''
+(folder / "outputs.toml").write_text(text + '[[parameters]]\nname = "subgrade.modulus_MPa"\nmin = 20\nmax = 200\nscale = "log"\n')
+
+
+def outputs_at(modulus):
+    (folder / "at.toml").write_text(text.replace("modulus_MPa = 60", f"modulus_MPa = {modulus!r}"))
+    done = run("forward", folder / "at.toml", "--json")
+    check(done.returncode == 0, f"forward: {done.stderr}")
+    return [r["value"] for r in json.loads(done.stdout)["responses"]]
+
+
+station = call(folder / "endless.csv", "--study", folder / "outputs.toml", "--out", folder / "outputs")["stations"][0]
+modulus = station["parameters"]["subgrade.modulus_MPa"]
+best, below, above = (outputs_at(modulus[end]) for end in ("value", "low", "high"))
+check(list(station["outputs"]) == ["base strain", "subgrade strain"], f"outputs: {station['outputs']}")
+for k, output in enumerate(station["outputs"].values()):
+    check(abs(output["value"] / best[k] - 1) < 1e-6 and output["determined"], f"the output at the best fit: {output}, not {best[k]}")
+    half, expected = (output["high"] - output["low"]) / 2, abs(below[k] - above[k]) / 2
+    check(abs(half / expected - 1) < 0.02 and expected > 1e-4 * abs(best[k]), f"the range of {output}: half {half}, not {expected}")
+cells = list(csv.DictReader(io.StringIO((folder / "outputs" / "survey.csv").read_text())))[0]
+check(float(cells["base strain [microstrain]"]) == station["outputs"]["base strain"]["value"], f"the table: {list(cells)}")
+again = run("survey", folder / "endless.csv", "--study", folder / "outputs.toml", "--out", folder / "outputs").stdout
+check("base strain" in again and "0 runs" in again, "outputs in the text, and kept")
+check("outputs" not in open(folder / "endless" / "survey.csv").read() and endless["stations"][0]["outputs"] == {}, "none without [[outputs]]")
+
+# Two files of one road: runs of their own where they lie over each other, one road where one follows the other.
+for name, lines in (("first", "1,0,{0}|2,100,{0}"), ("second", "1,0,{0}|2,100,{0}"), ("onwards", "3,200,{0}|4,300,{0}")):
+    drops = [line.format("150,50,500,400,330,180,110") for line in lines.split("|")]
+    (folder / f"{name}.csv").write_text("station,chainage_m,radius_mm,load_kN,D0_um,D200_um,D300_um,D600_um,D900_um\n" + "\n".join(drops) + "\n")
+both = call(folder / "first.csv", folder / "second.csv", "--out", folder / "two-runs")
+check([s["profile"] for s in both["stations"]] == ["first", "first", "second", "second"], f"two runs: {[s['profile'] for s in both['stations']]}")
+both = call(folder / "first.csv", folder / "onwards.csv", "--out", folder / "on")
+check([s["profile"] for s in both["stations"]] == [""] * 4, "one road of two files")
+(folder / "slip.csv").write_text((folder / "first.csv").read_text().replace(",50,", ",5.1,"))
+slip = call(folder / "slip.csv", "--out", folder / "slip")
+check(any("tonnes" in f and "2 of 2 stations" in f for f in slip["findings"]), f"a slip is a finding: {slip['findings']}")
+
 # Positions make a map, temperatures the asphalt's.
 places = folder / "places.csv"
 places.write_text("station,chainage_m,radius_mm,load_kN,D0_um,D200_um,D300_um,latitude,longitude,time,surface_C,air_C,crew\n"

@@ -559,33 +559,101 @@
             })), { title: { text: g.response }, yaxis: axis("share of the variance"), xaxis: axis(""), barmode: "group" })))] : []);
     };
 
+    // Stations of one profile and lane: they follow each other along the road, others do not.
+    const lanesOf = (stations) => {
+        const lanes = new Map();
+        for (const s of stations) {
+            const name = [s.profile, s.lane && `lane ${s.lane}`].filter(Boolean).join(", ");
+            lanes.set(name, [...(lanes.get(name) || []), s]);
+        }
+        return [...lanes].map(([name, list]) => ({ name: name || "the road", stations: list }));
+    };
+    const medianOf = (values) => {
+        const sorted = [...values].sort((a, b) => a - b);
+        return sorted.length % 2 ? sorted[(sorted.length - 1) / 2] : (sorted[sorted.length / 2 - 1] + sorted[sorted.length / 2]) / 2;
+    };
+    // One trace a lane along the road; what the readings do not determine is open; a level line is the median of a homogeneous section.
+    const strip = (r, stations, title, valueOf, { caption = null, rangeOf = () => null, determined = () => true, more = {}, shapes = [] } = {}) => {
+        const lanes = lanesOf(stations);
+        const traces = lanes.flatMap(({ name, stations: list }, k) => {
+            const colour = colours[k % colours.length];
+            const ranges = list.map((s) => (determined(s) ? rangeOf(s) : null));
+            const parts = (r.sections || []).filter((p) => (p.profile || "") === (list[0].profile || "") && (p.lane || "") === (list[0].lane || ""));
+            const levels = parts.map((p) => {
+                const values = list.filter((s) => s.chainage_m >= p.from_m && s.chainage_m <= p.to_m).map(valueOf).filter((v) => v !== null && v !== undefined);
+                return values.length ? { type: "scatter", mode: "lines", x: [p.from_m, p.to_m], y: [medianOf(values), medianOf(values)], showlegend: false,
+                    hoverinfo: "skip", line: { width: 3, color: colour }, opacity: 0.35 } : null;
+            }).filter(Boolean);
+            return [{ type: "scatter", mode: "lines+markers", name, showlegend: lanes.length > 1, x: list.map((s) => s.chainage_m), y: list.map(valueOf),
+                text: list.map((s) => s.station), line: { width: 1, color: colour },
+                marker: { size: 7, color: colour, symbol: list.map((s) => symbols[k % symbols.length] + (determined(s) ? "" : "-open")) },
+                error_y: ranges.some((range) => range) ? { type: "data", symmetric: false, thickness: 1, width: 2,
+                    array: list.map((s, i) => (ranges[i] ? ranges[i][1] - valueOf(s) : 0)), arrayminus: list.map((s, i) => (ranges[i] ? valueOf(s) - ranges[i][0] : 0)) } : undefined }, ...levels];
+        });
+        return chart("strip", traces, { xaxis: axis("chainage [m]"), yaxis: axis(title, more), height: lanes.length > 1 ? 320 : 260, shapes }, caption);
+    };
+
     const showSurvey = (r) => {
         const good = r.stations.filter((s) => s.D0_um !== undefined);
         const bad = r.stations.filter((s) => s.D0_um === undefined || (s.status !== "ok" && s.reason));
-        const at = good.map((s) => s.chainage_m);
-        const strip = (name, y, title, more = {}, shapes = []) => chart("strip", [{ type: "scatter", mode: "lines+markers", x: at, y,
-            text: good.map((s) => s.station), marker: { size: 6 }, line: { width: 1 } }],
-        { xaxis: axis("chainage [m]"), yaxis: axis(title, more), height: 260, shapes }, name);
         const fitted = good.filter((s) => s.fit);
         const names = fitted.length ? Object.keys(fitted[0].fit.parameters) : [];
+        const outputs = [...new Set(fitted.flatMap((s) => Object.keys(s.outputs || {})))];
+        const known = (s, n) => !s.parameters || !s.parameters[n] || s.parameters[n].determined;
+        const withRange = (p) => (!p ? null : p.determined ? `${figure(p.value)} (${figure(p.low)} to ${figure(p.high)})` : `${figure(p.value)} (?)`);
+        const source = (s) => (s.file ? `${s.file.split("/").pop()}, line ${s.line}` : "");
+        // Columns that hold something, so that a table fits the page; long names may break.
+        const list = (title, stations, columns, left = []) => {
+            const shown = [["station", (s) => s.station], ["profile", (s) => s.profile], ["lane", (s) => s.lane], ["chainage [m]", (s) => s.chainage_m], ...columns]
+                .filter(([, of], i) => i === 0 || stations.some((s) => ![null, undefined, ""].includes(of(s))));
+            return shown.length < 3 || stations.length === 0 ? [] : [part(title), make("div", { className: "narrow" },
+                table(shown.map(([n]) => n.replace(/([._])/g, "$1\u200b")), stations.map((s) => shown.map(([, of]) => of(s))),
+                    shown.map(([n], i) => (left.includes(n) ? i : -1)).filter((i) => i >= 0)))];
+        };
+        const remarked = r.stations.filter((s) => (s.remarks || []).length);
+        const percentiles = (p) => (p ? `${figure(p.p15)} / ${figure(p.p50)} / ${figure(p.p85)}` : null);
         section("The road", make("p", {}, `${r.counts.stations} stations, ${r.counts.rejected} rejected` +
             (r.counts.fitted ? `, ${r.counts.fitted} back-calculated, ${r.counts.no_fit || 0} not described by the model, ${r.counts.failed} without an answer.` : ".")),
         words(r.findings),
-        strip(null, good.map((s) => s.D0_um_at_common_pressure), `D0 at ${figure(r.common_pressure_kPa)} kPa [µm]`, { rangemode: "tozero" }),
-        strip(r.deflection_ratio.definition, good.map((s) => s.deflection_ratio), "deflection ratio", {}, [{ type: "line", xref: "paper", x0: 0, x1: 1,
-            y0: r.deflection_ratio.limit, y1: r.deflection_ratio.limit, line: { dash: "dash", color: colours[1] } }]),
-        names.map((n) => chart("strip", [{ type: "scatter", mode: "lines+markers", x: fitted.map((s) => s.chainage_m),
-            y: fitted.map((s) => s.fit.parameters[n]), text: fitted.map((s) => s.station), line: { width: 1 },
-            error_y: fitted.every((s) => s.parameters && s.parameters[n]) ? { type: "data", symmetric: false, thickness: 1, width: 2,
-                array: fitted.map((s) => s.parameters[n].high - s.parameters[n].value), arrayminus: fitted.map((s) => s.parameters[n].value - s.parameters[n].low) } : undefined }],
-        { xaxis: axis("chainage [m]"), yaxis: axis(n), height: 260 })),
-        fitted.length ? strip2(fitted) : [],
-        bad.length ? [part("Stations without a result"), table(["station", "chainage [m]", "why"], bad.map((s) => [s.station, s.chainage_m, s.reason]), [2])] : [],
-        part("Stations"), table(["station", "chainage [m]", "D0 [µm]", "deflection ratio", ...names, "rms [%]"], good.map((s) => [s.station, s.chainage_m, s.D0_um,
-            s.deflection_ratio, ...names.map((n) => (s.fit ? s.fit.parameters[n] : null)), s.fit ? s.fit.rms_percent : null])));
+        good.length ? [strip(r, good, `D0 at ${figure(r.common_pressure_kPa)} kPa [µm]`, (s) => s.D0_um_at_common_pressure,
+            { more: { rangemode: "tozero" }, caption: (r.sections || []).length ? "Level lines: the medians of homogeneous sections." : null }),
+        strip(r, good, "deflection ratio", (s) => s.deflection_ratio, { caption: r.deflection_ratio.definition, shapes: [{ type: "line", xref: "paper", x0: 0, x1: 1,
+            y0: r.deflection_ratio.limit, y1: r.deflection_ratio.limit, line: { dash: "dash", color: colours[1] } }] })] : [],
+        names.map((n) => strip(r, fitted, n, (s) => s.fit.parameters[n], { determined: (s) => known(s, n),
+            rangeOf: (s) => (s.parameters && s.parameters[n] ? [s.parameters[n].low, s.parameters[n].high] : null),
+            caption: fitted.every((s) => known(s, n)) ? null : "Open: not determined by these readings, not to be used." })),
+        outputs.map((n) => strip(r, fitted.filter((s) => s.outputs && s.outputs[n]), `${n} [${unitOf(fitted, n)}]`, (s) => s.outputs[n].value,
+            { determined: (s) => s.outputs[n].determined, rangeOf: (s) => [s.outputs[n].low, s.outputs[n].high] })),
+        fitted.length ? rmsBars(fitted) : [],
+        (r.sections || []).length && r.sections[0].D0_um ? [part("Homogeneous sections"), make("p", { className: "soft" }, "Cumulative differences of ln D0; 15 / 50 / 85 % of the stations do not exceed."),
+            sectionTable(r.sections, [["profile", (p) => p.profile], ["lane", (p) => p.lane], ["from [m]", (p) => p.from_m], ["to [m]", (p) => p.to_m], ["stations", (p) => p.stations],
+                ["D0 [µm]", (p) => percentiles(p.D0_um)], ...names.map((n) => [n, (p) => percentiles((p.parameters || {})[n])])])] : [],
+        list("Stations without a result", bad, [["why", (s) => s.reason], ["where", source]], ["why", "where"]),
+        list("Stations", good, [["drops", (s) => (s.drops_used || []).join(" ")], ["pressure [kPa]", (s) => s.pressure_kPa], ["D0 [µm]", (s) => s.D0_um],
+            ["deflection ratio", (s) => s.deflection_ratio], ["verdict", (s) => (s.pass === null || s.pass === undefined ? s.deflection_ratio_reason : s.pass ? "pass" : "fail")]], ["verdict"]),
+        list("Parameters", fitted, [...names.map((n) => [n, (s) => withRange((s.parameters || {})[n]) || figure(s.fit.parameters[n])]), ["rms [%]", (s) => s.fit.rms_percent]]),
+        list("Outputs", fitted, outputs.map((n) => [`${n} [${unitOf(fitted, n)}]`, (s) => withRange((s.outputs || {})[n])])),
+        list(`Indices${good.length && good[0].normalised ? ` at ${figure(good[0].normalised.pressure_kPa)} kPa` : ""}`, good.filter((s) => s.normalised), [
+            ["D0 [µm]", (s) => s.normalised.D0_um], ["SCI [µm]", (s) => s.normalised.SCI_um], ["BDI [µm]", (s) => s.normalised.BDI_um], ["BCI [µm]", (s) => s.normalised.BCI_um],
+            ["AREA [mm]", (s) => s.normalised.AREA_mm], ["radius of curvature [m]", (s) => s.normalised.curvature_radius_m],
+            ["E0 [MPa]", (s) => (s.normalised.surface_moduli[0] || {}).modulus_MPa], ["asphalt [°C]", (s) => s.asphalt_C],
+            ["asphalt at reference [MPa]", (s) => s.asphalt_modulus_at_reference_MPa]]),
+        list("When and where", r.stations, [["date", (s) => s.date], ["time", (s) => s.time], ["air [°C]", (s) => s.air_C], ["surface [°C]", (s) => s.surface_C],
+            ["latitude", (s) => place(s.latitude)], ["longitude", (s) => place(s.longitude)], ["operator", (s) => s.comment], ["source", source]], ["operator", "source"]),
+        list("Remarks", remarked, [["remarks", (s) => s.remarks.join("; ")]], ["remarks"]));
     };
-    const strip2 = (fitted) => chart("strip", [{ type: "bar", x: fitted.map((s) => s.chainage_m), y: fitted.map((s) => s.fit.rms_percent) }],
-        { xaxis: axis("chainage [m]"), yaxis: axis("rms of the fit [%]"), height: 220 });
+    const sectionTable = (sections, columns) => {
+        const shown = columns.filter(([, of]) => sections.some((p) => ![null, undefined, ""].includes(of(p))));
+        return make("div", { className: "narrow" }, table(shown.map(([n]) => n.replace(/([._])/g, "$1\u200b")), sections.map((p) => shown.map(([, of]) => of(p)))));
+    };
+    const place = (degrees) => (degrees === null || degrees === undefined ? null : degrees.toFixed(6));
+    const unitOf = (stations, n) => stations.map((s) => (s.outputs || {})[n]).find((o) => o).unit;
+    const rmsBars = (fitted) => {
+        const lanes = lanesOf(fitted);
+        return chart("strip", lanes.map(({ name, stations }, k) => ({ type: "bar", name, x: stations.map((s) => s.chainage_m), y: stations.map((s) => s.fit.rms_percent),
+            text: stations.map((s) => s.station), textposition: "none", marker: { color: colours[k % colours.length] } })),
+        { xaxis: axis("chainage [m]"), yaxis: axis("rms of the fit [%]"), height: lanes.length > 1 ? 300 : 220, barmode: "group", showlegend: lanes.length > 1 });
+    };
 
     const showRoad = (r) => {
         section("The road as one experiment", words(r.findings),
@@ -598,6 +666,11 @@
     };
 
     const show = { unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: showSurvey, road: showRoad };
+
+    const floorOf = (studies) => {
+        const endless = studies.filter((s) => /^\s*bottom\s*=\s*"half-space"/m.test(s.text || "")).length;
+        return endless === 0 ? "on a rigid rough floor" : endless === studies.length ? "the last one going on for ever" : "on a rigid rough floor or going on for ever";
+    };
 
     // -- the page -------------------------------------------------------------------------------------------------
 
@@ -629,8 +702,8 @@
             r.noise ? `noise ${r.noise.source || r.noise}` : "", r.runs_per_second ? `${figure(r.runs_per_second)} forward runs a second` : "",
             r.study ? `study hash ${r.study.hash}` : ""].filter(Boolean).join(", ")))),
         make("p", { className: "soft" }, [...new Set(data.sessions.map((s) => `Computed by pavescape ${s.version} with ${s.libraries}.`))].join(" ")),
-        make("p", { className: "soft" }, "Layers are cross-anisotropic and bonded unless the study says otherwise, on a rigid rough floor; loads act at rest." +
-            (data.studies.length ? " The study states the rest:" : "")),
+        data.studies.length ? make("p", { className: "soft" }, "Layers are cross-anisotropic and bonded unless the study says otherwise, " +
+            `${floorOf(data.studies)}; loads act at rest. The study states the rest:`) : [],
         data.studies.flatMap((s) => [make("h3", {}, s.file), s.note ? make("p", {}, s.note) : make("pre", {}, s.text)]));
     for (const { id, title } of sections) navigation.append(make("a", { href: "#" + id }, title));
     for (const draw of pending) draw();

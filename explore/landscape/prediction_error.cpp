@@ -1,0 +1,34 @@
+#include "landscape/prediction_error.h"
+
+#include <cmath>
+#include <limits>
+
+namespace explore::landscape {
+
+double prediction_error(const Eigen::VectorXd& gradient, const Minimum& minimum, const problem::Problem& problem,
+                        const LocalAnalysis& local) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    constexpr double not_seen = 1e-8; // of the largest singular value
+    if (!(local.noise > 0.0)) {
+        return infinity;
+    }
+    const Eigen::MatrixXd j = problem.information_jacobian(minimum.evaluation);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinU | Eigen::ComputeFullV);
+    const auto& s = svd.singularValues();
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(j.rows()); // g' J^+
+    for (Eigen::Index k = 0; k < gradient.size(); ++k) {
+        const double along = gradient.dot(svd.matrixV().col(k));
+        if (k < s.size() && s[k] > not_seen * s[0]) {
+            row += along / s[k] * svd.matrixU().col(k);
+        } else if (std::abs(along) > 1e-6 * gradient.norm()) {
+            return infinity;
+        }
+    }
+    if (!local.noise_is_stated) {
+        return local.noise * row.norm();
+    }
+    const double wider = local.widened ? std::sqrt(local.chi2 / local.expected_chi2) : 1.0;
+    return wider * row.cwiseProduct(problem.noise(minimum.evaluation)).norm();
+}
+
+} // namespace explore::landscape
