@@ -204,7 +204,7 @@ std::string implausible(const FwdDrop& drop) {
 
 std::string doubtful(const FwdDrop& drop) {
     // A question ends it: without a slip that explains it there is nothing to ask.
-    const auto asked = [](std::string words) { return words.ends_with('?') ? words : std::string(); };
+    const auto asked = [](const std::string& words) { return words.ends_with('?') ? words : std::string(); };
     const double kPa = drop.pressure_kPa;
     if (!common_radius_mm.holds(drop.radius_mm)) {
         // A light deflectometer has a small plate and little pressure.

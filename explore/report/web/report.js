@@ -597,6 +597,40 @@
         return chart("strip", traces, { xaxis: axis("chainage [m]"), yaxis: axis(title, more), height: lanes.length > 1 ? 320 : 260, shapes }, caption);
     };
 
+    // Stations of one profile and lane: they follow each other along the road, others do not.
+    const lanesOf = (stations) => {
+        const lanes = new Map();
+        for (const s of stations) {
+            const name = [s.profile, s.lane && `lane ${s.lane}`].filter(Boolean).join(", ");
+            lanes.set(name, [...(lanes.get(name) || []), s]);
+        }
+        return [...lanes].map(([name, list]) => ({ name: name || "the road", stations: list }));
+    };
+    const medianOf = (values) => {
+        const sorted = [...values].sort((a, b) => a - b);
+        return sorted.length % 2 ? sorted[(sorted.length - 1) / 2] : (sorted[sorted.length / 2 - 1] + sorted[sorted.length / 2]) / 2;
+    };
+    // One trace a lane along the road; what the readings do not determine is open; a level line is the median of a homogeneous section.
+    const strip = (r, stations, title, valueOf, { caption = null, rangeOf = () => null, determined = () => true, more = {}, shapes = [] } = {}) => {
+        const lanes = lanesOf(stations);
+        const traces = lanes.flatMap(({ name, stations: list }, k) => {
+            const colour = colours[k % colours.length];
+            const ranges = list.map((s) => (determined(s) ? rangeOf(s) : null));
+            const parts = (r.sections || []).filter((p) => (p.profile || "") === (list[0].profile || "") && (p.lane || "") === (list[0].lane || ""));
+            const levels = parts.map((p) => {
+                const values = list.filter((s) => s.chainage_m >= p.from_m && s.chainage_m <= p.to_m).map(valueOf).filter((v) => v !== null && v !== undefined);
+                return values.length ? { type: "scatter", mode: "lines", x: [p.from_m, p.to_m], y: [medianOf(values), medianOf(values)], showlegend: false,
+                    hoverinfo: "skip", line: { width: 3, color: colour }, opacity: 0.35 } : null;
+            }).filter(Boolean);
+            return [{ type: "scatter", mode: "lines+markers", name, showlegend: lanes.length > 1, x: list.map((s) => s.chainage_m), y: list.map(valueOf),
+                text: list.map((s) => s.station), line: { width: 1, color: colour },
+                marker: { size: 7, color: colour, symbol: list.map((s) => symbols[k % symbols.length] + (determined(s) ? "" : "-open")) },
+                error_y: ranges.some((range) => range) ? { type: "data", symmetric: false, thickness: 1, width: 2,
+                    array: list.map((s, i) => (ranges[i] ? ranges[i][1] - valueOf(s) : 0)), arrayminus: list.map((s, i) => (ranges[i] ? valueOf(s) - ranges[i][0] : 0)) } : undefined }, ...levels];
+        });
+        return chart("strip", traces, { xaxis: axis("chainage [m]"), yaxis: axis(title, more), height: lanes.length > 1 ? 320 : 260, shapes }, caption);
+    };
+
     const showSurvey = (r) => {
         const good = r.stations.filter((s) => s.D0_um !== undefined);
         const bad = r.stations.filter((s) => s.D0_um === undefined || (s.status !== "ok" && s.reason));
@@ -670,6 +704,11 @@
     };
 
     const show = { unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: showSurvey, road: showRoad };
+
+    const floorOf = (studies) => {
+        const endless = studies.filter((s) => /^\s*bottom\s*=\s*"half-space"/m.test(s.text || "")).length;
+        return endless === 0 ? "on a rigid rough floor" : endless === studies.length ? "the last one going on for ever" : "on a rigid rough floor or going on for ever";
+    };
 
     // -- the page -------------------------------------------------------------------------------------------------
 
