@@ -705,11 +705,6 @@
 
     const show = { unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: showSurvey, road: showRoad };
 
-    const floorOf = (studies) => {
-        const endless = studies.filter((s) => /^\s*bottom\s*=\s*"half-space"/m.test(s.text || "")).length;
-        return endless === 0 ? "on a rigid rough floor" : endless === studies.length ? "the last one going on for ever" : "on a rigid rough floor or going on for ever";
-    };
-
     // -- the page -------------------------------------------------------------------------------------------------
 
     const titles = [...new Set(Object.values(results).map((r) => r.study && r.study.title).filter(Boolean))];
