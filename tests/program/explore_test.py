@@ -137,9 +137,16 @@ else:
     drawn = browser.evaluate(updates) - number
     check(drawn > 5, f"the page follows a drag: {drawn} updates")
     print(f"{drawn / seconds:.0f} updates a second while a slider is dragged")
+    # The mark over the landscape stands where the sliders do, whatever the size of the window.
+    marked = """(() => { const { xaxis } = document.querySelector('[data-chart=landscape]')._fullLayout;
+        return xaxis.p2d(parseFloat(document.querySelector('.here').style.left) - xaxis._offset) / Number(document.querySelector('.slider input[type=number]').value); })()"""
+    check(browser.wait("!!document.querySelector('[data-chart=landscape]')._fullLayout", 20), "the landscape is drawn")
+    for width in (1400, 400, 1400):
+        browser.resize(width, 1000)
+        check(browser.wait(f"Math.abs({marked} - 1) < 0.01", 10), f"the mark at {width} px: {browser.evaluate(marked)}")
     browser.evaluate("document.querySelectorAll('tr.reading button')[1].click()")
     check(browser.wait("document.body.innerText.includes('How the minimum moves')", 20), "5 % more of a reading moves the minimum")
-    check(browser.evaluate("document.querySelectorAll('tr.changed').length") == 1, "the reading is marked")
+    check(browser.wait("document.querySelectorAll('tr.changed').length === 1", 10), "the reading is marked")
     # A measured point is dragged.
     browser.evaluate("[...document.querySelectorAll('button')].find((b) => b.textContent === 'all as measured').click()")
     browser.wait("!document.body.innerText.includes('How the minimum moves')", 20)
