@@ -53,7 +53,7 @@ public:
 
     bool run() {
         const auto begin = std::chrono::steady_clock::now();
-        if (!explore() || !search_by_networks(session_, result_, searches_, settings_) || !fit() ||
+        if (!networks_.build(tasks_) || !explore() || !networks_.search(searches_, settings_) || !fit() ||
             !predict_outputs(session_, result_, tasks_)) {
             return false;
         }
@@ -66,7 +66,7 @@ private:
     bool explore() {
         Exploration exploration(result_,
                                 search::sobol(result_.study->space, survey_explored_points, session_.options().seed),
-                                session_, "survey");
+                                session_, "survey", &networks_);
         for (const StationTask& task : tasks_) {
             auto starts = exploration.starts(task, settings_);
             if (!starts) {
