@@ -597,40 +597,6 @@
         return chart("strip", traces, { xaxis: axis("chainage [m]"), yaxis: axis(title, more), height: lanes.length > 1 ? 320 : 260, shapes }, caption);
     };
 
-    // Stations of one profile and lane: they follow each other along the road, others do not.
-    const lanesOf = (stations) => {
-        const lanes = new Map();
-        for (const s of stations) {
-            const name = [s.profile, s.lane && `lane ${s.lane}`].filter(Boolean).join(", ");
-            lanes.set(name, [...(lanes.get(name) || []), s]);
-        }
-        return [...lanes].map(([name, list]) => ({ name: name || "the road", stations: list }));
-    };
-    const medianOf = (values) => {
-        const sorted = [...values].sort((a, b) => a - b);
-        return sorted.length % 2 ? sorted[(sorted.length - 1) / 2] : (sorted[sorted.length / 2 - 1] + sorted[sorted.length / 2]) / 2;
-    };
-    // One trace a lane along the road; what the readings do not determine is open; a level line is the median of a homogeneous section.
-    const strip = (r, stations, title, valueOf, { caption = null, rangeOf = () => null, determined = () => true, more = {}, shapes = [] } = {}) => {
-        const lanes = lanesOf(stations);
-        const traces = lanes.flatMap(({ name, stations: list }, k) => {
-            const colour = colours[k % colours.length];
-            const ranges = list.map((s) => (determined(s) ? rangeOf(s) : null));
-            const parts = (r.sections || []).filter((p) => (p.profile || "") === (list[0].profile || "") && (p.lane || "") === (list[0].lane || ""));
-            const levels = parts.map((p) => {
-                const values = list.filter((s) => s.chainage_m >= p.from_m && s.chainage_m <= p.to_m).map(valueOf).filter((v) => v !== null && v !== undefined);
-                return values.length ? { type: "scatter", mode: "lines", x: [p.from_m, p.to_m], y: [medianOf(values), medianOf(values)], showlegend: false,
-                    hoverinfo: "skip", line: { width: 3, color: colour }, opacity: 0.35 } : null;
-            }).filter(Boolean);
-            return [{ type: "scatter", mode: "lines+markers", name, showlegend: lanes.length > 1, x: list.map((s) => s.chainage_m), y: list.map(valueOf),
-                text: list.map((s) => s.station), line: { width: 1, color: colour },
-                marker: { size: 7, color: colour, symbol: list.map((s) => symbols[k % symbols.length] + (determined(s) ? "" : "-open")) },
-                error_y: ranges.some((range) => range) ? { type: "data", symmetric: false, thickness: 1, width: 2,
-                    array: list.map((s, i) => (ranges[i] ? ranges[i][1] - valueOf(s) : 0)), arrayminus: list.map((s, i) => (ranges[i] ? valueOf(s) - ranges[i][0] : 0)) } : undefined }, ...levels];
-        });
-        return chart("strip", traces, { xaxis: axis("chainage [m]"), yaxis: axis(title, more), height: lanes.length > 1 ? 320 : 260, shapes }, caption);
-    };
-
     const showSurvey = (r) => {
         const good = r.stations.filter((s) => s.D0_um !== undefined);
         const bad = r.stations.filter((s) => s.D0_um === undefined || (s.status !== "ok" && s.reason));
@@ -660,7 +626,7 @@
         names.map((n) => strip(r, fitted, n, (s) => s.fit.parameters[n], { determined: (s) => known(s, n),
             rangeOf: (s) => (s.parameters && s.parameters[n] ? [s.parameters[n].low, s.parameters[n].high] : null),
             caption: fitted.every((s) => known(s, n)) ? null : "Open: not determined by these readings, not to be used." })),
-        outputs.map((n) => strip(r, fitted.filter((s) => s.outputs && s.outputs[n]), `${n} [${unitOf(fitted, n)}]`, (s) => s.outputs[n].value,
+        outputs.map((n) => strip(r, fitted.filter((s) => s.outputs && s.outputs[n]), `${n} [${outputUnit(fitted, n)}]`, (s) => s.outputs[n].value,
             { determined: (s) => s.outputs[n].determined, rangeOf: (s) => [s.outputs[n].low, s.outputs[n].high] })),
         fitted.length ? rmsBars(fitted) : [],
         (r.sections || []).length && r.sections[0].D0_um ? [part("Homogeneous sections"), make("p", { className: "soft" }, "Cumulative differences of ln D0; 15 / 50 / 85 % of the stations do not exceed."),
@@ -670,7 +636,7 @@
         list("Stations", good, [["drops", (s) => (s.drops_used || []).join(" ")], ["pressure [kPa]", (s) => s.pressure_kPa], ["D0 [µm]", (s) => s.D0_um],
             ["deflection ratio", (s) => s.deflection_ratio], ["verdict", (s) => (s.pass === null || s.pass === undefined ? s.deflection_ratio_reason : s.pass ? "pass" : "fail")]], ["verdict"]),
         list("Parameters", fitted, [...names.map((n) => [n, (s) => withRange((s.parameters || {})[n]) || figure(s.fit.parameters[n])]), ["rms [%]", (s) => s.fit.rms_percent]]),
-        list("Outputs", fitted, outputs.map((n) => [`${n} [${unitOf(fitted, n)}]`, (s) => withRange((s.outputs || {})[n])])),
+        list("Outputs", fitted, outputs.map((n) => [`${n} [${outputUnit(fitted, n)}]`, (s) => withRange((s.outputs || {})[n])])),
         list(`Indices${good.length && good[0].normalised ? ` at ${figure(good[0].normalised.pressure_kPa)} kPa` : ""}`, good.filter((s) => s.normalised), [
             ["D0 [µm]", (s) => s.normalised.D0_um], ["SCI [µm]", (s) => s.normalised.SCI_um], ["BDI [µm]", (s) => s.normalised.BDI_um], ["BCI [µm]", (s) => s.normalised.BCI_um],
             ["AREA [mm]", (s) => s.normalised.AREA_mm], ["radius of curvature [m]", (s) => s.normalised.curvature_radius_m],
@@ -685,7 +651,7 @@
         return make("div", { className: "narrow" }, table(shown.map(([n]) => n.replace(/([._])/g, "$1\u200b")), sections.map((p) => shown.map(([, of]) => of(p)))));
     };
     const place = (degrees) => (degrees === null || degrees === undefined ? null : degrees.toFixed(6));
-    const unitOf = (stations, n) => stations.map((s) => (s.outputs || {})[n]).find((o) => o).unit;
+    const outputUnit = (stations, n) => stations.map((s) => (s.outputs || {})[n]).find((o) => o).unit;
     const rmsBars = (fitted) => {
         const lanes = lanesOf(fitted);
         return chart("strip", lanes.map(({ name, stations }, k) => ({ type: "bar", name, x: stations.map((s) => s.chainage_m), y: stations.map((s) => s.fit.rms_percent),
