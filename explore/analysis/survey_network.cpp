@@ -78,6 +78,7 @@ bool search_group(Session& session, const std::vector<StationSearch*>& group, co
 problem::Problem on_network(problem::Problem problem, const ReducedProblem& network,
                             const std::vector<const data::DeflectionBowl*>& bowls, const data::DeflectionBowl& layout) {
     std::vector<study::NetworkLevel> levels;
+    levels.reserve(bowls.size());
     for (const data::DeflectionBowl* bowl : bowls) {
         levels.push_back({bowl->pressure_kPa, sensors_of(*bowl, layout)});
     }
