@@ -92,7 +92,13 @@ private:
         }
         auto from_near = settings_.search;
         from_near.damping = 1e-7;
-        from_near.enough = result_.study->data.misfit == problem::MisfitKind::weighted ? enough : 0.0;
+        if (result_.study->data.misfit == problem::MisfitKind::weighted) {
+            from_near.enough = enough;
+        } else if (!near.empty()) { // the noise is what a fit leaves over
+            const problem::Problem& problem = tasks_[near[0]].problem;
+            const int free = problem.degrees_of_freedom(problem.space.axes.size());
+            from_near.misfit_tolerance = 2.0 * enough / std::max(1, free);
+        }
         return fit(near, from_near) && fit(far, settings_.search);
     }
 

@@ -68,7 +68,9 @@ bool search_group(Session& session, const std::vector<StationSearch*>& group, co
             }
         }
     };
-    landscape::search_batch(items, session.store(), *optimise::find_method(settings.method), settings.search,
+    auto search = settings.search;
+    search.misfit_tolerance = 1e-4; // the full model goes on from there
+    landscape::search_batch(items, session.store(), *optimise::find_method(settings.method), search,
                             session.options().threads, keep);
     return finished == items.size();
 }
