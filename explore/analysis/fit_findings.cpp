@@ -142,15 +142,10 @@ std::string accused_reading(const FitResult& result) {
             : result.local;
     const auto n = static_cast<double>(by_noise.readings());
     // With correlated noise: of a shift of that reading alone, tested in the residuals of all.
-    Eigen::MatrixXd followed_by; // what the parameters follow: orthonormal columns
+    Eigen::MatrixXd followed; // what the parameters follow: orthonormal columns
     if (by_noise.noise_is_correlated()) {
-        Eigen::MatrixXd free = by_noise.residual_jacobian(answer);
-        for (const landscape::BoundMet& bound : landscape::bounds_met(by_noise.space.unit(answer.parameters))) {
-            free.col(static_cast<Eigen::Index>(bound.axis)).setZero();
-        }
-        const Eigen::JacobiSVD<Eigen::MatrixXd> svd(free, Eigen::ComputeThinU);
-        const auto seen = (svd.singularValues().array() > 1e-8 * svd.singularValues()[0]).count();
-        followed_by = svd.matrixU().leftCols(seen);
+        followed = landscape::followed_by(by_noise.residual_jacobian(answer),
+                                          landscape::bounds_met(by_noise.space.unit(answer.parameters)));
     }
     const double dof = local.degrees_of_freedom - 1.0; // of what the other readings leave over
     if (!local.noise_is_stated && dof < 1.0) {
@@ -166,11 +161,11 @@ std::string accused_reading(const FitResult& result) {
             Eigen::VectorXd shift = Eigen::VectorXd::Zero(r.size());
             shift.head(static_cast<Eigen::Index>(by_noise.readings())) =
                 by_noise.change_by(static_cast<std::size_t>(i)).normalized();
-            own = 1.0 - (followed_by.transpose() * shift).squaredNorm();
+            own = 1.0 - (followed.transpose() * shift).squaredNorm();
             pull = shift.dot(r);
         }
-        constexpr double followed = 1e-6; // by the parameters, whatever it reads
-        if (own < followed) {
+        constexpr double nothing = 1e-6; // the parameters follow it, whatever it reads
+        if (own < nothing) {
             continue;
         }
         double deviate = std::min(std::abs(pull) / std::sqrt(own), r.norm()); // no more than all that is left over

@@ -48,6 +48,19 @@ std::vector<BoundMet> bounds_met(const std::vector<double>& unit) {
     return met;
 }
 
+Eigen::MatrixXd off_bounds(Eigen::MatrixXd derivatives, const std::vector<BoundMet>& bounds) {
+    for (const BoundMet& bound : bounds) {
+        derivatives.col(static_cast<Eigen::Index>(bound.axis)).setZero();
+    }
+    return derivatives;
+}
+
+Eigen::MatrixXd followed_by(const Eigen::MatrixXd& jacobian, const std::vector<BoundMet>& bounds) {
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(off_bounds(jacobian, bounds), Eigen::ComputeThinU);
+    const auto seen = (svd.singularValues().array() > 1e-8 * svd.singularValues()[0]).count();
+    return svd.matrixU().leftCols(seen);
+}
+
 std::string bound_words(const problem::ParameterSpace& space, const BoundMet& bound) {
     return space.axes[bound.axis].name + (bound.upper ? " at its upper bound" : " at its lower bound");
 }
@@ -123,22 +136,6 @@ Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem
     return noise;
 }
 
-// What each residual has not of its own: a reading that the parameters follow has nothing left to be judged by. Those
-// on a bound follow nothing.
-Eigen::VectorXd leverage_of(Eigen::MatrixXd j, const std::vector<BoundMet>& bounds) {
-    for (const BoundMet& bound : bounds) {
-        j.col(static_cast<Eigen::Index>(bound.axis)).setZero();
-    }
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinU);
-    Eigen::VectorXd leverage = Eigen::VectorXd::Zero(j.rows());
-    for (Eigen::Index k = 0; k < svd.matrixU().cols(); ++k) {
-        if (svd.singularValues()[k] > 1e-8 * svd.singularValues()[0]) {
-            leverage += svd.matrixU().col(k).cwiseAbs2();
-        }
-    }
-    return leverage;
-}
-
 } // namespace
 
 LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
@@ -169,7 +166,8 @@ LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
             is_seen && a.noise > 0.0 ? row.cwiseProduct(noise).norm() : infinity;
         a.weakest[static_cast<std::size_t>(i)] = svd.matrixV()(i, n - 1);
     }
-    a.leverage = leverage_of(j, bounds_met(minimum.unit));
+    // A reading that the parameters follow has nothing left to be judged by.
+    a.leverage = followed_by(j, bounds_met(minimum.unit)).rowwise().squaredNorm();
     a.weakest_growth = 0.1 * s[n - 1];
     a.strongest_growth = 0.1 * s[0];
     return a;

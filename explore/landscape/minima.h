@@ -15,6 +15,10 @@ struct BoundMet {
 };
 std::vector<BoundMet> bounds_met(const std::vector<double>& unit);
 bool is_at_bound(double unit);
+// Derivatives by unit coordinates, a column each, with 0 for parameters on a bound, which give way no further.
+Eigen::MatrixXd off_bounds(Eigen::MatrixXd derivatives, const std::vector<BoundMet>& bounds);
+// Orthonormal columns: what of the residuals parameters off their bounds follow.
+Eigen::MatrixXd followed_by(const Eigen::MatrixXd& jacobian, const std::vector<BoundMet>& bounds);
 // "base.n at its upper bound"
 std::string bound_words(const problem::ParameterSpace& space, const BoundMet& bound);
 std::vector<std::string> bound_words(const problem::ParameterSpace& space, const std::vector<BoundMet>& bounds);

@@ -43,10 +43,8 @@ JudgedFit judged_fit(const problem::Problem& problem, const Minimum& minimum) {
     }
     JudgedFit fit{.problem = problem.of_readings(), .at = &*minimum.alone};
     fit.sum = fit.problem.residuals(*fit.at).squaredNorm();
-    Eigen::MatrixXd free = fit.problem.information_jacobian(*fit.at);
-    for (const BoundMet& bound : bounds_met(problem.space.unit(fit.at->parameters))) {
-        free.col(static_cast<Eigen::Index>(bound.axis)).setZero();
-    }
+    const Eigen::MatrixXd free =
+        off_bounds(fit.problem.information_jacobian(*fit.at), bounds_met(problem.space.unit(fit.at->parameters)));
     const auto moved = static_cast<int>((free.colwise().squaredNorm().array() > 0.0).count());
     fit.degrees_of_freedom =
         static_cast<int>(fit.problem.readings()) - (problem.noise_is_stated() ? rank_of(free) : moved);
