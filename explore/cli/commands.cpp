@@ -28,4 +28,14 @@ std::span<const Command> commands() {
     return all;
 }
 
+std::vector<std::string> keepers_of_runs() {
+    std::vector<std::string> names;
+    for (const Command& command : commands()) {
+        if (command.keeps_a_run) {
+            names.emplace_back(command.name);
+        }
+    }
+    return names;
+}
+
 } // namespace explore::cli

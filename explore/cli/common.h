@@ -23,6 +23,7 @@ struct Command {
     bool keeps_a_run = false;
 };
 std::span<const Command> commands();
+std::vector<std::string> keepers_of_runs(); // names of those that keep one
 
 struct CommonOptions {
     std::string study;

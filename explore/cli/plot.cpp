@@ -1,7 +1,7 @@
 // pavescape plot: figures of a run as files.
 #include "cli/commands.h"
-#include "cli/run_folder.h"
 #include "report/figures.h"
+#include "report/run_folder.h"
 #include "run/files.h"
 #include "run/program.h"
 
@@ -25,7 +25,7 @@ void check_gnuplot() {
 }
 
 int plot(const Options& options) {
-    const RunFolder folder = read_run_folder(options.folder);
+    const report::RunFolder folder = report::read_run_folder(options.folder, keepers_of_runs());
     const report::FolderContents contents{folder.results, folder.evaluations};
     std::vector<std::string> known;
     std::vector<report::Figure> figures;

@@ -1,8 +1,8 @@
 // pavescape report: one HTML file from a run.
 #include "analysis/build.h"
 #include "cli/commands.h"
-#include "cli/run_folder.h"
 #include "report/page.h"
+#include "report/run_folder.h"
 #include "run/files.h"
 
 #include <filesystem>
@@ -57,7 +57,7 @@ Json studies_of(const Json& results, const run::Store* store) {
 }
 
 int make_report(const std::string& folder, const std::string& out) {
-    RunFolder read = read_run_folder(folder);
+    report::RunFolder read = report::read_run_folder(folder, keepers_of_runs());
     std::optional<run::Store> store;
     if (std::filesystem::exists(std::filesystem::path(folder) / "run.sqlite")) {
         store.emplace(folder);

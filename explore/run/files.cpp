@@ -3,6 +3,7 @@
 #include "base/error.h"
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
@@ -41,6 +42,21 @@ void write_file(const std::string& folder, const std::string& name, const std::s
         remove_part();
         throw pave::Error({.file = path.string()}, "cannot be written", error.message(), "another folder (--out)");
     }
+}
+
+TemporaryFolder::TemporaryFolder() {
+    std::error_code none;
+    std::string name = (std::filesystem::temp_directory_path(none) / "pavescape-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+        throw pave::Error({.file = name}, "no temporary folder can be made", std::strerror(errno),
+                          "a folder TMPDIR that can be written");
+    }
+    path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
 }
 
 } // namespace explore::run

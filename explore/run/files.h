@@ -9,4 +9,17 @@ namespace explore::run {
 // missing. Throws pave::Error where it cannot be written, std::runtime_error where there is no room.
 void write_file(const std::string& folder, const std::string& name, const std::string& text);
 
+// A folder of this process, removed with all in it at the end. Throws pave::Error where none can be made.
+class TemporaryFolder {
+public:
+    TemporaryFolder();
+    ~TemporaryFolder();
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    const std::string& path() const { return path_; }
+
+private:
+    std::string path_;
+};
+
 } // namespace explore::run

@@ -1,17 +1,35 @@
 #include "run/program.h"
 
+#include "run/interrupt.h"
+
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <fcntl.h>
 #include <spawn.h>
 #include <stdexcept>
 #include <sys/wait.h>
 #include <system_error>
+#include <thread>
 #include <unistd.h>
 
 extern char** environ;
 
 namespace explore::run {
+namespace {
+
+// As posix_spawn takes them; they point into `words`.
+std::vector<char*> argument_list(std::vector<std::string>& words) {
+    std::vector<char*> list;
+    list.reserve(words.size() + 1);
+    for (std::string& word : words) {
+        list.push_back(word.data());
+    }
+    list.push_back(nullptr);
+    return list;
+}
+
+} // namespace
 
 ProgramEnd run_program(const std::vector<std::string>& words) {
     int ends[2];
@@ -19,12 +37,7 @@ ProgramEnd run_program(const std::vector<std::string>& words) {
         throw std::runtime_error("no pipe: " + std::system_category().message(errno));
     }
     std::vector<std::string> copies = words;
-    std::vector<char*> arguments;
-    arguments.reserve(copies.size() + 1);
-    for (std::string& word : copies) {
-        arguments.push_back(word.data());
-    }
-    arguments.push_back(nullptr);
+    const std::vector<char*> arguments = argument_list(copies);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
@@ -60,6 +73,37 @@ ProgramEnd run_program(const std::vector<std::string>& words) {
     }
     end.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     return end;
+}
+
+std::optional<int> run_this_program(const std::vector<std::string>& arguments, const std::string& directory) {
+    std::vector<std::string> words = arguments;
+    words.insert(words.begin(), "pavescape");
+    const std::vector<char*> list = argument_list(words);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addchdir_np(&actions, directory.c_str());
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    // A group of its own: Ctrl-C reaches this process alone.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    pid_t child = 0;
+    const int failed = posix_spawn(&child, "/proc/self/exe", &actions, &attributes, list.data(), environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    if (failed != 0) {
+        throw std::runtime_error(std::system_category().message(failed));
+    }
+    int status = 0;
+    while (waitpid(child, &status, WNOHANG) == 0) {
+        if (interrupted()) {
+            kill(child, SIGKILL);
+            waitpid(child, &status, 0);
+            return std::nullopt;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt;
 }
 
 } // namespace explore::run

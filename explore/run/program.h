@@ -1,6 +1,7 @@
-// Another program, run to its end.
+// Programs, run to their end.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,5 +15,9 @@ struct ProgramEnd {
 
 // No shell: words are its arguments as they are. Throws std::runtime_error where no process can be made.
 ProgramEnd run_program(const std::vector<std::string>& words);
+
+// This program, started in another folder; what it prints on standard output goes nowhere. Its exit status; nothing:
+// ended by a signal, or by us at an interrupt. Throws std::runtime_error where it cannot be started from there.
+std::optional<int> run_this_program(const std::vector<std::string>& arguments, const std::string& directory);
 
 } // namespace explore::run

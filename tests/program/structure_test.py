@@ -71,7 +71,7 @@ for top in ("src", "explore", "python", "tools"):
 for name in LONGER:
     check((ROOT / name).exists() and lines_of(ROOT / name) > MOST_LINES, f"{name} is no longer a file of more than {MOST_LINES} lines: take it off the list")
 cli = sum(lines_of(path) for path in (ROOT / "explore" / "cli").iterdir())
-check(cli < 2150, f"explore/cli has {cli} lines: what computes belongs into explore/analysis, what renders into explore/report")
+check(cli < 2000, f"explore/cli has {cli} lines: what computes belongs into explore/analysis, what renders into explore/report")
 check(lines_of(ROOT / "README.md") <= 100, f"README has {lines_of(ROOT / 'README.md')} lines, more than 100")
 
 for page, least in (("README.md", 1), ("docs/commands.md", 15), ("CONTRIBUTING.md", 0)):

@@ -1,12 +1,18 @@
-#include "cli/run_folder.h"
+#include "report/run_folder.h"
 
-#include "cli/commands.h"
+#include "base/error.h"
+#include "run/store.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
-namespace explore::cli {
+namespace explore::report {
+
+namespace {
+
+constexpr std::size_t most_points = 5000; // of a picture of the landscape
 
 std::string contents(const std::filesystem::path& path) {
     std::ifstream stream(path, std::ios::binary);
@@ -17,12 +23,6 @@ std::string contents(const std::filesystem::path& path) {
     }
     return text.str();
 }
-
-namespace {
-
-using report::Json;
-
-constexpr std::size_t most_points = 5000; // of a picture of the landscape
 
 // Brackets within brackets, more than any result has: writing such JSON takes a call a level.
 bool is_deep(std::string_view text) {
@@ -54,20 +54,20 @@ bool names_its_study(const Json& result) {
 }
 
 // What each command left in the folder when it was done.
-Json results_in(const std::filesystem::path& folder) {
+Json results_in(const std::filesystem::path& folder, const std::vector<std::string>& commands) {
     Json results = Json::object();
-    for (const auto& [command, add, keeps_a_run] : commands()) {
-        const auto path = folder / (std::string(command) + ".json");
-        if (!keeps_a_run || !std::filesystem::is_regular_file(path)) {
+    for (const std::string& command : commands) {
+        const auto path = folder / (command + ".json");
+        if (!std::filesystem::is_regular_file(path)) {
             continue;
         }
         const std::string text = contents(path);
         Json result = is_deep(text) ? Json() : Json::parse(text, nullptr, false);
         if (!result.is_object() || !names_its_study(result)) {
             throw pave::Error({.file = path.string()}, "this is not the result of a run", {},
-                              "the file that pavescape " + std::string(command) + " wrote");
+                              "the file that pavescape " + command + " wrote");
         }
-        results[std::string(command)] = std::move(result);
+        results[command] = std::move(result);
     }
     return results;
 }
@@ -113,11 +113,11 @@ Json evaluations_in(const run::Store& store) {
 
 } // namespace
 
-RunFolder read_run_folder(const std::string& folder) {
+RunFolder read_run_folder(const std::string& folder, const std::vector<std::string>& commands) {
     if (!std::filesystem::is_directory(folder)) {
         throw pave::Error({.file = folder, .key = "RUN"}, "there is no such folder", {}, "the folder of a run");
     }
-    RunFolder read{.results = results_in(folder), .evaluations = {}};
+    RunFolder read{.results = results_in(folder, commands), .evaluations = {}};
     if (std::filesystem::exists(std::filesystem::path(folder) / "run.sqlite")) {
         read.evaluations = evaluations_in(run::Store(folder));
     }
@@ -128,4 +128,4 @@ RunFolder read_run_folder(const std::string& folder) {
     return read;
 }
 
-} // namespace explore::cli
+} // namespace explore::report

@@ -1,0 +1,19 @@
+// What a run's folder holds, for the commands that show it.
+#pragma once
+
+#include "report/json.h"
+
+#include <string>
+#include <vector>
+
+namespace explore::report {
+
+struct RunFolder {
+    Json results = Json::object(); // {command: what it left when it was done}
+    Json evaluations; // the points that show the landscape best, lowest misfit first (report/page.h); or null
+};
+// commands: those that leave a result. Throws pave::Error for a folder that holds no run, or a file of it that is not
+// the result of one.
+RunFolder read_run_folder(const std::string& folder, const std::vector<std::string>& commands);
+
+} // namespace explore::report
