@@ -86,7 +86,7 @@ std::optional<double> left_out_rms(const problem::Problem& problem, run::Engine&
             }
             std::optional<diagnose::Model> best;
             for (const auto& start : {problem.space.unit(nearest->parameters), answer.minima[0].unit}) {
-                auto model = diagnose::fit(chain, problem, {}, start, target, 0.0);
+                auto model = diagnose::fit(chain, problem, {}, start, target, {});
                 if (model && (!best || model->sum < best->sum)) {
                     best = std::move(model);
                 }

@@ -200,12 +200,20 @@ private:
     // Least squares of a model from a point, its evaluations kept under this number; nothing: no answer, or
     // interrupted.
     std::optional<Model> fit_from(const Members& members, int number, const std::vector<double>& start,
-                                  const Target& target = {}) {
+                                  const Target& target = {}, FitSettings settings = {}) {
         std::optional<Model> found;
+        settings.enough = std::max(settings.enough, close_enough * d_.variance);
         bench_.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
-            found = fit(chain, problem, members, start, target, close_enough * d_.variance);
+            found = fit(chain, problem, members, start, target, settings);
         });
         return found;
+    }
+
+    // Of which only the residuals are wanted: derivatives are saved near the minimum, where these of the start are
+    // known everywhere. at_start: may be nullptr.
+    FitSettings for_residuals(const problem::Evaluation* at_start) const {
+        constexpr double near = 2.0; // half of chi2
+        return {.secant_below = at_start != nullptr ? INFINITY : near * d_.variance, .at_start = at_start};
     }
 
     // Fit of base with one candidate more: from the starts that the screening proposes, until one gets as low as
@@ -641,9 +649,17 @@ private:
         const double found = leading.fit->model.unit.back();
         constexpr double step = 0.1;
         with.push_back(candidate.null + step * (found - candidate.null));
-        std::vector<double> gains(static_cast<std::size_t>(settings_.bootstrap), -1.0);
-        run::Progress progress("simulated data", settings_.bootstrap);
-        run::for_each_index(arena_, gains.size(), [&](std::size_t b) {
+        problem::Evaluation at_with;
+        bench_.chain(members, bootstrap_number + settings_.bootstrap,
+                     [&](const problem::Problem&, run::Chain& chain) { at_with = chain.at(with); });
+        if (run::interrupted()) {
+            return false;
+        }
+        // What the effect gains where it is not there; negative: not computed.
+        const auto gain_by_chance = [&](std::size_t b) {
+            if (!at_with.converged()) {
+                return -1.0;
+            }
             const pave::RandomStream random(task_.seed, 100 + b);
             Target target;
             target.offset = -base.residuals;
@@ -651,32 +667,75 @@ private:
                 target.offset[i] += noise * random.normal(static_cast<std::uint64_t>(i));
             }
             const int number = bootstrap_number + static_cast<int>(b);
-            const auto without = fit_from({}, number, base.unit, target);
-            const auto extended = fit_from(members, number, with, target);
-            if (without && extended) {
-                gains[b] = std::max(0.0, without->sum - extended->sum) / d_.variance;
+            FitSettings settings = for_residuals(&base.evaluation);
+            settings.enough = 0.05 * d_.variance; // half of the change of chi2, whose mean gain is 1
+            const auto without = fit_from({}, number, base.unit, target, settings);
+            settings.at_start = &at_with;
+            const auto extended = fit_from(members, number, with, target, settings);
+            return without && extended ? std::max(0.0, without->sum - extended->sum) / d_.variance : -1.0;
+        };
+        // A few first: where they leave no doubt, the rest is saved.
+        constexpr int few = 10;
+        run::Progress progress("simulated data", settings_.bootstrap);
+        std::vector<double> gains;
+        int tried = 0;
+        while (tried < settings_.bootstrap) {
+            const int more = tried == 0 ? std::min(few, settings_.bootstrap) : settings_.bootstrap - tried;
+            std::vector<double> found(static_cast<std::size_t>(more));
+            run::for_each_index(arena_, found.size(), [&](std::size_t i) {
+                found[i] = gain_by_chance(static_cast<std::size_t>(tried) + i);
+                progress.add(1, true);
+            });
+            if (run::interrupted()) {
+                return false;
             }
-            progress.add(1, true);
-        });
-        if (run::interrupted()) {
-            return false;
+            tried += more;
+            std::copy_if(found.begin(), found.end(), std::back_inserter(gains),
+                         [](double gain) { return gain >= 0.0; });
+            if (tried == few && !leave_doubt(gains, screened, leading.gain)) {
+                break;
+            }
         }
-        std::erase_if(gains, [](double gain) { return gain < 0.0; });
         d_.bootstrap = static_cast<int>(gains.size());
         d_.bootstrap_above = static_cast<int>(
             std::count_if(gains.begin(), gains.end(), [&](double gain) { return gain >= leading.gain; }));
-        if (gains.size() > 1) {
-            const double mean = std::accumulate(gains.begin(), gains.end(), 0.0) / static_cast<double>(gains.size());
-            const double expected = screened.sense == 0 ? 1.0 : 0.5;
-            d_.bartlett = std::max(1.0, mean / expected);
-        }
+        d_.bartlett = bartlett_of(gains, screened, 0.0);
         if (d_.screening.family) {
-            // Noise that was stated too small makes gains as much too large as it makes what is left over.
-            const double excess = std::pow(noise_factor_of(explanations_[0]), 2);
-            d_.p_evidence =
-                d_.screening.family->p_value(std::sqrt(std::max(0.0, leading.gain / (d_.bartlett * excess))));
+            d_.p_evidence = p_of_gain(leading.gain, d_.bartlett);
         }
         return true;
+    }
+
+    // Mean gain by chance, so many of its standard errors more, in units of what linear theory expects; at least 1.
+    static double bartlett_of(const std::vector<double>& gains, const Screened& screened, double errors) {
+        if (gains.size() < 2) {
+            return 1.0;
+        }
+        const auto n = static_cast<double>(gains.size());
+        const double mean = std::accumulate(gains.begin(), gains.end(), 0.0) / n;
+        double squares = 0.0;
+        for (const double gain : gains) {
+            squares += std::pow(gain - mean, 2);
+        }
+        const double expected = screened.sense == 0 ? 1.0 : 0.5;
+        return std::max(1.0, (mean + errors * std::sqrt(squares / (n * (n - 1.0)))) / expected);
+    }
+
+    // Of a gain of the best of all effects, family-wise. Noise that was stated too small makes gains as much too large
+    // as it makes what is left over.
+    double p_of_gain(double gain, double bartlett) const {
+        const double excess = std::pow(noise_factor_of(explanations_[0]), 2);
+        return d_.screening.family->p_value(std::sqrt(std::max(0.0, gain / (bartlett * excess))));
+    }
+
+    // Whether more simulated data could turn what these few say of the evidence.
+    bool leave_doubt(const std::vector<double>& gains, const Screened& screened, double gain) const {
+        constexpr double errors = 4.0; // standard errors of the mean that more data may move it by
+        const bool was_reached =
+            std::any_of(gains.begin(), gains.end(), [&](double by_chance) { return by_chance >= gain; });
+        constexpr std::size_t least = 5;
+        return was_reached || gains.size() < least || !d_.screening.family ||
+               p_of_gain(gain, bartlett_of(gains, screened, errors)) > 0.1 * level_evidence;
     }
 
     // What a model changes in the residuals, beyond what the parameters follow: length 1; empty: nothing.
@@ -868,10 +927,11 @@ private:
         const auto sum = [&](const Model& point) { return counted_sum(point.residuals, target); };
         const auto nearest = std::min_element(explored_.begin(), explored_.end(),
                                               [&](const Model& a, const Model& b) { return sum(a) < sum(b); });
-        std::optional<Model> before = fit_from({}, number, nearest->unit, target);
+        std::optional<Model> before = fit_from({}, number, nearest->unit, target, for_residuals(nullptr));
         // Where that ended in a worse minimum than is known.
         if (!before || before->sum > sum(d_.baseline.model) + 0.1 * d_.variance) {
-            keep_lower(before, fit_from({}, number + 1, d_.baseline.model.unit, target));
+            keep_lower(before, fit_from({}, number + 1, d_.baseline.model.unit, target,
+                                        for_residuals(&d_.baseline.model.evaluation)));
         }
         if (!before) {
             return;
@@ -897,7 +957,8 @@ private:
                 start.push_back(std::clamp(candidate.null + (s == 0 ? 0.0 : side * reach), 0.0, 1.0));
             }
             constexpr double lower = 0.1; // chi2: the same is the same without an effect
-            keep_lower(after, fit_from(best.members, number + s, start, extended), lower * d_.variance);
+            keep_lower(after, fit_from(best.members, number + s, start, extended, for_residuals(nullptr)),
+                       lower * d_.variance);
         }
         if (after) {
             use(*before, *after);

@@ -253,7 +253,9 @@ private:
             std::optional<Model> found;
             const int number = corrected_fit_number + 10 * static_cast<int>(accepted_.size()) + pass;
             task_.bench.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
-                found = fit(chain, problem, members, start, target, close_enough * d_.variance);
+                found =
+                    fit(chain, problem, members, start, target,
+                        {.enough = close_enough * d_.variance, .at_start = pass > 0 ? &model_.evaluation : nullptr});
             });
             if (run::interrupted()) {
                 return false;

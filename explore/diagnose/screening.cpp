@@ -165,16 +165,13 @@ void scan(Workbench& bench, const Model& base, const std::vector<Candidate>& can
     if (!s.impossible.empty() || s.at_null.size() == 0 || sizes.size() <= from) {
         return;
     }
-    bench.chain(
-        with_member(base.members, c), number,
-        [&](const problem::Problem& problem, run::Chain& chain) {
-            for (std::size_t i = from; i < std::min(sizes.size(), from + most); ++i) {
-                const auto e = chain.at(point_of(bench, base, c, sizes[i]));
-                s.sizes.push_back(sizes[i]);
-                s.moved.push_back(e.converged() ? problem.residuals(e) - s.at_null : VectorXd());
-            }
-        },
-        false);
+    bench.chain(with_member(base.members, c), number, [&](const problem::Problem& problem, run::Chain& chain) {
+        for (std::size_t i = from; i < std::min(sizes.size(), from + most); ++i) {
+            const auto e = chain.at(point_of(bench, base, c, sizes[i]), false);
+            s.sizes.push_back(sizes[i]);
+            s.moved.push_back(e.converged() ? problem.residuals(e) - s.at_null : VectorXd());
+        }
+    });
 }
 
 // Least sum of squares that a change, of any size and on the sides that exist, leaves of the residuals.

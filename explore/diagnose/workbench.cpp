@@ -24,15 +24,18 @@ double counted_sum(const Eigen::VectorXd& residuals, const Target& target) {
 }
 
 std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, const Members& members,
-                         const std::vector<double>& start, const Target& target, double enough) {
+                         const std::vector<double>& start, const Target& target, const FitSettings& settings) {
     Model best;
     best.sum = std::numeric_limits<double>::infinity();
+    bool is_first = true;
     std::exception_ptr failure;
     const problem::Problem compared = target.left_out.empty() ? problem : problem.setting_apart(target.left_out);
     const optimise::Objective objective = [&](std::span<const double> unit, optimise::Sample& sample) {
+        const bool with_jacobian = sample.wants_derivatives;
         problem::Evaluation e;
         try {
-            e = chain.at(unit);
+            e = is_first && settings.at_start != nullptr ? *settings.at_start : chain.at(unit, with_jacobian);
+            is_first = false;
         } catch (...) { // no exception crosses the optimiser
             failure = std::current_exception();
             return optimise::Answer::stop;
@@ -40,7 +43,11 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
         if (!e.converged()) {
             return optimise::Answer::no_answer;
         }
-        sample = run::sample_of(compared, e);
+        if (with_jacobian) {
+            sample = run::sample_of(compared, e);
+        } else {
+            sample = {.residuals = compared.residuals(e), .jacobian = {}, .limits = compared.beyond_limits(e)};
+        }
         if (target.offset.size() > 0) {
             sample.residuals += target.offset;
         }
@@ -48,7 +55,9 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
         for (std::size_t i = 0; i < target.left_out.size(); ++i) {
             if (target.left_out[i] != 0) {
                 sample.residuals[static_cast<Eigen::Index>(i)] = 0.0;
-                sample.jacobian.row(static_cast<Eigen::Index>(i)).setZero();
+                if (with_jacobian) {
+                    sample.jacobian.row(static_cast<Eigen::Index>(i)).setZero();
+                }
             }
         }
         if (const auto pulls = target.penalty.rows(); pulls > 0) {
@@ -57,18 +66,21 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
             const auto rows = sample.residuals.size();
             sample.residuals.conservativeResize(rows + pulls);
             sample.residuals.tail(pulls) = target.penalty * (point - target.centre);
-            sample.jacobian.conservativeResize(rows + pulls, Eigen::NoChange);
-            sample.jacobian.bottomRows(pulls) = target.penalty;
+            if (with_jacobian) {
+                sample.jacobian.conservativeResize(rows + pulls, Eigen::NoChange);
+                sample.jacobian.bottomRows(pulls) = target.penalty;
+            }
         }
         if (const double sum = sample.residuals.squaredNorm(); sum < best.sum) {
             best = {members, {unit.begin(), unit.end()}, std::move(e), std::move(residuals), sum};
         }
         return optimise::Answer::computed;
     };
-    optimise::SearchSettings settings;
-    settings.max_evaluations = 40;
-    settings.enough = enough;
-    optimise::gauss_newton(start, objective, settings);
+    optimise::SearchSettings search;
+    search.max_evaluations = 40;
+    search.enough = settings.enough;
+    search.secant_below = settings.secant_below;
+    optimise::gauss_newton(start, objective, search);
     if (failure) {
         std::rethrow_exception(failure);
     }
@@ -127,10 +139,9 @@ Workbench::Counted::~Counted() {
 }
 
 bool Workbench::chain(const Members& members, int start,
-                      const std::function<void(const problem::Problem&, run::Chain&)>& body, bool with_jacobian) {
+                      const std::function<void(const problem::Problem&, run::Chain&)>& body) {
     return use(members, [&](const problem::Problem& problem, run::Engine& engine) {
-        return engine.chains(
-            "", start, 1, [&](std::size_t, run::Chain& chain) { body(problem, chain); }, with_jacobian);
+        return engine.chains("", start, 1, [&](std::size_t, run::Chain& chain) { body(problem, chain); });
     });
 }
 

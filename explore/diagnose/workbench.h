@@ -54,14 +54,20 @@ double counted_sum(const Eigen::VectorXd& residuals, const Target& target);
 struct Model {
     Members members;
     std::vector<double> unit;
-    problem::Evaluation evaluation; // with jacobian
+    problem::Evaluation evaluation; // with jacobian, unless derivatives were saved
     Eigen::VectorXd residuals;      // those that were fitted, and those left out
     double sum = 0.0;               // of squares of those that count, and of what pulls at the parameters
 };
 
+struct FitSettings {
+    double enough = 0.0;                           // optimise::SearchSettings
+    double secant_below = 0.0;                     // the same; > 0: derivatives are saved
+    const problem::Evaluation* at_start = nullptr; // with jacobian; computed if nullptr
+};
+
 // Least squares from a point; nothing: no answer there.
 std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, const Members& members,
-                         const std::vector<double>& start, const Target& target, double enough);
+                         const std::vector<double>& start, const Target& target, const FitSettings& settings);
 
 // Makes problems and engines of models. Those of the baseline are kept, of the others the one used last: a diagnosis
 // makes hundreds, each with meshes and eliminated stiffnesses of its own. All functions may be called from any thread.
@@ -84,9 +90,9 @@ public:
         Counted engine(*this, *own, members);
         return body(*own, engine.engine);
     }
-    // One chain of evaluations with derivatives, kept under this start number. False: interrupted.
-    bool chain(const Members& members, int start, const std::function<void(const problem::Problem&, run::Chain&)>& body,
-               bool with_jacobian = true);
+    // One chain of evaluations, kept under this start number. False: interrupted.
+    bool chain(const Members& members, int start,
+               const std::function<void(const problem::Problem&, run::Chain&)>& body);
 
     run::Tally tally() const;
     int threads() const { return making_.threads; }

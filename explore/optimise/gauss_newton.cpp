@@ -146,6 +146,7 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
     MatrixXd curvature = MatrixXd::Zero(n, n); // of the residuals: sum of r_i times its Hessian, a secant estimate
     bool with_curvature = false;
     Sample there;
+    bool is_secant = false; // the derivatives at hand
     while (true) {
         if (half < 1e-24) {
             result.converged = true;
@@ -188,6 +189,8 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
             trial[static_cast<std::size_t>(i)] = std::clamp(point[static_cast<std::size_t>(i)] + step[i], 0.0, 1.0);
         }
         ++result.evaluations;
+        there.jacobian.resize(0, 0);
+        there.wants_derivatives = predicted > settings.secant_below || here.limits.size() > 0;
         const Answer answer = objective(trial, there);
         if (answer == Answer::stop) {
             result.stopped = true;
@@ -196,10 +199,25 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
         }
         const double half_there = answer == Answer::computed ? 0.5 * there.residuals.squaredNorm() : INFINITY;
         const double gain = (half - half_there) / predicted;
+        if (!(gain > 1e-4) && is_secant) {
+            ++result.evaluations;
+            here.wants_derivatives = true;
+            if (objective(point, here) != Answer::computed) {
+                result.ended = "no derivatives";
+                break;
+            }
+            is_secant = false;
+            continue;
+        }
         if (!(gain > 1e-4)) {
             damping *= raise;
             raise *= 2.0;
             continue;
+        }
+        is_secant = there.jacobian.size() == 0;
+        if (is_secant) {
+            there.jacobian = here.jacobian + (there.residuals - here.residuals - here.jacobian * step) *
+                                                 step.transpose() / step.squaredNorm();
         }
         // Secant update of the residuals' curvature along the step.
         const VectorXd y = (there.jacobian - here.jacobian).transpose() * there.residuals;

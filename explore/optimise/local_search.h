@@ -29,6 +29,7 @@ struct Sample {
     // search sees one that it is not beyond. May be empty.
     Eigen::VectorXd limits{};
     Eigen::MatrixXd limit_jacobian{};
+    bool wants_derivatives = true; // asked of the objective; where not, the jacobian may stay empty
 };
 enum class Answer { computed, no_answer, stop };
 // Fills the sample. no_answer: the point cannot be computed; the search is led away from it and never sees NaN.
@@ -43,6 +44,9 @@ struct SearchSettings {
     // the largest diagonal term of the normal matrix (little for a start that is close).
     double enough = 0.0;
     double damping = 1e-3;
+    // Gauss-Newton alone: where half the sum of squares is predicted to fall by less, no derivatives are asked for;
+    // those of the point before then serve, with Broyden's correction (1965) along the step.
+    double secant_below = 0.0;
 };
 
 struct SearchResult {

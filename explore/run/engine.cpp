@@ -132,9 +132,8 @@ namespace {
 // often it is asked for, now or in a run before: evaluations are pure.
 class KeptChain final : public Chain {
 public:
-    using Compute = std::function<Evaluation(std::span<const double>)>;
-    KeptChain(const problem::Problem& problem, Store* store, int run, int start, bool with_jacobian, Compute compute,
-              Progress& progress)
+    using Compute = std::function<Evaluation(std::span<const double>, bool with_jacobian)>;
+    KeptChain(const problem::Problem& problem, Store* store, int run, int start, Compute compute, Progress& progress)
         : problem_(problem),
           store_(store),
           run_(run),
@@ -146,28 +145,27 @@ public:
         }
         for (auto& [number, e] : store->get(run, {start, 0}, {start, std::numeric_limits<int>::max()})) {
             next_ = number.number + 1;
-            if (!with_jacobian || !e.converged() || e.jacobian.size() > 0) {
-                std::vector<double> parameters = e.parameters;
-                known_.try_emplace(std::move(parameters), Known{std::move(e), true});
-            }
+            std::vector<double> parameters = e.parameters;
+            known_.insert_or_assign(std::move(parameters), Known{std::move(e), true}); // with derivatives comes later
         }
     }
 
-    Evaluation at(std::span<const double> unit) override {
+    Evaluation at(std::span<const double> unit, bool with_jacobian) override {
         if (interrupted()) {
             throw Interrupted();
         }
         const auto old = known_.find(problem_.space.physical(unit));
-        if (old != known_.end()) {
+        if (old != known_.end() &&
+            (!with_jacobian || !old->second.evaluation.converged() || old->second.evaluation.jacobian.size() > 0)) {
             kept += old->second.before ? 1 : 0;
             progress_.add(1, false);
             return old->second.evaluation;
         }
-        Evaluation e = compute_(unit);
+        Evaluation e = compute_(unit, with_jacobian);
         if (store_ != nullptr) {
             store_->put(run_, {start_, next_++}, e);
         }
-        known_.emplace(e.parameters, Known{e, false});
+        known_.insert_or_assign(e.parameters, Known{e, false});
         ++computed;
         progress_.add(1, true);
         return e;
@@ -194,13 +192,13 @@ private:
 } // namespace
 
 bool Engine::chains(const std::string& what, int first, std::size_t count,
-                    const std::function<void(std::size_t i, Chain& chain)>& body, bool with_jacobian) {
+                    const std::function<void(std::size_t i, Chain& chain)>& body) {
     return chains(
-        what, [&](std::size_t i) { return first + static_cast<int>(i); }, count, body, with_jacobian);
+        what, [&](std::size_t i) { return first + static_cast<int>(i); }, count, body);
 }
 
 bool Engine::chains(const std::string& what, const std::function<int(std::size_t)>& start, std::size_t count,
-                    const std::function<void(std::size_t i, Chain& chain)>& body, bool with_jacobian) {
+                    const std::function<void(std::size_t i, Chain& chain)>& body) {
     Implementation& m = *implementation_;
     const auto begin = Clock::now();
     std::atomic<std::size_t> finished{0};
@@ -209,8 +207,9 @@ bool Engine::chains(const std::string& what, const std::function<int(std::size_t
         Progress progress(what, m.settings.show_progress ? 0 : -1);
         for_each_index(m.arena, count, [&](std::size_t i) {
             KeptChain chain(
-                m.problem, m.store, m.run, start(i), with_jacobian,
-                [&](std::span<const double> unit) { return m.evaluate(unit, with_jacobian); }, progress);
+                m.problem, m.store, m.run, start(i),
+                [&](std::span<const double> unit, bool with_jacobian) { return m.evaluate(unit, with_jacobian); },
+                progress);
             try {
                 body(i, chain);
             } catch (const Interrupted&) { // as above
@@ -247,7 +246,7 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
                     return optimise::Answer::stop;
                 }
                 try {
-                    Evaluation e = chain.at(unit);
+                    Evaluation e = chain.at(unit, method.uses_gradient);
                     if (!e.converged()) {
                         return optimise::Answer::no_answer;
                     }
@@ -274,8 +273,7 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
             if (!method.uses_gradient && !end.search.unit.empty()) {
                 end.evaluation = m.evaluate(end.search.unit, true);
             }
-        },
-        method.uses_gradient);
+        });
     if (!finished) {
         return std::nullopt;
     }

@@ -37,8 +37,9 @@ struct Tally {
 class Chain {
 public:
     virtual ~Chain() = default;
-    // Throws Interrupted, and pave::Error when the store fails.
-    virtual problem::Evaluation at(std::span<const double> unit) = 0;
+    // Throws Interrupted, and pave::Error when the store fails. Derivatives may be there unasked.
+    virtual problem::Evaluation at(std::span<const double> unit, bool with_jacobian) = 0;
+    problem::Evaluation at(std::span<const double> unit) { return at(unit, true); }
 };
 
 class Engine {
@@ -62,7 +63,7 @@ public:
     // body(i, chain) for i in [0, count), in parallel; what chain i asks for is kept as start first + i. False:
     // interrupted.
     bool chains(const std::string& what, int first, std::size_t count,
-                const std::function<void(std::size_t i, Chain& chain)>& body, bool with_jacobian = true);
+                const std::function<void(std::size_t i, Chain& chain)>& body);
 
     // One evaluation with derivatives, not kept.
     problem::Evaluation evaluate_one(std::span<const double> unit);
@@ -72,7 +73,7 @@ public:
 private:
     struct Implementation;
     bool chains(const std::string& what, const std::function<int(std::size_t)>& start, std::size_t count,
-                const std::function<void(std::size_t i, Chain& chain)>& body, bool with_jacobian);
+                const std::function<void(std::size_t i, Chain& chain)>& body);
 
     std::unique_ptr<Implementation> implementation_;
     Tally tally_;

@@ -104,7 +104,7 @@ struct World {
 diagnose::Model baseline(diagnose::Workbench& bench) {
     std::optional<diagnose::Model> model;
     bench.chain({}, 0, [&](const problem::Problem& problem, run::Chain& chain) {
-        model = diagnose::fit(chain, problem, {}, {0.5, 0.5, 0.5}, {}, 0.0);
+        model = diagnose::fit(chain, problem, {}, {0.5, 0.5, 0.5}, {}, {});
     });
     return *model;
 }
@@ -172,7 +172,7 @@ TEST(Screening, ScoreIsTheRootOfWhatAFitGains) {
         const auto& item = screening->items[c];
         std::optional<diagnose::Model> model;
         bench.chain({c}, 200, [&](const problem::Problem& problem, run::Chain& chain) {
-            model = diagnose::fit(chain, problem, {c}, {0.5, 0.5, 0.5, 0.5}, {}, 0.0);
+            model = diagnose::fit(chain, problem, {c}, {0.5, 0.5, 0.5, 0.5}, {}, {});
         });
         ASSERT_TRUE(model.has_value());
         EXPECT_NEAR(base.sum - model->sum, item.score * item.score, 1e-6);

@@ -87,3 +87,53 @@ TEST(LocalSearch, HasAnEmptyPointWhenNothingHasAnAnswer) {
         EXPECT_TRUE(local_search(method, {0.5, 0.5}, nothing, {.max_evaluations = 40}).unit.empty());
     }
 }
+
+// y = a exp(-k t), read without error: the minimum is known.
+TEST(GaussNewton, SavesDerivativesNearTheMinimum) {
+    constexpr double truth[] = {0.7, 0.4};
+    int with_derivatives = 0;
+    int points = 0;
+    const Objective decay = [&](std::span<const double> u, Sample& sample) {
+        ++points;
+        const bool asked = sample.wants_derivatives;
+        with_derivatives += asked ? 1 : 0;
+        sample.residuals.resize(6);
+        sample.jacobian.resize(asked ? 6 : 0, asked ? 2 : 0);
+        for (int i = 0; i < 6; ++i) {
+            const double t = 0.5 * i;
+            const double fall = std::exp(-3.0 * u[1] * t);
+            sample.residuals[i] = 100.0 * (u[0] * fall - truth[0] * std::exp(-3.0 * truth[1] * t));
+            if (asked) {
+                sample.jacobian.row(i) << 100.0 * fall, -300.0 * t * u[0] * fall;
+            }
+        }
+        return Answer::computed;
+    };
+    const Method& method = *find_method("gauss-newton");
+    const std::vector<double> start = {0.6, 0.5};
+    const auto exact = local_search(method, start, decay, {.enough = 1e-6});
+    EXPECT_EQ(with_derivatives, points);
+    with_derivatives = points = 0;
+    const auto saving = local_search(method, start, decay, {.enough = 1e-6, .secant_below = INFINITY});
+    EXPECT_EQ(with_derivatives, 1);
+    EXPECT_LE(points, exact.evaluations + 2);
+    for (int k = 0; k < 2; ++k) {
+        EXPECT_NEAR(saving.unit[static_cast<std::size_t>(k)], truth[k], 1e-4);
+    }
+}
+
+// Where the corrected derivatives mislead it asks for true ones.
+TEST(GaussNewton, GetsThroughACurvedValleyWithCorrectedDerivatives) {
+    const auto result = local_search(*find_method("gauss-newton"), {0.2, 0.6},
+                                     [](std::span<const double> u, Sample& sample) {
+                                         const bool asked = sample.wants_derivatives;
+                                         const Answer answer = rosenbrock(u, sample);
+                                         if (!asked) {
+                                             sample.jacobian.resize(0, 0);
+                                         }
+                                         return answer;
+                                     },
+                                     {.max_evaluations = 300, .secant_below = INFINITY});
+    EXPECT_NEAR(result.unit[0], 0.6, 1e-3);
+    EXPECT_NEAR(result.unit[1], 0.6, 1e-3);
+}
