@@ -25,7 +25,7 @@ std::vector<std::size_t> thinned(std::size_t all, std::size_t wanted) {
     return chosen;
 }
 
-// In SI; empty where one is no number.
+// In SI; empty where one is not a number.
 std::vector<double> outputs_of(const study::Study& study, const std::vector<double>& responses) {
     std::vector<double> values;
     for (const std::size_t i : study.outputs()) {

@@ -53,7 +53,7 @@ void add_diagnose(CLI::App& app, Action& action) {
         ->capture_default_str();
     command
         ->add_option("--bootstrap", options->diagnose.settings.bootstrap,
-                     "simulated data sets to calibrate the evidence")
+                     "simulated data sets to calibrate the evidence, at most")
         ->check(CLI::Range(1, 100'000))
         ->capture_default_str();
     command->footer("Example: pavescape diagnose grids/captif-p1-fwd.toml");

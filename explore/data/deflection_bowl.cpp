@@ -153,7 +153,7 @@ private:
         std::string first_reason;
         for (const FwdDrop& d : station_.drops) {
             if (!numbers.insert(d.number).second) {
-                return fmt::format("drop {} stands twice", d.number);
+                return fmt::format("drop {} appears twice", d.number);
             }
             if (!choice_.numbers.empty() &&
                 std::find(choice_.numbers.begin(), choice_.numbers.end(), d.number) == choice_.numbers.end()) {

@@ -213,7 +213,7 @@ ColumnMap read_column_map(const std::string& list_or_file) {
         }
         const std::string name(trimmed(entry.substr(0, equals)));
         if (!map.try_emplace(name, trimmed(entry.substr(equals + 1))).second) {
-            throw pave::Error(place, "this column stands twice", "\"" + name + "\"", "each once");
+            throw pave::Error(place, "this column appears twice", "\"" + name + "\"", "each once");
         }
     });
     return map;

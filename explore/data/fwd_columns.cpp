@@ -308,7 +308,7 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
                                  column->meaning == Meaning::radius || column->meaning == Meaning::diameter ||
                                  column->meaning == Meaning::deflection;
             if (is_load || column->rank == same->rank) {
-                throw pave::Error(place, "this column stands twice", "\"" + names[i] + "\"", "each once");
+                throw pave::Error(place, "this column appears twice", "\"" + names[i] + "\"", "each once");
             }
             if (column->rank < same->rank && !same->constant) {
                 std::swap(*same, *column);

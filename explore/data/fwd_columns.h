@@ -61,7 +61,7 @@ struct FwdHeader {
 };
 
 // The header of a table: its first row, and after it rows that hold where numbered sensors (D1, D2, ...) stand or what
-// the deflections are measured in. Throws pave::Error for what is missing, ambiguous or stands twice.
+// the deflections are measured in. Throws pave::Error for what is missing, ambiguous or appears twice.
 FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const std::vector<int>& lines,
                       const std::string& file, const ColumnMap& columns);
 

@@ -169,7 +169,7 @@ private:
         const auto value = measured(with_point(found, decimal_));
         if (!value && !is_nil(found)) {
             station.remarks.push_back(
-                fmt::format("line {}, {}: \"{}\" is no number", table_.lines[r], column->name, found));
+                fmt::format("line {}, {}: \"{}\" is not a number", table_.lines[r], column->name, found));
         }
         return value;
     }

@@ -55,7 +55,7 @@ struct Line {
         return cells[i];
     }
     double value(std::size_t i, std::string_view what) const { return finite_number(cell(i, what), place(what)); }
-    // Of what was measured: nothing where the line is short, and for N0 and what else is no number.
+    // Of what was measured: nothing where the line is short, and for N0 and what else is not a number.
     std::optional<double> reading(std::size_t i) const { return i < cells.size() ? measured(cells[i]) : std::nullopt; }
     std::string text(std::size_t i) const { return i < cells.size() ? cells[i] : std::string(); }
     std::optional<int> id() const {
@@ -229,7 +229,7 @@ private:
         }
         if (!number) {
             stations_.back().remarks.push_back(
-                fmt::format("line {}: \"{}\" is no number of a drop, which is counted as {}", line.number, line.text(0),
+                fmt::format("line {}: \"{}\" is not a drop number, which is counted as {}", line.number, line.text(0),
                             drop.number));
         }
         stations_.back().drops.push_back(std::move(drop));

@@ -126,8 +126,9 @@ private:
             for (const std::string_view word : words) {
                 const auto number = measured_with_comma(word);
                 if (!number) {
-                    result_.remarks.push_back(fmt::format(
-                        "{}, line {}, {}: \"{}\" is no number, and what it is of left out", file_, line, name, word));
+                    result_.remarks.push_back(
+                        fmt::format("{}, line {}, {}: \"{}\" is not a number, and what it is of left out", file_, line,
+                                    name, word));
                 }
                 numbers.push_back(number ? *number * to_mm : NAN);
             }

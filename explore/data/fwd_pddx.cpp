@@ -182,7 +182,7 @@ private:
             list.push_back(measured(with_point(part)));
             if (!list.back() && !is_nil(part)) {
                 result_.remarks.push_back(
-                    fmt::format("{}, line {}, {}: \"{}\" is no number and left out", file_, from.line, key, part));
+                    fmt::format("{}, line {}, {}: \"{}\" is not a number and left out", file_, from.line, key, part));
             }
         }
         while (!list.empty() && !list.back()) {

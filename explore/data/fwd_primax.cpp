@@ -176,8 +176,8 @@ private:
                      .readings = {}};
         drop.line = line;
         if (!number) {
-            station.remarks.push_back(fmt::format("line {}: \"{}\" is no number of a drop, which is counted as {}",
-                                                  line, cells[0], drop.number));
+            station.remarks.push_back(fmt::format("line {}: \"{}\" is not a drop number, which is counted as {}", line,
+                                                  cells[0], drop.number));
         }
         if (const auto force = column("kn"); force && *force != 0.0) {
             drop.force_kN = force;

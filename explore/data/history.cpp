@@ -11,14 +11,14 @@ namespace {
 
 constexpr std::string_view wanted = "the columns time_ms and force_kN, or time_ms and pressure_kPa";
 
-// Where a column stands; none: nowhere. Throws pave::Error where it stands twice.
+// Where a column stands; none: nowhere. Throws pave::Error where it appears twice.
 std::optional<std::size_t> column(const CsvRow& header, std::string_view name, const std::string& file) {
     std::optional<std::size_t> place;
     for (std::size_t i = 0; i < header.cells.size(); ++i) {
         if (trimmed(header.cells[i]) == name) {
             if (place) {
                 throw pave::Error({.file = file, .line = header.line, .key = std::string(name)},
-                                  "this column stands twice", {}, std::string(wanted));
+                                  "this column appears twice", {}, std::string(wanted));
             }
             place = i;
         }
@@ -47,7 +47,7 @@ History history_of(std::string_view text, const std::string& file) {
                           found, std::string(wanted));
     }
     if (force && pressure) {
-        throw pave::Error({.file = file, .line = header.line}, "the load stands twice", "force_kN and pressure_kPa",
+        throw pave::Error({.file = file, .line = header.line}, "the load appears twice", "force_kN and pressure_kPa",
                           std::string(wanted));
     }
     History history{.is_force = force.has_value(), .time_ms = {}, .values = {}};

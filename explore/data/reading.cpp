@@ -104,7 +104,7 @@ std::vector<Reading> measurements_of(std::string_view text, const std::string& f
         std::size_t& place = place_of[known - names.begin()];
         if (place != rows[0].cells.size()) {
             throw pave::Error({.file = file, .line = rows[0].line, .key = std::string(cell)},
-                              "this column stands twice", {}, header_words);
+                              "this column appears twice", {}, header_words);
         }
         place = i;
     }

@@ -237,7 +237,7 @@ private:
         std::optional<Model> best;
         constexpr double reached = 4.0; // chi2
         for (std::size_t s = 0; s < starts.size(); ++s) {
-            if (best && best->sum < screened.foretold + reached * d_.variance) {
+            if (best && best->sum < screened.predicted + reached * d_.variance) {
                 break;
             }
             keep_lower(best, fit_from(members, number + static_cast<int>(s), starts[s]));
@@ -266,29 +266,29 @@ private:
             scoring.try_emplace(task_.candidates[order[i]].effect, order[i]);
         }
         std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-            return screening.items[a].foretold < screening.items[b].foretold;
+            return screening.items[a].predicted < screening.items[b].predicted;
         });
         struct Taken {
             std::size_t count = 0;
-            double foretold = 0.0; // of the first
+            double predicted = 0.0; // of the first
         };
         std::map<std::string, Taken> taken;
-        const double best = order.empty() ? 0.0 : screening.items[order[0]].foretold;
+        const double best = order.empty() ? 0.0 : screening.items[order[0]].predicted;
         std::erase_if(order, [&](std::size_t c) {
-            const double foretold = screening.items[c].foretold;
+            const double predicted = screening.items[c].predicted;
             constexpr double hopeless = 50.0; // chi2 behind the best; the prediction errs, so some are taken anyway
             constexpr std::size_t anyway = 4; // effects
             const auto leader = scoring.find(task_.candidates[c].effect);
             const bool is_scoring = leader != scoring.end() && leader->second == c;
-            if (!all && taken.size() >= anyway && foretold > best + hopeless * d_.variance && !is_scoring) {
+            if (!all && taken.size() >= anyway && predicted > best + hopeless * d_.variance && !is_scoring) {
                 return true;
             }
             const auto [at, is_new] = taken.try_emplace(task_.candidates[c].effect);
             if (is_new) {
-                at->second.foretold = foretold;
+                at->second.predicted = predicted;
             }
             constexpr double far = 25.0; // chi2
-            const bool is_behind = foretold > at->second.foretold + far * d_.variance;
+            const bool is_behind = predicted > at->second.predicted + far * d_.variance;
             return !is_scoring && (taken.size() > effects || is_behind || ++at->second.count > each);
         });
         return order;

@@ -260,7 +260,7 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
         const Candidate& candidate = candidates[c];
         const Signature& s = signatures[c];
         Screened& item = screening.items[c];
-        item.foretold = base.sum;
+        item.predicted = base.sum;
         item.impossible = s.impossible;
         if (!s.impossible.empty()) {
             continue;
@@ -317,10 +317,10 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
             propose(candidate.null + std::copysign(reach, item.score), s.derivative * (item.score * scale / length));
         }
         std::stable_sort(item.starts.begin(), item.starts.end(),
-                         [](const auto& a, const auto& b) { return a.foretold < b.foretold; });
-        item.foretold = std::min(item.foretold, item.starts.empty() ? base.sum : item.starts[0].foretold);
+                         [](const auto& a, const auto& b) { return a.predicted < b.predicted; });
+        item.predicted = std::min(item.predicted, item.starts.empty() ? base.sum : item.starts[0].predicted);
         if (item.score * item.sense >= 0.0) {
-            item.foretold = std::min(item.foretold, base.sum - item.score * item.score * scale * scale);
+            item.predicted = std::min(item.predicted, base.sum - item.score * item.score * scale * scale);
         }
         if (!item.duplicate) {
             directions.push_back(direction);

@@ -61,10 +61,10 @@ struct Screened {
     // Starts for a fit, by the sum of squares predicted there: unit coordinates with the size.
     struct Start {
         std::vector<double> unit;
-        double foretold = 0.0;
+        double predicted = 0.0;
     };
     std::vector<Start> starts;
-    double foretold = 0.0; // lowest sum of squares predicted
+    double predicted = 0.0; // lowest sum of squares
 };
 
 struct Screening {

@@ -100,7 +100,7 @@ Eigen::VectorXd Problem::residuals(const Evaluation& evaluation) const {
     Eigen::Index row = all.size() - static_cast<Eigen::Index>(limits.size());
     for (const auto& limit : limits) {
         const double value = limit->value(evaluation.parameters, evaluation.responses);
-        all[row++] = limit->is_equality() || !(value < 0.0) ? value : 0.0; // what is no number stays so
+        all[row++] = limit->is_equality() || !(value < 0.0) ? value : 0.0; // what is not a number stays so
     }
     return all;
 }

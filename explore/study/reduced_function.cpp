@@ -72,7 +72,8 @@ private:
         return list;
     }
 
-    // Whether the errors of all fitted readings are estimated within the limit; an estimate that is no number is none.
+    // Whether the errors of all fitted readings are estimated within the limit; an estimate that is not a number is
+    // none.
     bool is_sure(const Response& response) const {
         const Case& c = model_.nominal(); // whose sensors every point shares
         for (std::size_t l = 0; l < loads_.size(); ++l) {

@@ -178,7 +178,7 @@ TEST(FwdCsv, WhatIsMissingCostsThatReadingAndNothingElse) {
     }
     EXPECT_EQ(read(header + "A,0,150,50,500\n")[0].drops[0].readings.size(), 1U); // a short line
     EXPECT_EQ(read(header + "A,0,150,50,500,a lot,,\n")[0].remarks,
-              std::vector<std::string>{"line 2, D300_um: \"a lot\" is no number"});
+              std::vector<std::string>{"line 2, D300_um: \"a lot\" is not a number"});
     EXPECT_TRUE(std::isnan(read(header + "A,0,150,,500,200,,\n")[0].drops[0].pressure_kPa));
     EXPECT_TRUE(std::isnan(read(header + "A,0,,50,500,200,,\n")[0].drops[0].pressure_kPa));
     const auto nowhere = read(header + "A,?,150,50,500,200,,\n")[0];

@@ -124,7 +124,7 @@ TEST(FormatFaults, DropsWhoseNumberIsNotToBeReadAreCounted) {
           read(changed(primax, "\n2\t", "\n-\t")).stations[0], read(changed(primax, "\n2\t", "\n\t")).stations[0]}) {
         ASSERT_EQ(s.drops.size(), 2U);
         EXPECT_EQ(s.drops[1].number, 2);
-        EXPECT_TRUE(says(s.remarks, "is no number of a drop"));
+        EXPECT_TRUE(says(s.remarks, "is not a drop number"));
     }
 }
 

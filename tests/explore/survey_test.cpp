@@ -122,7 +122,7 @@ TEST(DeflectionBowl, SaysWhyReadingsCannotBeRight) {
     EXPECT_EQ(rejection(s), "drop 1: its load was not measured");
     s = station({{0, 500}, {300, 200}});
     s.drops.push_back(s.drops[0]);
-    EXPECT_EQ(rejection(s), "drop 1 stands twice");
+    EXPECT_EQ(rejection(s), "drop 1 appears twice");
     s.drops[1].number = 2;
     s.drops[1].radius_mm = 225;
     EXPECT_EQ(rejection(s), "plates of radius 150 and 225 mm");

@@ -173,7 +173,7 @@ for arguments in (("twin", path, "--noise", "nan"), ("sensitivity", path, "--sam
     label = f"{arguments[0]} {' '.join(arguments[-2:])}"
     check(done.returncode == 2 and done.stderr and not done.stdout, f"{label}: exit status {done.returncode}: {done.stderr.strip()}")
 
-# Roads whose places are no numbers.
+# Roads whose places are not numbers.
 OFFSETS = "D0_um,D200_um,D300_um,D600_um,D900_um"
 ROAD = f"station,lane,chainage_m,drop,radius_mm,pressure_kPa,{OFFSETS}\nA,L,0,1,150,600,700,500,400,200,100\nB,L,10,1,150,600,710,510,410,210,110\n"
 F25 = ('5001,25,50,1\n5020,150,0,200,300,600,900\n5301,0,1,5,2,1.0,1,0,"L1"\n5303,0,0,20,15\n1,600,700,500,400,200,100\n'
@@ -206,7 +206,7 @@ for name, content in (("road.csv", ROAD), ("road.f25", F25), ("road.ddx", PDDX))
     done = road(name, content)
     check(done.returncode == 0, f"survey of a sound {name}: {done.returncode} {done.stderr.strip()}")
 for word in ("nan", "inf"):
-    # A place of a sensor that is no number costs that sensor, a station's place that place.
+    # A place of a sensor that is not a number costs that sensor, a station's place that place.
     for name, content in (("road.f25", F25), ("road.ddx", PDDX)):
         done = road(name, changed("0,200,", f"0,{word},", content), "--json")
         check(done.returncode == 0, f"{name}, a place {word}: {done.returncode} {done.stderr.strip()}")

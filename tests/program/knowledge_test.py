@@ -142,7 +142,7 @@ refused("correlation with itself", ["two parameters"], BOTH + TIED.format('["bas
 refused("correlation of three", ["two parameters"], BOTH + TIED.format('["base.k1", "base.n", "base.k2"]', 0.5))
 refused("correlation beyond 1", ["value", "1"], BOTH + TIED.format('["base.k1", "base.n"]', 1.5))
 refused("correlation of 1", ["positive definite"], BOTH + TIED.format('["base.k1", "base.n"]', 1.0))
-refused("correlation that stands twice", ["twice"], BOTH + 2 * TIED.format('["base.k1", "base.n"]', 0.5))
+refused("correlation that appears twice", ["twice"], BOTH + 2 * TIED.format('["base.k1", "base.n"]', 0.5))
 refused("expressions in a circle", ["reads the number it sets"],
         WEIGHTED + TIE.format("base.k2", "-base.k3") + TIE.format("base.k3", "-base.k2"))
 refused("unknown name", ["base.k7", "no known name"], WEIGHTED + TIE.format("base.k2", "0.1 * base.k7"))

@@ -99,5 +99,5 @@ for text, words in (("relative = -1", "noise"), ("absolute = { furlong = 1 }", "
     done = run("check", made("bad", STUDY.replace("[[parameters]]", f"[data.noise]\n{text}\n\n[[parameters]]", 1)))
     check(done.returncode == 2 and words in done.stderr, f"[data.noise] {text}: {done.returncode} {done.stderr}")
 done = run("check", made("twice", NOISY.replace("[[parameters]]", "[data.noise]\nrelative = 0.05\n\n[[parameters]]", 1)))
-check(done.returncode == 2 and "twice" in done.stderr, f"the relative noise stands twice: {done.stderr}")
+check(done.returncode == 2 and "twice" in done.stderr, f"the relative noise appears twice: {done.stderr}")
 finish()

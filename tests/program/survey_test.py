@@ -327,7 +327,7 @@ letters = run("survey", file("letters.csv", HEADER + "\nA,0,1,150,600,many,1,1,1
                         "--out", folder / "letters", "--json")
 stations = json.loads(letters.stdout)["stations"]
 check([s["status"] for s in stations] == ["rejected", "ok"], "words cost readings, not the file")
-check('line 3, D200_um: "many" is no number' in stations[1]["remarks"], f"the word is remarked: {stations[1]['remarks']}")
+check('line 3, D200_um: "many" is not a number' in stations[1]["remarks"], f"the word is remarked: {stations[1]['remarks']}")
 check(run("survey").returncode == 2, "no file")
 only = file("only.csv", HEADER + "\n" + ",".join(map(str, rows[3])) + "\n")
 check(run("survey", only, "--out", folder / "only").returncode == 1, "nothing but nonsense: exit status 1")

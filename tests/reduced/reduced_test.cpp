@@ -292,7 +292,7 @@ TEST(ReducedModel, TakesLogarithmsOnlyOfWhatIsEvenInThem) {
     }
 }
 
-// A correction that is no number makes a reading a failure with a reason, never a number that is accepted.
+// A correction that is not a number makes a reading a failure with a reason, never a number that is accepted.
 TEST(ReducedModel, FailsWhereItsCorrectionIsNoNumber) {
     reduced::Basis spoilt = basis();
     spoilt.correction[0].mean = std::numeric_limits<double>::quiet_NaN();

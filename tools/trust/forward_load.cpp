@@ -181,7 +181,7 @@ Balance balance_of(const Fields& f, const Load& load) {
         for (const double s : gauss_2) {
             for (const double t : gauss_2) {
                 for (const double v : gauss_2) {
-                    const double dv = box.measure(s) / 8; // of the flat ones every point stands twice
+                    const double dv = box.measure(s) / 8; // of the flat ones every point appears twice
                     const auto stress = box.value(f.stress, s, t, v);
                     rows[std::round(box.low[2] * 1e9)] -= stress[2] * dv / (box.high[2] - box.low[2]);
                     of_stress += stress.dot(box.value(f.strain, s, t, v)) * dv;
