@@ -179,7 +179,7 @@ std::vector<std::string> figures_of(const FolderContents& contents) {
     return names;
 }
 
-Figure pair_figure(const FolderContents& contents, const NamedPair& pair) {
+std::vector<Figure> pair_figures(const FolderContents& contents, const NamedPair& pair) {
     std::vector<std::string> known;
     if (has_profiled(contents.results)) {
         const Json& unique = contents.results.at("unique");
@@ -189,7 +189,7 @@ Figure pair_figure(const FolderContents& contents, const NamedPair& pair) {
             if (pair.is(x, y)) {
                 Figure figure = profiled_landscape_figure(unique, false, pair);
                 figure.name = fmt::format("landscape-{}-{}", x, y);
-                return figure;
+                return {std::move(figure), surface_figure(unique, pair)};
             }
             known.push_back(fmt::format("{},{}", x, y));
         }

@@ -32,8 +32,11 @@ struct NamedPair {
 Figure profiled_landscape_figure(const Json& unique, bool close, const std::optional<NamedPair>& only = {});
 // Whether what the data accept is so small a part of the box that it is drawn once more, close.
 bool has_close_landscape(const Json& unique);
-// One pair of the landscape of `unique` large. Throws pave::Error (its place filled by the caller) where there is none.
-Figure pair_figure(const FolderContents& contents, const NamedPair& pair);
+// The landscape of one pair as a surface over it: the rise of chi2, cut off well above what the data accept.
+Figure surface_figure(const Json& unique, const NamedPair& pair);
+// One pair of the landscape of `unique` large: its contours, and the surface. Throws pave::Error (its place filled by
+// the caller) where there is none.
+std::vector<Figure> pair_figures(const FolderContents& contents, const NamedPair& pair);
 // The same of points that were computed: the lowest misfit in the cells of each pair. minima: [{"parameters"}].
 Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters, const Json& minima);
 // Rises of chi2 along every parameter and output.
