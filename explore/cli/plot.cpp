@@ -82,8 +82,8 @@ void add_plot(CLI::App& app, Action& action) {
     auto options = std::make_shared<Options>();
     command->add_option("RUN", options->folder, "folder of the run")->required();
     command->add_option("FIGURE", options->figures,
-                        "landscape, landscape-close, profiles, fit, residuals, candidates, corrections, sensitivity "
-                        "(default: all that the run has)");
+                        "landscape, landscape-close, profiles, fit, residuals, candidates, corrections, sensitivity, "
+                        "posterior, deflections, back-calculation (default: all that the run has)");
     command
         ->add_option("--pair", options->pair, "two parameters, X,Y: their landscape large, also as a surface (unique)")
         ->delimiter(',')

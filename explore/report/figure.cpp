@@ -173,7 +173,10 @@ std::string axis_commands(const PlotAxis& axis, const std::string& name, bool gr
         text += grid ? fmt::format("set grid {}tics lc rgb '#E6E9EC' lw 0.6 dt 1\n", of) : std::string();
     }
     if (!axis.label.empty()) {
-        text += fmt::format("set {}label {} offset {}\n", of, quoted(axis.label), name == "x" ? "0,0.5" : "0,0");
+        text += fmt::format("set {}label {} offset {}\n", of, quoted(axis.label),
+                            name == "x"                                  ? "0,0.5"
+                            : axis.label.find('\n') == std::string::npos ? "0,0"
+                                                                         : "-1.2,0"); // its second line is the nearer
     }
     return text;
 }

@@ -74,32 +74,6 @@ DataTable minima_table(const Json& minima, const std::vector<Parameter>& paramet
     return table;
 }
 
-void add_hatched(Panel& panel, Boxes boxes) {
-    if (boxes.left.empty()) {
-        return;
-    }
-    boxes.colours = {0xF0F0F0};
-    panel.layers.emplace_back(boxes);
-    boxes.colours = {grey};
-    boxes.hatched = true;
-    panel.layers.emplace_back(std::move(boxes));
-}
-
-void draw_way(Panel& panel, const std::vector<double>& x, const std::vector<double>& y,
-              const std::vector<double>& ends_x, const std::vector<double>& ends_y) {
-    for (const bool outer : {true, false}) {
-        panel.layers.emplace_back(Line{.x = x, .y = y, .colour = outer ? black : white, .width = outer ? 2.8 : 1.4});
-    }
-    for (const bool outer : {true, false}) {
-        panel.layers.emplace_back(Line{.x = ends_x,
-                                       .y = ends_y,
-                                       .colour = outer ? black : white,
-                                       .width = 0.0,
-                                       .marker = Marker::square,
-                                       .marker_size = outer ? 1.4 : 0.9});
-    }
-}
-
 Panel colour_bar(double left, double bottom, double height, const std::vector<Colour>& colours,
                  const std::vector<Tick>& ticks, const std::string& label) {
     Panel bar;
@@ -181,6 +155,16 @@ PlotAxis Corner::axis(std::size_t k, bool named) const {
     // None at the ends, where the next panel begins.
     const auto share = [&](const Tick& tick) { return (p.unit(tick.at) - p.from) / (p.to - p.from); };
     std::erase_if(axis.ticks, [&](const Tick& tick) { return std::abs(share(tick) - 0.5) > 0.46; });
+    // Nor two so near that their texts touch.
+    constexpr double letter = 0.16; // cm
+    double free = -1.0;             // from there on, cm
+    std::erase_if(axis.ticks, [&](const Tick& tick) {
+        const double half = 0.5 * letter * static_cast<double>(tick.text.size());
+        const double at = share(tick) * side;
+        const bool touches = at - half < free;
+        free = touches ? free : at + half + 0.5 * letter;
+        return touches;
+    });
     axis.labelled = named;
     axis.label = named ? fitting(axis_words(p.name), side) : "";
     return axis;
@@ -209,70 +193,6 @@ Panel Corner::alone(std::size_t column, std::size_t row) const {
     panel.x = one.axis(column, true);
     panel.y = one.axis(row, true);
     return panel;
-}
-
-Key::Key(double left, double top) {
-    panel_.left = left;
-    panel_.bottom = top - 0.5;
-    panel_.width = 6.0;
-    panel_.height = 0.5;
-    panel_.framed = false;
-    panel_.x.high = 6.0;
-    panel_.y.low = -1.0;
-    panel_.y.high = 0.0;
-}
-
-void Key::line(Colour colour, bool dashed, double width, const std::string& words) {
-    Line line{.x = {0.0, 0.55}, .y = {middle(), middle()}, .colour = colour, .width = width, .dashed = dashed};
-    panel_.layers.emplace_back(std::move(line));
-    text(words);
-}
-
-void Key::minimum(const std::string& words) {
-    for (const bool outer : {true, false}) {
-        Line mark;
-        mark.x = {0.275};
-        mark.y = {middle()};
-        mark.width = 0.0;
-        mark.marker = Marker::circle;
-        mark.marker_size = outer ? 1.5 : 0.95;
-        mark.colour = outer ? black : white;
-        panel_.layers.emplace_back(std::move(mark));
-    }
-    text(words);
-}
-
-void Key::valley(const std::string& words) {
-    draw_way(panel_, {0.0, 0.55}, {middle(), middle()}, {0.55}, {middle()});
-    text(words);
-}
-
-void Key::box(Colour colour, bool hatched, const std::string& words) {
-    Boxes boxes{{0.0}, {0.55}, {middle() - 0.32}, {middle() + 0.32}, {colour}, false};
-    if (hatched) {
-        add_hatched(panel_, std::move(boxes));
-    } else {
-        panel_.layers.emplace_back(std::move(boxes));
-    }
-    text(words);
-}
-
-Panel Key::done() {
-    // Rows are 1 apart whatever the height of the panel.
-    const double rows = std::max(1.0, count_);
-    panel_.bottom += 0.5 - 0.5 * rows;
-    panel_.height = 0.5 * rows;
-    panel_.y.low = -rows;
-    for (Note& note : panel_.notes) {
-        note.y = 1.0 + note.y / rows;
-    }
-    return std::move(panel_);
-}
-
-void Key::text(const std::string& words) {
-    panel_.notes.push_back({0.75 / 6.0, middle(), words});
-    count_ += 1.0;
-    longest_ = std::max(longest_, words.size());
 }
 
 } // namespace explore::report

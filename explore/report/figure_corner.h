@@ -1,7 +1,7 @@
-// What the corner figures share: parameters as axes, where the panels stand, marks and what they mean.
+// What the corner figures share: parameters as axes, and where the panels stand.
 #pragma once
 
-#include "report/figures.h"
+#include "report/figure_key.h"
 
 namespace explore::report {
 
@@ -46,35 +46,10 @@ struct Corner {
 // Accepted minima on a pair of parameters, or (no y) on one at that height.
 void add_minima(Panel& panel, const Json& minima, const Parameter& x, const Parameter* y, double height = 0.0);
 DataTable minima_table(const Json& minima, const std::vector<Parameter>& parameters);
-// Where there is no answer; no boxes: nothing.
-void add_hatched(Panel& panel, Boxes boxes);
-// A way of light colour with a dark border, and squares at its ends.
-void draw_way(Panel& panel, const std::vector<double>& x, const std::vector<double>& y,
-              const std::vector<double>& ends_x, const std::vector<double>& ends_y);
 // A bar of the colours, read at its right side.
 Panel colour_bar(double left, double bottom, double height, const std::vector<Colour>& colours,
                  const std::vector<Tick>& ticks, const std::string& label);
 // What a line of nodes stands for: from half way to the one before to half way to the one after.
 std::vector<double> edges_of(const std::vector<double>& lines);
-
-// Marks and what they mean, below each other from the top; each is drawn into a square at the left.
-class Key {
-public:
-    Key(double left, double top); // cm
-    void line(Colour colour, bool dashed, double width, const std::string& words);
-    void minimum(const std::string& words);
-    void valley(const std::string& words);
-    void box(Colour colour, bool hatched, const std::string& words);
-    // How far it reaches to the right of its left edge, cm.
-    double reach() const { return 0.75 + 0.165 * static_cast<double>(longest_); }
-    Panel done();
-
-private:
-    double middle() const { return -count_ - 0.5; }
-    void text(const std::string& words);
-    std::size_t longest_ = 0; // letters
-    Panel panel_;
-    double count_ = 0.0;
-};
 
 } // namespace explore::report
