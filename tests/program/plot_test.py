@@ -45,7 +45,7 @@ made_up.mkdir()
     {"effect": "plate-rigidity", "on": "", "delta_chi2": None, "score_z": 1.5}], "corrections": [{"channel": "depth", "layer": "base", "unit": "mm", "at": [50, 150, 250],
     "values": [0.8, 1.0, 1.3], "low": [0.7, 0.5, 1.1], "high": [0.9, 2.0, 1.5], "seen": [True, False, True]}]}))
 
-# A posterior with its border over the pair, of two parameters that one reading fixes by their sum; and a road.
+# A posterior of two moduli, one with a prior; and a road, one station of which cannot be.
 two = write_study(folder / "two", LAYERED + """
 [[parameters]]
 name = "subgrade.modulus_MPa"
@@ -53,12 +53,6 @@ min = 20
 max = 200
 scale = "log"
 prior = { mean = 60, sd = 0.5 }
-
-[[parameters]]
-name = "base.modulus_MPa"
-min = 100
-max = 1000
-scale = "log"
 """, LAYERED_BOWL)
 done = run("sample", two, "--json", "--samples", 400, "--out", folder / "sample")
 check(done.returncode == 0, f"sample runs: {done.stderr}")
