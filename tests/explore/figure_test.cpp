@@ -74,16 +74,45 @@ TEST(DensestRegion, IsTheEllipseOfANormalCloud) {
     }
 }
 
+// Of few points too: each is ranked by the density of the others.
+TEST(DensestRegion, HoldsItsShareOfOtherPoints) {
+    constexpr unsigned clouds = 32;
+    double share = 0.0;
+    for (unsigned seed = 1; seed <= clouds; ++seed) {
+        const Cloud cloud = normal_cloud(100, seed, 0.08, 0.05, 0.5);
+        const auto borders = densest_region(cloud.x, cloud.y, cloud.weight, 0.95);
+        const Cloud others = normal_cloud(1000, 100 + seed, 0.08, 0.05, 0.5);
+        for (std::size_t i = 0; i < others.x.size(); ++i) {
+            share += std::any_of(borders.begin(), borders.end(),
+                                 [&](const Contour& b) { return is_inside(b, others.x[i], others.y[i]); })
+                         ? 1e-3 / clouds
+                         : 0.0;
+        }
+    }
+    EXPECT_NEAR(share, 0.95, 0.015);
+}
+
 TEST(DensestRegion, EndsAtAnEdgeWhereThePointsDo) {
     constexpr unsigned clouds = 8;
     double area = 0.0;
+    double width = 0.0; // at the edge
     for (unsigned seed = 1; seed <= clouds; ++seed) {
         const Cloud cloud = normal_cloud(1000, seed, 0.08, 0.05, 0.0, true);
         const auto borders = densest_region(cloud.x, cloud.y, cloud.weight, 0.95);
         ASSERT_FALSE(borders.empty());
         area += area_of(borders) / clouds;
         EXPECT_EQ(*std::min_element(borders[0].x.begin(), borders[0].x.end()), 0.0);
+        double low = 1.0;
+        double high = 0.0;
+        for (std::size_t i = 0; i < borders[0].x.size(); ++i) {
+            if (borders[0].x[i] < 1e-9) {
+                low = std::min(low, borders[0].y[i]);
+                high = std::max(high, borders[0].y[i]);
+            }
+        }
+        width += (high - low) / clouds;
     }
+    EXPECT_NEAR(width / (2.0 * std::sqrt(chi2_95) * 0.05), 1.0, 0.06); // there the ellipse is widest
     EXPECT_NEAR(area / (0.5 * std::numbers::pi * chi2_95 * 0.08 * 0.05), 1.0, 0.05);
 }
 
