@@ -120,7 +120,7 @@ std::vector<std::pair<std::string, std::string>> warnings_of(const Road& road, s
     return warnings;
 }
 
-constexpr double left = 2.3, width = 13.5; // cm, of a strip
+constexpr double left = 2.6, width = 13.4; // cm, of a strip
 
 PlotAxis along_axis(const Road& road) {
     PlotAxis axis;

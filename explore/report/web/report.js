@@ -424,10 +424,11 @@
         const number = (i, j) => i * d + j + 1; // of a panel's axes
         const key = (n) => (n === 1 ? "" : String(n));
         const most = Math.max(...draws.map((q) => q[0]));
-        // From the lowest draw to the highest, with a margin, on the scale of the axis.
+        // From the lowest draw or border to the highest, with a margin, on the scale of the axis.
         const ranges = shown.map((p, k) => {
             const scaled = (v) => (p.scale === "log" ? Math.log10(v) : v);
-            const at = draws.map((q) => scaled(q[1 + k]));
+            const borders = regions.flatMap((q) => q.borders.flat().flatMap(([x, y]) => (q.x === p.name ? [x] : q.y === p.name ? [y] : [])));
+            const at = [...draws.map((q) => q[1 + k]), ...borders].map(scaled);
             const [low, high] = [Math.min(...at), Math.max(...at)];
             const margin = 0.06 * (high - low || 1);
             return [Math.max(scaled(p.min), low - margin), Math.min(scaled(p.max), high + margin)];
