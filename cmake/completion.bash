@@ -35,7 +35,9 @@ _pavescape() {
                 if [ "$COMP_CWORD" -eq 2 ]; then
                     mapfile -t COMPREPLY < <(compgen -d -- "$word")
                 else
-                    mapfile -t COMPREPLY < <(compgen -W "landscape profiles fit residuals" -- "$word")
+                    local figures
+                    figures=$("$program" plot --help 2>/dev/null | sed -n 's/^  FIGURE TEXT \.\.\. *\([^(]*\)(.*/\1/p')
+                    mapfile -t COMPREPLY < <(compgen -W "${figures//,/ }" -- "$word")
                 fi ;;
             report | export | rerun) mapfile -t COMPREPLY < <(compgen -d -- "$word") ;;
             survey | road) mapfile -t COMPREPLY < <(compgen -f -- "$word") ;;

@@ -31,18 +31,18 @@ int plot(const Options& options) {
     std::vector<report::Figure> figures;
     try {
         known = report::figures_of(contents);
+        if (known.empty()) {
+            throw pave::Error({.file = options.folder, .key = "RUN"}, "this run has no figures", {},
+                              "the folder of a finished run");
+        }
         for (const std::string& name : options.figures) {
             if (std::find(known.begin(), known.end(), name) == known.end()) {
                 throw pave::Error({.file = options.folder, .key = "FIGURE"}, "this run has no such figure", name,
-                                  known.empty() ? "none: forward, sample and survey have none" : pave::join(known));
+                                  pave::join(known));
             }
         }
-        if (known.empty()) {
-            throw pave::Error({.file = options.folder, .key = "RUN"}, "this run has no figures", {},
-                              "a folder of map, fit, unique, diagnose, compare or sensitivity");
-        }
         if (!options.pair.empty()) {
-            figures.push_back(report::pair_figure(contents, {options.pair[0], options.pair[1]}));
+            figures = report::pair_figures(contents, {options.pair[0], options.pair[1]});
             known.clear();
         }
         for (const std::string& name : known) {
@@ -57,8 +57,7 @@ int plot(const Options& options) {
                           "results of this version: run the command again");
     }
     check_gnuplot();
-    const std::string out = options.out.empty() ? options.folder + "/figures" : options.out;
-    const std::string data = out + "/data";
+    const std::string out = options.out.empty() ? options.folder + "/figures" : options.out, data = out + "/data";
     const std::string ending(report::figure_format_names[static_cast<int>(options.format)]);
     for (const report::Figure& figure : figures) {
         for (const report::DataTable& table : figure.tables) {
@@ -83,9 +82,10 @@ void add_plot(CLI::App& app, Action& action) {
     auto options = std::make_shared<Options>();
     command->add_option("RUN", options->folder, "folder of the run")->required();
     command->add_option("FIGURE", options->figures,
-                        "landscape, landscape-close, profiles, fit, residuals, candidates, corrections, sensitivity "
-                        "(default: all that the run has)");
-    command->add_option("--pair", options->pair, "two parameters, X,Y: their landscape alone and large (unique)")
+                        "landscape, landscape-close, profiles, fit, residuals, candidates, corrections, sensitivity, "
+                        "posterior, deflections, back-calculation (default: all that the run has)");
+    command
+        ->add_option("--pair", options->pair, "two parameters, X,Y: their landscape large, also as a surface (unique)")
         ->delimiter(',')
         ->expected(2)
         ->type_name("X,Y");

@@ -3,6 +3,7 @@
 #include "data/csv.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <functional>
@@ -142,6 +143,15 @@ void add(Drawn& drawn, const std::string& name, const Boxes& boxes) {
     }
 }
 
+std::string tick_list(const PlotAxis& axis) {
+    std::string ticks;
+    for (const Tick& tick : axis.ticks) {
+        ticks += fmt::format("{}{} {}", ticks.empty() ? "" : ", ", quoted(axis.labelled ? tick.text : ""),
+                             gnuplot_number(tick.at));
+    }
+    return ticks;
+}
+
 std::string axis_commands(const PlotAxis& axis, const std::string& name, bool grid) {
     const std::string other = name + "2";
     const std::string& of = axis.at_far_side ? other : name;
@@ -153,11 +163,7 @@ std::string axis_commands(const PlotAxis& axis, const std::string& name, bool gr
     if (axis.at_far_side) {
         text += fmt::format("set link {}\n", other);
     }
-    std::string ticks;
-    for (const Tick& tick : axis.ticks) {
-        ticks += fmt::format("{}{} {}", ticks.empty() ? "" : ", ", quoted(axis.labelled ? tick.text : ""),
-                             gnuplot_number(tick.at));
-    }
+    const std::string ticks = tick_list(axis);
     if (!ticks.empty()) {
         text += fmt::format("set {}tics out nomirror scale 0.5 offset {} ({})\n", of,
                             name == "x"        ? "0,0.35"
@@ -167,9 +173,81 @@ std::string axis_commands(const PlotAxis& axis, const std::string& name, bool gr
         text += grid ? fmt::format("set grid {}tics lc rgb '#E6E9EC' lw 0.6 dt 1\n", of) : std::string();
     }
     if (!axis.label.empty()) {
-        text += fmt::format("set {}label {} offset {}\n", of, quoted(axis.label), name == "x" ? "0,0.5" : "0,0");
+        text += fmt::format("set {}label {} offset {}\n", of, quoted(axis.label),
+                            name == "x"                                  ? "0,0.5"
+                            : axis.label.find('\n') == std::string::npos ? "0,0"
+                                                                         : "-1.2,0"); // its second line is the nearer
     }
     return text;
+}
+
+std::string commands_of(const Space& space, const Figure& figure, FigureFormat format, const std::string& block) {
+    std::string text = block + "s << EOD\n";
+    const std::size_t nx = space.grid_x.size();
+    for (std::size_t n = 0; n < space.high.size(); ++n) {
+        text +=
+            fmt::format("{} {} {} {}\n{}", gnuplot_number(space.grid_x[n % nx]), gnuplot_number(space.grid_y[n / nx]),
+                        gnuplot_number(space.high[n]), space.colours[n], (n + 1) % nx == 0 ? "\n" : "");
+    }
+    text += "EOD\n";
+    // The same once more, not drawn, is what hides the lines: gnuplot draws lines in front of colours.
+    std::string plot =
+        fmt::format("splot {0}s using 1:2:3:4 with pm3d fc rgb variable, \\\n  {0}s using 1:2:3 with lines "
+                    "lt nodraw",
+                    block);
+    for (std::size_t k = 0; k < space.lines.size(); ++k) {
+        const Course& line = space.lines[k];
+        const std::string name = fmt::format("{}l{}", block, k);
+        text += name + " << EOD\n";
+        for (std::size_t i = 0; i < line.x.size(); ++i) {
+            text += std::isfinite(line.z[i]) ? fmt::format("{} {} {}\n", gnuplot_number(line.x[i]),
+                                                           gnuplot_number(line.y[i]), gnuplot_number(line.z[i]))
+                                             : std::string("\n\n"); // one empty line alone would make it a surface
+        }
+        text += "EOD\n";
+        plot += fmt::format(", \\\n  {} using 1:2:3 with ", name);
+        plot += line.width > 0.0 ? fmt::format("lines lw {:.2f} lc rgb {}", line.width, rgb(line.colour))
+                                 : fmt::format("points pt {} ps {:.2f} lc rgb {}", point_type(line.marker),
+                                               0.5 * line.marker_size, rgb(line.colour));
+    }
+    text += fmt::format("set lmargin\nset rmargin\nset bmargin\nset tmargin\nset origin {:.6f},{:.6f}\nset size "
+                        "{:.6f},{:.6f}\nunset label\nunset grid\nunset key\nunset colorbox\nset title\n",
+                        space.left / figure.width, space.bottom / figure.height, space.width / figure.width,
+                        space.height / figure.height);
+    text += axis_commands(space.x, "x", false) + axis_commands(space.y, "y", false);
+    text += fmt::format(
+        "set xtics offset 0,-0.3\nset ytics offset 0.3,-0.2\nset xlabel offset 0,-0.6 rotate parallel\n"
+        "set ylabel offset 1.0,-0.6 rotate parallel\nset zrange [{}:{}]\nset ztics in nomirror scale 0.5 ({})\n"
+        "set zlabel {} rotate by 90\nset ticslevel 0\n",
+        gnuplot_number(space.z.low), gnuplot_number(space.z.high), tick_list(space.z), quoted(space.z.label));
+    // Seams show in what cairo draws, unless each piece is drawn around as well; in SVG that draws black lines.
+    text += fmt::format("set view {},{},1.16,0.9\nunset border\nset hidden3d front\nset pm3d depthorder {} clip z\n",
+                        space_tilt, space.turned, format == FigureFormat::svg ? "noborder" : "border retrace");
+    // The edges of the box but for those that would cross the surface: they end at the nearest corner's upper end.
+    const auto quarter = static_cast<int>(std::floor(space.turned / 90.0)) % 4;
+    const std::array near{quarter < 2, quarter == 1 || quarter == 2, true};
+    const std::array axes{&space.x, &space.y, &space.z};
+    for (std::size_t along = 0; along < 3; ++along) {
+        for (const bool a : {false, true}) {
+            for (const bool b : {false, true}) {
+                const std::size_t one = (along + 1) % 3;
+                const std::size_t other = (along + 2) % 3;
+                if (a == near[one] && b == near[other]) {
+                    continue;
+                }
+                std::array<double, 3> from{};
+                std::array<double, 3> to{};
+                from[along] = axes[along]->low;
+                to[along] = axes[along]->high;
+                from[one] = to[one] = a ? axes[one]->high : axes[one]->low;
+                from[other] = to[other] = b ? axes[other]->high : axes[other]->low;
+                text += fmt::format("set arrow from {},{},{} to {},{},{} nohead back lw 0.7 lc rgb '#333333'\n",
+                                    gnuplot_number(from[0]), gnuplot_number(from[1]), gnuplot_number(from[2]),
+                                    gnuplot_number(to[0]), gnuplot_number(to[1]), gnuplot_number(to[2]));
+            }
+        }
+    }
+    return text + plot + "\n";
 }
 
 } // namespace
@@ -210,6 +288,9 @@ std::string gnuplot_script(const Figure& figure, FigureFormat format, const std:
             plot += (plot.empty() ? "plot " : ", \\\n  ") + element;
         }
         text += (plot.empty() ? "plot NaN notitle" : plot) + "\n";
+    }
+    for (const Space& space : figure.spaces) {
+        text += "\n" + commands_of(space, figure, format, fmt::format("$d{}", block++));
     }
     return text + "\nunset multiplot\nset output\n";
 }

@@ -77,6 +77,26 @@ struct Panel {
     std::vector<Note> notes{};
 };
 
+// A line in space.
+struct Course {
+    std::vector<double> x{}, y{}, z{}; // not a number: a gap
+    Colour colour = black;
+    double width = 1.0; // points; 0: markers alone
+    Marker marker = Marker::none;
+    double marker_size = 1.0;
+};
+// A surface over a grid, seen from above; what lies behind it is hidden.
+struct Space {
+    double left = 0.0, bottom = 0.0, width = 1.0, height = 1.0; // cm of the figure, with the labels of the axes
+    PlotAxis x{}, y{}, z{};
+    double turned = 30.0;                           // degrees; from 0 to 90 the corner of high x and low y is nearest
+    std::vector<double> grid_x{}, grid_y{}, high{}; // x fastest; above the axis: cut off; not a number: a hole
+    std::vector<Colour> colours{};                  // one each
+    std::vector<Course> lines{};
+};
+// Of its box as it is drawn: how far the eye stands from the vertical (degrees), and the height over a side.
+inline constexpr double space_tilt = 50.0, space_height = 0.69;
+
 // A table beside a figure; cells are text as it stands in the file.
 struct DataTable {
     std::string name; // of the file, without .csv
@@ -88,6 +108,7 @@ struct Figure {
     std::string name;
     double width = 17.0, height = 12.0; // cm
     std::vector<Panel> panels{};
+    std::vector<Space> spaces{};
     std::vector<DataTable> tables{};
 };
 

@@ -142,6 +142,16 @@ bool has_profiles(const Json& results) {
            !results.at("unique").at("profiles").empty();
 }
 
+// Stations along a road; null: none.
+const Json* road_in(const Json& results) {
+    for (const char* command : {"survey", "road"}) {
+        if (results.contains(command)) {
+            return &results.at(command);
+        }
+    }
+    return nullptr;
+}
+
 } // namespace
 
 double number_or_none(const Json& value) {
@@ -176,10 +186,25 @@ std::vector<std::string> figures_of(const FolderContents& contents) {
     if (results.contains("sensitivity") && results.at("sensitivity").contains("global")) {
         names.emplace_back("sensitivity");
     }
+    if (results.contains("sample") && !results.at("sample").value("draws", Json::array()).empty()) {
+        names.emplace_back("posterior");
+    }
+    if (const Json* road = road_in(results)) {
+        const auto any = [&](const char* key) {
+            return std::any_of(road->at("stations").begin(), road->at("stations").end(),
+                               [&](const Json& s) { return s.contains(key); });
+        };
+        if (any("D0_um")) {
+            names.emplace_back("deflections");
+        }
+        if (any("fit")) {
+            names.emplace_back("back-calculation");
+        }
+    }
     return names;
 }
 
-Figure pair_figure(const FolderContents& contents, const NamedPair& pair) {
+std::vector<Figure> pair_figures(const FolderContents& contents, const NamedPair& pair) {
     std::vector<std::string> known;
     if (has_profiled(contents.results)) {
         const Json& unique = contents.results.at("unique");
@@ -189,7 +214,7 @@ Figure pair_figure(const FolderContents& contents, const NamedPair& pair) {
             if (pair.is(x, y)) {
                 Figure figure = profiled_landscape_figure(unique, false, pair);
                 figure.name = fmt::format("landscape-{}-{}", x, y);
-                return figure;
+                return {std::move(figure), surface_figure(unique, pair)};
             }
             known.push_back(fmt::format("{},{}", x, y));
         }
@@ -217,6 +242,15 @@ Figure make_figure(const FolderContents& contents, const std::string& name) {
     }
     if (name == "sensitivity") {
         return sensitivity_figure(contents.results.at("sensitivity"));
+    }
+    if (name == "posterior") {
+        return posterior_figure(contents.results.at("sample"));
+    }
+    if (name == "deflections") {
+        return deflections_figure(*road_in(contents.results));
+    }
+    if (name == "back-calculation") {
+        return back_calculation_figure(*road_in(contents.results));
     }
     if (name == "profiles") {
         return profiles_figure(contents.results.at("unique"));

@@ -17,7 +17,7 @@ struct FolderContents {
 };
 
 // Names of the figures that can be made of it, in their order: "landscape", "landscape-close", "profiles", "fit",
-// "residuals", "candidates", "corrections", "sensitivity".
+// "residuals", "candidates", "corrections", "sensitivity", "posterior", "deflections", "back-calculation".
 std::vector<std::string> figures_of(const FolderContents& contents);
 // One of them. Throws Json::exception for results that are not those of this program.
 Figure make_figure(const FolderContents& contents, const std::string& name);
@@ -32,10 +32,20 @@ struct NamedPair {
 Figure profiled_landscape_figure(const Json& unique, bool close, const std::optional<NamedPair>& only = {});
 // Whether what the data accept is so small a part of the box that it is drawn once more, close.
 bool has_close_landscape(const Json& unique);
-// One pair of the landscape of `unique` large. Throws pave::Error (its place filled by the caller) where there is none.
-Figure pair_figure(const FolderContents& contents, const NamedPair& pair);
+// The landscape of one pair as a surface over it: the rise of chi2, cut off well above what the data accept.
+Figure surface_figure(const Json& unique, const NamedPair& pair);
+// One pair of the landscape of `unique` large: its contours, and the surface. Throws pave::Error (its place filled by
+// the caller) where there is none.
+std::vector<Figure> pair_figures(const FolderContents& contents, const NamedPair& pair);
 // The same of points that were computed: the lowest misfit in the cells of each pair. minima: [{"parameters"}].
 Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters, const Json& minima);
+// What `sample` leaves: the draws over every pair with the region that holds 95 % of them, each parameter alone with
+// its prior.
+Figure posterior_figure(const Json& sample);
+// Along the road of `survey` or `road`: deflections and indices of every station; parameters and outputs with their 95
+// % ranges, and how well they fit. Above them what is worth a look: stations without a result, outliers, remarks.
+Figure deflections_figure(const Json& survey);
+Figure back_calculation_figure(const Json& survey);
 // Rises of chi2 along every parameter and output.
 Figure profiles_figure(const Json& unique);
 

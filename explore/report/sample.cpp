@@ -2,6 +2,7 @@
 
 #include "analysis/build.h"
 #include "base/text.h"
+#include "report/density.h"
 #include "report/text.h"
 #include "run/progress.h"
 
@@ -65,6 +66,28 @@ Json draws_json(const SampleResult& s) {
     return rows;
 }
 
+// The border around 95 % of the draws over every pair.
+Json regions_json(const SampleResult& s) {
+    constexpr double share = 0.95;
+    const auto& axes = s.problem.space.axes;
+    Json regions = Json::array();
+    for (std::size_t x = 0; x < axes.size(); ++x) {
+        for (std::size_t y = x + 1; y < axes.size(); ++y) {
+            Json borders = Json::array();
+            for (const Contour& border : densest_region(units_of(s, x), units_of(s, y), s.descent.weight, share)) {
+                Json& points = borders.emplace_back(Json::array());
+                for (std::size_t i = 0; i <= border.x.size(); ++i) {
+                    const std::size_t at = i % border.x.size();
+                    points.push_back({axes[x].physical(border.x[at]), axes[y].physical(border.y[at])});
+                }
+            }
+            regions.push_back(
+                {{"x", axes[x].name}, {"y", axes[y].name}, {"share", share}, {"borders", std::move(borders)}});
+        }
+    }
+    return regions;
+}
+
 std::vector<std::string> row_of(const std::string& name, const std::string& unit, const Marginal& m, double to_unit) {
     return {name,
             figure(m.mean / to_unit),
@@ -96,6 +119,9 @@ Json sample_json(const SampleResult& s, const analysis::RunOptions& run) {
     json["parameters"] = space_json(s.problem.space);
     for (std::size_t k = 0; k < s.parameters.size(); ++k) {
         json["parameters"][k].update(marginal_json(s.parameters[k], 1.0, converged));
+        if (const auto& prior = s.problem.space.axes[k].prior) {
+            json["parameters"][k]["prior"] = {{"mean", prior->mean}, {"sd", prior->sd}};
+        }
     }
     json["outputs"] = Json::array();
     const auto outputs = study.outputs();
@@ -131,6 +157,7 @@ Json sample_json(const SampleResult& s, const analysis::RunOptions& run) {
                        {"answered_share", posterior.answered},
                        {"log_evidences", posterior.log_evidences}};
     json["draws"] = draws_json(s);
+    json["regions"] = regions_json(s);
     json["study"] = study_json(study);
     json["version"] = analysis::version;
     json["seed"] = run.seed;

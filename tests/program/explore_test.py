@@ -137,6 +137,12 @@ else:
     drawn = browser.evaluate(updates) - number
     check(drawn > 5, f"the page follows a drag: {drawn} updates")
     print(f"{drawn / seconds:.0f} updates a second while a slider is dragged")
+    # What was moved over the old axes is what is drawn anew.
+    time.sleep(0.5)
+    moved, anew = browser.evaluate("""(async () => { const chart = document.querySelector("[data-chart=readings]");
+        const lines = () => [...chart.querySelectorAll(".scatterlayer path")].map((p) => p.getAttribute("d") + p.getAttribute("transform")).join("; ");
+        const moved = lines(); await Plotly.redraw(chart); return [moved, lines()]; })()""")
+    check(moved == anew and len(moved) > 100, f"the moved chart: {moved[:300]} and drawn anew: {anew[:300]}")
     # The mark over the landscape stands where the sliders do, whatever the size of the window.
     marked = """(() => { const { xaxis } = document.querySelector('[data-chart=landscape]')._fullLayout;
         return xaxis.p2d(parseFloat(document.querySelector('.here').style.left) - xaxis._offset) / Number(document.querySelector('.slider input[type=number]').value); })()"""

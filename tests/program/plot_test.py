@@ -45,7 +45,42 @@ made_up.mkdir()
     {"effect": "plate-rigidity", "on": "", "delta_chi2": None, "score_z": 1.5}], "corrections": [{"channel": "depth", "layer": "base", "unit": "mm", "at": [50, 150, 250],
     "values": [0.8, 1.0, 1.3], "low": [0.7, 0.5, 1.1], "high": [0.9, 2.0, 1.5], "seen": [True, False, True]}]}))
 
-for name, expected in (("made-up", {"candidates", "corrections"}), ("compare", {"fit"}), ("sensitivity", {"sensitivity"}), ("unique", {"landscape", "profiles", "fit", "residuals"}), ("fit", {"fit", "residuals"}), ("map", {"landscape"})):
+# A posterior of two moduli, one with a prior; and a road, one station of which cannot be.
+two = write_study(folder / "two", LAYERED + """
+[[parameters]]
+name = "subgrade.modulus_MPa"
+min = 20
+max = 200
+scale = "log"
+prior = { mean = 60, sd = 0.5 }
+""", LAYERED_BOWL)
+done = run("sample", two, "--json", "--samples", 400, "--out", folder / "sample")
+check(done.returncode == 0, f"sample runs: {done.stderr}")
+sampled = json.loads(done.stdout)
+HEADER = "station,lane,chainage_m,drop,radius_mm,pressure_kPa,D0_um,D200_um,D300_um,D450_um,D600_um,D900_um"
+STATIONS = ["A,L,0,1,150,600,500,390,320,230,170,100", "B,L,100,1,150,600,700,500,400,260,180,110", "C,R,50,1,150,600,400,330,280,210,160,100",
+            "D,R,150,1,150,600,500,300,200,250,100,50"]
+(folder / "road.csv").write_text("\n".join([HEADER, *STATIONS]) + "\n")
+section = STUDY[:STUDY.index("[data]")] + """[data]
+misfit = "relative"
+
+[[parameters]]
+name = "base.k1"
+min = 300
+max = 10000
+scale = "log"
+
+[[parameters]]
+name = "subgrade.modulus_MPa"
+min = 20
+max = 300
+scale = "log"
+"""
+done = run("survey", folder / "road.csv", "--study", write_study(folder / "section", section, None), "--json", "--out", folder / "survey")
+check(done.returncode == 0, f"survey runs: {done.stderr}")
+surveyed = json.loads(done.stdout)
+
+for name, expected in (("sample", {"posterior"}), ("survey", {"deflections", "back-calculation"}), ("made-up", {"candidates", "corrections"}), ("compare", {"fit"}), ("sensitivity", {"sensitivity"}), ("unique", {"landscape", "profiles", "fit", "residuals"}), ("fit", {"fit", "residuals"}), ("map", {"landscape"})):
     for form in ("svg", "pdf", "png"):
         done = run("plot", folder / name, "--format", form)
         check(done.returncode == 0, f"plot of {name} as {form}: {done.stderr}")
@@ -72,9 +107,39 @@ check(all(drawn[(i["response"], n, "total")] == ("" if e["value"] is None else r
 laws = {r["series"] for r in csv.DictReader((folder / "compare" / "figures" / "data" / "fit.csv").open())}
 check({"measured", "uzan", "k-theta"} <= laws, f"every law is drawn: {laws}")
 
+def numbers(run_folder, table):
+    return list(csv.DictReader((folder / run_folder / "figures" / "data" / f"{table}.csv").open()))
+
+
+# The border over the pair is closed, holds most of the draws, and is the one of the result.
+border = [(float(r["x"]), float(r["y"])) for r in numbers("sample", "posterior-regions") if r["border"] == "1"]
+check(border and border[0] == border[-1] and [list(q) for q in border] == sampled["regions"][0]["borders"][0], f"the border: {border[:3]}")
+inside = 0
+for _, x, y in sampled["draws"]:
+    crossed = sum((a[1] > y) != (b[1] > y) and x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) for a, b in zip(border, border[1:]))
+    inside += crossed % 2
+check(0.9 <= inside / len(sampled["draws"]) <= 1, f"draws inside the border: {inside} of {len(sampled['draws'])}")
+ranges = {r["name"]: r for r in numbers("sample", "posterior")}
+check((ranges["subgrade.modulus_MPa"]["prior_mean"], ranges["base.modulus_MPa"]["prior_mean"]) == ("60", ""), f"priors: {ranges}")
+check(len(numbers("sample", "posterior-draws")) == len(sampled["draws"]), "every draw of the result")
+
+d0 = {r["station"]: float(r["value"]) for r in numbers("survey", "deflections") if r["quantity"] == "D0_um_at_common_pressure"}
+check(d0 == {"A": 500, "B": 700, "C": 400}, f"D0 along the road: {d0}")
+check([(r["station"], r["kind"]) for r in numbers("survey", "warnings") if r["kind"] != "remark"] == [("D", "rejected")], "a bowl that rises outwards is a warning")
+fitted = {(r["station"], r["quantity"]): r for r in numbers("survey", "back-calculation")}
+for s in surveyed["stations"]:
+    for name, p in s["parameters"].items():
+        row = fitted[s["station"], name]
+        check([float(row[k]) for k in ("value", "low", "high")] == [p["value"], p["low"], p["high"]] and row["determined"] == ("yes" if p["determined"] else "no"), f"{s['station']} {name}: {row}")
+
 pair_folder = folder / "pair"
-done = run("plot", folder / "unique", "--pair", "base.n,base.k1", "--out", pair_folder)
-check(done.returncode == 0 and [f.name for f in pair_folder.glob("*.svg")] in (["landscape-base.k1-base.n.svg"], ["landscape-base.n-base.k1.svg"]), f"one pair: {done.stdout}{done.stderr}")
+for form in ("svg", "pdf", "png"):
+    done = run("plot", folder / "unique", "--pair", "base.n,base.k1", "--out", pair_folder, "--format", form)
+    check(done.returncode == 0 and {f.name for f in pair_folder.glob(f"*.{form}")} == {f"landscape-base.k1-base.n{kind}.{form}" for kind in ("", "-surface")},
+          f"one pair: {done.stdout}{done.stderr}")
+    check(all(f.stat().st_size > 10000 for f in pair_folder.glob(f"*-surface.{form}")), f"the surface is drawn as {form}")
+nodes = list(csv.DictReader((pair_folder / "data" / "landscape-base.k1-base.n-surface.csv").open()))
+check(len(nodes) == len(pair["x_values"]) * len(pair["y_values"]) and math.isclose(float(nodes[j * len(pair["x_values"]) + i]["rise_of_chi2"]), rise), "the nodes of the surface")
 done = run("plot", folder / "unique", "--pair", "base.n,base.k2")
 check(done.returncode == 2 and "base.n,base.k2" in done.stderr and "base.k1" in done.stderr, f"a pair that there is not: {done.stderr}")
 

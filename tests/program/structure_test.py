@@ -51,7 +51,6 @@ LONGER = {
     "explore/diagnose/diagnosis.cpp": "one class: the steps of the diagnosis share the models that it has fitted",
     "explore/landscape/uniqueness.cpp": "one class: the steps of the analysis share its minima, walks and chain numbers",
     "explore/landscape/posterior.cpp": "one sampler: its populations, kernels and schedule share the particles",
-    "explore/report/figure_landscape.cpp": "both corner figures share their panels, key and colour bar",
     "explore/report/web/report.js": "one page: its sections share the building blocks at the top, and one script is what a page embeds",
     "explore/run/cluster.cpp": "both ends of one protocol stand side by side",
     "src/pavement/load_model.cpp": "one template: the finite element model of a load, at rest, over time and with its derivatives",

@@ -416,7 +416,7 @@
 
     // The draws over every pair of parameters, and each alone as a histogram, all by their weights.
     const mostInCorner = 7;
-    const corner = (parameters, draws) => {
+    const corner = (parameters, draws, regions) => {
         const shown = parameters.slice(0, mostInCorner);
         const d = shown.length;
         const gap = 0.02;
@@ -424,10 +424,11 @@
         const number = (i, j) => i * d + j + 1; // of a panel's axes
         const key = (n) => (n === 1 ? "" : String(n));
         const most = Math.max(...draws.map((q) => q[0]));
-        // From the lowest draw to the highest, with a margin, on the scale of the axis.
+        // From the lowest draw or border to the highest, with a margin, on the scale of the axis.
         const ranges = shown.map((p, k) => {
             const scaled = (v) => (p.scale === "log" ? Math.log10(v) : v);
-            const at = draws.map((q) => scaled(q[1 + k]));
+            const borders = regions.flatMap((q) => q.borders.flat().flatMap(([x, y]) => (q.x === p.name ? [x] : q.y === p.name ? [y] : [])));
+            const at = [...draws.map((q) => q[1 + k]), ...borders].map(scaled);
             const [low, high] = [Math.min(...at), Math.max(...at)];
             const margin = 0.06 * (high - low || 1);
             return [Math.max(scaled(p.min), low - margin), Math.min(scaled(p.max), high + margin)];
@@ -463,9 +464,13 @@
             } else {
                 traces.push({ type: "scatter", mode: "markers", ...on, x: draws.map((q) => q[1 + j]), y: draws.map((q) => q[1 + i]), hoverinfo: "x+y",
                     marker: { color: colours[0], size: 4, opacity: draws.map((q) => 0.1 + 0.5 * q[0] / most), line: { width: 0 } } });
+                const borders = (regions.find((q) => q.x === px.name && q.y === py.name) || { borders: [] }).borders;
+                traces.push(...borders.map((border) => ({ type: "scatter", mode: "lines", ...on, x: border.map((q) => q[0]), y: border.map((q) => q[1]), hoverinfo: "skip",
+                    line: { color: colours[1], width: 1.5 } })));
             }
         }));
         return chart("corner", traces, layout, "Draws of the posterior, fainter where they weigh less; on the diagonal their histogram, with the median and the 95 % range." +
+            (regions.length ? " Inside the line over a pair: 95 % of the draws." : "") +
             (parameters.length > d ? ` The first ${d} of ${parameters.length} parameters.` : ""));
     };
     const showSample = (r) => {
@@ -474,7 +479,7 @@
         section("The posterior", r.reason ? make("p", {}, r.reason) : null, opening("sample", "What the readings leave of every parameter and output."),
             rows.length ? table(["", "mean", "sd", "2.5 %", "50 %", "97.5 %", "R-hat", "eff. draws"],
                 rows.map(([q, unit]) => [q.name + (unit ? ` (${unit})` : ""), ...[q.mean, q.sd, q.q025, q.q50, q.q975].map(figure), q.rhat.toFixed(3), q.ess.toFixed(0)]), [0]) : [],
-            (r.draws || []).length && parameters.length ? corner(parameters, r.draws) : [],
+            (r.draws || []).length && parameters.length ? corner(parameters, r.draws, r.regions || []) : [],
             r.correlations && parameters.length > 1 ? [part("Correlations of the draws"), table(["", ...parameters.map((p) => p.name)],
                 parameters.map((p, i) => [p.name, ...r.correlations[i].map((v) => v.toFixed(2))]))] : [],
             r.log_evidence === undefined ? [] : make("p", { className: "soft" }, `Log evidence ${figure(r.log_evidence)} ± ${figure(r.log_evidence_error)}: its difference between models of the same readings is their log odds.`));
