@@ -68,7 +68,7 @@ struct Solution {
     Eigen::MatrixXd d_displacement;
     Eigen::Matrix<double, Element::voigt, Eigen::Dynamic> d_stress;
     Statistics statistics;
-    // At load factors below 1 that were asked for, in their order.
+    // At the load factors that were asked for, in their order.
     struct OnTheWay {
         Eigen::VectorXd displacement;
         Eigen::MatrixXd d_displacement;

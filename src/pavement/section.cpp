@@ -91,7 +91,9 @@ std::vector<int> path_of_each(const Case& c) {
     for (std::size_t l = 0; l < path.size(); ++l) {
         path[l] = static_cast<int>(l);
     }
-    if (!c.settings.shares_paths || c.settings.integration != Integration::incremental || c.relaxes() ||
+    const bool has_path =
+        std::any_of(c.layers.begin(), c.layers.end(), [](const Layer& layer) { return layer.law->stress_dependent(); });
+    if (!has_path || !c.settings.shares_paths || c.settings.integration != Integration::incremental || c.relaxes() ||
         !c.effects.empty() || !c.corrections.empty()) {
         return path;
     }
