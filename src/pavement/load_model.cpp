@@ -317,6 +317,7 @@ private:
         } else {
             const auto lighter = sensors_on_the_way(values);
             std::vector<double> load_factors;
+            load_factors.reserve(lighter.size());
             for (const std::size_t i : lighter) {
                 load_factors.push_back(values.loads[static_cast<std::size_t>(values.sensors[i].load)].pressure /
                                        values.loads[load_].pressure);
