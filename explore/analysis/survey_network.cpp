@@ -18,6 +18,9 @@ constexpr double worth_confirming = 1.1; // times the lowest misfit: what the re
 // Every answer is fitted by the full model from where this one's searches end: half of what is built elsewhere will do.
 constexpr pave::reduced::BuildSettings build_settings{.most_runs = 150, .calibration = 50};
 
+// The full model takes its place where it may err by more than this: seldom, for it answers in the end.
+constexpr double limit_percent = 10.0;
+
 using Group = std::vector<const StationTask*>;
 
 study::Study study_of(const SurveyResult& result, const Group& group) {
@@ -106,7 +109,8 @@ bool Networks::build(const std::vector<StationTask>& tasks) {
         const std::string name = networks_.empty() ? "reduced" : fmt::format("reduced-{}", networks_.size());
         try {
             auto network =
-                session_.reduced(study::make_problem(study), study, {.use = ModelUse::automatic}, name, build_settings);
+                session_.reduced(study::make_problem(study), study,
+                                 {.use = ModelUse::automatic, .limit_percent = limit_percent}, name, build_settings);
             if (!network) {
                 return false;
             }

@@ -144,8 +144,8 @@ void members(Archive& archive, T& value) {
         auto& [path, equilibrium, linear, time_limit] = value;
         archive(path, equilibrium, linear, time_limit);
     } else if constexpr (std::is_same_v<Own, Settings>) {
-        auto& [integration, extent, wall_follows, refine, solver, layered, time_step] = value;
-        archive(integration, extent, wall_follows, refine, solver, layered, time_step);
+        auto& [integration, extent, wall_follows, refine, solver, layered, time_step, shares_paths] = value;
+        archive(integration, extent, wall_follows, refine, solver, layered, time_step, shares_paths);
     } else if constexpr (std::is_same_v<Own, AppliedEffect>) {
         auto& [effect, size, present, layer, load, quantity, reading, thickness] = value;
         archive(effect, size, present, layer, load, quantity, reading, thickness);

@@ -63,6 +63,11 @@ Study station_study(const Study& survey, const data::FwdStation& station,
                     const std::vector<const data::DeflectionBowl*>& bowls, std::optional<double> repeatability) {
     Study study = survey;
     const auto plate = study.model.loads[0];
+    const auto& ties = study.model.ties;
+    study.model.settings.shares_paths = std::none_of(ties.begin(), ties.end(), [&](const pave::pavement::Tie& tie) {
+        return pave::pavement::find_parameter(study.model, tie.path, {}).in_load;
+    });
+    study.hash += study.model.settings.shares_paths ? " on one path" : "";
     study.model.loads.clear();
     for (auto& applied : study.model.effects) {
         applied.load.reset(); // every load of the station is its plate's

@@ -7,7 +7,8 @@ template <class Element>
 Outcome<Solution<Element>>
 Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                              const std::vector<Variation>& variations, const SolverSettings& settings,
-                             const std::vector<double>& springs, const std::vector<Motion<Element>>& motions) {
+                             const std::vector<double>& springs, const std::vector<Motion<Element>>& motions,
+                             const std::vector<double>& on_the_way) {
     using Stress = typename Element::Stress;
     using Vector = typename Element::Vector;
     Work& w = *work_;
@@ -104,6 +105,26 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         return std::sqrt(error / energy);
     };
 
+    solution.on_the_way.resize(on_the_way.size());
+    double before = 0.0; // the load factor of `trial` and of the last slope, once a step is accepted
+    const auto note_the_way = [&](double load_factor) {
+        const double h = load_factor - before;
+        for (std::size_t i = 0; i < on_the_way.size(); ++i) {
+            if (!(on_the_way[i] > before && on_the_way[i] <= load_factor)) {
+                continue;
+            }
+            const double t = (on_the_way[i] - before) / h;
+            const double from = (1.0 + 2.0 * t) * (1.0 - t) * (1.0 - t);
+            const double from_rate = h * t * (1.0 - t) * (1.0 - t);
+            const double to_rate = h * t * t * (t - 1.0);
+            const State& old_rate = slope[LoadPath<State>::stages - 1];
+            solution.on_the_way[i] = {
+                from * trial.u + (1.0 - from) * now.u + from_rate * old_rate.u + to_rate * slope[0].u,
+                from * trial.du + (1.0 - from) * now.du + from_rate * old_rate.du + to_rate * slope[0].du};
+        }
+        before = load_factor;
+    };
+
     const Failure not_definite = stiffness_not_definite();
     if (points == 0) { // linear: the rate is the same all along
         if (!rate(now, 0)) {
@@ -114,9 +135,13 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         }
         now.u = slope[0].u;
         now.du = slope[0].du;
+        for (std::size_t i = 0; i < on_the_way.size(); ++i) {
+            solution.on_the_way[i] = {on_the_way[i] * now.u, on_the_way[i] * now.du};
+        }
         statistics.load_steps = 1;
     } else {
         const auto steps = path.follow(settings.path_tolerance, deadline, rate, step_error, [&](double load_factor) {
+            note_the_way(load_factor);
             if (on_step_) {
                 on_step_(load_factor, slope[0].u, modulus);
             }

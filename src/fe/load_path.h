@@ -44,7 +44,8 @@ public:
 
     // rate(state, i) sets slope[i] to d(state)/d(load factor), false: the stiffness there is not positive definite.
     // error(gaps) is that of a step to `trial`, relative to what is reached, where gaps[i] times slope[i] add up to
-    // the difference of the two solutions. accepted(load factor): `now` and slope[0] belong to it; called at 0 too.
+    // the difference of the two solutions. accepted(load factor): `now` and slope[0] belong to it, `trial`
+    // and slope[stages - 1] to the load factor before; called at 0 too, which has none before.
     template <class Rate, class Error, class Accepted>
     Outcome<PathSteps> follow(double tolerance, const Deadline& deadline, Rate rate, Error error, Accepted accepted) {
         const Failure not_definite = stiffness_not_definite();

@@ -68,6 +68,12 @@ struct Solution {
     Eigen::MatrixXd d_displacement;
     Eigen::Matrix<double, Element::voigt, Eigen::Dynamic> d_stress;
     Statistics statistics;
+    // At the load factors that were asked for, in their order.
+    struct OnTheWay {
+        Eigen::VectorXd displacement;
+        Eigen::MatrixXd d_displacement;
+    };
+    std::vector<OnTheWay> on_the_way;
 };
 
 // What a march in time leaves: the readings at the end of every step, and the state where the load is largest.
@@ -111,10 +117,13 @@ public:
     // springs: stiffness of each spring of the model [Pa/m].
     // Layers that relax have their instantaneous modulus in these two.
     // motions: of a model without springs and fields. Derivatives of stress are those at the Gauss points as they move.
+    // on_the_way: load factors in (0, 1] to know the displacement at: the cubic through the ends of a step and their
+    // rates, of the order of the path (Hairer, Norsett and Wanner 1993, II.6).
     Outcome<Solution<Element>> incremental(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                                            const std::vector<Variation>& variations, const SolverSettings& settings,
                                            const std::vector<double>& springs = {},
-                                           const std::vector<Motion<Element>>& motions = {});
+                                           const std::vector<Motion<Element>>& motions = {},
+                                           const std::vector<double>& on_the_way = {});
     Outcome<Solution<Element>> secant(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                                       const std::vector<Variation>& variations, const SolverSettings& settings,
                                       const std::vector<double>& springs = {},

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <numeric>
 #include <set>
 
 namespace pave::pavement {
@@ -168,18 +169,23 @@ ForwardModel::ForwardModel(Case nominal, const std::vector<bool>& loads) : nomin
     for (const Sensor& sensor : nominal_.sensors) {
         check_sensor(nominal_, sensor, {.key = "sensor"});
     }
+    path_of_ = path_of_each(nominal_);
     for (std::size_t l = 0; l < nominal_.loads.size(); ++l) {
-        const bool is_read = std::any_of(nominal_.sensors.begin(), nominal_.sensors.end(),
-                                         [&](const Sensor& s) { return s.load == static_cast<int>(l); });
-        const bool wanted = is_read && (loads.empty() || loads[l]);
         const auto load = static_cast<int>(l);
+        const bool wanted = std::any_of(nominal_.sensors.begin(), nominal_.sensors.end(), [&](const Sensor& s) {
+            const auto own = static_cast<std::size_t>(s.load);
+            return path_of_[own] == load && (loads.empty() || loads[own]);
+        });
         models_.push_back(wanted ? make_load_model(with_effects(nominal_, load), load, models_) : nullptr);
     }
 }
 
 ForwardModel::ForwardModel(Case nominal, std::vector<std::shared_ptr<const LoadModel>> models)
     : nominal_(std::move(nominal)),
-      models_(std::move(models)) {}
+      models_(std::move(models)),
+      path_of_(nominal_.loads.size()) {
+    std::iota(path_of_.begin(), path_of_.end(), 0);
+}
 
 std::vector<int> ForwardModel::unknowns() const {
     std::vector<int> counts;
@@ -255,6 +261,9 @@ Outcome<Response> ForwardModel::run(const Case& values, const std::vector<Parame
             const auto load = static_cast<int>(l);
             different[k][l] = models_[l] && !exact_derivative(values, parameters[k], load) &&
                               !observed.add(values, parameters[k], k, load);
+        }
+        for (std::size_t l = 0; l < models_.size(); ++l) {
+            different[k][l] = different[k][static_cast<std::size_t>(path_of_[l])];
         }
     }
     Outcome<Response> outcome = run_exact(values, parameters, {}, observed, workspace);
@@ -372,7 +381,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
                 moved[m].weight * moved[m].sensor.gain * reading->values[sensors + m];
         }
         for (std::size_t i = 0; i < sensors; ++i) {
-            if (c.sensors[i].load != load) {
+            if (path_of_[static_cast<std::size_t>(c.sensors[i].load)] != load) {
                 continue;
             }
             const auto row = static_cast<Eigen::Index>(i);

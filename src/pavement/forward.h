@@ -75,7 +75,8 @@ private:
                                 const std::vector<bool>& loads, const Observed& observed, Workspace& workspace) const;
 
     Case nominal_;
-    std::vector<std::shared_ptr<const LoadModel>> models_; // of each load; none where nothing is read
+    std::vector<std::shared_ptr<const LoadModel>> models_; // of each load; none where nothing is read on its path
+    std::vector<int> path_of_;                             // of each load: the one whose model reads it
 };
 
 } // namespace pave::pavement

@@ -63,6 +63,7 @@ struct Responses {
     fe::Course at_rest; // one instant: the load at rest, or where it is largest
     fe::Course moving;  // over time
     fe::Course slow;    // what that would come to if the load acted slowly: one instant
+    std::vector<std::pair<std::size_t, fe::Followed>> on_the_way; // sensors of lighter loads, by their number
     fe::Statistics statistics;
 };
 
@@ -122,7 +123,8 @@ public:
           springs_(springs_of(nominal, load)),
           is_pulse_(nominal.loads[load].is_pulse()),
           model_(model_among(others)),
-          incompressible_(incompressible_layers(nominal)) {
+          incompressible_(incompressible_layers(nominal)),
+          path_of_(path_of_each(nominal)) {
         if (!model_) {
             model_ = std::make_shared<fe::Model<Element>>(fe::make_model(mesh_, linear_layers(nominal), springs_));
         }
@@ -182,6 +184,10 @@ public:
             reading.values[i] = read.value;
             reading.derivatives.row(static_cast<Eigen::Index>(i)) = read.rates;
         }
+        for (const auto& [i, read] : followed->on_the_way) {
+            reading.values[i] = read.value;
+            reading.derivatives.row(static_cast<Eigen::Index>(i)) = read.rates;
+        }
         return reading;
     }
 
@@ -208,7 +214,7 @@ public:
             return relaxed ? Outcome<Fields>(fields_of(*own.geometry->model, layers, relaxed->at_largest))
                            : relaxed.failure();
         }
-        const auto solved = solve(values, layers, force, {}, {}, own);
+        const auto solved = solve(values, layers, force, {}, {}, {}, own);
         if (!solved) {
             return solved.failure();
         }
@@ -233,12 +239,13 @@ private:
 
     Outcome<fe::Solution<Element>> solve(const Case& values, const std::vector<fe::LayerMaterial>& layers,
                                          const Eigen::VectorXd& force, const std::vector<fe::Variation>& by,
-                                         const std::vector<fe::Motion<Element>>& motions, Own& own) const {
+                                         const std::vector<fe::Motion<Element>>& motions,
+                                         const std::vector<double>& on_the_way, Own& own) const {
         const auto& settings = values.settings.solver;
         const std::vector<double> springs = spring_stiffness(values);
         return values.settings.integration == Integration::secant
                    ? own.geometry->solver->secant(layers, force, by, settings, springs, motions)
-                   : own.geometry->solver->incremental(layers, force, by, settings, springs, motions);
+                   : own.geometry->solver->incremental(layers, force, by, settings, springs, motions, on_the_way);
     }
 
     // The sensors that this model reads.
@@ -251,6 +258,18 @@ private:
         }
         return own;
     }
+
+    // Those of lighter loads that lie on its path.
+    std::vector<std::size_t> sensors_on_the_way(const Case& values) const {
+        std::vector<std::size_t> lighter;
+        for (std::size_t i = 0; i < values.sensors.size(); ++i) {
+            if (values.sensors[i].load != load_ && is_read(values.sensors[i])) {
+                lighter.push_back(i);
+            }
+        }
+        return lighter;
+    }
+    bool is_read(const Sensor& sensor) const { return path_of_[static_cast<std::size_t>(sensor.load)] == load_; }
 
     std::vector<fe::Functional<Element>> functionals(const Case& values, const Own& own) const {
         std::vector<fe::Functional<Element>> list;
@@ -296,9 +315,25 @@ private:
                                            responses.moving.d_values[largest]);
             responses.slow = responses.at_rest;
         } else {
-            const auto solved = solve(values, layers, force, by, motions, own);
+            const auto lighter = sensors_on_the_way(values);
+            std::vector<double> load_factors;
+            load_factors.reserve(lighter.size());
+            for (const std::size_t i : lighter) {
+                load_factors.push_back(values.loads[static_cast<std::size_t>(values.sensors[i].load)].pressure /
+                                       values.loads[load_].pressure);
+            }
+            const auto solved = solve(values, layers, force, by, motions, load_factors, own);
             if (!solved) {
                 return solved.failure();
+            }
+            for (std::size_t r = 0; r < lighter.size(); ++r) {
+                const auto& there = solved->on_the_way[r];
+                const auto& o = own.observations[lighter[r]];
+                fe::Followed read{o.of_displacement(there.displacement.data()), Eigen::RowVectorXd(by.size())};
+                for (Eigen::Index k = 0; k < read.rates.size(); ++k) {
+                    read.rates[k] = o.of_displacement(there.d_displacement.col(k).data());
+                }
+                responses.on_the_way.emplace_back(lighter[r], std::move(read));
             }
             responses.statistics = solved->statistics;
             responses.at_rest = course_at_rest(values, solved.value(), by, observation_rates, own);
@@ -465,7 +500,7 @@ private:
                 sensors = values.sensors;
                 observations.clear();
                 for (const Sensor& sensor : sensors) {
-                    observations.push_back(sensor.load == of.load_
+                    observations.push_back(of.is_read(sensor)
                                                ? observe(sensor, g.mesh, *g.model, g.mesh, of.incompressible_)
                                                : Observation<Element>{});
                 }
@@ -528,6 +563,7 @@ private:
     bool is_pulse_;                                   // the sides of its mesh are open
     std::shared_ptr<const fe::Model<Element>> model_; // nominal; loads on one mesh have one
     std::vector<bool> incompressible_;                // layers
+    std::vector<int> path_of_;                        // path_of_each()
 };
 
 } // namespace

@@ -86,7 +86,8 @@ public:
     virtual double reach(const Case& values) const { return values.depth(); }
 
     struct Reading {
-        std::vector<double> values;  // of every sensor of the case, SI; 0 for those of other loads
+        // Of every sensor of the case, SI; 0 for those of loads that are not on the path of this one.
+        std::vector<double> values;
         Eigen::MatrixXd derivatives; // sensors x variations, SI
         fe::Statistics statistics;
         std::vector<double> errors{}; // of a reduced model: estimates of |error| of the values; empty: none is made

@@ -86,4 +86,34 @@ double Case::default_extent(double depth) const {
     return extent;
 }
 
+std::vector<int> path_of_each(const Case& c) {
+    std::vector<int> path(c.loads.size());
+    for (std::size_t l = 0; l < path.size(); ++l) {
+        path[l] = static_cast<int>(l);
+    }
+    const bool has_path =
+        std::any_of(c.layers.begin(), c.layers.end(), [](const Layer& layer) { return layer.law->stress_dependent(); });
+    if (!has_path || !c.settings.shares_paths || c.settings.integration != Integration::incremental || c.relaxes() ||
+        !c.effects.empty() || !c.corrections.empty()) {
+        return path;
+    }
+    for (std::size_t l = 0; l < path.size(); ++l) {
+        const bool by_deflections = std::all_of(c.sensors.begin(), c.sensors.end(), [&](const Sensor& s) {
+            return s.load != static_cast<int>(l) || s.quantity == Quantity::deflection;
+        });
+        Load load = c.loads[l];
+        if (!by_deflections || load.type != LoadType::plate || load.is_pulse() || load.inertia) {
+            continue;
+        }
+        for (std::size_t other = 0; other < path.size(); ++other) {
+            load.name = c.loads[other].name;
+            load.pressure = c.loads[other].pressure;
+            if (load == c.loads[other] && load.pressure > c.loads[static_cast<std::size_t>(path[l])].pressure) {
+                path[l] = static_cast<int>(other);
+            }
+        }
+    }
+    return path;
+}
+
 } // namespace pave::pavement

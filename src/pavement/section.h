@@ -149,6 +149,9 @@ struct Settings {
     // Linear layers under circles are computed without a mesh and a wall.
     bool layered = false;
     double time_step = 2e-4; // s, under a pulse
+    // Loads on the path of a heavier one are read on the way to it: see path_of_each(). For a section in which nothing
+    // varies that is part of a load.
+    bool shares_paths = false;
 };
 
 struct Effect; // effects/effect.h
@@ -195,5 +198,10 @@ struct Case {
     // Of another depth [m].
     double default_extent(double depth) const;
 };
+
+// Of each load, the number of the one on whose load path it lies: the heaviest that differs from it in pressure alone,
+// where the settings let loads share paths and both are plates that act on the section without effects, time and secant
+// equilibrium, and the load is read by its deflections. Else its own.
+std::vector<int> path_of_each(const Case& c);
 
 } // namespace pave::pavement

@@ -338,3 +338,40 @@ max = 300
     EXPECT_EQ(both.measured().size(), 6U);
     EXPECT_EQ(both.readings[3].load, "fwd 301 kPa");
 }
+
+TEST(StationStudy, PutsTheLevelsOfAStressDependentSectionOnOnePath) {
+    const std::string file = test::own_folder() + "levels.toml";
+    const auto survey_of = [&](const std::string& law) {
+        std::ofstream(file) << R"(schema = 1
+[[layers]]
+name = "soil"
+thickness_mm = 1500
+density_kg_m3 = 1900
+k0 = 0.5
+)" << law << R"(
+[[loads]]
+name = "fwd"
+type = "plate"
+radius_mm = 150
+pressure_kPa = 600
+[data]
+misfit = "relative"
+)";
+        return study::load_survey_study(file);
+    };
+    FwdStation s = station({{0, 500}, {300, 200}});
+    s.drops[0].radius_mm = 225;
+    const auto level = [&](double pressure_kPa) {
+        s.drops[0].pressure_kPa = pressure_kPa;
+        return *main_bowl(s);
+    };
+    const data::DeflectionBowl low = level(300);
+    const data::DeflectionBowl high = level(500);
+    const data::DeflectionBowl middle = level(400);
+    const auto paths = [&](const std::string& law) {
+        return path_of_each(study::station_study(survey_of(law), s, {&low, &high, &middle}, 0.02).model);
+    };
+    EXPECT_EQ(paths("law = \"k-theta\"\nk1 = 1000\nk2 = 0.4\nn = 1\npoisson_12 = 0.35\npoisson_31 = 0.35"),
+              (std::vector{1, 1, 1}));
+    EXPECT_EQ(paths("law = \"linear\"\nmodulus_MPa = 60\npoisson = 0.4"), (std::vector{0, 1, 2}));
+}

@@ -35,14 +35,16 @@ inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
     return {reinterpret_cast<const char*>(data), size};
 }
 
-// Reading ends well, or with a message for people that names the file. Any other exception is a fault.
+// Reading ends well, or with a message for people that names the file, or the option that was wrong. Any other
+// exception is a fault.
 template <class Read>
-void expect_message(const Read& read) {
+void expect_message(const Read& read, std::string_view option = "/dev/shm/") {
     try {
         read();
     } catch (const pave::Error& error) {
-        if (std::string_view(error.what()).find("/dev/shm/") == std::string_view::npos) {
-            std::abort(); // which file?
+        const std::string_view words = error.what();
+        if (words.find("/dev/shm/") == std::string_view::npos && words.find(option) == std::string_view::npos) {
+            std::abort(); // of what?
         }
     }
 }

@@ -4,6 +4,7 @@
 #include "base/random.h"
 
 #include <gtest/gtest.h>
+#include <map>
 
 using namespace test;
 
@@ -282,6 +283,76 @@ TEST(ForwardRun, OfManyLoadsReadsWhatEachReadsAlone) {
                 }
             }
         }
+    }
+}
+
+// Three plates on one path, the heaviest in the middle; a fourth of another radius is on its own.
+TEST(LoadPath, OfTheHeaviestPlateReadsTheLighterOnesOnTheWay) {
+    Case c = random_case(7, Integration::incremental);
+    const std::vector<Sensor> sensors = c.sensors;
+    c.sensors.clear();
+    for (const auto& [share, radius] : {std::pair{0.55, 1.0}, {1.0, 1.0}, {0.8, 1.0}, {0.7, 1.5}}) {
+        Load load = c.loads[0];
+        load.name = "level" + std::to_string(c.loads.size());
+        load.pressure *= share;
+        load.radius *= radius;
+        for (Sensor sensor : sensors) {
+            sensor.load = static_cast<int>(c.loads.size()) - 1;
+            if (sensor.quantity == Quantity::deflection) {
+                c.sensors.push_back(sensor);
+            }
+        }
+        c.loads.push_back(load);
+    }
+    c.loads.erase(c.loads.begin());
+    EXPECT_EQ(path_of_each(c), (std::vector{0, 1, 2, 3}));
+    Case shared = c;
+    shared.settings.shares_paths = true;
+    EXPECT_EQ(path_of_each(shared), (std::vector{1, 1, 1, 3}));
+    const std::vector parameters{find_parameter(c, "base.k1", {}), find_parameter(c, "base.k3", {}),
+                                 find_parameter(c, "base.thickness_mm", {}),
+                                 find_parameter(c, "subgrade.modulus_MPa", {})};
+    const auto run = [&](Case& of, double tolerance) {
+        of.settings.solver.path_tolerance = tolerance;
+        const ForwardModel model(of);
+        return model.run(of, parameters, *model.make_workspace());
+    };
+    int more_steps = 0;
+    std::map<int, std::size_t> first; // sensor of each load
+    for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+        first.try_emplace(c.sensors[i].load, i);
+    }
+    // They differ by the errors of paths.
+    for (const auto& [tolerance, values, rates] : {std::tuple{2e-3, 3e-3, 1e-2}, std::tuple{1e-5, 2e-5, 1e-4}}) {
+        const auto each = run(c, tolerance);
+        const auto together = run(shared, tolerance);
+        ASSERT_TRUE(each && together);
+        more_steps += each->statistics.load_steps - together->statistics.load_steps;
+        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+            const bool is_followed = c.sensors[i].load == 1 || c.sensors[i].load == 3;
+            const double size = std::abs(each->values[first[c.sensors[i].load]]); // of D0
+            EXPECT_NEAR(together->values[i], each->values[i], is_followed ? 0.0 : values * size) << i;
+            for (Eigen::Index k = 0; k < each->jacobian.cols(); ++k) {
+                const auto row = static_cast<Eigen::Index>(i);
+                const double scale = each->jacobian.col(k).cwiseAbs().maxCoeff();
+                EXPECT_NEAR(together->jacobian(row, k), each->jacobian(row, k), is_followed ? 0.0 : rates * scale);
+            }
+        }
+    }
+    EXPECT_GT(more_steps, 0);
+    // Derivatives are those of the interpolated path.
+    shared.settings.solver.path_tolerance = 2e-3;
+    const ForwardModel model(shared);
+    const auto workspace = model.make_workspace();
+    const auto exact = model.run(shared, parameters, *workspace);
+    ASSERT_TRUE(exact);
+    for (std::size_t p = 0; p < parameters.size(); ++p) {
+        const Parameter& parameter = parameters[p];
+        const double h = 1e-4 * std::abs(parameter.get(shared));
+        const auto found = central_differences(model, shared, parameter, h, *exact, *workspace);
+        ASSERT_TRUE(found && found->same_path);
+        const Disagreement d = disagreement(*exact, p, parameter.get(shared), found->rates);
+        EXPECT_LT(d.worst, 1e-6 * d.scale) << parameter.path;
     }
 }
 

@@ -143,7 +143,8 @@ levels.write_text("\n".join(text) + "\n")
 result = call(levels, "--study", study, "--out", folder / "levels")
 station = result["stations"][0]
 check(station["drops_used"] == [1, 2, 3] and len(station["levels"]) == 3 and result["fits_all_levels"], f"all levels: {station['drops_used']}")
-check(abs(station["parameters"]["base.k1"]["value"] / 2500 - 1) < 1e-4, f"k1 of all levels: {station['parameters']}")
+# Within the path tolerance: the levels lie on one path here, and were made each on its own.
+check(abs(station["parameters"]["base.k1"]["value"] / 2500 - 1) < 1e-3, f"k1 of all levels: {station['parameters']}")
 station = call(levels, "--study", study, "--target-load", "42kN", "--out", folder / "level")["stations"][0]
 check(station["drops_used"] == [2] and station["drops_left_out"] == [1, 3], f"42 kN on this plate are 594 kPa: {station['drops_used']}")
 check(any("drops 1, 3 left out" in r for r in station["remarks"]), f"what is left out is said: {station['remarks']}")
