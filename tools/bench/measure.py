@@ -187,6 +187,24 @@ def report_table(build, rounds, folder):
     return table(["report", "MB", "wall seconds"], rows)
 
 
+def landscape_table(build, rounds, folder):
+    """The corner figure of the demo: the whole of `unique` by the reduced model, which is built in it, against full forward runs."""
+    program = f"{build}/explore/pavescape"
+    points = 512
+    runs, whole = [], []
+    for number in range(rounds):
+        runs.append(Process(program, "map", PLANE, "--design", "sobol", "--points", str(points), "--threads", "1", "--out",
+                            f"{folder}/runs{number}", "--json").cpu / points)
+        whole.append(Process(program, "unique", PLANE, "--model", "auto", "--threads", "1", "--out", f"{folder}/corner{number}", "--json"))
+    landscape = json.loads(whole[0].out)["landscape"]
+    nodes = sum(len(p["x_values"]) * len(p["y_values"]) for p in landscape["pairs"])
+    unit, cpu = median(runs), median([w.cpu for w in whole])
+    rows = [["a full forward run", f"{unit:.4f}", "1"],
+            [f"`unique --model auto`, all of it: the reduced model built, {len(landscape['pairs'])} pairs of {nodes:,} nodes", f"{cpu:.1f}",
+             f"{median([w.cpu / r for w, r in zip(whole, runs)]):,.0f}"]]
+    return table(["the corner figure of the demo study, one thread", "CPU s", "forward runs"], rows)
+
+
 def method_table(build, folder):
     program = f"{build}/explore/pavescape"
     names = re.search(r"\{([\w,-]*gauss-newton[\w,-]*)\}", Process(program, "fit", "--help").out)[1].split(",")
@@ -255,6 +273,7 @@ def main():
             "process": lambda: process_table(build, rounds),
             "throughput": lambda: throughput_table(build, few, folder),
             "survey": lambda: survey_table(build, few, folder),
+            "landscape": lambda: landscape_table(build, few, folder),
             "reports": lambda: report_table(build, rounds, folder),
             "methods": lambda: method_table(build, folder),
             "scipy": lambda: scipy_table(build, folder, 1 if quick else 8),
