@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import select
 import shutil
 import sqlite3
 import subprocess
@@ -88,6 +89,15 @@ def kill_at(count, out, *arguments):
     process.kill()
     process.wait()
     return evaluations(out)
+
+
+def said_until(words, process, seconds):
+    """What a process has written to standard error once these words are among it, it has ended or so many seconds have passed."""
+    text, until = b"", time.monotonic() + seconds
+    while words.encode() not in text and process.poll() is None and time.monotonic() < until:
+        if select.select([process.stderr], [], [], 0.05)[0]:
+            text += os.read(process.stderr.fileno(), 65536)
+    return text.decode()
 
 
 # Of a result: what is of the process that printed it.
