@@ -43,19 +43,18 @@ check(few["verdict"] in ("cause-named", "ambiguous") and "weak-subgrade-top" in 
 untried = [c["effect"] for c in few["candidates"] if c["size"] is None and c["score_z"] is not None]
 check(not untried, f"every effect that changes a reading is fitted: {untried}")
 
-# Models that were tried are let go: a diagnosis takes no more memory than a fit of the same study.
+# Models that were tried are let go: a diagnosis takes no more memory than a fit of the same study; and six drops not more than one.
 if not sanitizer():
-    def peak_MB(*arguments):
-        process = subprocess.Popen([PROGRAM, *map(str, arguments)], stdout=subprocess.DEVNULL)
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        check(process.returncode == 0, f"{arguments[0]}: {process.returncode}")
-        return usage.ru_maxrss / 1024
-
     study = folder / "few" / "small.toml"
     options = ("--threads", 1, "--explore", 8, "--starts", 1)
     fit, found = peak_MB("fit", study, "--out", folder / "fit", *options), peak_MB("diagnose", study, "--out", folder / "again", *options, "--bootstrap", 1)
     check(found < fit + 12, f"memory of a diagnosis: {found:.0f} MB, of a fit: {fit:.0f} MB")
+    drop = LOADS.split("[[loads]]")[1]
+    drops = [drop.replace("400", str(400 + 80 * k)) for k in range(6)]
+    one, six = (peak_MB("forward", "--jacobian", write_study(
+        folder / f"drops-{count}", DROPS.replace(LOADS, "".join("[[loads]]" + d for d in drops[:count])).replace("refine = 0.25", "refine = 1"),
+        HEADER + "".join(f"p{400 + 80 * k},deflection,{x},0,0,0,1,mm,\n" for k in range(count) for x in OFFSETS))) for count in (1, 6))
+    check(six < one + 10, f"memory of six drops: {six:.0f} MB, of one: {one:.0f} MB")
 
 # A soft top thicker than the catalogue's 200 mm, far beyond noise.
 WHOLE = '[[layers]]\nname = "subgrade"\nthickness_mm = 1210'

@@ -100,6 +100,15 @@ def said_until(words, process, seconds):
     return text.decode()
 
 
+def peak_MB(*arguments):
+    """The most memory of the finished program."""
+    process = subprocess.Popen([PROGRAM, *map(str, arguments)], stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    check(process.returncode == 0, f"{arguments[0]}: exit status {process.returncode}")
+    return usage.ru_maxrss / 1024
+
+
 # Of a result: what is of the process that printed it.
 OF_THE_PROCESS = {"run", "runs_per_second", "computed", "kept", "seconds"}
 
