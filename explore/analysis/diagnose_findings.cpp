@@ -340,7 +340,7 @@ private:
                     fmt::format("{} {} instead of {}", study.space.axes[k].name, figure(is.value), figure(was.value)));
             }
         }
-        if (!biased.empty() && d.verdict != Verdict::unexplained) {
+        if (!biased.empty() && d.verdict != Verdict::unexplained && !d.leaves_more_than_noise) {
             text.push_back("Without the effect the fit was biased: " + pave::join(biased) + ".");
         }
     }

@@ -391,6 +391,17 @@ for command, options in (("forward", []), ("twin", ["--out", path.parent / "out"
         if one_line(done, [130], f"{command}, {number.name}"):
             check(done.stdout == "", f"{command}, {number.name}: nothing on standard output: {done.stdout[:100]}")
 
+# A run that is kept waits for what is computed, and says so at once; told twice it ends.
+process = begun("map", path, "--out", path.parent / "awaited")
+until_caught(process, signal.SIGINT)
+time.sleep(1)
+process.send_signal(signal.SIGINT)
+said = said_until("second", process, 5)
+check("waiting for the evaluations" in said and process.poll() is None, f"what is awaited is said: {said!r} {process.poll()}")
+begin = time.monotonic()
+process.send_signal(signal.SIGINT)
+check(ended(process, patience).returncode == 130 and time.monotonic() - begin < patience / 3, "a second Ctrl-C ends at once")
+
 # And in the middle of a repetition: to the program alone, as `kill` sends it, and to all that a terminal started, as Ctrl-C does.
 path = case(NOISY)
 out = path.parent / "out"

@@ -22,6 +22,7 @@ for word in ("fwd.deflection: 8", "noise stated", "2 outputs", "map", "fit", "wi
     check(word in page.stdout, f"check says '{word}':\n{page.stdout}")
 found = json.loads(run("check", study, "--json").stdout)
 check(found["readings"] == 8 and found["parameters"] == 3, "check counts readings and parameters")
+check({"unique", "diagnose", "compare", "sensitivity"} <= {c["command"] for c in found["commands"]}, f"every command has an estimate: {found['commands']}")
 times = {c["command"]: c["seconds"] for c in found["commands"]}
 check(0 < times["forward"] < times["map"] and times["forward --jacobian"] < times["fit"], f"times: {times}")
 

@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import select
 import shutil
 import sqlite3
 import subprocess
@@ -88,6 +89,24 @@ def kill_at(count, out, *arguments):
     process.kill()
     process.wait()
     return evaluations(out)
+
+
+def said_until(words, process, seconds):
+    """What a process has written to standard error once these words are among it, it has ended or so many seconds have passed."""
+    text, until = b"", time.monotonic() + seconds
+    while words.encode() not in text and process.poll() is None and time.monotonic() < until:
+        if select.select([process.stderr], [], [], 0.05)[0]:
+            text += os.read(process.stderr.fileno(), 65536)
+    return text.decode()
+
+
+def peak_MB(*arguments):
+    """The most memory of the finished program."""
+    process = subprocess.Popen([PROGRAM, *map(str, arguments)], stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    check(process.returncode == 0, f"{arguments[0]}: exit status {process.returncode}")
+    return usage.ru_maxrss / 1024
 
 
 # Of a result: what is of the process that printed it.

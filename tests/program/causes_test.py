@@ -1,0 +1,92 @@
+"""What `diagnose` says where little is measured, where the noise is not as stated and where a size ends its range: no name that
+the data do not bear, nothing left out that was not tried."""
+import json
+
+from support import *
+
+folder = workspace()
+LEVELS, OFFSETS = (400, 566, 800), (0, 300, 600, 900, 1500)
+LOADS = "".join(f'[[loads]]\nname = "p{p}"\ntype = "plate"\nradius_mm = 150\npressure_kPa = {p}\n\n' for p in LEVELS)
+PARAMETERS = "".join(f'[[parameters]]\nname = "{name}"\nmin = {low}\nmax = {high}\n\n'
+                     for name, low, high in (("base.k1", 500, 8000), ("base.k2", 0, 1), ("subgrade.modulus_MPa", 15, 150)))
+SECTION, _, REST = STUDY.replace("refine = 0.4", "refine = 0.25").replace('misfit = "log"', 'misfit = "weighted"').partition("[[loads]]")
+DROPS = SECTION + LOADS + REST[REST.index("[mesh]"):REST.index("[[parameters]]")] + PARAMETERS
+HEADER = DATA.splitlines()[1] + "\n"
+BOWLS = HEADER + "".join(f"p{p},deflection,{x},0,0,0,1,mm,\n" for p in LEVELS for x in OFFSETS)
+
+
+def made(name, noise, seed, *effects, layout=BOWLS, readings=lambda cells: cells, truth=DROPS):
+    """A study whose readings a twin of the truth made, each as `readings` turns its cells."""
+    place = folder / name
+    twin = run("twin", write_study(place, truth, layout), "--noise", noise, "--seed", seed, *(o for e in effects for o in ("--effect", e)),
+               "--out", place / "twin")
+    assert twin.returncode == 0, twin.stderr
+    rows = [line.split(",") for line in (place / "twin" / "twin.csv").read_text().splitlines() if line[0] not in "#l"]
+    return write_study(place, DROPS, HEADER + "".join(",".join(readings(cells)) + "\n" for cells in rows))
+
+
+def times(cells, value=1.0, sigma=1.0):
+    return [*cells[:6], repr(float(cells[6]) * value), cells[7], repr(float(cells[8]) * sigma)]
+
+
+def diagnose(study):
+    done = run("diagnose", study, "--json", "--out", study.parent / "run", "--explore", 16, "--starts", 2, "--bootstrap", 4)
+    check(done.returncode == 0, f"diagnose {study.parent.name}: {done.stderr}")
+    found = json.loads(done.stdout)
+    if any("biased" in s for s in found["findings"]):
+        check(found["extended"]["p_value"] >= 0.05, f"no bias by a model that is rejected: {found['findings']}")
+    print(f"{study.parent.name}: {found['verdict']} {found['causes']}")
+    return found
+
+
+# Fifteen readings and three parameters that follow much of them: every effect is fitted, and the true one is among those that explain the data.
+few = diagnose(made("few", 0.01, 1, "weak-subgrade-top=0.7"))
+check(few["verdict"] in ("cause-named", "ambiguous") and "weak-subgrade-top" in few["causes"], f"a soft top is not lost: {few['causes']}")
+untried = [c["effect"] for c in few["candidates"] if c["size"] is None and c["score_z"] is not None]
+check(not untried, f"every effect that changes a reading is fitted: {untried}")
+
+# Models that were tried are let go: a diagnosis takes no more memory than a fit of the same study; and six drops not more than one.
+if not sanitizer():
+    study = folder / "few" / "small.toml"
+    options = ("--threads", 1, "--explore", 8, "--starts", 1)
+    fit, found = peak_MB("fit", study, "--out", folder / "fit", *options), peak_MB("diagnose", study, "--out", folder / "again", *options, "--bootstrap", 1)
+    check(found < fit + 12, f"memory of a diagnosis: {found:.0f} MB, of a fit: {fit:.0f} MB")
+    drop = LOADS.split("[[loads]]")[1]
+    drops = [drop.replace("400", str(400 + 80 * k)) for k in range(6)]
+    one, six = (peak_MB("forward", "--jacobian", write_study(
+        folder / f"drops-{count}", DROPS.replace(LOADS, "".join("[[loads]]" + d for d in drops[:count])).replace("refine = 0.25", "refine = 1"),
+        HEADER + "".join(f"p{400 + 80 * k},deflection,{x},0,0,0,1,mm,\n" for k in range(count) for x in OFFSETS))) for count in (1, 6))
+    check(six < one + 10, f"memory of six drops: {six:.0f} MB, of one: {one:.0f} MB")
+
+# A soft top thicker than the catalogue's 200 mm, far beyond noise.
+WHOLE = '[[layers]]\nname = "subgrade"\nthickness_mm = 1210'
+TOP = '[[layers]]\nname = "top"\nthickness_mm = 450\ndensity_kg_m3 = 1900\nk0 = 0.5\nlaw = "linear"\nmodulus_MPa = 22.5\npoisson = 0.40\n\n'
+thick = diagnose(made("thick", 0.01, 1, truth=DROPS.replace(WHOLE, TOP + WHOLE.replace("1210", "760"))))
+check("weak-subgrade-top" in thick["causes"], f"a soft top of another thickness is not lost: {thick['verdict']} {thick['causes']}")
+
+# The noise is twice the stated one: no name, and what would be needed stands beside what comes nearest.
+loud = diagnose(made("loud", 0.02, 14, readings=lambda cells: times(cells, sigma=0.5)))
+check(loud["verdict"] != "cause-named", f"noise is no cause: {loud['findings'][0]}")
+check(any("times what is stated" in s for s in loud["findings"]), f"by how much the noise would have to be larger: {loud['findings']}")
+# Among explanations of which none fits, none is called one.
+none = diagnose(made("none", 0.02, 12, readings=lambda cells: times(cells, sigma=0.5)))
+fits = max([e.get("p_value", 0) for e in none["explanations"]] + [none["extended"]["p_value"]])
+check(fits < 0.05, f"nothing explains these: {fits}")
+check(not any("explanations fit these data so alike" in s for s in none["findings"]), f"and none is said to: {none['findings'][0]}")
+check(any("comes nearest" in s for s in none["findings"]), f"but what comes nearest: {none['findings']}")
+if none["verdict"] == "unexplained":
+    words = next((s for s in none["findings"] if "misses most" in s), "")
+    check("mm under p" in words and ("too high" in words or "too low" in words), f"place, load and sign of what is left: {words}")
+
+# It is less than the stated one.
+calm = diagnose(made("calm", 0.01, 3, readings=lambda cells: times(cells, sigma=2.5)))
+check(calm["verdict"] == "adequate" and any("scatter less" in s for s in calm["findings"]), f"overstated noise is said: {calm['findings']}")
+
+# Gauges that read 2.06 times as much, where the range of a gain ends at 2: not named alone.
+GAUGES = HEADER + "".join(f"p566,deflection,{x},0,0,0,1,mm,\n" for x in OFFSETS) + "".join(
+    f"p566,strain_zz,0,0,{z},75,1,microstrain,\n" for z in (90, 165, 240, 340, 420, 500))
+gain = diagnose(made("gain", 0.03, 3, layout=GAUGES, readings=lambda cells: times(cells, 2.06, 2.06) if cells[1] == "strain_zz" else cells))
+at_end = next(c for c in gain["candidates"] if c["effect"] == "sensor-gain")
+check(at_end["size"] == 2, f"the range of the size ends at 2: {at_end['size']}")
+check(gain["verdict"] != "cause-named", f"no name alone at the end of its range: {gain['findings'][0]}")
+finish()
