@@ -70,8 +70,9 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
     };
     std::vector<Predicted> predicted;
     constexpr std::size_t most = 6;
-    for (std::size_t e = 0; e < std::min(most, d.explanations.size()); ++e) {
-        const auto& model = d.explanations[e].fit.model;
+    std::vector<std::size_t> compared;
+    for (std::size_t e = 0; e < std::min(most, d.to_compare().size()); ++e) {
+        const auto& model = d.to_compare()[e].fit.model;
         // A wrong reading is no property of the next one.
         std::vector<study::Variant> own;
         std::vector<double> values = model.evaluation.parameters;
@@ -114,6 +115,7 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
             f.variances.push_back(slope.dot(part * slope));
         }
         predicted.push_back(std::move(f));
+        compared.push_back(e);
     }
     std::vector<SeparatingReading> readings;
     if (predicted.size() < 2) {
@@ -123,7 +125,8 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
         data::Reading reading = list.readings[i];
         reading.noise.absolute = study::candidate_noise(list.model.sensors[i].quantity, predicted[0].values[i]);
         const double noise = reading.noise.absolute;
-        SeparatingReading s{.reading = std::move(reading), .values = {}, .power = 1.0, .rate_now = 1.0};
+        SeparatingReading s{
+            .reading = std::move(reading), .explanations = compared, .values = {}, .power = 1.0, .rate_now = 1.0};
         for (std::size_t e = 0; e < predicted.size(); ++e) {
             s.values.push_back(s.reading.in_unit(predicted[e].values[i]));
             if (e == 0) {
@@ -254,6 +257,14 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
             return engine.evaluate(sample);
         };
     }
+    const auto located_in = [&](const Diagnosis& d) {
+        const Members& members = d.location->fit.model.members;
+        return located(study, extended_study(members), *bench.problem(members), d, result.channels, result.corrections);
+    };
+    task.says_where = [&](const Diagnosis& d) {
+        const auto found = located_in(d);
+        return std::any_of(found.begin(), found.end(), [](const LocatedCorrection& c) { return c.says_where(); });
+    };
     auto diagnosis = diagnose::diagnose(task, options.settings);
     if (!diagnosis) {
         return std::nullopt;
@@ -269,20 +280,9 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
         result.after = reported(*d.extended);
     }
     if (d.location) {
-        result.located = located(study, result.after->study, *bench.problem(d.location->fit.model.members), d,
-                                 result.channels, result.corrections);
-        if (std::none_of(result.located.begin(), result.located.end(),
-                         [](const LocatedCorrection& found) { return found.says_where(); })) {
-            // What leaves noise only by corrections of which nothing is known at any place is not located.
-            result.diagnosis.verdict = diagnose::Verdict::unexplained;
-            result.diagnosis.location.reset();
-            result.diagnosis.extended.reset();
-            result.located.clear();
-            result.diagnosis.explanations.clear();
-            result.after.reset();
-        }
+        result.located = located_in(d);
     }
-    if (d.explanations.size() > 1) {
+    if (d.to_compare().size() > 1) {
         result.next = separating_readings(study, result.variants, bench, d);
     }
     for (std::size_t e = 0; e < d.explanations.size(); ++e) {

@@ -25,10 +25,11 @@ struct DiagnosedModel {
 
 // One reading that would separate what the data leave ambiguous.
 struct SeparatingReading {
-    data::Reading reading;      // its noise: assumed
-    std::vector<double> values; // predicted by each explanation, in the reading's unit
-    double power = 0.0;         // the rate of the right decision between the best explanation and its closest rival
-    double rate_now = 0.0;      // the same with the present readings
+    data::Reading reading;                 // its noise: assumed
+    std::vector<std::size_t> explanations; // of Diagnosis::to_compare()
+    std::vector<double> values;            // predicted by each of them, in the reading's unit
+    double power = 0.0;    // the rate of the right decision between the best explanation and its closest rival
+    double rate_now = 0.0; // the same with the present readings
 };
 
 struct DiagnoseResult {

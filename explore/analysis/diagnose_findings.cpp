@@ -207,10 +207,12 @@ private:
             where.push_back(channel_words(found.correction));
             (found.says_where() ? certain : vague).push_back(where.back());
         }
+        const bool is_at_end =
+            std::any_of(d.nearest.begin(), d.nearest.end(), [](const auto& e) { return e.fit.ends_range(); });
         text.push_back(fmt::format(
-            "LOCATED: the data contradict the model, and no effect of the catalogue explains it, but they say where it "
-            "errs: {}{}. A smooth correction there {}.",
-            pave::join(certain, "; "),
+            "LOCATED: the data contradict the model, and no effect of the catalogue {}explains it, but they say where "
+            "it errs: {}{}. A smooth correction there {}.",
+            is_at_end ? "within its range " : "", pave::join(certain, "; "),
             vague.empty() ? "" : fmt::format(" (with {}, of which they do not say where)", pave::join(vague, "; ")),
             d.leaves_more_than_noise
                 ? fmt::format("explains most of it, and still leaves more than noise (p = {:.2g})", d.extended->p_value)
@@ -236,9 +238,12 @@ private:
             constexpr std::size_t most = 3;
             for (std::size_t e = 0; e < std::min(most, own.explained_by.size()); ++e) {
                 const auto& like = own.explained_by[e];
-                names.push_back(fmt::format("{} ({} of it, leaving {})",
-                                            variant_words(candidates[d.effects[like.effect].candidate]),
-                                            percent(like.share), like.leaves_noise ? "noise" : "more than noise"));
+                const auto& effect = d.effects[like.effect];
+                const bool ends = effect.fit && effect.fit->ends_range();
+                names.push_back(
+                    fmt::format("{} ({} of it, leaving {}{})", variant_words(candidates[effect.candidate]),
+                                percent(like.share), like.leaves_noise ? "noise" : "more than noise",
+                                ends ? ", its size " + figure(effect.size.value) + " where its range ends" : ""));
             }
             if (!names.empty()) {
                 text.push_back(fmt::format("Effects of the catalogue that look like it: {}.", pave::join(names, "; ")));

@@ -295,8 +295,7 @@ std::vector<std::string> findings(const FitResult& result) {
             figure(local.noise)));
     }
     if (result.without_floor) {
-        if (std::string words = floor_words(study, best.evaluation, local.noise, *result.without_floor);
-            !words.empty()) {
+        if (std::string words = floor_words(study, best, local, *result.without_floor); !words.empty()) {
             text.push_back(std::move(words));
         }
     }

@@ -56,8 +56,9 @@ std::optional<WithoutFloor> fit_without_floor(const study::Study& study, const s
     return best.parameters.empty() ? std::nullopt : std::optional(std::move(best));
 }
 
-std::string floor_words(const study::Study& study, const problem::Evaluation& fitted, double noise,
-                        const WithoutFloor& without) {
+std::string floor_words(const study::Study& study, const landscape::Minimum& minimum,
+                        const landscape::LocalAnalysis& local, const WithoutFloor& without) {
+    const problem::Evaluation& fitted = minimum.evaluation;
     const auto stands = [&] {
         double depth = 0.0;
         for (const auto& layer : study.model.layers) {
@@ -66,7 +67,8 @@ std::string floor_words(const study::Study& study, const problem::Evaluation& fi
         return pave::figure(depth);
     };
     const double rise = std::pow(without.misfit, 2) - std::pow(fitted.misfit, 2);
-    if (constexpr double accepted = 3.84; rise > accepted * noise * noise && noise > 0.0) { // chi2 of one degree, 95 %
+    if (constexpr double accepted = 3.84;
+        rise > accepted * local.noise * local.noise && local.noise > 0.0) { // chi2 of one degree, 95 %
         return fmt::format("Fitted without the floor at {} m these readings are met worse (misfit {} instead of {}): "
                            "they speak for something stiff there.",
                            stands(), pave::figure(without.misfit), pave::figure(fitted.misfit));
@@ -74,7 +76,9 @@ std::string floor_words(const study::Study& study, const problem::Evaluation& fi
     constexpr double clear = 0.1;
     std::vector<std::string> changes;
     for (std::size_t k = 0; k < without.parameters.size(); ++k) {
-        if (std::abs(without.parameters[k] - fitted.parameters[k]) > clear * std::abs(fitted.parameters[k])) {
+        const double moved = std::abs(study.space.axes[k].unit(without.parameters[k]) - minimum.unit[k]);
+        if (std::abs(without.parameters[k] - fitted.parameters[k]) > clear * std::abs(fitted.parameters[k]) &&
+            (moved > local.standard_error[k] || !(local.noise > 0.0))) {
             changes.push_back(fmt::format("{} {} instead of {}", study.space.axes[k].name,
                                           pave::figure(without.parameters[k]), pave::figure(fitted.parameters[k])));
         }

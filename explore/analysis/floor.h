@@ -1,6 +1,7 @@
 // Does the answer hang on the floor? The same fit once more, of a section whose last layer goes on for ever.
 #pragma once
 
+#include "landscape/minima.h"
 #include "study/problems.h"
 
 namespace explore::analysis {
@@ -15,8 +16,8 @@ struct WithoutFloor {
 std::optional<WithoutFloor> fit_without_floor(const study::Study& study, const std::vector<double>& unit);
 
 // Says that the readings want the floor, or by how much parameters would differ without it, where one does by more than
-// a tenth; else "". noise: standard deviation of a residual of the misfit; 0: not known.
-std::string floor_words(const study::Study& study, const problem::Evaluation& fitted, double noise,
-                        const WithoutFloor& without);
+// a tenth and by more than its standard error; else "". local: of the fitted minimum.
+std::string floor_words(const study::Study& study, const landscape::Minimum& fitted,
+                        const landscape::LocalAnalysis& local, const WithoutFloor& without);
 
 } // namespace explore::analysis

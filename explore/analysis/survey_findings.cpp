@@ -203,8 +203,7 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
     }
     if (result.floor) {
         const StationResult& s = result.stations[result.floor->station];
-        const auto& best = s.fit->best.evaluation;
-        if (const auto said = floor_words(*result.study, best, s.fit->local.noise, result.floor->without);
+        if (const auto said = floor_words(*result.study, s.fit->best, s.fit->local, result.floor->without);
             !said.empty()) {
             words.push_back(fmt::format("At {}: {}", s.station.name, said));
         }

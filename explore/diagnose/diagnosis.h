@@ -12,6 +12,8 @@ struct Fold {
     std::vector<std::size_t> terms; // of the misfit
 };
 
+struct Diagnosis;
+
 struct DiagnosisTask {
     Workbench& bench;
     std::vector<Candidate> candidates;
@@ -22,6 +24,8 @@ struct DiagnosisTask {
     std::vector<Channel> channels{}; // of corrections
     // The sample by a quicker model of the baseline; empty: by the baseline's. Nothing: interrupted.
     std::function<std::optional<std::vector<problem::Evaluation>>(const search::Design& sample)> explore = {};
+    // Whether corrections (those of its location) are known to differ from none at some place; without: they are.
+    std::function<bool(const Diagnosis& diagnosis)> says_where = {};
 };
 
 struct DiagnosisSettings {
@@ -153,6 +157,11 @@ struct Diagnosis {
     std::optional<Location> location;     // corrections in place of names, where the verdict is that
     std::optional<Judged> extended;       // the best explanation, or the corrected model
     std::optional<HeldOut> places, loads;
+
+    // What a further reading might tell apart.
+    const std::vector<Explanation>& to_compare() const {
+        return verdict == Verdict::unexplained ? nearest : explanations;
+    }
 };
 
 // Nothing: interrupted.

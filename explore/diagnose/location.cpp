@@ -368,8 +368,9 @@ private:
     bool is_done_ = false;
 };
 
-// The corrections in place of what was named.
-void take(Diagnosis& d, Location location) {
+// The corrections in place of what was named; not where nothing is known of them at any place.
+void take(const DiagnosisTask& task, Diagnosis& d, Location location) {
+    const Diagnosis named = d;
     d.verdict = Verdict::located;
     d.causes.clear();
     if (d.nearest.empty()) {
@@ -380,6 +381,9 @@ void take(Diagnosis& d, Location location) {
     d.extended = d.location->fit;
     d.leaves_more_than_noise = d.extended->p_value < level_noise;
     d.noise_factor = d.leaves_more_than_noise ? std::sqrt(d.extended->chi2 / d.extended->dof) : 1.0;
+    if (task.says_where && !task.says_where(d)) {
+        d = named;
+    }
 }
 
 } // namespace
@@ -402,7 +406,7 @@ bool locate(const DiagnosisTask& task, Diagnosis& d) {
                 return false;
             }
             if (location && location->fit.p_value >= level_noise && location->fit.chi2 < d.extended->chi2 + as_good) {
-                take(d, std::move(*location));
+                take(task, d, std::move(*location));
                 return true;
             }
         }
@@ -422,7 +426,7 @@ bool locate(const DiagnosisTask& task, Diagnosis& d) {
     // them.
     const double nearer = is_weak && d.leaves_more_than_noise ? -as_good : as_good;
     if (location && (d.verdict == Verdict::unexplained || location->fit.chi2 < d.extended->chi2 + nearer)) {
-        take(d, std::move(*location));
+        take(task, d, std::move(*location));
     }
     return true;
 }

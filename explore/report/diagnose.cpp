@@ -75,7 +75,8 @@ Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Can
     Json predicted = Json::array();
     for (std::size_t e = 0; e < s.values.size(); ++e) {
         predicted.push_back(
-            {{"explanation", members_words(candidates, d.explanations[e].fit.model.members)}, {"value", s.values[e]}});
+            {{"explanation", members_words(candidates, d.to_compare()[s.explanations[e]].fit.model.members)},
+             {"value", s.values[e]}});
     }
     return {{"reading", s.reading.words()},
             {"unit", s.reading.unit.name},
