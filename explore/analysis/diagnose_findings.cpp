@@ -181,8 +181,14 @@ private:
         }
         case Verdict::located: corrections(text); break;
         case Verdict::unexplained:
-            text.push_back("UNEXPLAINED: the data contradict the model, and no effect of the catalogue, alone or in "
-                           "pairs, explains it. The pattern that remains is shown below.");
+            text.push_back(
+                fmt::format("UNEXPLAINED: the data contradict the model, and no effect of the catalogue, alone or in "
+                            "pairs, {}. The "
+                            "pattern that remains is shown below.",
+                            !d.nearest.empty() && d.nearest[0].fit.p_value >= diagnose::level_noise
+                                ? fmt::format("has evidence enough to be named (chance makes as much in {} of cases)",
+                                              percent(d.p_evidence))
+                                : "explains it"));
             if (study.noise == study::NoiseSource::stated) {
                 text.push_back(
                     fmt::format("If the model were right, the noise would have to be {} times what is stated.",

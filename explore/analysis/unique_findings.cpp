@@ -140,10 +140,13 @@ std::vector<std::string> findings(const UniqueResult& result) {
     switch (u.verdict) {
     case Verdict::unique: say(unique_words(space, u)); break;
     case Verdict::non_unique:
-        say(u.alternatives && u.valley
-                ? "NON-UNIQUE: separate minima fit these data, and a continuous valley of parameter sets too."
-            : u.alternatives ? "NON-UNIQUE: separate minima fit these data, with no acceptable way found between them."
-                             : "NON-UNIQUE: a continuous valley of parameter sets fits these data equally well.");
+        say((u.acceptance && u.acceptance->widened
+                 ? fmt::format("NON-UNIQUE, and the data contradict the model (p = {:.2g}): ", u.acceptance->p_value)
+                 : "NON-UNIQUE: ") +
+            (u.alternatives && u.valley
+                 ? "separate minima fit these data, and a continuous valley of parameter sets too."
+             : u.alternatives ? "separate minima fit these data, with no acceptable way found between them."
+                              : "a continuous valley of parameter sets fits these data equally well."));
         break;
     case Verdict::undecided: say("UNDECIDED. What is missing: " + pave::join(u.missing) + "."); break;
     }

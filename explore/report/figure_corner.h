@@ -28,7 +28,7 @@ std::size_t index_of(const std::vector<Parameter>& parameters, const Json& name)
 struct Corner {
     std::vector<Parameter> parameters;
     double side = 3.0; // of a panel, cm
-    static constexpr double gap = 0.25, left = 1.75, bottom = 1.75, above = 0.45, right = 0.5, large = 11.0;
+    static constexpr double gap = 0.25, left = 2.2, bottom = 1.75, above = 0.45, right = 0.5, large = 11.0;
 
     explicit Corner(const Json& list); // of parameters
     double reach() const;              // of all panels

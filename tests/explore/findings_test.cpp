@@ -166,6 +166,10 @@ TEST(FindingsOfUnique, TellValleysFromAlternativesAndSayWhatIsMissing) {
     result.answer.valley = false;
     EXPECT_EQ(findings(result)[0],
               "NON-UNIQUE: separate minima fit these data, with no acceptable way found between them.");
+    result.answer.acceptance->widened = true;
+    result.answer.acceptance->p_value = 0.0001;
+    EXPECT_TRUE(says(findings(result), "NON-UNIQUE, and the data contradict the model (p = 0.0001): separate minima"));
+    result.answer.acceptance->widened = false;
     result.answer.verdict = landscape::Verdict::undecided;
     result.answer.missing = {"more searches"};
     EXPECT_EQ(findings(result)[0], "UNDECIDED. What is missing: more searches.");

@@ -373,7 +373,10 @@
         }
         const rise = r.acceptance ? r.acceptance.chi2_rise_allowed : null;
         const allowed = figure(rise);
+        const accepted = r.profiles || [];
         section("Is the answer unique?", opening("unique"),
+            accepted.length ? [part("What the data accept (95 %)"),
+                table(["parameter", "best", "low", "high", ""], accepted.map((p) => [p.name, figure(p.best), figure(p.low), figure(p.high), p.kind]), [4])] : [],
             (r.outputs || []).length ? [part("What it means for the outputs"), chart("outputs", [{
                 type: "scatter", mode: "markers", x: r.outputs.map((o) => 1), y: r.outputs.map((o) => `${o.name}<br>[${o.unit}]`),
                 text: r.outputs.map((o) => `best ${figure(o.best)}, ${figure(o.low)} to ${figure(o.high)}`),
