@@ -133,7 +133,7 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
                 continue;
             }
             // Now: the difference of chi2; the new reading adds its own.
-            const double now = std::max(0.0, d.explanations[e].behind);
+            const double now = std::max(0.0, d.to_compare()[compared[e]].behind);
             const double more = std::pow(predicted[e].values[i] - predicted[0].values[i], 2) /
                                 (noise * noise + predicted[0].variances[i] + predicted[e].variances[i]);
             s.power = std::min(s.power, gsl_cdf_ugaussian_P(std::sqrt(now + more) / 2.0));

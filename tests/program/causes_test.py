@@ -77,6 +77,8 @@ check(any("comes nearest" in s for s in none["findings"]), f"but what comes near
 if none["verdict"] == "unexplained":
     words = next((s for s in none["findings"] if "misses most" in s), "")
     check("mm under p" in words and ("too high" in words or "too low" in words), f"place, load and sign of what is left: {words}")
+    predicted = [p["explanation"] for p in none["next_measurement"]["predicted"]]
+    check(len(predicted) > 1 and len(set(predicted)) == len(predicted), f"the next reading, by what comes nearest: {predicted}")
 
 # It is less than the stated one.
 calm = diagnose(made("calm", 0.01, 3, readings=lambda cells: times(cells, sigma=2.5)))

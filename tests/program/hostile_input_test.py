@@ -415,14 +415,14 @@ scratch.mkdir()
 for send, number in ((os.kill, signal.SIGTERM), (os.killpg, signal.SIGINT)):
     process = begun("rerun", out, env={**os.environ, "TMPDIR": str(scratch)})
     until = time.monotonic() + HANGS
-    while not any(evaluations(run_folder) for run_folder in scratch.glob("pavescape-rerun-*")) and process.poll() is None and time.monotonic() < until:
+    while not any(evaluations(run_folder) for run_folder in scratch.glob("pavescape-*")) and process.poll() is None and time.monotonic() < until:
         time.sleep(0.01)
     send(process.pid, number)
     done = ended(process, patience)
     done.stderr = "".join(line for line in done.stderr.splitlines(keepends=True) if line.strip() and not line.startswith(("repeating: ", "waiting for ")))
     message = one_line(done, [130], f"rerun, {number.name}")
     check("the same command continues" not in message, f"rerun, {number.name}: nothing of it is kept: {message}")
-    left = [rest.name for rest in scratch.glob("pavescape-rerun-*")]
+    left = [rest.name for rest in scratch.glob("pavescape-*")]
     check(not left, f"rerun, {number.name}: left behind: {left}")
     with contextlib.suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
