@@ -61,21 +61,7 @@ HEADER = "station,lane,chainage_m,drop,radius_mm,pressure_kPa,D0_um,D200_um,D300
 STATIONS = ["A,L,0,1,150,600,500,390,320,230,170,100", "B,L,100,1,150,600,700,500,400,260,180,110", "C,R,50,1,150,600,400,330,280,210,160,100",
             "D,R,150,1,150,600,500,300,200,250,100,50"]
 (folder / "road.csv").write_text("\n".join([HEADER, *STATIONS]) + "\n")
-section = STUDY[:STUDY.index("[data]")] + """[data]
-misfit = "relative"
-
-[[parameters]]
-name = "base.k1"
-min = 300
-max = 10000
-scale = "log"
-
-[[parameters]]
-name = "subgrade.modulus_MPa"
-min = 20
-max = 300
-scale = "log"
-"""
+section = STUDY[:STUDY.index("[data]")] + SURVEYED
 done = run("survey", folder / "road.csv", "--study", write_study(folder / "section", section, None), "--json", "--out", folder / "survey")
 check(done.returncode == 0, f"survey runs: {done.stderr}")
 surveyed = json.loads(done.stdout)

@@ -193,6 +193,22 @@ load = "fwd"
 quantity = "strain_zz"
 depth_mm = 310
 """
+# What a survey fits of its layers.
+SURVEYED = """[data]
+misfit = "relative"
+
+[[parameters]]
+name = "base.k1"
+min = 300
+max = 10000
+scale = "log"
+
+[[parameters]]
+name = "subgrade.modulus_MPa"
+min = 20
+max = 300
+scale = "log"
+"""
 
 DATA = """# made up, of the right size
 load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma

@@ -13,21 +13,7 @@ folder = workspace()
 OFFSETS = (0, 200, 300, 450, 600, 900)
 HEADER = "station,chainage_m,drop,radius_mm,pressure_kPa," + ",".join(f"D{o}_um" for o in OFFSETS)
 SECTION = STUDY[:STUDY.index("[data]")].replace("thickness_mm = 40", "thickness_mm = 80")
-SURVEY = SECTION + """[data]
-misfit = "relative"
-
-[[parameters]]
-name = "base.k1"
-min = 300
-max = 10000
-scale = "log"
-
-[[parameters]]
-name = "subgrade.modulus_MPa"
-min = 20
-max = 300
-scale = "log"
-"""
+SURVEY = SECTION + SURVEYED
 
 
 def bowl(k1, subgrade, pressure):
