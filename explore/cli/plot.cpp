@@ -57,7 +57,8 @@ int plot(const Options& options) {
                           "results of this version: run the command again");
     }
     check_gnuplot();
-    const std::string out = options.out.empty() ? options.folder + "/figures" : options.out, data = out + "/data";
+    const std::string out = options.out.empty() ? options.folder + "/figures" : options.out;
+    const std::string data = out + "/data";
     const std::string ending(report::figure_format_names[static_cast<int>(options.format)]);
     for (const report::Figure& figure : figures) {
         for (const report::DataTable& table : figure.tables) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace pave::pavement {
 
@@ -88,9 +89,7 @@ double Case::default_extent(double depth) const {
 
 std::vector<int> path_of_each(const Case& c) {
     std::vector<int> path(c.loads.size());
-    for (std::size_t l = 0; l < path.size(); ++l) {
-        path[l] = static_cast<int>(l);
-    }
+    std::iota(path.begin(), path.end(), 0);
     const bool has_path =
         std::any_of(c.layers.begin(), c.layers.end(), [](const Layer& layer) { return layer.law->stress_dependent(); });
     if (!has_path || !c.settings.shares_paths || c.settings.integration != Integration::incremental || c.relaxes() ||

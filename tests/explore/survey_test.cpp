@@ -282,27 +282,34 @@ TEST(Plausibility, NamesTheSlip) {
     EXPECT_EQ(left_out(two, data::LeftOut::implausible), Numbers{2});
 }
 
-// The study takes the station's plate, pressure, sensors and deflections; unless it states where the wall stands, the
-// wall makes room for the farthest sensor (README: the most of 4 m, twice the depth, twice the farthest sensor).
-TEST(StationStudy, TakesLoadAndDeflectionsOfTheStation) {
-    const std::string file = test::own_folder() + "station.toml";
-    std::ofstream(file) << R"(schema = 1
+namespace {
+
+// One layer under a plate, to the end of [data].
+std::string soil_study(const std::string& law) {
+    return R"(schema = 1
 [[layers]]
 name = "soil"
 thickness_mm = 1500
 density_kg_m3 = 1900
 k0 = 0.5
-law = "linear"
-modulus_MPa = 60
-poisson = 0.4
+)" + law + R"(
 [[loads]]
 name = "fwd"
 type = "plate"
 radius_mm = 150
 pressure_kPa = 600
 [data]
-files = ["nowhere.csv"]
 misfit = "relative"
+)";
+}
+
+} // namespace
+
+// The study takes the station's plate, pressure, sensors and deflections; unless it states where the wall stands, the
+// wall makes room for the farthest sensor (README: the most of 4 m, twice the depth, twice the farthest sensor).
+TEST(StationStudy, TakesLoadAndDeflectionsOfTheStation) {
+    const std::string file = test::own_folder() + "station.toml";
+    std::ofstream(file) << soil_study("law = \"linear\"\nmodulus_MPa = 60\npoisson = 0.4") << R"(files = ["nowhere.csv"]
 [[parameters]]
 name = "soil.modulus_MPa"
 min = 20
@@ -342,21 +349,7 @@ max = 300
 TEST(StationStudy, PutsTheLevelsOfAStressDependentSectionOnOnePath) {
     const std::string file = test::own_folder() + "levels.toml";
     const auto survey_of = [&](const std::string& law) {
-        std::ofstream(file) << R"(schema = 1
-[[layers]]
-name = "soil"
-thickness_mm = 1500
-density_kg_m3 = 1900
-k0 = 0.5
-)" << law << R"(
-[[loads]]
-name = "fwd"
-type = "plate"
-radius_mm = 150
-pressure_kPa = 600
-[data]
-misfit = "relative"
-)";
+        std::ofstream(file) << soil_study(law);
         return study::load_survey_study(file);
     };
     FwdStation s = station({{0, 500}, {300, 200}});
