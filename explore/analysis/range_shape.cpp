@@ -13,11 +13,21 @@ namespace {
 using landscape::Range;
 using landscape::Uniqueness;
 
-constexpr double matters = 0.2;
-
 std::string reason_for(const problem::Problem& problem, const Uniqueness& u, std::size_t k, double below,
                        double above) {
-    const Range& range = u.parameters[k];
+    std::string words = what_shapes(problem, u, u.parameters[k]);
+    if (words.empty() && !u.minima[0].on_bound.empty()) {
+        words = "held by " + pave::join(landscape::bound_words(problem.space, u.minima[0].on_bound));
+    }
+    if (words.empty()) {
+        words = skew_words(below, above);
+    }
+    return words.empty() ? "chi2 is no parabola over a range so wide" : words;
+}
+
+} // namespace
+
+std::string what_shapes(const problem::Problem& problem, const Uniqueness& u, const Range& range) {
     if (u.accepted.size() > 1) {
         return "the data accept more than one minimum";
     }
@@ -33,21 +43,16 @@ std::string reason_for(const problem::Problem& problem, const Uniqueness& u, std
     }
     std::sort(held.begin(), held.end());
     held.erase(std::unique(held.begin(), held.end()), held.end());
-    if (!held.empty()) {
-        return "held by " + pave::join(held);
-    }
-    if (!u.minima[0].on_bound.empty()) {
-        return "held by " + pave::join(landscape::bound_words(problem.space, u.minima[0].on_bound));
-    }
-    const double skewness = std::max(below, above) / std::max(1e-12, std::min(below, above));
-    if (skewness > 1.0 + matters) {
-        return fmt::format("skew: it reaches {:.1f} times as far {} as {}", std::min(skewness, 99.0),
-                           above > below ? "up" : "down", above > below ? "down" : "up");
-    }
-    return "chi2 is no parabola over a range so wide";
+    return held.empty() ? "" : "held by " + pave::join(held);
 }
 
-} // namespace
+std::string skew_words(double below, double above) {
+    const double skewness = std::max(below, above) / std::max(1e-12, std::min(below, above));
+    return skewness > 1.0 + range_matters
+               ? fmt::format("skew: it reaches {:.1f} times as far {} as {}", std::min(skewness, 99.0),
+                             above > below ? "up" : "down", above > below ? "down" : "up")
+               : "";
+}
 
 std::vector<std::optional<RangeShape>> range_shapes(const problem::Problem& problem, const Uniqueness& u) {
     std::vector<std::optional<RangeShape>> shapes(problem.space.axes.size());
@@ -71,7 +76,7 @@ std::vector<std::optional<RangeShape>> range_shapes(const problem::Problem& prob
                          .ratio = (below + above) / (high - low)};
         // At either end: a range may be as wide as promised and lie elsewhere.
         const double off = std::max(std::abs(below - (best.unit[k] - low)), std::abs(above - (high - best.unit[k])));
-        if (off > matters * half) {
+        if (off > range_matters * half) {
             shape.reason = reason_for(problem, u, k, below, above);
         }
         shapes[k] = shape;

@@ -1,7 +1,9 @@
 #include "analysis/sample.h"
 
+#include "analysis/candidate_readings.h"
 #include "base/error.h"
 #include "landscape/goodness.h"
+#include "landscape/smooth.h"
 #include "study/problems.h"
 
 #include <algorithm>
@@ -14,6 +16,11 @@ namespace explore::analysis {
 namespace {
 
 constexpr int populations = 4;
+constexpr int most_particles = 500; // of a population; more draws are further ones of the same particles
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 // Evenly spread over all draws, population after population.
 std::vector<std::size_t> thinned(std::size_t all, std::size_t wanted) {
@@ -45,36 +52,77 @@ everywhere(run::Engine& engine, const std::vector<landscape::Draw>& draws, const
     return engine.evaluate(design);
 }
 
+constexpr double most_left = 0.1; // of the logarithm of a weight: draws are then worth 1 % less, by 1/(1 + left^2)
+
+// The logarithms of the weights of all draws; `left`: see SampleCorrection. Empty: only those are known that were run.
+VectorXd smooth_weights(const landscape::Posterior& posterior, const std::vector<std::size_t>& chosen,
+                        const std::vector<double>& logarithm, double& left) {
+    const auto d = static_cast<Index>(posterior.draws[0].unit.size());
+    MatrixXd all(static_cast<Index>(posterior.draws.size()), d);
+    for (Index i = 0; i < all.rows(); ++i) {
+        all.row(i) = Eigen::Map<const Eigen::RowVectorXd>(posterior.draws[static_cast<std::size_t>(i)].unit.data(), d);
+    }
+    const VectorXd values = Eigen::Map<const VectorXd>(logarithm.data(), static_cast<Index>(logarithm.size()));
+    const auto surface = values.allFinite() ? landscape::smooth(all(chosen, Eigen::all), values, all) : std::nullopt;
+    if (!surface) {
+        return {};
+    }
+    left = surface->left;
+    return left < most_left ? surface->values : VectorXd{};
+}
+
 // Weighs draws of the reduced model by the ratio of the likelihoods.
 void correct(SampleResult& result, const std::vector<std::size_t>& chosen,
              const std::vector<problem::Evaluation>& evaluations, const problem::Problem& everything) {
     const auto& posterior = result.posterior;
-    SampleCorrection correction{.runs = chosen.size()};
+    SampleCorrection correction{.runs = chosen.size(), .left = std::numeric_limits<double>::quiet_NaN()};
+    constexpr double none = -std::numeric_limits<double>::infinity();
     std::vector<double> logarithm;
     for (std::size_t k = 0; k < chosen.size(); ++k) {
-        logarithm.push_back(everything.log_density(evaluations[k]) - posterior.draws[chosen[k]].log_likelihood);
+        logarithm.push_back(evaluations[k].converged()
+                                ? everything.log_density(evaluations[k]) - posterior.draws[chosen[k]].log_likelihood
+                                : none);
         correction.without_answer += evaluations[k].converged() ? 0 : 1;
     }
     const double top = *std::max_element(logarithm.begin(), logarithm.end());
+    const VectorXd smooth = smooth_weights(posterior, chosen, logarithm, correction.left);
     std::vector<double> mean(populations, 0.0);
     std::vector<double> count(populations, 0.0);
-    for (std::size_t k = 0; k < chosen.size(); ++k) {
-        const std::size_t i = chosen[k];
-        const double weight = evaluations[k].converged() ? std::exp(logarithm[k] - top) : 0.0;
+    std::size_t k = 0; // the next one chosen
+    for (std::size_t i = 0; i < posterior.draws.size(); ++i) {
+        const bool was_run = k < chosen.size() && chosen[k] == i;
+        if (!was_run && smooth.size() == 0) {
+            continue;
+        }
+        const double value = was_run ? logarithm[k] : smooth[static_cast<Index>(i)];
+        const double weight = value == none ? 0.0 : std::exp(value - top);
         const auto p = static_cast<std::size_t>(posterior.descent.population[i]);
         mean[p] += weight;
         count[p] += 1.0;
-        if (weight == 0.0) {
-            continue;
+        if (weight > 0.0) {
+            SampledDraw draw;
+            draw.unit = posterior.draws[i].unit;
+            draw.log_likelihood = posterior.draws[i].log_likelihood + value;
+            if (was_run) {
+                draw.parameters = evaluations[k].parameters;
+                draw.outputs = outputs_of(result.study, evaluations[k].responses);
+                draw.chi2 = std::pow(evaluations[k].misfit, 2);
+            } else {
+                draw.parameters = result.problem.space.physical(draw.unit);
+                draw.chi2 = std::numeric_limits<double>::quiet_NaN();
+            }
+            result.draws.push_back(std::move(draw));
+            result.descent.weight.push_back(weight);
+            result.descent.population.push_back(posterior.descent.population[i]);
+            result.descent.ancestor.push_back(posterior.descent.ancestor[i]);
         }
-        result.draws.push_back({posterior.draws[i].unit, evaluations[k].parameters,
-                                outputs_of(result.study, evaluations[k].responses),
-                                everything.log_density(evaluations[k]), std::pow(evaluations[k].misfit, 2)});
-        result.descent.weight.push_back(weight);
-        result.descent.population.push_back(posterior.descent.population[i]);
-        result.descent.ancestor.push_back(posterior.descent.ancestor[i]);
+        k += was_run ? 1 : 0;
     }
+    correction.weighed = result.draws.size();
     correction.effective = result.descent.effective_weights();
+    if (smooth.size() > 0) {
+        correction.effective /= 1.0 + correction.left * correction.left;
+    }
     result.correction = correction;
     // The evidence of each population, times its mean weight.
     double sum = 0.0;
@@ -163,6 +211,38 @@ void judge(SampleResult& result) {
     result.status = result.missing.empty() ? SampleStatus::converged : SampleStatus::not_converged;
 }
 
+std::vector<TellingReading> telling_readings(const SampleResult& result) {
+    const auto d = static_cast<Index>(result.problem.space.axes.size());
+    VectorXd mean = VectorXd::Zero(d);
+    double total = 0.0;
+    const auto place = [&](std::size_t i) { return Eigen::Map<const VectorXd>(result.draws[i].unit.data(), d); };
+    for (std::size_t i = 0; i < result.draws.size(); ++i) {
+        mean += result.descent.weight[i] * place(i);
+        total += result.descent.weight[i];
+    }
+    mean /= total;
+    MatrixXd covariance = MatrixXd::Zero(d, d);
+    for (std::size_t i = 0; i < result.draws.size(); ++i) {
+        const VectorXd off = place(i) - mean;
+        covariance += result.descent.weight[i] / total * off * off.transpose();
+    }
+    const std::vector<double> unit(mean.begin(), mean.end());
+    CandidateReadings candidates(result.study);
+    const auto there = candidates.at(unit, true);
+    std::vector<TellingReading> telling;
+    if (!there.converged()) {
+        return telling;
+    }
+    const auto readings = candidates.readings(there);
+    const MatrixXd rows = candidates.rows(there, unit, readings);
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        const auto row = rows.row(static_cast<Index>(i));
+        telling.push_back({readings[i], 0.5 * std::log2(1.0 + row.dot(covariance * row.transpose()))});
+    }
+    std::stable_sort(telling.begin(), telling.end(), [](const auto& a, const auto& b) { return a.bits > b.bits; });
+    return telling;
+}
+
 } // namespace
 
 std::string SampleResult::reason() const {
@@ -202,19 +282,24 @@ std::optional<SampleResult> sample(Session& session, const study::Study& study, 
                         .problem = options.model.alone() ? reduced->problem : full,
                         .posterior = {}};
     result.reduced = std::move(reduced);
-    const int particles = 2 * ((options.samples + 2 * populations - 1) / (2 * populations)); // even
-    const std::string settings = fmt::format("{} populations of {}, seed {}{}", populations, particles,
-                                             session.options().seed, result.reduced ? result.reduced->settings : "");
+    const int rounds = (options.samples + populations * most_particles - 1) / (populations * most_particles);
+    const int pairs = 2 * populations * rounds;
+    const int particles = 2 * ((options.samples + pairs - 1) / pairs); // even
+    const std::string settings =
+        fmt::format("{} populations of {}, {} rounds, seed {}{}", populations, particles, rounds,
+                    session.options().seed, result.reduced ? result.reduced->settings : "");
     const bool confirmed = options.model.confirmed();
     const problem::Problem& sampled = confirmed ? result.reduced->problem : result.problem;
     const int run = session.begin(study, confirmed ? "sample-reduced" : "sample", settings);
     {
         run::Engine engine(sampled, session.store(), run,
                            {.threads = session.options().threads, .show_progress = false});
-        auto posterior = landscape::posterior(
-            engine, sampled,
-            {.populations = populations, .particles = particles, .show_progress = session.options().show_progress},
-            session.options().seed);
+        auto posterior = landscape::posterior(engine, sampled,
+                                              {.populations = populations,
+                                               .particles = particles,
+                                               .rounds = rounds,
+                                               .show_progress = session.options().show_progress},
+                                              session.options().seed);
         if (!posterior) {
             return std::nullopt;
         }
@@ -258,8 +343,9 @@ std::optional<SampleResult> sample(Session& session, const study::Study& study, 
     }
     if (!result.draws.empty()) {
         summarise(result);
-        const auto best = std::min_element(result.draws.begin(), result.draws.end(),
-                                           [](const auto& a, const auto& b) { return a.chi2 < b.chi2; });
+        const auto best = std::min_element(result.draws.begin(), result.draws.end(), [](const auto& a, const auto& b) {
+            return std::isfinite(a.chi2) && !(b.chi2 <= a.chi2);
+        });
         result.chi2 = best->chi2;
         result.degrees_of_freedom = full.degrees_of_freedom(full.space.axes.size());
         if (const auto there = result.problem.evaluate(best->unit, true, *result.problem.function->make_workspace());
@@ -268,6 +354,9 @@ std::optional<SampleResult> sample(Session& session, const study::Study& study, 
                 landscape::goodness_of(result.problem, there, result.chi2, result.degrees_of_freedom).p_value;
         }
         judge(result);
+        if (result.converged() && !options.model.alone()) {
+            result.telling = telling_readings(result);
+        }
     }
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;

@@ -25,14 +25,26 @@ struct SampledDraw {
     std::vector<double> unit, parameters; // parameters: physical
     std::vector<double> outputs;          // SI; empty: not computed here
     double log_likelihood = 0.0;          // of the model that is reported
-    double chi2 = 0.0;                    // of its residuals
+    double chi2 = 0.0;                    // of its residuals by that model; not a number: it was not run here
 };
 
-// Draws of a reduced model, weighed to be those of the full one.
+// Draws of a reduced model, weighed to be those of the full one by the ratio of the likelihoods: where the full model
+// ran by its own, elsewhere by a smooth surface through those (landscape/smooth.h), or left out where that does not
+// hold.
 struct SampleCorrection {
     std::size_t runs = 0;
     std::size_t without_answer = 0;
-    double effective = 0.0; // draws, by their weights
+    std::size_t weighed = 0; // draws that are kept
+    double effective = 0.0;  // of them, by their weights
+    double left = 0.0;       // of the logarithms of the weights, beyond the surface; not a number: there is none
+};
+
+// What one reading more is expected to tell of the parameters: the information it has in common with them, to first
+// order about the mean of the draws, its noise normal: ln(1 + s^2) / (2 ln 2), s the standard deviation of its
+// predicted value over the posterior in units of the noise (Lindley 1956, doi 10.1214/aoms/1177728069).
+struct TellingReading {
+    data::Reading reading; // value: at the mean of the draws; noise: assumed
+    double bits = 0.0;
 };
 
 struct SampleResult {
@@ -49,6 +61,7 @@ struct SampleResult {
     int degrees_of_freedom = 0;
     double p_value = 1.0; // of that chi2; 1 without degrees of freedom
     std::optional<SampleCorrection> correction{};
+    std::vector<TellingReading> telling{}; // most bits first; none: not converged, or no answer at the mean
     SampleStatus status = SampleStatus::failed;
     std::vector<std::string> missing{}; // why it is not converged
     std::optional<ReducedProblem> reduced{};

@@ -207,15 +207,30 @@ std::vector<std::string> findings(const SampleResult& result) {
     say_modes(result, text);
     say_bounds(result, text);
     say_correlations(result, text);
+    if (!result.telling.empty()) {
+        const auto& [reading, bits] = result.telling.front();
+        text.push_back(
+            fmt::format("The reading that would tell most: {} (noise {} {} assumed), {:.1f} bits; the ranges "
+                        "together would shrink to {:.0f} % of their volume.",
+                        reading.words(), figure(reading.in_unit(reading.noise.absolute)), reading.unit.name, bits,
+                        100.0 * std::exp2(-bits)));
+    }
     const auto& posterior = result.posterior;
     if (posterior.answered < 0.999) {
         text.push_back(fmt::format("{:.1f} % of the box has no answer: the prior is uniform over the rest.",
                                    100.0 * (1.0 - posterior.answered)));
     }
-    if (result.correction) {
-        text.push_back(fmt::format("The reduced model drew; {} runs of the full model weigh its draws and are worth "
-                                   "{:.0f} draws of the full model.",
-                                   result.correction->runs, result.correction->effective));
+    if (const auto& c = result.correction) {
+        text.push_back(
+            c->weighed > c->runs
+                ? fmt::format(
+                      "The reduced model drew; {} runs of the full model weigh its draws. A smooth surface gives "
+                      "the logarithms of their weights to {:.1g}, so that the {} draws are worth {:.0f} of the full "
+                      "model.",
+                      c->runs, c->left, c->weighed, c->effective)
+                : fmt::format("The reduced model drew; {} runs of the full model weigh its draws and are worth {:.0f} "
+                              "draws of the full model.",
+                              c->runs, c->effective));
     } else if (result.options.model.alone()) {
         text.push_back(
             fmt::format("All of this is the reduced model's, whose error is estimated below {} % of a reading "

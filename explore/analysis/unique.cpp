@@ -77,6 +77,9 @@ std::string UniqueResult::reason() const {
 
 std::optional<UniqueResult> unique(Session& session, const study::Study& study, const UniqueOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
+    if (options.posterior) {
+        check_noise_for_sample(study);
+    }
     const problem::Problem full = study::make_noise_problem(study, study::Scope::fitted);
     const problem::Problem everything = study::make_noise_problem(study, study::Scope::everything);
     auto reduced = session.reduced(full, study, options.model);
@@ -89,6 +92,7 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
                         .answer = {},
                         .next = {},
                         .landscape = {},
+                        .posterior = {},
                         .reduced = std::move(reduced),
                         .curves = {}};
     const std::string settings = fmt::format("searches of {} evaluations, seed {}{}", options.settings.max_evaluations,
@@ -137,6 +141,17 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
     if (explorer) {
         result.computed_by_reduced_model = explorer->tally().computed;
         result.forward_cpu_seconds += explorer->tally().forward_cpu_seconds;
+    }
+    if (options.posterior && !result.answer.parameters.empty()) {
+        const auto sampled = sample(session, study, {.model = options.model, .any_model = !options.model.reduced()});
+        if (!sampled) {
+            return std::nullopt;
+        }
+        session.begin(study, "unique", settings); // the run used last
+        result.posterior = posterior_ranges(result.problem, result.answer, *sampled);
+        result.computed += sampled->computed;
+        result.kept += sampled->kept;
+        result.computed_by_reduced_model += sampled->computed_by_reduced_model;
     }
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;

@@ -3,6 +3,7 @@
 
 #include "analysis/curves.h"
 #include "analysis/next_reading.h"
+#include "analysis/posterior_range.h"
 #include "analysis/session.h"
 #include "landscape/pair_profile.h"
 
@@ -12,6 +13,7 @@ struct UniqueOptions {
     ModelOptions model{};
     landscape::UniquenessSettings settings{};
     bool landscape = false; // with the full model too
+    bool posterior = false; // draw it, and hold its ranges against those that were walked
 };
 
 // The rise of chi2 over pairs of parameters, all others fitted. Without one, where it was not asked for or cannot be
@@ -30,6 +32,7 @@ struct UniqueResult {
     landscape::Uniqueness answer;
     NextReading next;
     std::optional<UniqueLandscape> landscape;
+    std::optional<PosteriorRanges> posterior; // nothing: not asked for, or no range was walked
     std::optional<ReducedProblem> reduced;
     std::vector<Curve> curves; // of the best minimum, by the full model; of the reduced model alone none
     std::int64_t computed = 0; // runs of this process

@@ -197,6 +197,11 @@ std::vector<std::string> findings(const UniqueResult& result) {
     if (std::string words = shape_words(result.problem, u); !words.empty()) {
         say(std::move(words));
     }
+    if (result.posterior) {
+        for (std::string& words : posterior_words(study, *result.posterior)) {
+            say(std::move(words));
+        }
+    }
     for (std::size_t o = 0; o < u.outputs.size(); ++o) {
         const Range& r = u.outputs[o];
         const data::Reading& output = study.readings[outputs[o]];

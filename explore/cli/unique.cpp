@@ -48,6 +48,9 @@ void add_unique(CLI::App& app, Action& action) {
     command->add_flag("--landscape", options->unique.landscape,
                       "the misfit over every pair of parameters with the others fitted, by the full model, too (with "
                       "--model reduced and auto the reduced one computes it in any case)");
+    command->add_flag(
+        "--posterior", options->unique.posterior,
+        "draw the posterior too, as sample does, and say where its ranges differ from those of the profiles");
     command->footer("Example: pavescape unique grids/captif-p1-fwd.toml");
     command->callback([=, &action] { action = [=] { return unique(*options); }; });
 }

@@ -169,17 +169,22 @@ public:
         particles = std::move(drawn);
         power = to;
         ++powers;
+        start_here();
+        std::fill(std::begin(proposed), std::end(proposed), 0);
+        std::fill(std::begin(accepted), std::end(accepted), 0);
+    }
+
+    // From where the particles are now their moves are counted, and their correlation is measured.
+    void start_here() {
         began_.clear();
         for (const Particle& p : particles) {
             began_.push_back(p.x);
         }
         here_ = 0;
-        std::fill(std::begin(proposed), std::end(proposed), 0);
-        std::fill(std::begin(accepted), std::end(accepted), 0);
     }
 
     int sweeps_here() const { return here_; }
-    // Largest correlation of a coordinate with its value before the moves at this power.
+    // Largest correlation of a coordinate with its value where the moves began.
     double correlation() const {
         double largest = 0.0;
         const std::vector<double> weight(particles.size(), 1.0);
@@ -427,20 +432,30 @@ bool good_enough(const std::vector<Population>& populations) {
     return true;
 }
 
-void summarise(std::vector<Population>& populations, Posterior& result) {
-    result.descent = descent_of(populations);
+// The particles where they are, as draws.
+void take(const std::vector<Population>& populations, Posterior& result) {
+    for (const Population& p : populations) {
+        for (const Particle& particle : p.particles) {
+            result.draws.push_back({particle.unit, particle.responses, particle.log_likelihood});
+        }
+    }
+    const Descent descent = descent_of(populations);
+    const auto append = [](auto& all, const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
+    append(result.descent.weight, descent.weight);
+    append(result.descent.population, descent.population);
+    append(result.descent.ancestor, descent.ancestor);
+}
+
+void summarise(const std::vector<Population>& populations, Posterior& result) {
     std::int64_t proposed[2] = {0, 0};
     std::int64_t accepted[2] = {0, 0};
-    for (Population& p : populations) {
+    for (const Population& p : populations) {
         result.log_evidences.push_back(p.log_evidence);
         result.powers = std::max(result.powers, p.powers);
         result.sweeps = std::max(result.sweeps, p.sweeps);
         for (int kind = 0; kind < 2; ++kind) {
             proposed[kind] += p.proposed[kind];
             accepted[kind] += p.accepted[kind];
-        }
-        for (Particle& particle : p.particles) {
-            result.draws.push_back({std::move(particle.unit), std::move(particle.responses), particle.log_likelihood});
         }
     }
     const auto share = [&](int kind) {
@@ -478,6 +493,7 @@ std::optional<Posterior> posterior(run::Engine& engine, const problem::Problem& 
     for (Population& p : populations) {
         p.advance(settings.keep);
     }
+    int rounds = 0;
     for (;;) {
         std::vector<Population*> moving;
         for (Population& p : populations) {
@@ -492,8 +508,15 @@ std::optional<Posterior> posterior(run::Engine& engine, const problem::Problem& 
             }
         }
         if (moving.empty()) {
-            if (good_enough(populations) || populations[0].sweeps_here() >= settings.most_last) {
-                break;
+            const bool enough = result.descent.size() > 0 || good_enough(populations);
+            if (enough || populations[0].sweeps_here() >= settings.most_last) {
+                take(populations, result);
+                if (++rounds == settings.rounds) {
+                    break;
+                }
+                for (Population& p : populations) {
+                    p.start_here();
+                }
             }
             for (Population& p : populations) {
                 moving.push_back(&p);

@@ -25,6 +25,7 @@ namespace explore::landscape {
 struct PosteriorSettings {
     int populations = 4;
     int particles = 500; // of each, even
+    int rounds = 1;      // draws of each particle, moved at the power 1 until they have forgotten the one before
     double keep = 0.7;   // share of effective weights that a step of the power leaves
     int most_sweeps = 8; // of moves at one power
     int most_last = 40;  // at the power 1
@@ -42,7 +43,7 @@ struct Draw {
 };
 
 struct Posterior {
-    std::vector<Draw> draws;                             // population after population; none: no answer in the box
+    std::vector<Draw> draws;                             // by round and population; none: no answer in the box
     Descent descent;                                     // of the draws
     double log_evidence = 0.0, log_evidence_error = 0.0; // its standard error, from the populations
     std::vector<double> log_evidences;                   // of each population

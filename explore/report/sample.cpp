@@ -133,6 +133,14 @@ Json sample_json(const SampleResult& s, const analysis::RunOptions& run) {
     }
     json["correlations"] = correlations_json(s);
     json["findings"] = findings(s);
+    json["next_measurement"] = Json::array();
+    for (const auto& [reading, bits] : s.telling) {
+        json["next_measurement"].push_back({{"reading", reading.words()},
+                                            {"value", reading.value},
+                                            {"sigma", reading.in_unit(reading.noise.absolute)},
+                                            {"unit", reading.unit.name},
+                                            {"bits", bits}});
+    }
     json["missing"] = s.missing;
     json["chi2"] = s.chi2;
     json["degrees_of_freedom"] = s.degrees_of_freedom;
@@ -145,8 +153,10 @@ Json sample_json(const SampleResult& s, const analysis::RunOptions& run) {
     if (s.correction) {
         json["correction"] = {{"full_runs", s.correction->runs},
                               {"without_answer", s.correction->without_answer},
+                              {"draws", s.correction->weighed},
                               {"effective_draws", s.correction->effective},
-                              {"share", s.correction->effective / static_cast<double>(s.correction->runs)}};
+                              {"share", s.correction->effective / static_cast<double>(s.correction->weighed)},
+                              {"left", std::isfinite(s.correction->left) ? Json(s.correction->left) : Json(nullptr)}};
     }
     json["sampler"] = {{"populations", posterior.log_evidences.size()},
                        {"draws", posterior.draws.size()},
@@ -201,6 +211,17 @@ std::string sample_text(const SampleResult& s, const analysis::RunOptions& run) 
                        fmt::format("{:.0f}", s.outputs[o].ess)});
         }
         text += "\n" + table.text();
+    }
+    if (!s.telling.empty()) {
+        text += fmt::format("\nWhat one reading more would tell of the parameters\n  {}\n", sign_convention);
+        Table table({"reading", "value", "noise", "unit", "bits"});
+        constexpr std::size_t shown = 6;
+        for (std::size_t i = 0; i < std::min(shown, s.telling.size()); ++i) {
+            const auto& [reading, bits] = s.telling[i];
+            table.add({reading.words(), figure(reading.value), figure(reading.in_unit(reading.noise.absolute)),
+                       std::string(reading.unit.name), fmt::format("{:.2f}", bits)});
+        }
+        text += table.text();
     }
     text += fmt::format("\n  log evidence {:.2f} +- {:.2f}: the logarithm of the density of these readings (SI) under "
                         "model, noise and box\n",

@@ -44,6 +44,10 @@ std::string with_constraint(const std::string& words, const problem::Problem& pr
     return holds ? words + ", a constraint" : words;
 }
 
+Json posterior_json(const analysis::PosteriorRange& range, double to_unit) {
+    return {{"low", range.low / to_unit}, {"high", range.high / to_unit}, {"differs_by", range.reason}};
+}
+
 Json branch_json(const Branch& branch, double to_unit, const std::function<double(double)>& physical) {
     Json points = Json::array();
     for (const auto& p : branch.points) {
@@ -189,6 +193,9 @@ Json answer_json(const UniqueResult& result) {
                                       {"ratio", shape->ratio},
                                       {"differs_by", shape->reason}};
         }
+        if (result.posterior && k < result.posterior->parameters.size()) {
+            profile["posterior"] = posterior_json(result.posterior->parameters[k], 1.0);
+        }
         json["profiles"].push_back(std::move(profile));
     }
     for (std::size_t o = 0; o < u.outputs.size(); ++o) {
@@ -197,6 +204,9 @@ Json answer_json(const UniqueResult& result) {
                        {"best", reading.in_unit(u.minima[0].evaluation.responses[outputs[o]])},
                        {"unit", reading.unit.name}};
         output.update(range_json(u.outputs[o], reading.unit.to_si, [](double value) { return value; }));
+        if (result.posterior && o < result.posterior->outputs.size()) {
+            output["posterior"] = posterior_json(result.posterior->outputs[o], reading.unit.to_si);
+        }
         json["outputs"].push_back(std::move(output));
     }
     json["traces"] = Json::array();

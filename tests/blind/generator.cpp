@@ -2,9 +2,10 @@
 // study.toml and data.csv as an engineer would bring them; the truth goes to standard output as one JSON object, where
 // only the judge reads it.
 //
-// usage: blind_generator SEED FOLDER KIND [LEAST MOST]
+// usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated]
 //   KIND   none, one, two, the name of an effect, or outside: one that is neither in the catalogue nor of the form of a
-//          correction; LEAST MOST: its strength, in standard deviations (8 20)
+//          correction; LEAST MOST: its strength, in standard deviations (8 20); correlated: errors are tied as those of
+//          repeated drops are, and the study says so; independent.toml and its data say that they are not
 //
 // The data come from a mesh 2.5 times as fine and from load paths ten times as exact as the study asks for. Half of the
 // effects that are fields of the section have another form here than in the catalogue. The strength of an effect is
@@ -377,10 +378,42 @@ const Fitted fitted[] = {{"asphalt.modulus_MPa", 500, 15000, true},
                          {"base.n", 0.1, 1.0, false},
                          {"subgrade.modulus_MPa", 10, 250, true}};
 
+// Errors of readings: their covariance is root root', root a lower triangle.
+struct Errors {
+    Eigen::MatrixXd root;
+
+    Eigen::Index size() const { return root.rows(); }
+    // Independent combinations, in standard deviations.
+    VectorXd in_units(const VectorXd& change) const { return root.triangularView<Eigen::Lower>().solve(change); }
+};
+
+// Of repeated drops (docs/knowledge.md): own errors are correlated over this distance between readings of one load and
+// quantity, and all readings of a load have one in common, this share of the relative one.
+constexpr double correlated_mm = 600.0;
+constexpr double in_common = 0.6;
+
+// own: standard deviations; common: of the error in common, a reading each; zero where errors are independent.
+Errors errors_of(const Case& c, const VectorXd& own, const VectorXd& common) {
+    Eigen::MatrixXd covariance = own.cwiseAbs2().asDiagonal();
+    for (Eigen::Index i = 0; i < own.size() && common.any(); ++i) {
+        for (Eigen::Index k = 0; k < own.size(); ++k) {
+            const Sensor& a = c.sensors[static_cast<std::size_t>(i)];
+            const Sensor& b = c.sensors[static_cast<std::size_t>(k)];
+            if (a.load == b.load) {
+                const double apart = std::hypot(a.x - b.x, a.depth - b.depth) / unit::mm;
+                covariance(i, k) =
+                    common[i] * common[k] +
+                    (a.quantity == b.quantity ? own[i] * own[k] * std::exp(-apart / correlated_mm) : 0.0);
+            }
+        }
+    }
+    return {covariance.llt().matrixL()};
+}
+
 // Of the responses, in standard deviations, by the logarithms of the fitted parameters: central differences. Empty:
 // none.
-Eigen::MatrixXd derivatives(const Case& c, const VectorXd& sigma) {
-    Eigen::MatrixXd j(sigma.size(), static_cast<Eigen::Index>(std::size(fitted)));
+Eigen::MatrixXd derivatives(const Case& c, const Errors& errors) {
+    Eigen::MatrixXd j(errors.size(), static_cast<Eigen::Index>(std::size(fitted)));
     constexpr double step = 0.01;
     for (std::size_t k = 0; k < std::size(fitted); ++k) {
         const Parameter p = find_parameter(c, fitted[k].path, {});
@@ -393,7 +426,7 @@ Eigen::MatrixXd derivatives(const Case& c, const VectorXd& sigma) {
         if (above.size() == 0 || below.size() == 0) {
             return {};
         }
-        j.col(static_cast<Eigen::Index>(k)) = (above - below).cwiseQuotient(sigma) / (2.0 * std::log1p(step));
+        j.col(static_cast<Eigen::Index>(k)) = errors.in_units(above - below) / (2.0 * std::log1p(step));
     }
     return j;
 }
@@ -410,11 +443,11 @@ VectorXd beyond(const Eigen::MatrixXd& base, const VectorXd& change) {
 
 // How far what is hidden remains from what the fitted parameters can follow, at their best: standard deviations.
 // Gauss and Newton's steps in the logarithms, differences for derivatives. plain: without what is hidden.
-double remaining(const Case& c, const VectorXd& plain, const VectorXd& change, const VectorXd& sigma) {
+double remaining(const Case& c, const VectorXd& plain, const VectorXd& change, const Errors& errors) {
     Case at = c;
     VectorXd left = change;
     for (int iteration = 0; iteration < 5; ++iteration) {
-        const Eigen::MatrixXd j = derivatives(at, sigma);
+        const Eigen::MatrixXd j = derivatives(at, errors);
         if (j.size() == 0) {
             break;
         }
@@ -431,7 +464,7 @@ double remaining(const Case& c, const VectorXd& plain, const VectorXd& change, c
             }
             const VectorXd there = responses(next);
             if (there.size() == plain.size()) {
-                const VectorXd now = change - (there - plain).cwiseQuotient(sigma);
+                const VectorXd now = change - errors.in_units(there - plain);
                 if (now.norm() < left.norm()) {
                     better = true;
                     at = next;
@@ -449,7 +482,7 @@ double remaining(const Case& c, const VectorXd& plain, const VectorXd& change, c
 // The best possible rate of telling what is hidden, of strength d, from every other effect, and the one that is
 // hardest.
 void add_ceiling(Json& truth, const Case& c, const Hidden& hidden, const VectorXd& change, double d,
-                 const Eigen::MatrixXd& base, const VectorXd& sigma) {
+                 const Eigen::MatrixXd& base, const Errors& errors) {
     double lowest = 1.0;
     std::string hardest;
     const auto compare = [&](const std::string& name, const VectorXd& other, bool both_signs) {
@@ -471,8 +504,9 @@ void add_ceiling(Json& truth, const Case& c, const Hidden& hidden, const VectorX
         }
         std::vector<AppliedEffect> ways{{}};
         if (effect == find_effect("outlier")) {
-            for (Eigen::Index i = 0; i < sigma.size(); ++i) {
-                compare(std::string(effect->name), beyond(base, VectorXd::Unit(sigma.size(), i)), true);
+            for (Eigen::Index i = 0; i < errors.size(); ++i) {
+                compare(std::string(effect->name),
+                        beyond(base, errors.in_units(errors.root(i, i) * VectorXd::Unit(errors.size(), i))), true);
             }
             continue;
         }
@@ -505,7 +539,7 @@ void add_ceiling(Json& truth, const Case& c, const Hidden& hidden, const VectorX
                                                      : effect->null + 0.5 * (effect->typical - effect->null);
             const VectorXd there = responses(with);
             if (there.size() == plain.size()) {
-                compare(std::string(effect->name), beyond(base, (there - plain).cwiseQuotient(sigma)),
+                compare(std::string(effect->name), beyond(base, errors.in_units(there - plain)),
                         effect->null > effect->low && effect->null < effect->high);
             }
         }
@@ -514,7 +548,8 @@ void add_ceiling(Json& truth, const Case& c, const Hidden& hidden, const VectorX
     truth["hardest"] = hardest;
 }
 
-std::string study_text(const Case& c, Draw& draw, bool is_log) {
+// noise: the text of [data.noise].
+std::string study_text(const Case& c, Draw& draw, bool is_log, const std::string& noise) {
     std::string text = "schema = 1\ntitle = \"A section\"\n";
     for (std::size_t l = 0; l < c.layers.size(); ++l) {
         const Layer& layer = c.layers[l];
@@ -539,7 +574,8 @@ std::string study_text(const Case& c, Draw& draw, bool is_log) {
                                   load.force / unit::kN, load.pressure / unit::kPa);
     }
     text += fmt::format("\n[mesh]\nrefine = {}\n\n[data]\nfiles = [\"data.csv\"]\nmisfit = \"{}\"\n", study_refine,
-                        is_log ? "log" : "weighted");
+                        is_log ? "log" : "weighted") +
+            noise;
     for (const Fitted& f : fitted) {
         text += fmt::format("\n[[parameters]]\nname = \"{}\"\nmin = {:g}\nmax = {:g}\nscale = \"{}\"\n", f.path, f.low,
                             f.high, f.is_log ? "log" : "linear");
@@ -570,7 +606,7 @@ struct Strength {
 // A size whose change, beyond what the parameters and `others` can follow, has the strength wanted; nothing: there is
 // none within the effect's range.
 std::optional<Hidden> sized(Draw& draw, const Case& c, Hidden hidden, const VectorXd& plain,
-                            const Eigen::MatrixXd& base, const VectorXd& sigma, double wanted) {
+                            const Eigen::MatrixXd& base, const Errors& errors, double wanted) {
     const Effect own{.low = 0.0, .high = hidden.outside != nullptr ? hidden.outside->most : 0.0};
     const Effect& effect = hidden.outside != nullptr ? own : *hidden.effect;
     const bool up_only = effect.null <= effect.low;
@@ -584,7 +620,7 @@ std::optional<Hidden> sized(Draw& draw, const Case& c, Hidden hidden, const Vect
     const auto strength = [&](double share) {
         hidden.size = size_at(share);
         const VectorXd there = responses_with(c, {hidden});
-        return there.size() == plain.size() ? beyond(base, (there - plain).cwiseQuotient(sigma)).norm() : -1.0;
+        return there.size() == plain.size() ? beyond(base, errors.in_units(there - plain)).norm() : -1.0;
     };
     double low = 0.0;
     for (const double high : {0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.9}) {
@@ -660,8 +696,8 @@ Json words(const Case& c, const Hidden& hidden) {
     return json;
 }
 
-int generate(std::uint64_t seed, const std::filesystem::path& folder, const std::string& kind,
-             const Strength& strength) {
+int generate(std::uint64_t seed, const std::filesystem::path& folder, const std::string& kind, const Strength& strength,
+             bool correlated) {
     for (std::uint64_t attempt = 0;; ++attempt) {
         Draw draw(seed, 1000 + attempt);
         const Case c = draw_case(draw);
@@ -689,8 +725,11 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
             }
             return sigma;
         };
-        const VectorXd sigma = sigma_of(plain);
-        const Eigen::MatrixXd slopes = derivatives(coarse, sigma);
+        const auto common_of = [&](const VectorXd& values) -> VectorXd {
+            return (correlated ? in_common * noise : 0.0) * values;
+        };
+        const Errors errors = errors_of(c, sigma_of(plain), common_of(plain));
+        const Eigen::MatrixXd slopes = derivatives(coarse, errors);
         if (slopes.size() == 0) {
             continue;
         }
@@ -708,7 +747,7 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
                 continue;
             }
             const double wanted = draw.uniform(strength.least, strength.most);
-            if (auto found = sized(draw, coarse, drawn, plain_coarse, base, sigma, wanted)) {
+            if (auto found = sized(draw, coarse, drawn, plain_coarse, base, errors, wanted)) {
                 hidden.push_back(*found);
                 strengths.push_back(wanted);
             }
@@ -724,9 +763,9 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
         std::vector<VectorXd> changes;
         double weakest = std::numeric_limits<double>::infinity();
         for (const Hidden& h : hidden) {
-            const VectorXd change = (responses_with(fine, {h}) - plain).cwiseQuotient(sigma);
+            const VectorXd change = errors.in_units(responses_with(fine, {h}) - plain);
             changes.push_back(beyond(base, change));
-            const double left = remaining(coarse, plain_coarse, change, sigma);
+            const double left = remaining(coarse, plain_coarse, change, errors);
             weakest = std::min(weakest, left);
             Json one = words(c, h);
             one["strength"] = left;
@@ -743,17 +782,30 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
             }
         }
         if (count == 1) {
-            add_ceiling(truth, coarse, hidden[0], changes[0], weakest, base, sigma);
+            add_ceiling(truth, coarse, hidden[0], changes[0], weakest, base, errors);
         }
         const VectorXd spread = sigma_of(exact);
-        VectorXd values = exact;
-        for (Eigen::Index i = 0; i < values.size(); ++i) {
-            values[i] += spread[i] * draw.normal();
+        VectorXd numbers(exact.size());
+        for (double& number : numbers) {
+            number = draw.normal();
         }
+        const VectorXd values = exact + errors_of(c, spread, common_of(exact)).root * numbers;
         std::filesystem::create_directories(folder);
-        const bool is_log = draw.chance(0.3);
-        std::ofstream(folder / "study.toml") << study_text(c, draw, is_log);
+        const bool is_log = draw.chance(0.3) && !correlated; // correlations need residuals in units of the noise
+        const std::string said = fmt::format("\n[data.noise]\ncommon_relative = {}\ncorrelation_mm = {}\n",
+                                             in_common * noise, correlated_mm);
+        const std::string text = study_text(c, draw, is_log, correlated ? said : "");
+        std::ofstream(folder / "study.toml") << text;
         std::ofstream(folder / "data.csv") << data_text(c, values, spread);
+        if (correlated) {
+            std::string independent = text;
+            independent.erase(independent.find(said), said.size());
+            const std::string file = "data.csv";
+            independent.replace(independent.find(file), file.size(), "independent.csv");
+            std::ofstream(folder / "independent.toml") << independent;
+            const VectorXd whole = (spread.cwiseAbs2() + common_of(exact).cwiseAbs2()).cwiseSqrt();
+            std::ofstream(folder / "independent.csv") << data_text(c, values, whole);
+        }
         Json parameters = Json::object();
         for (const Fitted& f : fitted) {
             parameters[f.path] = find_parameter(c, f.path, {}).get(c);
@@ -767,13 +819,18 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
 } // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 4 && argc != 6) {
-        std::cerr << "usage: blind_generator SEED FOLDER KIND [LEAST MOST]\n";
+    std::vector<std::string> words(argv + 1, argv + argc);
+    const bool correlated = !words.empty() && words.back() == "correlated";
+    if (correlated) {
+        words.pop_back();
+    }
+    if (words.size() != 3 && words.size() != 5) {
+        std::cerr << "usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated]\n";
         return 2;
     }
     Strength strength;
-    if (argc == 6) {
-        strength = {std::strtod(argv[4], nullptr), std::strtod(argv[5], nullptr)};
+    if (words.size() == 5) {
+        strength = {std::stod(words[3]), std::stod(words[4])};
     }
-    return generate(std::strtoull(argv[1], nullptr, 10), argv[2], argv[3], strength);
+    return generate(std::stoull(words[0]), words[1], words[2], strength, correlated);
 }

@@ -1,11 +1,12 @@
 """Blind trials of `pavescape diagnose`: a generator hides effects in data, the program looks for them, this script judges.
 
 usage: trials.py PROGRAM GENERATOR [--one N] [--none N] [--two N] [--removed N] [--power N] [--outside N] [--first SEED] [--jobs J]
-                 [--out FOLDER] [--keep] [--page DOCS]
+                 [--out FOLDER] [--keep] [--page DOCS] [--correlated [--independent]]
 
 one:     an effect of 8 to 20 standard deviations; none: nothing hidden; two: two effects at once; removed: as `one`, but
          the effect is taken out of the catalogue; power: effects of 2 to 12 standard deviations; outside: physics
          that is neither in the catalogue nor of the form of a correction.
+--correlated: errors are tied as those of repeated drops are, and the study says so; --independent: it says that they are not.
 Writes a file a case into the folder (a run that was cut off continues), prints the rates. --page: writes tables and pictures of DOCS/diagnose.md too.
 """
 import argparse
@@ -40,12 +41,12 @@ def judge(options, kind, seed):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     what = {"one": ["one"], "none": ["none"], "two": ["two"], "removed": ["one"], "power": ["one", "2", "12"], "outside": ["outside"]}[kind]
-    made = subprocess.run([options.generator, str(seed), folder, *what], capture_output=True, text=True)
+    made = subprocess.run([options.generator, str(seed), folder, *what, *(["correlated"] if options.correlated else [])], capture_output=True, text=True)
     truth = json.loads(made.stdout)
     names = [h["effect"] for h in truth["hidden"]]
     without = [x for name in names for x in ("--without", name)] if kind == "removed" else []
     begin = time.time()
-    done = subprocess.run([options.program, "diagnose", folder / "study.toml", "--out", folder / "run", "--json", "--threads", "1",
+    done = subprocess.run([options.program, "diagnose", folder / ("independent.toml" if options.independent else "study.toml"), "--out", folder / "run", "--json", "--threads", "1",
                            *CHEAPER, *without], capture_output=True, text=True)
     if done.returncode != 0:
         return {"kind": kind, "seed": seed, "truth": truth, "names": names, "verdict": "failed", "causes": [], "error": done.stderr}
@@ -261,7 +262,11 @@ def main():
     parser.add_argument("--out", default="output/blind")
     parser.add_argument("--keep", action="store_true", help="keep studies, data and runs")
     parser.add_argument("--page")
+    parser.add_argument("--correlated", action="store_true")
+    parser.add_argument("--independent", action="store_true")
     options = parser.parse_args()
+    if options.independent and not options.correlated:
+        parser.error("--independent is for --correlated errors")
     folder = pathlib.Path(options.out)
     folder.mkdir(parents=True, exist_ok=True)
     results = run_all(options)

@@ -1,5 +1,6 @@
 // The posterior by sequential Monte Carlo against densities whose moments, weights and evidence are known.
 #include "landscape/posterior.h"
+#include "landscape/smooth.h"
 #include "support/formula.h"
 
 #include <cmath>
@@ -14,9 +15,11 @@ using test::Formula;
 
 namespace {
 
-landscape::Posterior sample(const problem::Problem& problem, int particles, std::uint64_t seed = 1, int threads = 0) {
+landscape::Posterior sample(const problem::Problem& problem, int particles, std::uint64_t seed = 1, int threads = 0,
+                            int rounds = 1) {
     run::Engine engine(problem, nullptr, 0, {.threads = threads, .show_progress = false});
-    auto result = landscape::posterior(engine, problem, {.particles = particles, .show_progress = false}, seed);
+    auto result =
+        landscape::posterior(engine, problem, {.particles = particles, .rounds = rounds, .show_progress = false}, seed);
     EXPECT_TRUE(result.has_value());
     EXPECT_EQ(result->reason, "");
     return *result;
@@ -94,6 +97,64 @@ TEST(Posterior, EvidenceOfMoreReadingsThanParameters) {
     const VectorXd y = a * VectorXd::Constant(3, 0.5) + 0.05 * draws_of_numbers(9, 1, 12);
     const auto posterior = sample(linear(a, {y.begin(), y.end()}, 0.05), 1000);
     EXPECT_NEAR(posterior.log_evidence, linear_evidence(a, y, 0.05), 0.1);
+}
+
+// Further draws of the same particles: as many more are worth, so means lie as much closer to those of the closed form.
+TEST(Posterior, RoundsAreWorthAsManyDraws) {
+    const MatrixXd a = MatrixXd::Identity(3, 3) + 0.2 * draws_of_numbers(3, 3, 5);
+    const VectorXd y = a * VectorXd::Constant(3, 0.5);
+    const double sigma = 0.03;
+    const MatrixXd covariance = sigma * sigma * (a.transpose() * a).inverse();
+    const problem::Problem problem = linear(a, {y.begin(), y.end()}, sigma);
+    constexpr int rounds = 8;
+    double squares = 0.0; // of the errors of means, in units of what draws of this number would have, independent
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        const auto posterior = sample(problem, 100, seed, 0, rounds);
+        ASSERT_EQ(posterior.draws.size(), 400U * rounds);
+        ASSERT_EQ(posterior.descent.size(), 400U * rounds);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto i = static_cast<Index>(k);
+            const auto m = landscape::marginal(coordinate(posterior, k), posterior.descent);
+            squares += std::pow(m.mean - 0.5, 2) / covariance(i, i) * 400.0 * rounds / 18.0;
+            EXPECT_NEAR(m.sd, std::sqrt(covariance(i, i)), 0.06 * m.sd);
+            EXPECT_GT(m.ess, 1000.0);
+        }
+    }
+    EXPECT_LT(squares, 3.0); // 8 if draws of one particle said the same thing
+}
+
+TEST(Smooth, SecondDegreeIsExactAndWhatIsLeftIsThatOfFitsWithoutTheirPoint) {
+    const MatrixXd points = draws_of_numbers(60, 3, 21);
+    const auto parabola = [](const auto& p) { return 1.0 + p[0] - 2.0 * p[1] * p[2] + 0.5 * p[2] * p[2]; };
+    VectorXd values(60);
+    for (Index i = 0; i < 60; ++i) {
+        values[i] = parabola(points.row(i));
+    }
+    const auto exact = landscape::smooth(points.topRows(50), values.head(50), points);
+    ASSERT_TRUE(exact);
+    EXPECT_LT(exact->left, 1e-12);
+    EXPECT_LT((exact->values - values).cwiseAbs().head(50).maxCoeff(), 1e-12);
+    const VectorXd noisy = values + 0.1 * draws_of_numbers(60, 1, 22);
+    double squares = 0.0;
+    for (Index out = 0; out < 60; ++out) {
+        MatrixXd rest(59, 3);
+        VectorXd of(59);
+        rest << points.topRows(out), points.bottomRows(59 - out);
+        of << noisy.head(out), noisy.tail(59 - out);
+        MatrixXd widened(59, 10);
+        VectorXd at(10);
+        const auto terms = [](const auto& p) {
+            return VectorXd{
+                {1.0, p[0], p[1], p[2], p[0] * p[0], p[0] * p[1], p[0] * p[2], p[1] * p[1], p[1] * p[2], p[2] * p[2]}};
+        };
+        for (Index i = 0; i < 59; ++i) {
+            widened.row(i) = terms(rest.row(i));
+        }
+        at = terms(points.row(out));
+        squares += std::pow(noisy[out] - at.dot(widened.colPivHouseholderQr().solve(of)), 2);
+    }
+    EXPECT_NEAR(landscape::smooth(points, noisy, points)->left, std::sqrt(squares / 60.0), 1e-10);
+    EXPECT_FALSE(landscape::smooth(points.topRows(15), values.head(15), points)); // 4 coefficients of the first degree
 }
 
 // A parabola: x1 = 2 u, x2 = b u^2 + v and three more, u and v normal with given moments. Means, deviations: those of

@@ -5,7 +5,9 @@ deficient: two readings for three parameters, so that the Jacobian has a null ve
 rich:      deflections, strains and stresses at 1 % noise. The verdict must be unique; the 95 % ranges of the parameters and
            outputs are counted against the truth.
 
-python3 tests/program/unique_trials_test.py PROGRAM [COUNT] [FIRST_SEED]
+python3 tests/program/unique_trials_test.py PROGRAM [COUNT] [FIRST_SEED] [correlated | OTHER]
+           correlated: errors are tied as those of repeated drops are (docs/knowledge.md), and the study says
+           so; OTHER: what another build says of these readings, to which errors are independent, each as large
 """
 import json
 import math
@@ -15,6 +17,9 @@ from support import *
 
 COUNT = int(sys.argv[2]) if len(sys.argv) > 2 else 4
 FIRST = int(sys.argv[3]) if len(sys.argv) > 3 else 1
+CORRELATED = len(sys.argv) > 4
+OTHER = sys.argv[4] if CORRELATED and sys.argv[4] != "correlated" else None
+COMMON, LENGTH_MM = 0.6, 600  # of the noise of a reading
 
 BOXES = {  # name: low, high, logarithmic, truth drawn from
     "base.k1": (300.0, 8000.0, True, (1200.0, 3000.0)),
@@ -46,19 +51,40 @@ def study(truth, files):
     return text[:begin].replace("small.csv", files) + parameters + text[end:]
 
 
+def tied(text):
+    """The study with the errors of its readings tied."""
+    return text.replace('misfit = "log"', f'misfit = "weighted"\n\n[data.noise]\nrelative = 0.01\ncommon_relative = {COMMON * 0.01}\ncorrelation_mm = {LENGTH_MM}')
+
+
+def as_independent(file):
+    """Adds the error in common to what is stated of each reading."""
+    head, *rows = [line for line in file.read_text().splitlines() if not line.startswith("#")]
+    column = head.split(",").index("sigma")
+    for i, row in enumerate(rows):
+        cells = row.split(",")
+        cells[column] = repr(float(cells[column]) * math.hypot(1.0, COMMON))
+        rows[i] = ",".join(cells)
+    file.write_text("\n".join([head, *rows]) + "\n")
+
+
 def twin(folder, truth, rows, noise, seed):
     """A study whose data are the truth's responses with noise; returns its path and the exact output."""
-    write_study(folder, study(truth, "small.csv"), "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + rows, "truth")
+    words = tied if CORRELATED else lambda text: text
+    write_study(folder, words(study(truth, "small.csv")), "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + rows, "truth")
     done = run("twin", folder / "truth.toml", "--noise", noise, "--seed", seed, "--out", folder / "twin")
     assert done.returncode == 0, done.stderr
     shutil.copy(folder / "twin" / "twin.csv", folder / "twin.csv")
-    (folder / "study.toml").write_text(study(truth, "twin.csv"))
+    (folder / "study.toml").write_text(words(study(truth, "twin.csv")))
+    if OTHER:
+        as_independent(folder / "twin.csv")
+        (folder / "study.toml").write_text(study(truth, "twin.csv").replace('misfit = "log"', 'misfit = "weighted"'))
     exact = json.loads(run("forward", folder / "truth.toml", "--json").stdout)
     return folder / "study.toml", exact["responses"][-1]["value"]
 
 
 def analyse(path):
-    done = run("unique", path, "--json", "--out", path.parent / "run", "--explore", 32, "--verify", 6)
+    done = subprocess.run([OTHER or PROGRAM, "unique", path, "--json", "--out", path.parent / "run", "--explore", "32", "--verify", "6"],
+                          capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
@@ -118,7 +144,7 @@ def rich(seed):
 called = named = unique = 0
 covered = {name: 0 for name in (*BOXES, "output")}
 for seed in range(FIRST, FIRST + COUNT):
-    right, name = deficient(seed)
+    right, name = (True, True) if OTHER else deficient(seed)
     called += right
     named += name
     well, inside = rich(seed)
@@ -127,6 +153,8 @@ for seed in range(FIRST, FIRST + COUNT):
         covered[key] += value
     print(f"{seed - FIRST + 1}: deficient called non-unique {called}, combination named {named}; rich called unique {unique}; "
           f"truth in the 95 % range {covered}", flush=True)
+if OTHER:
+    sys.exit(0)
 # Of few trials one may go wrong by chance; of many, one in twenty.
 allowed = max(1, COUNT // 20)
 check(called >= COUNT - allowed, f"deficient layouts: {called} of {COUNT} called non-unique")

@@ -8,6 +8,7 @@ import io
 import json
 import os
 import re
+import shutil
 import statistics
 import subprocess
 import sys
@@ -15,6 +16,7 @@ import tempfile
 import time
 
 PLANE = "grids/captif-p1-fwd.toml"
+BOWL = "grids/captif-p1-unique-fwd.toml"
 SOLID = "grids/dual-nonlinear.toml"
 DOCUMENT = "docs/performance.md"
 STARTS = 32
@@ -205,6 +207,31 @@ def landscape_table(build, rounds, folder):
     return table(["the corner figure of the demo study, one thread", "CPU s", "forward runs"], rows)
 
 
+def posterior_table(build, steps, folder):
+    """10,000 effective draws of the posterior of the demo's bowl, and how many runs one of them costs an ensemble through Python."""
+    study = f"{folder}/posterior/study.toml"
+    os.makedirs(os.path.dirname(study))
+    with open(BOWL, encoding="utf-8") as f:
+        text = f.read().split("[[outputs]]")[0]  # an output under another load would be most of the work
+    with open(study, "w", encoding="utf-8") as f:
+        f.write(text)
+    shutil.copy("grids/captif-p1-fwd-near.csv", os.path.dirname(study))
+    own = Process(f"{build}/explore/pavescape", "sample", study, "--samples", "12000", "--threads", "1", "--out", f"{folder}/sample", "--json")
+    sample = json.loads(own.out)
+    ensemble = json.loads(Process("/usr/bin/python3", "tools/bench/posterior.py", f"{build}/python", study, f"{folder}/sample/samples.csv",
+                                  str(steps)).out)
+    effective = min(p["ess"] for p in sample["parameters"])
+    unit = ensemble["run_with_derivatives_s"]
+    full = sample["reduced_model"]["loads"][0]["full_runs"] + sample["correction"]["full_runs"]
+    rows = [["a full run with derivatives", f"{unit:.4f}", "1", "", "", ""],
+            ["`sample --samples 12000`, the reduced model built in it", f"{own.cpu:.1f}", f"{own.cpu / unit:,.0f}", f"{effective:,.0f}",
+             f"{full:,}", f"{full / effective:.2f}"],
+            [f"ensemble of stretch moves, {steps:,} steps", f"{ensemble['seconds']:.1f}", f"{ensemble['seconds'] / unit:,.0f}",
+             f"{ensemble['effective']:,.0f}", f"{ensemble['runs']:,}", f"{ensemble['runs'] / ensemble['effective']:.0f}"]]
+    return table(["the posterior of five parameters, one thread", "CPU s", "of a run with derivatives", "effective draws", "full runs",
+                  "full runs a draw"], rows)
+
+
 def method_table(build, folder):
     program = f"{build}/explore/pavescape"
     names = re.search(r"\{([\w,-]*gauss-newton[\w,-]*)\}", Process(program, "fit", "--help").out)[1].split(",")
@@ -274,6 +301,7 @@ def main():
             "throughput": lambda: throughput_table(build, few, folder),
             "survey": lambda: survey_table(build, few, folder),
             "landscape": lambda: landscape_table(build, few, folder),
+            "posterior": lambda: posterior_table(build, 100 if quick else 1000, folder),
             "reports": lambda: report_table(build, rounds, folder),
             "methods": lambda: method_table(build, folder),
             "scipy": lambda: scipy_table(build, folder, 1 if quick else 8),

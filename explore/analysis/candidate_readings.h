@@ -1,0 +1,30 @@
+// Readings that could be taken next, as the model predicts them.
+#pragma once
+
+#include "study/problems.h"
+
+#include <Eigen/Core>
+
+namespace explore::analysis {
+
+class CandidateReadings {
+public:
+    explicit CandidateReadings(const study::Study& study);
+
+    // The responses of all candidates [SI] and, if asked for, their derivatives by physical values.
+    problem::Evaluation at(const std::vector<double>& unit, bool with_jacobian);
+    // With the values of `there` and the noise that is assumed of such values.
+    std::vector<data::Reading> readings(const problem::Evaluation& there) const;
+    // Derivatives of `there`, in standard deviations of these readings, by the unit coordinates: a row a candidate.
+    Eigen::MatrixXd rows(const problem::Evaluation& there, const std::vector<double>& unit,
+                         const std::vector<data::Reading>& readings) const;
+    double forward_cpu_seconds() const { return forward_cpu_seconds_; }
+
+private:
+    study::Study list_;
+    problem::Problem problem_;
+    std::unique_ptr<problem::ForwardFunction::Workspace> workspace_;
+    double forward_cpu_seconds_ = 0.0;
+};
+
+} // namespace explore::analysis
