@@ -1,5 +1,6 @@
 #include "analysis/road.h"
 
+#include "analysis/road_diagnosis.h"
 #include "analysis/road_outliers.h"
 #include "analysis/road_withheld.h"
 #include "analysis/survey_road.h"
@@ -111,10 +112,11 @@ public:
     Road(Session& session, RoadResult& result) : session_(session), result_(result), survey_(result.survey) {}
 
     // False: interrupted.
-    bool fit(const std::optional<LoadLevel>& level_withheld) {
+    bool fit(const RoadOptions& options) {
         sections_ = sections_of(survey_);
-        if (level_withheld) {
-            withheld_ = withhold(survey_, *level_withheld);
+        diagnoses_ = options.diagnose;
+        if (options.withhold) {
+            withheld_ = withhold(survey_, *options.withhold);
         }
         tasks_ = station_tasks(survey_, 1, problem_of);
         drop_without_section();
@@ -358,6 +360,12 @@ private:
         }
         conclude(state, judged_, alone, result_);
         result_.outliers = explain_outliers(state, judged_, alone, result_.station_noise_factor);
+        if (diagnoses_) {
+            result_.diagnosis = diagnose_road(session_, state, result_.dof, problem_of);
+            if (!result_.diagnosis) {
+                return false;
+            }
+        }
         if (!withheld_.empty()) {
             result_.withheld = predict(state, survey_, withheld_, problem_of, result_.noise_factor());
             return result_.withheld.has_value();
@@ -377,6 +385,7 @@ private:
     std::vector<double> common_; // of the common unknowns, unit coordinates
     std::vector<RoadStation> judged_;
     std::vector<WithheldBowls> withheld_;
+    bool diagnoses_ = false;
 };
 
 } // namespace
@@ -394,7 +403,7 @@ std::optional<RoadResult> road(Session& session, std::vector<data::FwdFile> file
     const data::DropChoice& drops = options.survey.drops;
     result.survey.fits_all_levels = !drops.target_pressure_kPa && !drops.target_force_kN;
     result.survey.sections = road_sections(result.survey);
-    if (!Road(session, result).fit(options.withhold)) {
+    if (!Road(session, result).fit(options)) {
         return std::nullopt;
     }
     finish_survey(result.survey);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "analysis/survey.h"
+#include "diagnose/diagnosis.h"
 
 namespace explore::analysis {
 
@@ -65,9 +66,31 @@ struct WithheldLevel {
     std::vector<Sensor> sensors{};
 };
 
+// Something that the model may lack at every station alike, its size one unknown of the road.
+struct RoadEffect {
+    std::size_t candidate = 0; // its number
+    std::string name, on;      // of the catalogue, "the sensor at 300 mm" or ""
+    double score = 0.0;        // > 0: the residuals want a larger size [standard deviations]
+    double p_familywise = 1.0; // that noise makes the largest score of all candidates as large
+    // Where it was fitted, with everything else; of a sensor's gain (percent) to first order:
+    std::optional<double> chi2{};
+    double p_value = 1.0; // of that
+    double size = 0.0, low = 0.0, high = 0.0;
+    bool ends_range = false;
+    std::string words{}; // "the sensor at 300 mm reads 6.1 % too much"
+};
+
+struct RoadDiagnosis {
+    diagnose::Verdict verdict = diagnose::Verdict::adequate; // all but `located`
+    double chi2 = 0.0, dof = 0.0, p_value = 1.0;             // of the road without any
+    std::vector<RoadEffect> effects;                         // those that readings see; what explains most first
+    std::vector<std::size_t> causes;                         // of these; several: the road does not tell them apart
+};
+
 struct RoadOptions {
     SurveyOptions survey{};
     std::optional<LoadLevel> withhold{}; // levels within a tenth of it are predicted, not fitted
+    bool diagnose = false;               // look for what the model lacks at all stations
 };
 
 struct RoadResult {
@@ -89,6 +112,7 @@ struct RoadResult {
     // has its own.
     double conflict_chi2 = 0.0, conflict_dof = 0.0, conflict_p = 1.0;
     std::optional<WithheldLevel> withheld{};
+    std::optional<RoadDiagnosis> diagnosis{};
     int rounds = 0; // of the last search
     bool converged = false;
     std::string ended{};

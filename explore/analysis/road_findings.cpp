@@ -79,6 +79,41 @@ std::string withheld_words(const WithheldLevel& level) {
         missed_words(level));
 }
 
+// What the model lacks at all stations.
+std::string diagnosis_words(const RoadDiagnosis& d) {
+    const auto words = [](const RoadEffect& e) {
+        return fmt::format("{} ({}; size {} to {}, chi2 = {}, p = {:.2g})", e.name, e.words, figure(e.low),
+                           figure(e.high), figure(*e.chi2), e.p_value);
+    };
+    const std::string before = fmt::format("chi2 = {} with {:.0f} degrees of freedom", figure(d.chi2), d.dof);
+    switch (d.verdict) {
+    case diagnose::Verdict::adequate:
+        return "ADEQUATE: nothing that all stations could lack alike is seen in these readings.";
+    case diagnose::Verdict::cause_named:
+        return fmt::format("CAUSE NAMED: all stations lack {}; without it {}.", words(d.effects[d.causes[0]]), before);
+    case diagnose::Verdict::ambiguous: {
+        std::vector<std::string> list;
+        for (const std::size_t cause : d.causes) {
+            list.push_back(words(d.effects[cause]));
+        }
+        return fmt::format("AMBIGUOUS: all stations lack something ({}); the readings do not tell {}{}.", before,
+                           pave::join(list, " from "),
+                           d.causes.size() == 1 ? ", whose size is at the end of its range, from something else" : "");
+    }
+    default: break;
+    }
+    if (d.effects.empty() || !d.effects[0].chi2) {
+        return fmt::format(
+            "UNEXPLAINED: the model misses the readings ({}, p = {:.2g}), and nothing that all stations could lack "
+            "alike shows.",
+            before, d.p_value);
+    }
+    return fmt::format(
+        "UNEXPLAINED: all stations lack something ({}), and no effect of the catalogue leaves noise only; what "
+        "comes nearest is {}.",
+        before, words(d.effects[0]));
+}
+
 } // namespace
 
 std::string common_name(const RoadResult& result, const CommonParameter& p) {
@@ -155,6 +190,9 @@ std::vector<std::string> findings_of(const RoadResult& result) {
                   "or the model errs in a way that differs along the road"
                 : "Stations by themselves do not contradict the road",
             figure(result.conflict_chi2), result.conflict_dof, result.conflict_p));
+    }
+    if (result.diagnosis) {
+        words.push_back(diagnosis_words(*result.diagnosis));
     }
     if (result.withheld) {
         words.push_back(withheld_words(*result.withheld));

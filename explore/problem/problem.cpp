@@ -237,6 +237,11 @@ Eigen::VectorXd Problem::change_by(std::size_t i) const {
     return misfit_.whitened(Eigen::VectorXd::Unit(static_cast<Eigen::Index>(readings()), static_cast<Eigen::Index>(i)));
 }
 
+Eigen::VectorXd Problem::change_by_gain(std::size_t i, const Evaluation& evaluation) const {
+    const double slope = misfit_.slopes(evaluation.responses)[static_cast<Eigen::Index>(i)];
+    return slope * evaluation.responses[response_of(i)] * change_by(i);
+}
+
 Problem Problem::setting_apart(const std::vector<char>& readings) const {
     std::vector<Misfit::Term> terms(misfit_.terms().begin(), misfit_.terms().end());
     for (std::size_t i = 0; i < terms.size(); ++i) {

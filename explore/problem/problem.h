@@ -85,6 +85,8 @@ public:
     // d(residuals of readings)/d(single residual i), the noise of the others fixed: how an error of that reading alone
     // shows.
     Eigen::VectorXd change_by(std::size_t i) const;
+    // d(residuals of readings)/d(ln of the model's value of reading i): how a gain of that sensor shows.
+    Eigen::VectorXd change_by_gain(std::size_t i, const Evaluation& evaluation) const;
     // The same question where these rows (1 each; a prior's means nothing) have noise of their own, correlated with
     // none: then the residuals of the others say nothing of them.
     Problem setting_apart(const std::vector<char>& readings) const;

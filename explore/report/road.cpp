@@ -57,6 +57,31 @@ Json against_road_json(const RoadResult& result, const RoadStation& s) {
     return json;
 }
 
+Json diagnosis_json(const analysis::RoadDiagnosis& d) {
+    Json json = {{"verdict", diagnose::verdict_names[static_cast<int>(d.verdict)]},
+                 {"causes", Json::array()},
+                 {"chi2", d.chi2},
+                 {"degrees_of_freedom", d.dof},
+                 {"p_value", d.p_value},
+                 {"candidates", Json::array()}};
+    for (const std::size_t cause : d.causes) {
+        json["causes"].push_back(d.effects[cause].name);
+    }
+    for (const auto& e : d.effects) {
+        Json one = {{"effect", e.name}, {"on", e.on}, {"score", e.score}, {"p_familywise", e.p_familywise}};
+        if (e.chi2) {
+            one["chi2"] = *e.chi2;
+            one["p_value"] = e.p_value;
+            one["size"] = e.size;
+            one["size_low"] = e.low;
+            one["size_high"] = e.high;
+            one["words"] = e.words;
+        }
+        json["candidates"].push_back(std::move(one));
+    }
+    return json;
+}
+
 std::string number(double value) {
     return fmt::format("{}", value);
 }
@@ -106,6 +131,9 @@ Json road_json(const RoadResult& result) {
                                                    {"error_percent", s.error_percent},
                                                    {"p_familywise", s.p_familywise}});
         }
+    }
+    if (result.diagnosis) {
+        json["diagnosis"] = diagnosis_json(*result.diagnosis);
     }
     json["converged"] = result.converged;
     json["rounds"] = result.rounds;
