@@ -59,6 +59,16 @@ std::string weights_words(const study::Study& study) {
                : "";
 }
 
+std::string misfit_words(const study::Study& study) {
+    if (study.noise != study::NoiseSource::stated || study.data.misfit == problem::MisfitKind::weighted) {
+        return "";
+    }
+    return fmt::format("fit minimises the {} misfit that the study asks for, unique chi2 by the stated noise: their best "
+                       "sets may differ, and with them chi2, its degrees of freedom (a parameter on a bound costs none) "
+                       "and the number of minima. With misfit = \"weighted\" they are the same.",
+                       to_string(study.data.misfit));
+}
+
 std::optional<double> held_out_rms(const study::Study& study, const std::vector<double>& responses) {
     double squares = 0.0;
     std::size_t count = 0;

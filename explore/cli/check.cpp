@@ -1,5 +1,6 @@
 // pavescape check: reads a study to the end, says what would run and how long it would take.
 #include "analysis/check.h"
+#include "analysis/run_cost.h"
 #include "base/text.h"
 #include "cli/commands.h"
 #include "report/text.h"
@@ -42,7 +43,7 @@ int check_study(const CommonOptions& options) {
     if (!std::all_of(loads.begin(), loads.end(), [](const auto& load) { return load.is_axisymmetric(); })) {
         fmt::print(stderr, "a mesh in three dimensions is made ...\n");
     }
-    const auto cost = pave::pavement::ForwardModel(study.model).cost();
+    const auto cost = analysis::affordable_cost(study, threads);
     if (cost.memory > 0.0) {
         fmt::print(stderr, "it asks for some {:.1f} GB a thread and {} a run; runs are timed ...\n", cost.memory / giga,
                    run::duration_words(cost.seconds));
