@@ -146,6 +146,23 @@ low = min(map(float, re.search(r"base\.k2 from ([\d.]+) to ([\d.]+)", words).gro
 k2 = next(p for p in u["profiles"] if p["name"] == "base.k2")
 check(k2["low"] - 1e-3 < low < 0.2, f"the valley ends where the profile does, {k2['low']}: {words}")
 
+# A walk that points without an answer end is no border: the range reaches as far as any walk that the data accept, and the valley no further.
+hole = bowl("hole", 0.03, OFFSETS, (("base.k1", 300, 10000, "log"), ("base.k2", 0, 1, "linear"), ("base.n", 0.1, 4.5, "linear"), MODULI[1]))
+u = answer("unique", hole, "--explore", 16, "--verify", 3)
+ranges = {p["name"]: p for p in u["profiles"]}
+check(len(u["traces"]) == 2, f"a valley is followed: {u['findings']}")
+for name, value in ((n, v) for t in u["traces"] for n, v in t["accepted_end"].items()):
+    p = ranges[name]
+    check(p["low"] * (1 - 1e-9) <= value <= p["high"] * (1 + 1e-9), f"the valley's end is accepted: {name} {value}, {p['low']} to {p['high']}")
+for p, t in ((p, t) for t in u["traces"] for p in t["points"] if p["rise"] <= u["acceptance"]["threshold"]):
+    check(all(ranges[n]["low"] * (1 - 1e-9) <= v <= ranges[n]["high"] * (1 + 1e-9) for n, v in p["parameters"].items()), f"the range holds what is accepted: {p}")
+
+# Everything that is fitted ends on a bound: the box answers.
+boxed = bowl("boxed", 0.02, OFFSETS, (("base.k1", 500, 1200, "log"), ("subgrade.modulus_MPa", 15, 40, "log")))
+u = answer("unique", boxed, "--explore", 16, "--verify", 3)
+check(all(m.get("at_bounds") for m in u["minima"][:1]) and u["verdict"] == "undecided", f"{u['verdict']}: {u['findings'][0]}")
+check("ends on a bound" in u["findings"][0], f"and it says why: {u['findings'][0]}")
+
 # Nothing is determined: not the ends of the searches come first, and profiles reach their bounds.
 blind = made("blind", NOISY, "".join(line + ("30\n" if line.startswith("fwd") and ",mm," in line else "30000\n" if line.startswith("fwd,d") else "1\n" if
                                      line.startswith("fwd") else "\n") for line in DATA.splitlines()).replace('log"', 'weighted"'))
