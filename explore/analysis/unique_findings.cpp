@@ -308,6 +308,9 @@ std::vector<std::string> findings(const UniqueResult& result) {
     if (const std::string weights = weights_words(study); !weights.empty()) {
         say(weights);
     }
+    if (std::string words = noise_key_words(study); !words.empty()) {
+        say(std::move(words));
+    }
     if (std::string words = misfit_words(study); !words.empty()) {
         say(std::move(words));
     }

@@ -1,5 +1,6 @@
 // pavescape check: reads a study to the end, says what would run and how long it would take.
 #include "analysis/check.h"
+#include "analysis/layout.h"
 #include "analysis/run_cost.h"
 #include "base/text.h"
 #include "cli/commands.h"
@@ -71,6 +72,7 @@ int check_study(const CommonOptions& options) {
                                       {"parameters", study.parameters.size()},
                                       {"outputs", study.outputs().size()},
                                       {"doubtful", analysis::doubtful_readings(study)},
+                                      {"noise_keys", analysis::noise_key_words(study)},
                                       {"threads", threads},
                                       {"estimate", {{"memory_GB", cost.memory / giga}, {"seconds", cost.seconds}}},
                                       {"commands", commands}}));
@@ -78,6 +80,9 @@ int check_study(const CommonOptions& options) {
     }
     print_study(study);
     for (const std::string& words : analysis::doubtful_readings(study)) {
+        fmt::print("  {}\n", words);
+    }
+    if (const std::string words = analysis::noise_key_words(study); !words.empty()) {
         fmt::print("  {}\n", words);
     }
     fmt::print("\n  Time on {}, from runs made just now at the study's own values\n",

@@ -69,6 +69,25 @@ check(len(said) == 1 and "measured -9999" in said[0] and "p = 0 " not in said[0]
 done = run("check", folder / "sentinel" / "small.toml")
 check(done.returncode == 0 and "= -9999: no pavement reads that" in done.stdout, f"check names it before anything runs: {done.stdout} {done.stderr}")
 
+# Noise that the study states for readings that state their own: which of its keys take effect.
+own = made("own-sigma", STUDY.replace('misfit = "log"', 'misfit = "weighted"') + "\n[data.noise]\nrelative = 0.02\nabsolute = { um = 5 }\ncommon_relative = 0.01\n",
+           "".join(line + ("1e-5\n" if "strain_zz" in line else "5\n" if ",um," in line else "0.01\n" if line.startswith("fwd") else "\n") for line in DATA.splitlines()))
+WORDS = "the relative part and absolute have no effect on it; common_relative has on all"
+for command, options in (("fit", ("--explore", 24, "--starts", 2)), ("unique", ("--explore", 16, "--verify", 3))):
+    said = answer(command, own, *options)["findings"]
+    check(any(WORDS in s for s in said), f"{command}: keys without effect: {said}")
+done = run("check", own)
+check(done.returncode == 0 and WORDS in done.stdout, f"check: keys without effect: {done.stdout} {done.stderr}")
+check("no effect" not in run("check", plain).stdout, "and nothing is said where they act")
+
+# What diagnose takes is timed with its effects by finite elements, where the study's own linear layers cost next to nothing.
+layered = made("layered", LAYERED, LAYERED_BOWL)
+times = {c["command"]: c["seconds"] for c in json.loads(run("check", layered, "--threads", 1, "--json").stdout)["commands"]}
+spent = os.times()
+answer("diagnose", layered, "--threads", 1)
+spent = os.times().children_user - spent.children_user
+check(0.5 * spent < times["diagnose"] < 20 * spent, f"check says {times['diagnose']} s of diagnose, which takes {spent} s where the model is adequate")
+
 # A run in three dimensions that takes too long ends with words.
 limited = made("limited", (ROOT / "grids" / "dual-nonlinear.toml").read_text().replace("[solver]", "[solver]\ntime_limit_s = 0.01"))
 done = run("forward", limited)
@@ -154,7 +173,7 @@ check(len(u["traces"]) == 2, f"a valley is followed: {u['findings']}")
 for name, value in ((n, v) for t in u["traces"] for n, v in t["accepted_end"].items()):
     p = ranges[name]
     check(p["low"] * (1 - 1e-9) <= value <= p["high"] * (1 + 1e-9), f"the valley's end is accepted: {name} {value}, {p['low']} to {p['high']}")
-for p, t in ((p, t) for t in u["traces"] for p in t["points"] if p["rise"] <= u["acceptance"]["threshold"]):
+for p, t in ((p, t) for t in u["traces"] for p in t["points"] if p["rise"] <= u["acceptance"]["chi2_rise_allowed"]):
     check(all(ranges[n]["low"] * (1 - 1e-9) <= v <= ranges[n]["high"] * (1 + 1e-9) for n, v in p["parameters"].items()), f"the range holds what is accepted: {p}")
 
 # Everything that is fitted ends on a bound: the box answers.
