@@ -31,6 +31,7 @@ struct Timing {
     double fitted_with_derivatives = 0.0;
     double diagnosed_forward = 0.0; // the same with an effect, as diagnose computes it
     double diagnosed_with_derivatives = 0.0;
+    double diagnosed_further = 0.0; // of the runs where the model is not adequate
 };
 
 // The median, after a run that makes the buffers.
@@ -59,7 +60,8 @@ pave::Outcome<double> seconds_of(const pave::pavement::ForwardModel& model,
 }
 
 // Linear layers cost nothing beside the effects, by finite elements, that diagnose adds to them: the mean over variants
-// at the sizes seen in practice, as many as two seconds allow and one at least.
+// at the sizes seen in practice, as many as two seconds allow and one at least. Further runs are with
+// derivatives by an effect more.
 void measure_variants(const study::Study& study, const std::vector<bool>& fitted, Timing& timing) {
     const study::Study diagnosed = as_diagnosed(study);
     double forward = 0.0;
@@ -85,6 +87,7 @@ void measure_variants(const study::Study& study, const std::vector<bool>& fitted
     if (count > 0) {
         timing.diagnosed_forward = forward / count;
         timing.diagnosed_with_derivatives = with_derivatives / count;
+        timing.diagnosed_further = timing.diagnosed_with_derivatives;
     }
 }
 
@@ -114,6 +117,7 @@ pave::Outcome<Timing> measure(const study::Study& study) {
         }
         timing.diagnosed_forward = timing.fitted_forward;
         timing.diagnosed_with_derivatives = timing.fitted_with_derivatives;
+        timing.diagnosed_further = timing.fitted_forward;
         if (!failure && count > 0 && study::stress_dependent_layers(study).empty()) {
             measure_variants(study, fitted, timing);
         }
@@ -170,7 +174,7 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
         {"diagnose",
          fmt::format("{} variants of effects and {} fits; where the model is not adequate as many as {} more",
                      candidates, std::min(candidates, fitted), further),
-         shared((screening * candidates + further) * timing.diagnosed_forward +
+         shared(screening * candidates * timing.diagnosed_forward + further * timing.diagnosed_further +
                 single * std::min(candidates, fitted) * timing.diagnosed_with_derivatives)});
     const SensitivityOptions sensitivity;
     const int runs = sensitivity.samples * (count + 2) + sensitivity.points * count;

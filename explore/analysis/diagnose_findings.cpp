@@ -202,8 +202,9 @@ private:
                                            members_words(candidates, d.nearest[0].fit.model.members),
                                            figure(d.nearest[0].fit.chi2), d.nearest[0].fit.p_value, noise_words()));
             }
-            text.emplace_back("The values and 95 % ranges below are those of models that do not explain these data: they "
-                              "are no answer.");
+            text.emplace_back(
+                "The values and 95 % ranges below are those of models that do not explain these data: they "
+                "are no answer.");
             leftovers(text);
             break;
         }

@@ -92,25 +92,26 @@ std::string noise_key_words(const study::Study& study) {
     if (data.noise_degrees > 0.0) {
         acting.emplace_back("loss");
     }
-    return fmt::format("{} a sigma of {} own: of the noise that the study states, {} no effect on {}{}.",
-                       own == measured.size() ? "Every reading states"
-                                              : fmt::format("{} of {} readings state", own, measured.size()),
-                       own == measured.size() || own == 1 ? "its" : "their",
-                       pave::join(idle, " and ") + (idle.size() == 1 ? " has" : " have"),
-                       own == measured.size() || own == 1 ? "it" : "them",
-                       acting.empty()
-                           ? ""
-                           : fmt::format("; {} {} on all", pave::join(acting, " and "), acting.size() == 1 ? "has" : "have"));
+    return fmt::format(
+        "{} a sigma of {} own: of the noise that the study states, {} no effect on {}{}.",
+        own == measured.size() ? "Every reading states" : fmt::format("{} of {} readings state", own, measured.size()),
+        own == measured.size() || own == 1 ? "its" : "their",
+        pave::join(idle, " and ") + (idle.size() == 1 ? " has" : " have"),
+        own == measured.size() || own == 1 ? "it" : "them",
+        acting.empty()
+            ? ""
+            : fmt::format("; {} {} on all", pave::join(acting, " and "), acting.size() == 1 ? "has" : "have"));
 }
 
 std::string misfit_words(const study::Study& study) {
     if (study.noise != study::NoiseSource::stated || study.data.misfit == problem::MisfitKind::weighted) {
         return "";
     }
-    return fmt::format("fit minimises the {} misfit that the study asks for, unique chi2 by the stated noise: their best "
-                       "sets may differ, and with them chi2, its degrees of freedom (a parameter on a bound costs none) "
-                       "and the number of minima. With misfit = \"weighted\" they are the same.",
-                       to_string(study.data.misfit));
+    return fmt::format(
+        "fit minimises the {} misfit that the study asks for, unique chi2 by the stated noise: their best "
+        "sets may differ, and with them chi2, its degrees of freedom (a parameter on a bound costs none) "
+        "and the number of minima. With misfit = \"weighted\" they are the same.",
+        to_string(study.data.misfit));
 }
 
 std::optional<double> held_out_rms(const study::Study& study, const std::vector<double>& responses) {

@@ -101,9 +101,7 @@ struct StationResult {
 
     bool has_bowl() const { return state != StationState::rejected; }
     const data::DeflectionBowl& bowl() const { return bowls->bowl(); }
-    bool is_fitted() const {
-        return fit.has_value() && (state == StationState::ok || state == StationState::doubtful);
-    }
+    bool is_fitted() const { return fit.has_value() && (state == StationState::ok || state == StationState::doubtful); }
     std::optional<double> ratio() const { return has_bowl() ? bowl().deflection_ratio() : std::nullopt; }
     std::optional<bool> passes() const;
     // Levels that were used: fitted, or the one that counts.

@@ -71,8 +71,7 @@ std::string conflict_words(const problem::ParameterSpace& space, const Eigen::Ve
     std::vector<std::string> words;
     for (Eigen::Index k = 0; k < direction.size(); ++k) {
         if (std::abs(direction[k]) > seen) {
-            words.push_back((direction[k] > 0.0 ? "higher " : "lower ") +
-                            space.axes[static_cast<std::size_t>(k)].name);
+            words.push_back((direction[k] > 0.0 ? "higher " : "lower ") + space.axes[static_cast<std::size_t>(k)].name);
         }
     }
     return pave::join(words);

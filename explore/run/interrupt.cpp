@@ -28,7 +28,7 @@ void handle(int number) {
     if (number == SIGINT) {
         say("\nwaiting for the evaluations that are running; a second Ctrl-C ends at once\n");
     } else { // nobody sits there; who sent it kills after a while
-        say("\nwaiting five seconds at most for the evaluations that are running\n");
+        say("\nwaiting for the evaluations that are running, five seconds at most\n");
         alarm(5);
     }
 }

@@ -315,8 +315,7 @@ void refuse_readings(const std::string& text, const std::string& file) {
     const auto format =
         std::find_if(formats.begin(), formats.end(), [&](const auto& f) { return f.recognises(text, {}); });
     if (format != formats.end()) {
-        throw pave::Error({.file = file}, "this is a file of FWD readings, not a study",
-                          std::string(format->name),
+        throw pave::Error({.file = file}, "this is a file of FWD readings, not a study", std::string(format->name),
                           "a study (TOML); survey and road take FWD files (survey FILE --study STUDY), new --from FILE "
                           "--station S makes a study of a station");
     }

@@ -101,8 +101,7 @@ typename Kind::Mesh affordable_mesh(const Case& nominal, int number) {
         const double available = memory_limit();
         if (solid_memory(unknowns) > available) {
             throw Error({.key = "mesh.refine"},
-                        "a run of the load \"" + nominal.loads[number].name +
-                            "\" needs more memory than there is",
+                        "a run of the load \"" + nominal.loads[number].name + "\" needs more memory than there is",
                         fmt::format("about {:.0f} GB for {:.0f} unknowns", solid_memory(unknowns) / giga, unknowns),
                         fmt::format("{:.0f} GB: a smaller refine or extent_m", available / giga));
         }
