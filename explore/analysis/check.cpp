@@ -3,12 +3,14 @@
 #include "analysis/feasible.h"
 
 #include "analysis/compare.h"
+#include "analysis/diagnose.h"
 #include "analysis/fit.h"
 #include "analysis/map.h"
 #include "analysis/sensitivity.h"
 #include "base/text.h"
 #include "landscape/uniqueness.h"
 #include "material/catalog.h"
+#include "pavement/effects/effect.h"
 #include "study/laws.h"
 #include "study/variants.h"
 
@@ -21,40 +23,85 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Median seconds of a run at the study's own values, after one that makes the buffers.
+// Seconds of a run at the study's own values.
 struct Timing {
     double forward = 0.0;
     double with_derivatives = 0.0; // 0: nothing to differentiate by
     double fitted_forward = 0.0;   // of the loads that are fitted
     double fitted_with_derivatives = 0.0;
+    double diagnosed_forward = 0.0; // the same with an effect, as diagnose computes it
+    double diagnosed_with_derivatives = 0.0;
+    double diagnosed_further = 0.0; // of the runs where the model is not adequate
 };
 
-pave::Outcome<Timing> measure(const study::Study& study) {
-    const pave::pavement::ForwardModel model(study.model);
-    std::optional<pave::Failure> failure;
-    const auto seconds = [&](const pave::pavement::ForwardModel& of,
-                             const std::vector<pave::pavement::Parameter>& parameters) {
-        const auto workspace = of.make_workspace();
-        constexpr int rounds = 4;
-        std::vector<double> times;
-        for (int round = 0; round < rounds && !failure; ++round) {
-            const auto begin = Clock::now();
-            const auto outcome = of.run(study.model, parameters, *workspace);
-            if (!outcome) {
-                failure = outcome.failure();
-            }
-            const double elapsed = std::chrono::duration<double>(Clock::now() - begin).count();
-            constexpr double slow = 5.0; // s: then once is enough, and buffers do not matter
-            if (round > 0 || elapsed > slow) {
-                times.push_back(elapsed);
-            }
-            if (elapsed > slow) {
-                break;
-            }
+// The median, after a run that makes the buffers.
+pave::Outcome<double> seconds_of(const pave::pavement::ForwardModel& model,
+                                 const std::vector<pave::pavement::Parameter>& parameters) {
+    const auto workspace = model.make_workspace();
+    constexpr int rounds = 4;
+    std::vector<double> times;
+    for (int round = 0; round < rounds; ++round) {
+        const auto begin = Clock::now();
+        const auto outcome = model.run(model.nominal(), parameters, *workspace);
+        if (!outcome) {
+            return outcome.failure();
         }
-        std::sort(times.begin(), times.end());
-        return times.empty() ? 0.0 : times[times.size() / 2];
+        const double elapsed = std::chrono::duration<double>(Clock::now() - begin).count();
+        constexpr double slow = 5.0; // s: then once is enough, and buffers do not matter
+        if (round > 0 || elapsed > slow) {
+            times.push_back(elapsed);
+        }
+        if (elapsed > slow) {
+            break;
+        }
+    }
+    std::sort(times.begin(), times.end());
+    return times[times.size() / 2];
+}
+
+// Linear layers cost nothing beside the effects, by finite elements, that diagnose adds to them: the mean over variants
+// at the sizes seen in practice, as many as two seconds allow and one at least. Further runs are with
+// derivatives by an effect more.
+void measure_variants(const study::Study& study, const std::vector<bool>& fitted, Timing& timing) {
+    const study::Study diagnosed = as_diagnosed(study);
+    double forward = 0.0;
+    double with_derivatives = 0.0;
+    int count = 0;
+    const auto begin = Clock::now();
+    for (const study::Variant& variant : study::variants(diagnosed, {})) {
+        study::Study extended = study::with_free_effects(diagnosed, {variant});
+        extended.model.effects.back().size = variant.applied.effect->typical;
+        const pave::pavement::ForwardModel model(extended.model, fitted);
+        const auto plain = seconds_of(model, {});
+        const auto differentiated = plain ? seconds_of(model, extended.parameters) : plain;
+        if (differentiated) {
+            forward += *plain;
+            with_derivatives += *differentiated;
+            ++count;
+        }
+        constexpr double enough = 2.0; // s
+        if (count > 0 && std::chrono::duration<double>(Clock::now() - begin).count() > enough) {
+            break;
+        }
+    }
+    if (count > 0) {
+        timing.diagnosed_forward = forward / count;
+        timing.diagnosed_with_derivatives = with_derivatives / count;
+        timing.diagnosed_further = timing.diagnosed_with_derivatives;
+    }
+}
+
+pave::Outcome<Timing> measure(const study::Study& study) {
+    std::optional<pave::Failure> failure;
+    const auto seconds = [&](const pave::pavement::ForwardModel& model,
+                             const std::vector<pave::pavement::Parameter>& parameters) {
+        const auto found = failure ? pave::Outcome<double>(*failure) : seconds_of(model, parameters);
+        if (!found) {
+            failure = found.failure();
+        }
+        return found ? *found : 0.0;
     };
+    const pave::pavement::ForwardModel model(study.model);
     Timing timing;
     timing.forward = seconds(model, {});
     if (!study.parameters.empty()) {
@@ -67,6 +114,12 @@ pave::Outcome<Timing> measure(const study::Study& study) {
             const pave::pavement::ForwardModel of_fit(study.model, fitted);
             timing.fitted_forward = seconds(of_fit, {});
             timing.fitted_with_derivatives = seconds(of_fit, study.parameters);
+        }
+        timing.diagnosed_forward = timing.fitted_forward;
+        timing.diagnosed_with_derivatives = timing.fitted_with_derivatives;
+        timing.diagnosed_further = timing.fitted_forward;
+        if (!failure && count > 0 && study::stress_dependent_layers(study).empty()) {
+            measure_variants(study, fitted, timing);
         }
     }
     if (failure) {
@@ -112,7 +165,7 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
                     fmt::format("{} and {} searches with derivatives, then some {} a range of {}", settings.explore,
                                 searches, 2 * walk, pave::counted(ranges, "quantity", "quantities")),
                     shared(unique)});
-    const auto candidates = static_cast<int>(study::variants(study, {}).size());
+    const auto candidates = static_cast<int>(study::variants(as_diagnosed(study), {}).size());
     constexpr int screening = 6; // runs of a variant
     constexpr int fitted = 30;   // variants at most, where there are many readings
     constexpr int single = 9;    // runs with derivatives of a fit
@@ -121,8 +174,8 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
         {"diagnose",
          fmt::format("{} variants of effects and {} fits; where the model is not adequate as many as {} more",
                      candidates, std::min(candidates, fitted), further),
-         shared(screening * candidates * timing.fitted_forward + single * std::min(candidates, fitted) * with +
-                further * timing.fitted_forward)});
+         shared(screening * candidates * timing.diagnosed_forward + further * timing.diagnosed_further +
+                single * std::min(candidates, fitted) * timing.diagnosed_with_derivatives)});
     const SensitivityOptions sensitivity;
     const int runs = sensitivity.samples * (count + 2) + sensitivity.points * count;
     list.push_back(

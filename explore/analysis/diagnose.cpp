@@ -195,10 +195,14 @@ std::string DiagnoseResult::extended_study(const std::string& folder) const {
     return text;
 }
 
+study::Study as_diagnosed(study::Study study) {
+    study.model.settings.layered = false;
+    return study;
+}
+
 std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& asked, const DiagnoseOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
-    study::Study study = asked;
-    study.model.settings.layered = false; // most effects are beyond that engine, and models are compared by one engine
+    const study::Study study = as_diagnosed(asked);
     const problem::Problem baseline = study::make_noise_problem(study, study::Scope::fitted);
     if (baseline.noise_is_student()) {
         throw pave::Error({.file = study.file, .line = study.data.noise_line, .key = "[data.noise] loss"},

@@ -57,6 +57,10 @@ struct DiagnoseResult {
     std::string extended_study(const std::string& folder) const;
 };
 
+// The study as diagnose computes it: by finite elements, where layers are linear too. Most effects are beyond the
+// layered engine, and models are compared by one engine.
+study::Study as_diagnosed(study::Study study);
+
 // Throws pave::Error for a study that cannot be fitted and effects that there are not. Nothing: interrupted.
 std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& study, const DiagnoseOptions& options);
 

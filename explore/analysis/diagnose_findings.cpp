@@ -70,6 +70,9 @@ public:
         if (const std::string weights = weights_words(study); !weights.empty()) {
             text.push_back(weights);
         }
+        if (std::string words = noise_key_words(study); !words.empty()) {
+            text.push_back(std::move(words));
+        }
         if (!next.empty()) {
             const SeparatingReading& best = next[0];
             text.push_back(fmt::format(
@@ -199,6 +202,9 @@ private:
                                            members_words(candidates, d.nearest[0].fit.model.members),
                                            figure(d.nearest[0].fit.chi2), d.nearest[0].fit.p_value, noise_words()));
             }
+            text.emplace_back(
+                "The values and 95 % ranges below are those of models that do not explain these data: they "
+                "are no answer.");
             leftovers(text);
             break;
         }

@@ -279,6 +279,12 @@ std::vector<std::string> findings(const FitResult& result) {
     if (const std::string weights = weights_words(study); !weights.empty()) {
         text.push_back(weights);
     }
+    if (std::string words = noise_key_words(study); !words.empty()) {
+        text.push_back(std::move(words));
+    }
+    if (std::string words = misfit_words(study); !words.empty()) {
+        text.push_back(std::move(words));
+    }
     if (local.degrees_of_freedom <= 0) {
         text.push_back(fmt::format("{} for {} free: the data cannot tell noise from a wrong model{}.",
                                    counted(problem.readings(), "reading", "readings"),

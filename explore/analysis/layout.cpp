@@ -1,5 +1,7 @@
 #include "analysis/layout.h"
 
+#include "base/text.h"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -57,6 +59,59 @@ std::string weights_words(const study::Study& study) {
                ? "The weights of the groups shape the fit alone: every statement of probability takes the noise as the "
                  "readings state it."
                : "";
+}
+
+std::string noise_key_words(const study::Study& study) {
+    const auto measured = study.measured();
+    const auto own = static_cast<std::size_t>(
+        std::count_if(measured.begin(), measured.end(), [](const data::Reading& m) { return m.sigma.has_value(); }));
+    const study::DataSettings& data = study.data;
+    if (own == 0 || !data.states_noise()) {
+        return "";
+    }
+    std::vector<std::string> idle;
+    if (data.noise_relative) {
+        idle.emplace_back("the relative part");
+    }
+    if (data.noise_floor) {
+        idle.emplace_back("noise_floor");
+    }
+    if (data.noise_absolute != std::array<double, 3>{}) {
+        idle.emplace_back("absolute");
+    }
+    std::vector<std::string> acting;
+    if (data.noise_common_relative > 0.0) {
+        acting.emplace_back("common_relative");
+    }
+    if (data.noise_correlation_length > 0.0) {
+        acting.emplace_back("correlation_mm");
+    }
+    if (data.noise_correlation_time > 0.0) {
+        acting.emplace_back("correlation_ms");
+    }
+    if (data.noise_degrees > 0.0) {
+        acting.emplace_back("loss");
+    }
+    return fmt::format(
+        "{} a sigma of {} own: of the noise that the study states, {} no effect on {}{}.",
+        own == measured.size() ? "Every reading states" : fmt::format("{} of {} readings state", own, measured.size()),
+        own == measured.size() || own == 1 ? "its" : "their",
+        pave::join(idle, " and ") + (idle.size() == 1 ? " has" : " have"),
+        own == measured.size() || own == 1 ? "it" : "them",
+        acting.empty()
+            ? ""
+            : fmt::format("; {} {} on all", pave::join(acting, " and "), acting.size() == 1 ? "has" : "have"));
+}
+
+std::string misfit_words(const study::Study& study) {
+    if (study.noise != study::NoiseSource::stated || study.data.misfit == problem::MisfitKind::weighted) {
+        return "";
+    }
+    return fmt::format(
+        "fit minimises the {} misfit that the study asks for, unique chi2 by the stated noise: their best "
+        "sets may differ, and with them chi2, its degrees of freedom (a parameter on a bound costs none) "
+        "and the number of minima. With misfit = \"weighted\" they are the same.",
+        to_string(study.data.misfit));
 }
 
 std::optional<double> held_out_rms(const study::Study& study, const std::vector<double>& responses) {

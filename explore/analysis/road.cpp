@@ -355,8 +355,7 @@ private:
             s.fit = fit_at(tasks_[i], best);
             s.fit->minima = 1;
             s.fit->starts = 1;
-            s.no_fit = no_fit_of(*s.fit);
-            s.state = s.no_fit ? StationState::no_fit : s.state;
+            judge_fit(s);
         }
         conclude(state, judged_, alone, result_);
         result_.outliers = explain_outliers(state, judged_, alone, result_.station_noise_factor);

@@ -140,8 +140,7 @@ private:
                 s.fit->minima = search.minima;
                 s.fit->starts = search.searched;
             }
-            s.no_fit = no_fit_of(*s.fit);
-            s.state = s.no_fit ? StationState::no_fit : s.state;
+            judge_fit(s);
         };
         landscape::search_batch(items, session_.store(), *optimise::find_method(settings_.method), how,
                                 session_.options().threads, keep);
@@ -204,6 +203,7 @@ SurveyCounts SurveyResult::counts() const {
         counts.fail += passes && !*passes ? 1 : 0;
         counts.rejected += s.state == StationState::rejected ? 1 : 0;
         counts.fitted += s.is_fitted() ? 1 : 0;
+        counts.doubtful += s.state == StationState::doubtful ? 1 : 0;
         counts.no_fit += s.state == StationState::no_fit ? 1 : 0;
         counts.failed += s.state == StationState::failed ? 1 : 0;
     }

@@ -29,11 +29,12 @@ struct SurveyOptions {
 
 enum class StationState {
     ok,
+    doubtful, // back-calculated, but the root mean square of the relative differences is beyond doubtful_percent
     rejected, // its readings cannot be right
     no_fit,   // the model does not describe them: no back-calculation
     failed    // the model has no answer
 };
-constexpr std::string_view state_words[] = {"ok", "rejected", "no-fit", "failed"};
+constexpr std::string_view state_words[] = {"ok", "doubtful", "rejected", "no-fit", "failed"};
 constexpr std::string_view to_string(StationState state) {
     return state_words[static_cast<int>(state)];
 }
@@ -44,6 +45,8 @@ enum class NoFit {
     all_on_bounds
 };
 inline constexpr double no_fit_percent = 25.0;
+// Five times the 2 % within which sensors are good.
+inline constexpr double doubtful_percent = 10.0;
 
 // A parameter with its 95 % range, by the curvature of the misfit at the best fit.
 struct ParameterRange {
@@ -98,7 +101,7 @@ struct StationResult {
 
     bool has_bowl() const { return state != StationState::rejected; }
     const data::DeflectionBowl& bowl() const { return bowls->bowl(); }
-    bool is_fitted() const { return fit.has_value() && state == StationState::ok; }
+    bool is_fitted() const { return fit.has_value() && (state == StationState::ok || state == StationState::doubtful); }
     std::optional<double> ratio() const { return has_bowl() ? bowl().deflection_ratio() : std::nullopt; }
     std::optional<bool> passes() const;
     // Levels that were used: fitted, or the one that counts.
@@ -140,7 +143,7 @@ struct NetworkModel {
 
 struct SurveyCounts {
     std::size_t pass = 0, fail = 0; // by the deflection ratio
-    std::size_t rejected = 0, fitted = 0, no_fit = 0, failed = 0;
+    std::size_t rejected = 0, fitted = 0, doubtful = 0, no_fit = 0, failed = 0;
 };
 
 struct SurveyResult {

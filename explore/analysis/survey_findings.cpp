@@ -68,7 +68,7 @@ void add_fit(const SurveyResult& result, const StationResult& s, std::vector<std
     if (!fit.best.converged) {
         words.emplace_back("search not converged");
     }
-    if (s.is_fitted() && fit.rms_percent > poor_percent) {
+    if (s.state == StationState::ok && fit.rms_percent > poor_percent) {
         words.push_back(
             fmt::format("RMS {:.1f} %: the model misses this bowl by more than sensors err", fit.rms_percent));
     }
@@ -114,6 +114,9 @@ std::string why_no_ratio(const StationResult& s) {
 }
 
 std::string reason_of(const StationResult& s) {
+    if (s.state == StationState::doubtful) {
+        return fmt::format("RMS {:.0f} %: the model misses this bowl by far more than sensors err", s.fit->rms_percent);
+    }
     if (!s.no_fit) {
         return s.reason;
     }

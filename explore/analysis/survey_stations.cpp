@@ -293,11 +293,18 @@ StationFit fit_at(const StationTask& task, const landscape::Minimum& best) {
     return fit;
 }
 
-std::optional<NoFit> no_fit_of(const StationFit& fit) {
+void judge_fit(StationResult& s) {
+    const StationFit& fit = *s.fit;
     if (!(fit.rms_percent <= no_fit_percent)) {
-        return NoFit::far_off;
+        s.no_fit = NoFit::far_off;
+    } else if (fit.best.on_bound.size() == fit.best.unit.size()) {
+        s.no_fit = NoFit::all_on_bounds;
     }
-    return fit.best.on_bound.size() == fit.best.unit.size() ? std::optional(NoFit::all_on_bounds) : std::nullopt;
+    if (s.no_fit) {
+        s.state = StationState::no_fit;
+    } else if (fit.rms_percent > doubtful_percent) {
+        s.state = StationState::doubtful;
+    }
 }
 
 ParameterRange range_about(const problem::Axis& axis, double unit, double half) {

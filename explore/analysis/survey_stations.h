@@ -38,7 +38,8 @@ std::vector<StationTask> station_tasks(SurveyResult& result, std::size_t unknown
 
 // Nothing but what the readings say of the best point: the fit without ranges and statistics.
 StationFit fit_at(const StationTask& task, const landscape::Minimum& best);
-std::optional<NoFit> no_fit_of(const StationFit& fit);
+// Its state by the fit that it has.
+void judge_fit(StationResult& s);
 
 // The 95 % range of a parameter about a point in unit coordinates. half: its half width, in the same.
 ParameterRange range_about(const problem::Axis& axis, double unit, double half);

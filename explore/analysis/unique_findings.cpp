@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "landscape/accepted_ends.h"
 
 #include <algorithm>
 #include <cmath>
@@ -64,6 +65,17 @@ std::string unique_words(const problem::ParameterSpace& space, const Uniqueness&
 }
 
 } // namespace
+
+std::string conflict_words(const problem::ParameterSpace& space, const Eigen::VectorXd& direction) {
+    const double seen = direction.size() > 0 ? 0.3 * direction.cwiseAbs().maxCoeff() : 0.0;
+    std::vector<std::string> words;
+    for (Eigen::Index k = 0; k < direction.size(); ++k) {
+        if (std::abs(direction[k]) > seen) {
+            words.push_back((direction[k] > 0.0 ? "higher " : "lower ") + space.axes[static_cast<std::size_t>(k)].name);
+        }
+    }
+    return pave::join(words);
+}
 
 // A factor c^k of the fixed combination is a power of stress at a stress of its own.
 std::string combination_words(const study::Study& study, const landscape::Combination& c) {
@@ -214,7 +226,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
         double highest = 0.0;
         std::vector<std::vector<double>> ends;
         for (const Branch& trace : u.traces) {
-            ends.push_back(accepted_end(trace, u.minima[0].unit, acceptance.threshold));
+            ends.push_back(accepted_end(space, u, trace));
             for (const auto& p : trace.points) {
                 highest = std::max(highest, std::min(p.rise, acceptance.threshold));
             }
@@ -260,17 +272,11 @@ std::vector<std::string> findings(const UniqueResult& result) {
         const auto& c = *u.conflict;
         const std::vector<std::string> names = study.groups_fitted();
         if (c.p_value < 0.05) {
-            std::string direction;
-            for (Eigen::Index k = 0; k < c.direction.size(); ++k) {
-                if (std::abs(c.direction[k]) > 0.3) {
-                    direction +=
-                        fmt::format("{}{} {}", direction.empty() ? "" : ", ", c.direction[k] > 0.0 ? "higher" : "lower",
-                                    space.axes[static_cast<std::size_t>(k)].name);
-                }
-            }
-            say(fmt::format(
-                "The groups of data contradict each other under this model (p = {:.2g}): {} calls for {} than {}.",
-                c.p_value, names[c.alone[c.second].group], direction, names[c.alone[c.first].group]));
+            const std::string wanted = conflict_words(space, c.direction);
+            say(fmt::format("The groups of data contradict each other under this model (p = {:.2g}){}.", c.p_value,
+                            wanted.empty() ? ""
+                                           : fmt::format(": {} calls for {} than {}", names[c.alone[c.second].group],
+                                                         wanted, names[c.alone[c.first].group])));
         } else {
             say(fmt::format("The groups of data do not contradict each other (p = {:.2g}).", c.p_value));
         }
@@ -305,6 +311,12 @@ std::vector<std::string> findings(const UniqueResult& result) {
     }
     if (const std::string weights = weights_words(study); !weights.empty()) {
         say(weights);
+    }
+    if (std::string words = noise_key_words(study); !words.empty()) {
+        say(std::move(words));
+    }
+    if (std::string words = misfit_words(study); !words.empty()) {
+        say(std::move(words));
     }
     if (result.reduced) {
         say(model_words(result.options.model));

@@ -1,5 +1,7 @@
 // pavescape check: reads a study to the end, says what would run and how long it would take.
 #include "analysis/check.h"
+#include "analysis/layout.h"
+#include "analysis/run_cost.h"
 #include "base/text.h"
 #include "cli/commands.h"
 #include "report/text.h"
@@ -42,7 +44,7 @@ int check_study(const CommonOptions& options) {
     if (!std::all_of(loads.begin(), loads.end(), [](const auto& load) { return load.is_axisymmetric(); })) {
         fmt::print(stderr, "a mesh in three dimensions is made ...\n");
     }
-    const auto cost = pave::pavement::ForwardModel(study.model).cost();
+    const auto cost = analysis::affordable_cost(study, threads);
     if (cost.memory > 0.0) {
         fmt::print(stderr, "it asks for some {:.1f} GB a thread and {} a run; runs are timed ...\n", cost.memory / giga,
                    run::duration_words(cost.seconds));
@@ -70,6 +72,7 @@ int check_study(const CommonOptions& options) {
                                       {"parameters", study.parameters.size()},
                                       {"outputs", study.outputs().size()},
                                       {"doubtful", analysis::doubtful_readings(study)},
+                                      {"noise_keys", analysis::noise_key_words(study)},
                                       {"threads", threads},
                                       {"estimate", {{"memory_GB", cost.memory / giga}, {"seconds", cost.seconds}}},
                                       {"commands", commands}}));
@@ -77,6 +80,9 @@ int check_study(const CommonOptions& options) {
     }
     print_study(study);
     for (const std::string& words : analysis::doubtful_readings(study)) {
+        fmt::print("  {}\n", words);
+    }
+    if (const std::string words = analysis::noise_key_words(study); !words.empty()) {
         fmt::print("  {}\n", words);
     }
     fmt::print("\n  Time on {}, from runs made just now at the study's own values\n",

@@ -1,7 +1,8 @@
 #include "cli/common.h"
 
-#include "pavement/forward.h"
+#include "analysis/run_cost.h"
 #include "run/message.h"
+#include "run/parallel.h"
 #include "run/progress.h"
 
 #include <algorithm>
@@ -46,7 +47,7 @@ analysis::RunOptions CommonOptions::run(const study::Study& s) const {
     const auto& loads = s.model.loads;
     if (!std::all_of(loads.begin(), loads.end(), [](const auto& load) { return load.is_axisymmetric(); })) {
         constexpr double long_seconds = 20.0;
-        const auto cost = pave::pavement::ForwardModel(s.model).cost();
+        const auto cost = analysis::affordable_cost(s, run::usable_threads(threads));
         if (cost.seconds > long_seconds) {
             run::message("a run of this study asks for some {:.1f} GB a thread and takes some {}; check estimates the "
                          "whole, --threads and [mesh] refine lessen it\n",

@@ -264,20 +264,6 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
     return branch;
 }
 
-std::vector<double> accepted_end(const Branch& branch, const std::vector<double>& from, double threshold) {
-    std::vector<double> inside = from;
-    double rise = 0.0;
-    for (const ProfilePoint& p : branch.points) {
-        if (p.rise > threshold) {
-            const double share = (std::sqrt(threshold) - root(rise)) / std::max(root(p.rise) - root(rise), 1e-12);
-            return clamped(inside, share * (vector_of(p.unit) - vector_of(inside)));
-        }
-        inside = p.unit;
-        rise = p.rise;
-    }
-    return inside;
-}
-
 Branch trace_valley(run::Chain& chain, const problem::Problem& problem, const Acceptance& acceptance,
                     const Minimum& from, const VectorXd& direction) {
     Walker walker(chain, problem, acceptance, from.evaluation.misfit);

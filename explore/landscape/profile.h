@@ -53,10 +53,6 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
 Branch trace_valley(run::Chain& chain, const problem::Problem& problem, const Acceptance& acceptance,
                     const Minimum& from, const Eigen::VectorXd& direction);
 
-// The unit coordinates of the last point of a branch that the data accept: where its rise meets the threshold, between
-// its points interpolated linearly in sqrt(chi2). from: where the branch begins.
-std::vector<double> accepted_end(const Branch& branch, const std::vector<double>& from, double threshold);
-
 // The lowest way found from one minimum towards another: the lowest misfit on planes across the line that joins them,
 // each reached from the one before. Values run from 0 at `from` to 1 at `to`.
 std::vector<ProfilePoint> approach(run::Chain& chain, const problem::Problem& problem, const Acceptance& acceptance,

@@ -1,6 +1,7 @@
 #include "landscape/uniqueness.h"
 
 #include "base/random.h"
+#include "landscape/accepted_ends.h"
 #include "landscape/confirmation.h"
 #include "landscape/multistart.h"
 #include "landscape/readings_alone.h"
@@ -296,6 +297,7 @@ private:
             range.low = problem.space.axes[k].physical(range.low);
             range.high = problem.space.axes[k].physical(range.high);
         }
+        widen_ranges(problem.space, result_);
         result_.outputs.clear();
         if (!predicted.empty()) {
             // The minima once more, with every response.
@@ -575,6 +577,10 @@ private:
                                               [](const auto& e) { return e.kind == EndKind::unfinished; });
         if (2 * static_cast<std::size_t>(unfinished) > result_.ends.size()) {
             result_.missing.emplace_back("searches: more than half of them ended unfinished");
+        }
+        if (result_.minima[0].on_bound.size() == result_.minima[0].unit.size()) {
+            result_.missing.emplace_back("an answer of the data: everything that is fitted ends on a bound, where the "
+                                         "box answers");
         }
         if (incomplete) {
             result_.missing.emplace_back("a profile: points without an answer or the limit of steps stopped it");

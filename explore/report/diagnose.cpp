@@ -408,7 +408,8 @@ std::string diagnosis_page(const DiagnoseResult& f) {
         }
         text += pairs.text();
     }
-    text += "\nParameters and outputs\n";
+    text += d.verdict == Verdict::unexplained ? "\nParameters and outputs of models that do not explain these data\n"
+                                              : "\nParameters and outputs\n";
     Table values(f.after ? std::vector<std::string>{"", "before", "95 % from", "to", "after", "95 % from", "to", "unit"}
                          : std::vector<std::string>{"", "value", "95 % from", "to", "unit"});
     const auto& space = (f.after ? f.after->study : reported_before.study).space;

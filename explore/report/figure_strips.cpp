@@ -97,7 +97,7 @@ double median_of(std::vector<double> values) {
 // What is worth a look at a station: {kind, words}. What more than half of the stations have in common is not.
 std::vector<std::pair<std::string, std::string>> warnings_of(const Road& road, std::size_t i) {
     static const std::map<std::string, std::string> kinds{
-        {"rejected", "rejected"}, {"no-fit", "not described"}, {"failed", "no answer"}};
+        {"doubtful", "doubtful"}, {"rejected", "rejected"}, {"no-fit", "not described"}, {"failed", "no answer"}};
     const Json& s = road.stations[i];
     std::vector<std::pair<std::string, std::string>> warnings;
     if (const auto kind = kinds.find(s.at("status").get<std::string>()); kind != kinds.end()) {

@@ -230,6 +230,7 @@ Json survey_json(const SurveyResult& result) {
                    {"pass", counts.pass},
                    {"fail", counts.fail},
                    {"fitted", counts.fitted},
+                   {"doubtful", counts.doubtful},
                    {"no_fit", counts.no_fit},
                    {"failed", counts.failed}}},
                  {"findings", analysis::findings_of(result)},

@@ -279,7 +279,8 @@ std::string survey_text(const SurveyResult& result) {
                         counts.pass, counts.fail, counts.rejected);
     if (result.study) {
         text += fmt::format(
-            "; {} back-calculated, {} failed{}\n  {} in {}", counts.fitted, counts.failed,
+            "; {} back-calculated{}, {} failed{}\n  {} in {}", counts.fitted,
+            counts.doubtful > 0 ? fmt::format(" ({} doubtful)", counts.doubtful) : "", counts.failed,
             counts.no_fit > 0 ? fmt::format(", {} that the model does not describe", counts.no_fit) : "",
             counted(static_cast<std::size_t>(result.computed), "run", "runs"), run::duration_words(result.seconds));
         if (result.stations_computed > 0) {

@@ -4,6 +4,7 @@
 #include "analysis/range_shape.h"
 #include "base/error.h"
 #include "base/text.h"
+#include "landscape/accepted_ends.h"
 #include "report/curves.h"
 #include "report/text.h"
 #include "run/progress.h"
@@ -220,7 +221,7 @@ Json answer_json(const UniqueResult& result) {
              {"points", points}});
         if (u.acceptance) {
             json["traces"].back()["accepted_end"] =
-                parameters_json(space, space.physical(accepted_end(trace, u.minima[0].unit, u.acceptance->threshold)));
+                parameters_json(space, space.physical(accepted_end(space, u, trace)));
         }
     }
     if (u.conflict) {

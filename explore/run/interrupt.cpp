@@ -16,11 +16,21 @@ void say(std::string_view words) {
     [[maybe_unused]] const auto written = write(STDERR_FILENO, words.data(), words.size());
 }
 
-void handle(int) {
+void give_up(int) {
+    say("interrupted: what was running is lost, what was finished is kept\n");
+    std::_Exit(130);
+}
+
+void handle(int number) {
     if (flag.exchange(true)) {
         std::_Exit(130);
     }
-    say("\nwaiting for the evaluations that are running; a second Ctrl-C ends at once\n");
+    if (number == SIGINT) {
+        say("\nwaiting for the evaluations that are running; a second Ctrl-C ends at once\n");
+    } else { // nobody sits there; who sent it kills after a while
+        say("\nwaiting for the evaluations that are running, five seconds at most\n");
+        alarm(5);
+    }
 }
 
 void end(int) {
@@ -45,6 +55,7 @@ void at_interrupts(void (*handler)(int)) {
 
 void catch_interrupts() {
     at_interrupts(handle);
+    std::signal(SIGALRM, give_up);
 }
 
 void end_at_interrupts() {

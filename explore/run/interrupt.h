@@ -4,7 +4,7 @@
 namespace explore::run {
 
 // From now on SIGINT, SIGTERM and (unless it is ignored, as under nohup) SIGHUP set a flag and say that what is running
-// is awaited. A second one ends the program at once.
+// is awaited; after the latter two for five seconds at most. A second one ends the program at once.
 void catch_interrupts();
 // For a command that keeps nothing: they end the program at once, with exit status 130 and a word.
 void end_at_interrupts();

@@ -2,6 +2,7 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "data/csv.h"
+#include "data/fwd.h"
 #include "material/catalog.h"
 #include "pavement/effects/catalog.h"
 #include "pavement/tie.h"
@@ -308,6 +309,22 @@ void refuse_deep_keys(const std::string& text, const std::string& file) {
     }
 }
 
+// Where text that is no study holds readings: which command takes it.
+void refuse_readings(const std::string& text, const std::string& file) {
+    const auto formats = data::fwd_formats();
+    const auto format =
+        std::find_if(formats.begin(), formats.end(), [&](const auto& f) { return f.recognises(text, {}); });
+    if (format != formats.end()) {
+        throw pave::Error({.file = file}, "this is a file of FWD readings, not a study", std::string(format->name),
+                          "a study (TOML); survey and road take FWD files (survey FILE --study STUDY), new --from FILE "
+                          "--station S makes a study of a station");
+    }
+    if (text.find(data::measurement_header()) != std::string::npos) {
+        throw pave::Error({.file = file}, "this is a file of readings, not a study", "a table of readings",
+                          "a study (TOML), which names it in [data] files");
+    }
+}
+
 Study parse(std::string text, const std::string& file, Readings readings, const TextReader& read_text) {
     Study study;
     study.file = file;
@@ -316,6 +333,7 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
     try {
         table = toml::parse(text, file);
     } catch (const toml::parse_error& error) {
+        refuse_readings(text, file);
         throw pave::Error({.file = file, .line = static_cast<int>(error.source().begin.line)}, "this is not valid TOML",
                           std::string(error.description()), "see toml.io for the format");
     }

@@ -1,6 +1,7 @@
 #include "pavement/load_model.h"
 
 #include "base/error.h"
+#include "base/memory_limit.h"
 #include "base/units.h"
 #include "pavement/layered.h"
 #include "pavement/pulse.h"
@@ -11,7 +12,6 @@
 #include <fmt/format.h>
 #include <map>
 #include <numbers>
-#include <unistd.h>
 #include <utility>
 
 namespace pave::pavement {
@@ -98,12 +98,10 @@ typename Kind::Mesh affordable_mesh(const Case& nominal, int number) {
     auto mesh = Kind::nominal_mesh(nominal, number);
     if constexpr (Kind::Element::dim == 3) {
         const double unknowns = 3.0 * static_cast<double>(mesh.nodes.size());
-        const double available =
-            static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+        const double available = memory_limit();
         if (solid_memory(unknowns) > available) {
             throw Error({.key = "mesh.refine"},
-                        "a run of the load \"" + nominal.loads[number].name +
-                            "\" needs more memory than this machine has",
+                        "a run of the load \"" + nominal.loads[number].name + "\" needs more memory than there is",
                         fmt::format("about {:.0f} GB for {:.0f} unknowns", solid_memory(unknowns) / giga, unknowns),
                         fmt::format("{:.0f} GB: a smaller refine or extent_m", available / giga));
         }

@@ -289,6 +289,20 @@ TEST(CombinationsInWords, HaveTheStressesOfTheirLaw) {
               "to 2 %");
 }
 
+TEST(DataInConflict, AreSaidToDifferInWhatMattersHoweverManyPartsAreAlike) {
+    problem::ParameterSpace space;
+    for (int k = 0; k < 12; ++k) {
+        space.axes.push_back({.name = "p" + std::to_string(k), .low = 0.0, .high = 1.0});
+    }
+    Eigen::VectorXd alike = Eigen::VectorXd::Constant(12, 1.0);
+    alike[1] = -1.0;
+    const std::string words = analysis::conflict_words(space, alike.normalized());
+    EXPECT_TRUE(words.starts_with("higher p0, lower p1, higher p2,")) << words;
+    EXPECT_TRUE(words.ends_with("higher p11")) << words;
+    EXPECT_EQ(analysis::conflict_words(space, Eigen::VectorXd::Unit(12, 3)), "higher p3");
+    EXPECT_EQ(analysis::conflict_words(space, {}), "");
+}
+
 TEST(EndsOfWalks, AreNamedByWhatStoppedThem) {
     const problem::Problem problem(study_in_memory("uzan").space, nullptr, {problem::MisfitKind::log, {}});
     using landscape::WalkEnd;

@@ -1,6 +1,7 @@
 // What a survey makes of bowls. Expected values are calculated by hand, as written beside them.
 #include "analysis/survey_findings.h"
 #include "analysis/survey_road.h"
+#include "analysis/survey_stations.h"
 #include "data/asphalt_temperature.h"
 
 #include <cmath>
@@ -124,6 +125,21 @@ TEST(SuspectSensor, IsFoundByAResidualThatRepeats) {
     EXPECT_FALSE(analysis::suspect_sensor(road_with_residual(12, 0.18, false))); // either sign
     EXPECT_FALSE(analysis::suspect_sensor(road_with_residual(6, 0.18, true)));   // too few
     EXPECT_FALSE(analysis::suspect_sensor(road_with_residual(12, 0.01, true)));  // too small
+}
+
+TEST(SurveyFindings, DoubtAFitThatMissesByFiveTimesWhatSensorsErr) {
+    for (const auto& [rms, state] : {std::pair(9.9, analysis::StationState::ok),
+                                     {10.1, analysis::StationState::doubtful},
+                                     {24.9, analysis::StationState::doubtful},
+                                     {25.1, analysis::StationState::no_fit}}) {
+        analysis::StationResult s = station(0.0, 500.0);
+        s.fit.emplace().rms_percent = rms;
+        s.fit->best.unit = {0.5};
+        analysis::judge_fit(s);
+        EXPECT_EQ(s.state, state) << rms;
+        EXPECT_EQ(s.is_fitted(), state != analysis::StationState::no_fit) << rms;
+        EXPECT_EQ(analysis::reason_of(s).empty(), state == analysis::StationState::ok) << rms;
+    }
 }
 
 TEST(SurveyFindings, SayWhatIsNoBackCalculation) {

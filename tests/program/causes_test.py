@@ -64,6 +64,14 @@ TOP = '[[layers]]\nname = "top"\nthickness_mm = 450\ndensity_kg_m3 = 1900\nk0 = 
 thick = diagnose(made("thick", 0.01, 1, truth=DROPS.replace(WHOLE, TOP + WHOLE.replace("1210", "760"))))
 check("weak-subgrade-top" in thick["causes"], f"a soft top of another thickness is not lost: {thick['verdict']} {thick['causes']}")
 
+# A stiff top is the same effect with a size below 0: said which way and how much, and that its range ends there; the extended study runs.
+stiff = diagnose(made("stiff", 0.01, 2, "weak-subgrade-top=-0.9"))
+words = next((s for s in stiff["findings"] if "weak-subgrade-top = -1.000" in s), "")
+check("end of its range" in words and "the top 200 mm of the subgrade have 2.7 times the stated modulus" in words, f"exp(1) times as stiff, at the end: {stiff['findings']}")
+for command in ("check", "forward"):
+    done = run(command, folder / "stiff" / "run" / "extended.toml")
+    check(done.returncode == 0, f"{command} of the extended study: {done.stderr}")
+
 # The noise is twice the stated one: no name, and what would be needed stands beside what comes nearest.
 loud = diagnose(made("loud", 0.02, 14, readings=lambda cells: times(cells, sigma=0.5)))
 check(loud["verdict"] != "cause-named", f"noise is no cause: {loud['findings'][0]}")
@@ -75,6 +83,8 @@ check(fits < 0.05, f"nothing explains these: {fits}")
 check(not any("explanations fit these data so alike" in s for s in none["findings"]), f"and none is said to: {none['findings'][0]}")
 check(any("comes nearest" in s for s in none["findings"]), f"but what comes nearest: {none['findings']}")
 if none["verdict"] == "unexplained":
+    check(any("they are no answer" in s for s in none["findings"]), f"ranges of what does not explain the data are marked: {none['findings']}")
+    check("models that do not explain these data" in (folder / "none" / "run" / "diagnose.txt").read_text(), "on the page too")
     words = next((s for s in none["findings"] if "misses most" in s), "")
     check("mm under p" in words and ("too high" in words or "too low" in words), f"place, load and sign of what is left: {words}")
     predicted = [p["explanation"] for p in none["next_measurement"]["predicted"]]

@@ -378,6 +378,22 @@ for arguments, room in ((("twin",), 100), (("fit", "--explore", 10, "--starts", 
     done = call(arguments[0], path, *arguments[1:], "--out", path.parent / "full", preexec_fn=limited(resource.RLIMIT_FSIZE, room))
     one_line(done, [1], f"{arguments[0]} with room for {room} bytes")
 
+# Readings in place of a study: what they are, and what takes them.
+for name, words in (("road-north.f25", ("FWD readings", "survey FILE --study", "new --from")), ("road-example.csv", ("FWD readings",)),
+                    ("captif-p1-fwd.csv", ("a file of readings", "[data] files"))):
+    for command in ("unique", "check"):
+        refused(call(command, ROOT / "grids" / name), f"{command} {name}", *words, file=name)
+
+# Runs in three dimensions on more threads than there is memory for are refused before the first; fewer are told.
+path = case((ROOT / "grids" / "dual-nonlinear.toml").read_text().replace("[mesh]", "[mesh]\nrefine = 2"), None)
+room = 2_000_000_000
+for command in ("check", "sensitivity"):
+    done = call(command, path, "--threads", 4, preexec_fn=limited(resource.RLIMIT_AS, room))
+    message = done.stderr.strip().splitlines()[-1]
+    check(done.returncode == 2 and "need more memory than there is" in message and "2.0 GB in all" in message, f"{command}: {done.returncode} {message}")
+    fit, gigabytes = int(re.search(r"--threads (\d)", message)[1]), float(re.search(r"some ([\d.]+) GB a thread", message)[1])
+    check(fit * gigabytes <= 2.0 < (fit + 1) * (gigabytes + 0.05), f"{command}: as many as have room: {message}")
+
 # Signals, in the middle of one long run of the model.
 patience = 600 if sanitizer() else 30
 path = case(changed("refine = 0.4", "refine = 12"))
@@ -401,6 +417,15 @@ check("waiting for the evaluations" in said and process.poll() is None, f"what i
 begin = time.monotonic()
 process.send_signal(signal.SIGINT)
 check(ended(process, patience).returncode == 130 and time.monotonic() - begin < patience / 3, "a second Ctrl-C ends at once")
+
+# Who sends SIGTERM does not wait: neither does the program, for a run that takes longer.
+process = begun("map", path, "--out", path.parent / "ended")
+until_caught(process, signal.SIGTERM)
+time.sleep(1)
+begin = time.monotonic()
+process.send_signal(signal.SIGTERM)
+done = ended(process, patience)
+check(done.returncode == 130 and time.monotonic() - begin < 8 and "what was finished is kept" in done.stderr, f"SIGTERM: {done.returncode} {done.stderr}")
 
 # And in the middle of a repetition: to the program alone, as `kill` sends it, and to all that a terminal started, as Ctrl-C does.
 path = case(NOISY)

@@ -36,6 +36,13 @@ for weight, fit in fits.items():
         check(error is None or abs(error / fits[1]["best"]["standard_errors"][name] - 1) < 1e-2, f"weight {weight}: standard error of {name}: {error}")
 check(len(set(verdicts.values())) == 1, f"weights do not turn a verdict: {verdicts}")
 
+# fit minimises the log misfit, unique chi2: both say that they may differ for that; by the noise they are one and say nothing.
+for misfit, differs in (("log", True), ("weighted", False)):
+    study = made(f"objective-{misfit}", NOISY.replace('misfit = "log"', f'misfit = "{misfit}"'))
+    for command, options in (("fit", ("--explore", 24, "--starts", 3)), ("unique", ("--explore", 16, "--verify", 3))):
+        said = answer(command, study, *options)["findings"]
+        check(any(f"minimises the {misfit} misfit" in s for s in said) == differs, f"{command}, {misfit}: why fit and unique differ: {said}")
+
 # A twin without an error is accused of none, whatever the misfit; neither is one whose noise is as stated.
 for misfit in ("log", "relative", "weighted"):
     for noise in (0, 0.03):
@@ -61,6 +68,25 @@ said = [s for s in sentinel["findings"] if "stands out" in s]
 check(len(said) == 1 and "measured -9999" in said[0] and "p = 0 " not in said[0], f"the sentinel is accused, not what fits because of it: {said}")
 done = run("check", folder / "sentinel" / "small.toml")
 check(done.returncode == 0 and "= -9999: no pavement reads that" in done.stdout, f"check names it before anything runs: {done.stdout} {done.stderr}")
+
+# Noise that the study states for readings that state their own: which of its keys take effect.
+own = made("own-sigma", STUDY.replace('misfit = "log"', 'misfit = "weighted"') + "\n[data.noise]\nrelative = 0.02\nabsolute = { um = 5 }\ncommon_relative = 0.01\n",
+           "".join(line + ("1e-5\n" if "strain_zz" in line else "5\n" if ",um," in line else "0.01\n" if line.startswith("fwd") else "\n") for line in DATA.splitlines()))
+WORDS = "the relative part and absolute have no effect on it; common_relative has on all"
+for command, options in (("fit", ("--explore", 24, "--starts", 2)), ("unique", ("--explore", 16, "--verify", 3))):
+    said = answer(command, own, *options)["findings"]
+    check(any(WORDS in s for s in said), f"{command}: keys without effect: {said}")
+done = run("check", own)
+check(done.returncode == 0 and WORDS in done.stdout, f"check: keys without effect: {done.stdout} {done.stderr}")
+check("no effect" not in run("check", plain).stdout, "and nothing is said where they act")
+
+# What diagnose takes is timed with its effects by finite elements, where the study's own linear layers cost next to nothing.
+layered = made("layered", LAYERED, LAYERED_BOWL)
+times = {c["command"]: c["seconds"] for c in json.loads(run("check", layered, "--threads", 1, "--json").stdout)["commands"]}
+spent = os.times()
+answer("diagnose", layered, "--threads", 1)
+spent = os.times().children_user - spent.children_user
+check(0.5 * spent < times["diagnose"] < 20 * spent, f"check says {times['diagnose']} s of diagnose, which takes {spent} s where the model is adequate")
 
 # A run in three dimensions that takes too long ends with words.
 limited = made("limited", (ROOT / "grids" / "dual-nonlinear.toml").read_text().replace("[solver]", "[solver]\ntime_limit_s = 0.01"))
@@ -138,6 +164,23 @@ words = next(s for s in u["findings"] if s.startswith("The valley was followed")
 low = min(map(float, re.search(r"base\.k2 from ([\d.]+) to ([\d.]+)", words).groups()))
 k2 = next(p for p in u["profiles"] if p["name"] == "base.k2")
 check(k2["low"] - 1e-3 < low < 0.2, f"the valley ends where the profile does, {k2['low']}: {words}")
+
+# A walk that points without an answer end is no border: the range reaches as far as any walk that the data accept, and the valley no further.
+hole = bowl("hole", 0.03, OFFSETS, (("base.k1", 300, 10000, "log"), ("base.k2", 0, 1, "linear"), ("base.n", 0.1, 4.5, "linear"), MODULI[1]))
+u = answer("unique", hole, "--explore", 16, "--verify", 3)
+ranges = {p["name"]: p for p in u["profiles"]}
+check(len(u["traces"]) == 2, f"a valley is followed: {u['findings']}")
+for name, value in ((n, v) for t in u["traces"] for n, v in t["accepted_end"].items()):
+    p = ranges[name]
+    check(p["low"] * (1 - 1e-9) <= value <= p["high"] * (1 + 1e-9), f"the valley's end is accepted: {name} {value}, {p['low']} to {p['high']}")
+for p, t in ((p, t) for t in u["traces"] for p in t["points"] if p["rise"] <= u["acceptance"]["chi2_rise_allowed"]):
+    check(all(ranges[n]["low"] * (1 - 1e-9) <= v <= ranges[n]["high"] * (1 + 1e-9) for n, v in p["parameters"].items()), f"the range holds what is accepted: {p}")
+
+# Everything that is fitted ends on a bound: the box answers.
+boxed = bowl("boxed", 0.02, OFFSETS, (("base.k1", 500, 1200, "log"), ("subgrade.modulus_MPa", 15, 40, "log")))
+u = answer("unique", boxed, "--explore", 16, "--verify", 3)
+check(all(m.get("at_bounds") for m in u["minima"][:1]) and u["verdict"] == "undecided", f"{u['verdict']}: {u['findings'][0]}")
+check("ends on a bound" in u["findings"][0], f"and it says why: {u['findings'][0]}")
 
 # Nothing is determined: not the ends of the searches come first, and profiles reach their bounds.
 blind = made("blind", NOISY, "".join(line + ("30\n" if line.startswith("fwd") and ",mm," in line else "30000\n" if line.startswith("fwd,d") else "1\n" if

@@ -53,7 +53,7 @@ def call(*arguments):
 result = call(road, "--out", folder / "ratios")
 stations = {s["station"]: s for s in result["stations"]}
 check(list(stations) == ["A", "nonsense", "B", "C"], "stations stand along the road")
-check(result["counts"] == {"stations": 4, "rejected": 1, "pass": 2, "fail": 1, "fitted": 0, "no_fit": 0, "failed": 0}, f"counts: {result['counts']}")
+check(result["counts"] == {"stations": 4, "rejected": 1, "pass": 2, "fail": 1, "fitted": 0, "doubtful": 0, "no_fit": 0, "failed": 0}, f"counts: {result['counts']}")
 check(stations["nonsense"]["status"] == "rejected" and "rises from 200 um at 300 mm" in stations["nonsense"]["reason"],
       "nonsense has its reason")
 for row in rows[:3]:

@@ -640,7 +640,7 @@
         (r.sections || []).length && r.sections[0].D0_um ? [part("Homogeneous sections"), make("p", { className: "soft" }, "Cumulative differences of ln D0; 15 / 50 / 85 % of the stations do not exceed."),
             sectionTable(r.sections, [["profile", (p) => p.profile], ["lane", (p) => p.lane], ["from [m]", (p) => p.from_m], ["to [m]", (p) => p.to_m], ["stations", (p) => p.stations],
                 ["D0 [µm]", (p) => percentiles(p.D0_um)], ...names.map((n) => [n, (p) => percentiles((p.parameters || {})[n])])])] : [],
-        list("Stations without a result", bad, [["why", (s) => s.reason], ["where", source]], ["why", "where"]),
+        list("Stations without a result, or with a doubtful one", bad, [["why", (s) => s.reason], ["where", source]], ["why", "where"]),
         list("Stations", good, [["drops", (s) => (s.drops_used || []).join(" ")], ["pressure [kPa]", (s) => s.pressure_kPa], ["D0 [µm]", (s) => s.D0_um],
             ["deflection ratio", (s) => s.deflection_ratio], ["verdict", (s) => (s.pass === null || s.pass === undefined ? s.deflection_ratio_reason : s.pass ? "pass" : "fail")]], ["verdict"]),
         list("Parameters", fitted, [...names.map((n) => [n, (s) => withRange((s.parameters || {})[n]) || figure(s.fit.parameters[n])]), ["rms [%]", (s) => s.fit.rms_percent]]),

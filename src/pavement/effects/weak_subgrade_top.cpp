@@ -34,7 +34,9 @@ const Effect& weak_subgrade_top() {
         .typical = 0.7,
         .mechanism =
             "Remoulding, frost or water leave the uppermost 200 mm of the subgrade, or thickness_mm (at most half of "
-            "it), with the modulus E exp(-size). Strains are high there and drop sharply below it.",
+            "it), soft, or drying and compaction leave it stiff (a size below 0): its modulus is E exp(-size). In a "
+            "soft "
+            "top strains are high and drop sharply below it.",
         .source = "layered elasticity with a divided subgrade; Huang, Pavement Analysis and Design, chapter 2",
         .acts_on = "the subgrade",
         .layer = LayerRole::subgrade,
