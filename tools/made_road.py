@@ -1,5 +1,5 @@
 """Made-up stations of grids/road-together.toml with k2 0.5 and k3 -0.3 everywhere, k1 and subgrade their own, three load levels of two drops, for
-tools/road-trials and tools/survey-trials. Stations are computed on the study's own mesh: what is tried is the statistics, not the mesh."""
+tools/road-trials, tools/road-diagnosis and tools/survey-trials. Stations are computed on the study's own mesh: what is tried is the statistics, not the mesh."""
 import concurrent.futures
 import json
 import math
@@ -17,23 +17,24 @@ TEXT = (ROOT / "grids" / "road-together.toml").read_text()
 TEXT = TEXT[:TEXT.index("[[outputs]]")]
 
 
-def exact(program, station):
-    """Deflections in um at every pressure."""
+def exact(program, station, change=lambda section: section, offsets=OFFSETS):
+    """Deflections in um at every pressure. change: of the text of the section with the station's parameters in it."""
     section = TEXT[:TEXT.index("[data]")]
     for old, new in (("k1 = 2500", f"k1 = {station['base.k1']}"), ("modulus_MPa = 60", f"modulus_MPa = {station['subgrade.modulus_MPa']}")):
         assert section.count(old) == 1
         section = section.replace(old, new)
+    section = change(section)
     load = section[section.index("[[loads]]"):]
     section = section.replace(load, "".join(load.replace('"fwd"', f'"p{p}"').replace("= 566", f"= {p}") for p in PRESSURES))
     for p in PRESSURES:
-        for o in OFFSETS:
+        for o in offsets:
             section += f'[[outputs]]\nname = "p{p}D{o}"\nload = "p{p}"\nquantity = "deflection"\nx_mm = {o}\n'
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder) / "station.toml"
         file.write_text(section)
         done = subprocess.run([program, "forward", file, "--json"], capture_output=True, text=True, check=True)
     values = [1e3 * r["value"] for r in json.loads(done.stdout)["responses"]]
-    return [values[i:i + len(OFFSETS)] for i in range(0, len(values), len(OFFSETS))]
+    return [values[i:i + len(offsets)] for i in range(0, len(values), len(offsets))]
 
 
 def stations_and_bowls(program, count):
@@ -77,7 +78,7 @@ def write_study(name, noise):
 
 
 def write_road(name, stations, bowls, noise, seed):
-    """The drops of a level repeat within 0.2 %."""
+    """The drops of a level repeat within 0.05 %, so that what the study states of the noise is all there is."""
     chance = random.Random(seed)
     lines = ["station,chainage_m,drop,radius_mm,pressure_kPa," + ",".join(f"D{o}_um" for o in OFFSETS)]
     for i in stations:
@@ -86,7 +87,7 @@ def write_road(name, stations, bowls, noise, seed):
             level = noise.spoilt(bowl, chance)
             for _ in range(2):
                 drop += 1
-                lines.append(f"P{i:03},{25 * i},{drop},150,{pressure}," + ",".join(f"{d * (1 + 0.002 * chance.gauss(0, 1)):.3f}" for d in level))
+                lines.append(f"P{i:03},{25 * i},{drop},150,{pressure}," + ",".join(f"{d * (1 + 0.0005 * chance.gauss(0, 1)):.3f}" for d in level))
     file = WORK / f"{name}.csv"
     file.write_text("\n".join(lines) + "\n")
     return file

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 #include <map>
+#include <numeric>
 
 namespace explore::analysis {
 namespace {
@@ -69,10 +70,6 @@ StationTask with_effects(const StationTask& task, const std::vector<study::Varia
     }
     extended.problem = problem_of(extended.study);
     return extended;
-}
-
-double null_of(const pave::pavement::Effect& effect) {
-    return study::size_axis(effect).unit(effect.null);
 }
 
 class Diagnoser {
@@ -146,7 +143,7 @@ private:
             const auto d = static_cast<Index>(point.unit.size());
             std::vector<double> unit = point.unit;
             for (const study::Variant& variant : of_member[m]) {
-                unit.push_back(null_of(*variant.applied.effect));
+                unit.push_back(study::size_axis(*variant.applied.effect).unit(variant.applied.effect->null));
             }
             const auto here = stations.search(m, unit, {}, 0);
             if (!here || !here->evaluation.converged()) {
@@ -438,9 +435,7 @@ private:
             }
         }
         std::vector<std::size_t> all(tasks.size());
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            all[i] = i;
-        }
+        std::iota(all.begin(), all.end(), std::size_t{0});
         RoadStations stations(session_, tasks, runs, layout);
         const auto end = stations.search_together(all, points, fit_number);
         if (!end) {

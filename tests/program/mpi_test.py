@@ -39,6 +39,17 @@ for name, options in commands.items():
     check(said and said[1] == "4" and int(said[2]) > 0, f"{name}: the others help: {complaints}")
     check(printed.count(str(out)) == alone.stdout.count(str(folder / name)), f"{name}: one process speaks")
 
+# A road: stations in many processes.
+example = (ROOT / "grids" / "road-together.csv").read_text().splitlines()
+(folder / "road.csv").write_text("\n".join(line for line in example if re.match(r"station,|P0[0-3],", line)) + "\n")
+(folder / "road.toml").write_text((ROOT / "grids" / "road-together.toml").read_text() + "\n[mesh]\nrefine = 0.4\n")
+road = [PROGRAM, "road", folder / "road.csv", "--study", folder / "road.toml", "--diagnose", "--threads", "1", "--json"]
+one, two = (subprocess.run([*before, *road, "--out", folder / f"road-{name}"], capture_output=True, text=True, timeout=600, env=ENVIRONMENT)
+            for name, before in (("one", []), ("two", [MPIRUN, "-n", "2", "--oversubscribe"])))
+check(one.returncode == 0 and two.returncode == 0, f"road: {one.stderr} {two.stderr}")
+check(lasting(json.loads(one.stdout)) == lasting(json.loads(two.stdout)), "road: two processes end with what one ends with")
+check(re.search(r"2 processes: [1-9]\d* evaluations by the others", two.stderr), f"road: the other helps: {two.stderr}")
+
 # One of four is killed in the middle.
 seed = random.SystemRandom().randrange(10**6)
 random.seed(seed)

@@ -158,6 +158,24 @@ check(w["p_value"] > 0.01 and all(s["p_familywise"] > 0.01 for s in w["sensors"]
 check(0.7 < w["rms_percent"] / w["noise_percent"] < 1.4, f"withheld: as far off as noise is: {w}")
 check(all(len(s["levels"]) == 2 for s in json.loads(done.stdout)["stations"]), "withheld: the other levels are fitted")
 
+# What all stations lack: nothing here; then a sensor that reads 3 % too much everywhere.
+results = []
+for name, factor, threads in (("clean", 1.0, 1), ("scaled", 1.03, 1), ("scaled", 1.03, 2)):
+    scaled = folder / f"{name}.csv"
+    at = HEADER.split(",").index("D900_um")
+    scaled.write_text("\n".join([HEADER, *(",".join(f"{float(cell) * factor:.2f}" if k == at else str(cell) for k, cell in enumerate(row)) for row in rows)]) + "\n")
+    done = run("road", scaled, "--study", study, "--diagnose", "--threads", threads, "--out", folder / f"{name}-{threads}", "--json")
+    check(done.returncode == 0, f"{name}: {done.stderr}")
+    results.append(json.loads(done.stdout))
+clean, first, second = (r["diagnosis"] for r in results)
+check(clean["verdict"] == "adequate" and clean["causes"] == [] and clean["candidates"][0]["p_familywise"] > 0.05, f"nothing is lacking: {clean['candidates'][0]}")
+check(first["verdict"] == "cause-named" and first["causes"] == ["sensor-gain"], f"a sensor reads too much: {first['verdict']} {first['causes']}")
+gain = first["candidates"][0]
+check(gain["on"] == "the sensor at 900 mm" and gain["size_low"] < 3.0 < gain["size_high"], f"which one, and by how much: {gain}")
+check(gain["p_value"] > 0.05 and first["chi2"] - gain["chi2"] > 20, f"and what is left is noise: {gain}")
+check(any("CAUSE NAMED" in f and "900 mm reads" in f for f in results[1]["findings"]), "in words")
+check(first == second, "one and two threads differ in the diagnosis")
+
 # A prior of a shared parameter counts once: its pull is that of the road's information, not of every station's.
 p2 = shared["base.k2"]
 sd = (p2["high"] - p2["low"]) / 2 / 1.96
