@@ -2,6 +2,7 @@
 #include "support/sections.h"
 
 #include "base/random.h"
+#include "pavement/effects/catalog.h"
 
 #include <gtest/gtest.h>
 #include <map>
@@ -354,6 +355,14 @@ TEST(LoadPath, OfTheHeaviestPlateReadsTheLighterOnesOnTheWay) {
         const Disagreement d = disagreement(*exact, p, parameter.get(shared), found->rates);
         EXPECT_LT(d.worst, 1e-6 * d.scale) << parameter.path;
     }
+    // Beside an effect, which need not be the same under every load, each has a path of its own.
+    for (Case* of : {&c, &shared}) {
+        of->effects = {{.effect = find_effect("weak-subgrade-top"), .size = 0.4}};
+    }
+    const auto each = run(c, 2e-3);
+    const auto beside = run(shared, 2e-3);
+    ASSERT_TRUE(each && beside);
+    EXPECT_EQ(beside->values, each->values);
 }
 
 TEST(ForwardRun, OfALinearSectionIsProportionalToTheLoadAndInverseToTheModuli) {

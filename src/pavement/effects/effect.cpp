@@ -67,6 +67,8 @@ Case with_effects(const Case& c, int load) {
     out.ties.clear();
     out.effects.clear();
     out.corrections.clear();
+    // What is applied need not be the same under every load.
+    out.settings.shares_paths = c.settings.shares_paths && c.effects.empty() && c.corrections.empty();
     for (const AppliedEffect& applied : c.effects) {
         if (is_active(applied)) {
             applied.effect->apply(out, with_layer(c, applied), load);
