@@ -66,6 +66,17 @@ struct WithheldLevel {
     std::vector<Sensor> sensors{};
 };
 
+// How a parameter of the stations varies along one lane (analysis/road_course.h): neighbours tell of each other.
+struct RoadCourse {
+    std::size_t axis = 0;
+    std::string lane{};                 // in words; "": the road has one
+    double length_m = 0.0, sd = 0.0;    // of its variation; sd: as a share of the box
+    double p_none = 1.0;                // that neighbours are no more alike than any two stations
+    double narrower = 1.0;              // width of the range of a station without the course over that with it, median
+    std::vector<std::size_t> stations;  // of RoadResult::stations, along the road
+    std::vector<ParameterRange> ranges; // of each, with the course
+};
+
 // Something that the model may lack at every station alike, its size one unknown of the road.
 struct RoadEffect {
     std::size_t candidate = 0; // its number
@@ -113,13 +124,15 @@ struct RoadResult {
     double conflict_chi2 = 0.0, conflict_dof = 0.0, conflict_p = 1.0;
     std::optional<WithheldLevel> withheld{};
     std::optional<RoadDiagnosis> diagnosis{};
+    std::vector<RoadCourse> courses{};
     int rounds = 0; // of the last search
     bool converged = false;
     std::string ended{};
 };
 
 inline constexpr double road_familywise = 0.05;
-inline constexpr int road_first_stations = 8; // that are fitted by themselves, to begin from
+inline constexpr std::size_t road_least_course = 8; // stations of a lane that have a course
+inline constexpr int road_first_stations = 8;       // that are fitted by themselves, to begin from
 
 // survey_study: as load_survey_study() gives it; its levels say what is common. Each station is compared in units of
 // its readings' noise (study::station_study), whatever the misfit of the study, at all its load levels unless a target

@@ -191,6 +191,16 @@ std::vector<std::string> findings_of(const RoadResult& result) {
                 : "Stations by themselves do not contradict the road",
             figure(result.conflict_chi2), result.conflict_dof, result.conflict_p));
     }
+    for (const RoadCourse& c : result.courses) {
+        if (c.p_none < road_familywise) {
+            words.push_back(
+                fmt::format("{}{} has a course along the road: stations are alike over some {} m (p = {:.2g} that "
+                            "they are no more alike than any two). With it the range of the median station is "
+                            "{:.1f} times narrower.",
+                            result.survey.study->space.axes[c.axis].name, c.lane.empty() ? "" : " of lane " + c.lane,
+                            figure(c.length_m, 2), c.p_none, c.narrower));
+        }
+    }
     if (result.diagnosis) {
         words.push_back(diagnosis_words(*result.diagnosis));
     }

@@ -1,5 +1,6 @@
 #include "analysis/road_statistics.h"
 
+#include "analysis/road_course.h"
 #include "data/deflection_bowl.h"
 
 #include <Eigen/Cholesky>
@@ -7,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <gsl/gsl_cdf.h>
+#include <map>
 
 namespace explore::analysis {
 namespace {
@@ -86,6 +88,60 @@ void add_weakest(const RoadState& state, const MatrixXd& covariance, RoadResult&
     result.weakest.assign(direction.data(), direction.data() + direction.size());
     result.weakest_sd = std::sqrt(eigen.eigenvalues()[last]);
     result.condition = eigen.eigenvalues()[last] / eigen.eigenvalues()[0];
+}
+
+// What stations have for themselves, along every lane. Errors of the common unknowns are those of all stations alike
+// and are added afterwards.
+void add_courses(const RoadState& state, const MatrixXd& covariance, double quantile, const RoadResult& result,
+                 std::vector<RoadCourse>& courses) {
+    std::map<std::string, std::vector<std::size_t>> lanes;
+    const auto chainage = [&](std::size_t i) { return state.tasks[i].station->station.chainage_m; };
+    for (const std::size_t i : state.members) {
+        const auto& station = state.tasks[i].station->station;
+        if (chainage(i)) {
+            lanes[station.profile.empty() ? station.lane : station.profile + " " + station.lane].push_back(i);
+        }
+    }
+    const double scale = result.noise_factor();
+    const auto& axes = state.tasks[0].study.space.axes;
+    for (auto& [lane, stations] : lanes) {
+        if (stations.size() < road_least_course) {
+            continue;
+        }
+        std::stable_sort(stations.begin(), stations.end(),
+                         [&](std::size_t a, std::size_t b) { return *chainage(a) < *chainage(b); });
+        for (const std::size_t axis : state.layout.own_axes(stations[0])) {
+            std::vector<double> at, y, variance, common;
+            for (const std::size_t i : stations) {
+                const StationInformation information(state, i);
+                const auto own = std::find(information.own.begin(), information.own.end(), static_cast<Index>(axis));
+                const Index k = own - information.own.begin();
+                const double alone = scale * scale * information.alone(k, k);
+                const auto all = static_cast<Index>(axis);
+                at.push_back(*chainage(i));
+                y.push_back(state.points[i].unit[axis]);
+                variance.push_back(alone);
+                common.push_back(std::max(0.0, scale * scale * information.covariance(covariance)(all, all) - alone));
+            }
+            const Course course = course_of(at, y, variance);
+            RoadCourse found{.axis = axis,
+                             .lane = lanes.size() > 1 ? lane : "",
+                             .length_m = course.length,
+                             .sd = course.sd,
+                             .p_none = course.p_none,
+                             .stations = stations,
+                             .ranges = {}};
+            std::vector<double> ratios;
+            for (std::size_t s = 0; s < stations.size(); ++s) {
+                const double with = std::sqrt(course.variance[s] + common[s]);
+                ratios.push_back(std::sqrt(variance[s] + common[s]) / with);
+                found.ranges.push_back(
+                    range_about(axes[axis], std::clamp(course.value[s], 0.0, 1.0), quantile / scale * with));
+            }
+            found.narrower = data::median(ratios);
+            courses.push_back(std::move(found));
+        }
+    }
 }
 
 } // namespace
@@ -227,6 +283,7 @@ void conclude(const RoadState& state, const std::vector<RoadStation>& judged, co
     }
     add_common(state, result.stations, by_itself, covariance, quantile, result);
     add_weakest(state, covariance, result);
+    add_courses(state, covariance, quantile, result, result.courses);
 
     result.conflict_chi2 = 0.0;
     result.conflict_dof = -common_met;

@@ -132,6 +132,22 @@ Json road_json(const RoadResult& result) {
                                                    {"p_familywise", s.p_familywise}});
         }
     }
+    json["courses"] = Json::array();
+    for (const auto& c : result.courses) {
+        Json stations = Json::array();
+        for (std::size_t i = 0; i < c.stations.size(); ++i) {
+            Json one = {{"station", result.survey.stations[result.stations[c.stations[i]].station].station.name}};
+            one.update(range_json(c.ranges[i]));
+            stations.push_back(std::move(one));
+        }
+        json["courses"].push_back({{"name", result.survey.study->space.axes[c.axis].name},
+                                   {"lane", c.lane},
+                                   {"length_m", c.length_m},
+                                   {"sd", c.sd},
+                                   {"p_none", c.p_none},
+                                   {"narrower", c.narrower},
+                                   {"stations", std::move(stations)}});
+    }
     if (result.diagnosis) {
         json["diagnosis"] = diagnosis_json(*result.diagnosis);
     }
