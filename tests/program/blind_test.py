@@ -1,6 +1,6 @@
 """Blind trials of `pavescape diagnose` on a fixed subset: cases whose truth only the judge reads (tests/blind).
 
-python3 tests/program/blind_test.py PROGRAM GENERATOR [COUNT of each kind, else seven cases]
+python3 tests/program/blind_test.py PROGRAM GENERATOR [COUNT of each kind, else six cases]
 """
 import argparse
 import pathlib
@@ -11,11 +11,11 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "blind"))
 import trials
 
 FIRST = 1001
-counts = dict(one=3, none=2, two=1, removed=1)
+counts = dict(one=3, none=1, two=1, removed=1)
 if len(sys.argv) > 3:
     counts = dict.fromkeys(counts, int(sys.argv[3]))
 with tempfile.TemporaryDirectory(prefix="pavescape-blind-") as out:
-    results = trials.run_all(argparse.Namespace(program=sys.argv[1], generator=sys.argv[2], **counts, power=0, outside=0, first=FIRST, jobs=2,
+    results = trials.run_all(argparse.Namespace(program=sys.argv[1], generator=sys.argv[2], **counts, power=0, outside=0, correlated=False, independent=False, first=FIRST, jobs=2,
                                                 out=out, keep=False))
 failed = False
 for r in results:
