@@ -97,7 +97,7 @@ public:
             d_.verdict = Verdict::adequate;
             return true;
         }
-        return explain() && weigh_evidence() && decide() && locate(task_, d_) && hold_out();
+        return fit_untried() && explain() && weigh_evidence() && decide() && locate(task_, d_) && hold_out();
     }
 
     Diagnosis result() { return std::move(d_); }
@@ -243,6 +243,59 @@ private:
             keep_lower(best, fit_from(members, number + static_cast<int>(s), starts[s]));
         }
         return best;
+    }
+
+    // With one candidate more, whatever the screening says of it: from a typical size on both sides of none, and from
+    // large ones.
+    std::optional<Model> fit_blindly(const Model& base, std::size_t added) {
+        const Members members = with_member(base.members, added);
+        const std::size_t at = size_index(bench_, members, added);
+        const Candidate& candidate = task_.candidates[added];
+        constexpr double large = 0.6; // of the way to the end of the range
+        std::optional<Model> best;
+        int number = blind_number;
+        for (const double size : {candidate.typical, 2.0 * candidate.null - candidate.typical,
+                                  candidate.null + large * (1.0 - candidate.null), (1.0 - large) * candidate.null}) {
+            if (size > 0.0 && size < 1.0 && std::abs(size - candidate.null) > 1e-3) {
+                keep_lower(best, fit_from(members, number, with_size(base.unit, at, size)));
+            }
+            ++number;
+        }
+        return best;
+    }
+
+    // Where no effect explains the data clearly better than the next, those that promised nothing are fitted too: the
+    // baseline's parameters are bent to follow what is missing, and the screening may then not see it. False:
+    // interrupted.
+    bool fit_untried() {
+        constexpr double clearly = 6.0; // chi2
+        const auto& e = d_.effects;
+        const bool is_clear = noise_is_stated_ && !e.empty() && e[0].fit && e[0].fit->p_value >= level_noise &&
+                              (e.size() < 2 || !e[1].fit || criterion(*e[1].fit) > criterion(*e[0].fit) + clearly);
+        std::vector<EffectResult*> untried;
+        for (EffectResult& effect : d_.effects) {
+            if (!is_clear && !effect.fit && d_.screening.items[effect.candidate].impossible.empty()) {
+                untried.push_back(&effect);
+            }
+        }
+        std::vector<std::optional<Model>> models(untried.size());
+        run::Progress progress("remaining fits", static_cast<std::int64_t>(untried.size()));
+        run::for_each_index(arena_, untried.size(), [&](std::size_t i) {
+            models[i] = fit_blindly(d_.baseline.model, untried[i]->candidate);
+            progress.add(1, true);
+        });
+        if (run::interrupted()) {
+            return false;
+        }
+        for (std::size_t i = 0; i < untried.size(); ++i) {
+            if (models[i]) {
+                untried[i]->impossible.clear();
+                singles_.emplace_back(untried[i]->candidate, *models[i]);
+                untried[i]->fit = judge(std::move(*models[i]));
+            }
+        }
+        set_statistics();
+        return true;
     }
 
     // The candidates that are worth a fit: of the effects that lead by what the screening predicts so many, those that
@@ -502,16 +555,8 @@ private:
         for (const auto& [effect, c] : variant) {
             list.push_back(c);
         }
-        return fit_jobs("further pairs", list.size(), pairs, [&](std::size_t i) {
-            const Members members = with_member(first.members, list[i]);
-            const std::size_t at = size_index(bench_, members, list[i]);
-            const Candidate& candidate = task_.candidates[list[i]];
-            auto best = fit_from(members, blind_number, with_size(first.unit, at, candidate.typical));
-            if (const double other = 2.0 * candidate.null - candidate.typical; other > 0.0 && other < 1.0) {
-                keep_lower(best, fit_from(members, blind_number + 1, with_size(first.unit, at, other)));
-            }
-            return best;
-        });
+        return fit_jobs("further pairs", list.size(), pairs,
+                        [&](std::size_t i) { return fit_blindly(first, list[i]); });
     }
 
     // Adds what so many fits found to the pairs, best first. False: interrupted.
