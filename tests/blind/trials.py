@@ -56,7 +56,7 @@ def judge(options, kind, seed):
               "chi2": found["baseline"]["chi2"], "dof": found["baseline"]["dof"], "extended_p": found["extended"]["p_value"],
               "held_out": [found["gain"]["held_out_rmse_before"], found["gain"]["held_out_rmse_after"]],
               "seconds": time.time() - begin, "candidates": found["candidates"][:6],
-              "explanations": found["explanations"][:6], "corrections": found["corrections"]}
+              "explanations": found["explanations"][:6], "corrections": found.get("corrections", [])}
     if kind == "one":
         own = [c for c in found["candidates"] if c["effect"] == names[0]]
         result["own"] = own[0] if own else None
