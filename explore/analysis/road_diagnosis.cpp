@@ -1,14 +1,12 @@
 #include "analysis/road_diagnosis.h"
 
-#include "base/random.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "diagnose/workbench.h"
+#include "diagnose/screening.h"
 #include "pavement/effects/effect.h"
 #include "study/variants.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -29,7 +27,6 @@ constexpr double behind = 10.0; // fall of chi2 below the most promising candida
 constexpr std::size_t most_fits = 5;
 constexpr double told_apart = 3.841458821; // 95 % of chi2 with one degree of freedom
 constexpr int fit_number = 3000;
-constexpr int draws = 20'000;
 constexpr std::string_view sensor_scale = "sensor-gain";
 // Each run of it is a march in time.
 const std::vector<std::string> without = {"inertia"};
@@ -259,14 +256,6 @@ private:
         }
     }
 
-    // Takes out what a station's own unknowns can follow of its columns: they become `columns` less that.
-    static void leave_own(const MatrixXd& own, MatrixXd& columns) {
-        const Eigen::BDCSVD<MatrixXd> svd(own, Eigen::ComputeThinU);
-        const Index rank = (svd.singularValues().array() >= moves).count();
-        const auto base = svd.matrixU().leftCols(rank);
-        columns -= base * (base.transpose() * columns);
-    }
-
     void score() {
         const auto n = static_cast<Index>(lacks_.size());
         const auto c = static_cast<Index>(state_.layout.common.size());
@@ -281,6 +270,7 @@ private:
             const MatrixXd jacobian = problem.residual_jacobian(point.evaluation);
             const Index rows = jacobian.rows();
             MatrixXd own(rows, 0);
+            std::vector<double> free; // where its unknowns are
             MatrixXd columns = MatrixXd::Zero(rows, n + 1 + c);
             columns.col(n) = problem.residuals(point.evaluation);
             for (Index k = 0; k < n; ++k) {
@@ -296,11 +286,15 @@ private:
                 if (of[k] == optimise::own_unknown) {
                     own.conservativeResize(Eigen::NoChange, own.cols() + 1);
                     own.col(own.cols() - 1) = jacobian.col(static_cast<Index>(k));
+                    free.push_back(point.unit[k]);
                 } else {
                     columns.col(n + 1 + of[k]) += jacobian.col(static_cast<Index>(k));
                 }
             }
-            leave_own(own, columns);
+            const diagnose::Mimicry follows(own, free, columns.col(n));
+            for (Index k = 0; k < columns.cols(); ++k) {
+                columns.col(k) = follows.beyond(columns.col(k));
+            }
             products += columns.leftCols(n + 1).transpose() * columns.leftCols(n + 1);
             with_common += columns.rightCols(c).transpose() * columns.leftCols(n + 1);
             common += columns.rightCols(c).transpose() * columns.rightCols(c);
@@ -327,8 +321,10 @@ private:
         const VectorXd lengths = products.diagonal().head(n).cwiseMax(1e-300).cwiseSqrt();
         const MatrixXd directions =
             lengths.cwiseInverse().asDiagonal() * products.topLeftCorner(n, n) * lengths.cwiseInverse().asDiagonal();
-        const MatrixXd of_seen = directions(seen, seen);
-        const auto largest = largest_by_chance(of_seen, seen);
+        if (seen.empty()) {
+            return;
+        }
+        const diagnose::Family chance = family(directions(seen, seen), seen);
         for (const Index k : seen) {
             const auto at = static_cast<std::size_t>(k);
             const Lack& lack = lacks_[at];
@@ -340,10 +336,7 @@ private:
             effect.score = slope * lengths[k];
             const bool is_possible = lack.sense == 0 || lack.sense * slope > 0.0;
             const double strength = is_possible ? std::abs(effect.score) : 0.0;
-            const auto above = largest.end() - std::lower_bound(largest.begin(), largest.end(), strength);
-            effect.p_familywise =
-                above > 0 ? static_cast<double>(above) / draws
-                          : std::min(1.0 / draws, static_cast<double>(2 * seen.size()) * gsl_cdf_ugaussian_Q(strength));
+            effect.p_familywise = std::min(1.0, chance.p_value(strength));
             promised_.emplace(at, strength * strength);
             if (!lack.variant) {
                 effect.size = 100.0 * slope;
@@ -357,28 +350,18 @@ private:
         });
     }
 
-    // The largest score that noise alone makes, ascending.
-    std::vector<double> largest_by_chance(const MatrixXd& correlation, const std::vector<Index>& seen) const {
+    // How large the largest score gets by noise alone.
+    diagnose::Family family(const MatrixXd& correlation, const std::vector<Index>& seen) const {
         const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(correlation);
-        const MatrixXd root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-        const pave::RandomStream stream(session_.options().seed, 0x0a11ac5ULL);
-        std::vector<double> largest;
-        VectorXd z(root.cols());
-        std::uint64_t next = 0;
-        for (int draw = 0; draw < draws; ++draw) {
-            for (double& value : z) {
-                value = stream.normal(next++);
-            }
-            const VectorXd scores = root * z;
-            double most = 0.0;
-            for (Index k = 0; k < scores.size(); ++k) {
-                const int sense = lacks_[static_cast<std::size_t>(seen[static_cast<std::size_t>(k)])].sense;
-                most = std::max(most, sense == 0 ? std::abs(scores[k]) : sense * scores[k]);
-            }
-            largest.push_back(most);
+        const MatrixXd root =
+            eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
+        std::vector<int> sense;
+        sense.reserve(seen.size());
+        for (const Index k : seen) {
+            sense.push_back(lacks_[static_cast<std::size_t>(k)].sense);
         }
-        std::sort(largest.begin(), largest.end());
-        return largest;
+        const diagnose::Mimicry nothing(MatrixXd::Zero(root.rows(), 1), {0.5}, VectorXd::Zero(root.rows()));
+        return {root, sense, nothing, false, session_.options().seed};
     }
 
     // False: interrupted.

@@ -194,8 +194,8 @@ std::vector<std::string> findings_of(const RoadResult& result) {
     for (const RoadCourse& c : result.courses) {
         if (c.p_none < road_familywise) {
             words.push_back(
-                fmt::format("{}{} has a course along the road: stations are alike over some {} m (p = {:.2g} that "
-                            "they are no more alike than any two). With it the range of the median station is "
+                fmt::format("{}{} has a course along the road: stations are similar over some {} m (p = {:.2g} that "
+                            "they are no more similar than any two). With it the range of the median station is "
                             "{:.1f} times narrower.",
                             result.survey.study->space.axes[c.axis].name, c.lane.empty() ? "" : " of lane " + c.lane,
                             figure(c.length_m, 2), c.p_none, c.narrower));

@@ -110,10 +110,17 @@ void add_courses(const RoadState& state, const MatrixXd& covariance, double quan
         }
         std::stable_sort(stations.begin(), stations.end(),
                          [&](std::size_t a, std::size_t b) { return *chainage(a) < *chainage(b); });
+        std::vector<StationInformation> known;
+        std::vector<MatrixXd> of_all; // covariance of all axes
+        for (const std::size_t i : stations) {
+            known.emplace_back(state, i);
+            of_all.push_back(known.back().covariance(covariance));
+        }
         for (const std::size_t axis : state.layout.own_axes(stations[0])) {
             std::vector<double> at, y, variance, common;
-            for (const std::size_t i : stations) {
-                const StationInformation information(state, i);
+            for (std::size_t s = 0; s < stations.size(); ++s) {
+                const std::size_t i = stations[s];
+                const StationInformation& information = known[s];
                 const auto own = std::find(information.own.begin(), information.own.end(), static_cast<Index>(axis));
                 const Index k = own - information.own.begin();
                 const double alone = scale * scale * information.alone(k, k);
@@ -121,7 +128,7 @@ void add_courses(const RoadState& state, const MatrixXd& covariance, double quan
                 at.push_back(*chainage(i));
                 y.push_back(state.points[i].unit[axis]);
                 variance.push_back(alone);
-                common.push_back(std::max(0.0, scale * scale * information.covariance(covariance)(all, all) - alone));
+                common.push_back(std::max(0.0, scale * scale * of_all[s](all, all) - alone));
             }
             const Course course = course_of(at, y, variance);
             RoadCourse found{.axis = axis,
