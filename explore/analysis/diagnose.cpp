@@ -222,6 +222,7 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
                           .diagnosis = {},
                           .before = {},
                           .after = {},
+                          .mesh = {},
                           .located = {},
                           .next = {},
                           .held_out = {},
@@ -283,6 +284,10 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     if (d.extended) {
         result.after = reported(*d.extended);
     }
+    const bool is_extended = result.is_extended();
+    const diagnose::Model& stands = (is_extended ? *d.extended : d.baseline).model;
+    result.mesh = mesh_error(is_extended ? result.after->study : study, *bench.problem(stands.members),
+                             stands.evaluation, stands.unit, std::sqrt(d.variance));
     if (d.location) {
         result.located = located_in(d);
     }

@@ -58,6 +58,7 @@ public:
           d(result.diagnosis),
           before(*result.before),
           after(result.after),
+          mesh(result.mesh),
           next(result.next) {}
 
     std::vector<std::string> all() const {
@@ -66,6 +67,9 @@ public:
         wrong(text);
         if (after) {
             gain(text);
+        }
+        if (std::string words = mesh_words(study, mesh); !words.empty()) {
+            text.push_back(std::move(words));
         }
         if (const std::string weights = weights_words(study); !weights.empty()) {
             text.push_back(weights);
@@ -370,6 +374,7 @@ private:
     const diagnose::Diagnosis& d;
     const DiagnosedModel& before;
     const std::optional<DiagnosedModel>& after;
+    const std::optional<MeshError>& mesh;
     const std::vector<SeparatingReading>& next;
 };
 

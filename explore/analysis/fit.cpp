@@ -8,6 +8,7 @@
 #include "problem/student.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace explore::analysis {
@@ -56,6 +57,7 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
                      .alone = {},
                      .reduced = std::move(reduced),
                      .without_floor = {},
+                     .mesh = {},
                      .priors = {},
                      .curves = {},
                      .tally = {}};
@@ -109,6 +111,11 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
     }
     if (!options.model.alone()) {
         result.without_floor = fit_without_floor(study, best.unit);
+        const landscape::LocalAnalysis& local = result.local;
+        result.mesh = mesh_error(study, result.problem.in_units_of_noise(), best.evaluation, best.unit,
+                                 !local.noise_is_stated ? local.noise
+                                 : local.widened        ? std::sqrt(local.chi2 / local.degrees_of_freedom)
+                                                        : 1.0);
         result.curves = curves(study, best.evaluation.parameters);
     }
     if (!options.joint_only && !options.model.alone()) {

@@ -4,6 +4,7 @@
 #include "analysis/curves.h"
 #include "analysis/floor.h"
 #include "analysis/groups.h"
+#include "analysis/mesh_error.h"
 #include "landscape/prior_influence.h"
 
 namespace explore::analysis {
@@ -36,6 +37,7 @@ struct FitResult {
     std::vector<GroupFit> alone;
     std::optional<ReducedProblem> reduced;
     std::optional<WithoutFloor> without_floor;
+    std::optional<MeshError> mesh;
     std::optional<landscape::PriorInfluence> priors;
     std::vector<Curve> curves; // of the best minimum, by the full model; of the reduced model alone none
     run::Tally tally;

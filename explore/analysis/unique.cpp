@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace explore::analysis {
@@ -92,6 +93,7 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
                         .answer = {},
                         .next = {},
                         .landscape = {},
+                        .mesh = {},
                         .posterior = {},
                         .reduced = std::move(reduced),
                         .curves = {}};
@@ -133,6 +135,10 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
     }
     if (!result.failed() && !options.model.alone()) {
         result.curves = curves(study, result.best().evaluation.parameters);
+        if (result.answer.acceptance) {
+            result.mesh = mesh_error(study, result.problem, result.best().evaluation, result.best().unit,
+                                     std::sqrt(result.answer.acceptance->variance));
+        }
     }
     result.computed = engine.tally().computed + everything_engine.tally().computed;
     result.kept = engine.tally().kept + everything_engine.tally().kept;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "analysis/curves.h"
+#include "analysis/mesh_error.h"
 #include "analysis/next_reading.h"
 #include "analysis/posterior_range.h"
 #include "analysis/session.h"
@@ -32,6 +33,7 @@ struct UniqueResult {
     landscape::Uniqueness answer;
     NextReading next;
     std::optional<UniqueLandscape> landscape;
+    std::optional<MeshError> mesh;
     std::optional<PosteriorRanges> posterior; // nothing: not asked for, or no range was walked
     std::optional<ReducedProblem> reduced;
     std::vector<Curve> curves; // of the best minimum, by the full model; of the reduced model alone none

@@ -309,6 +309,9 @@ std::vector<std::string> findings(const UniqueResult& result) {
                         "minimum: more searches (--verify) should find the minimum there.",
                         figure(result.landscape->profiled.lower_by)));
     }
+    if (std::string words = mesh_words(study, result.mesh); !words.empty()) {
+        say(std::move(words));
+    }
     if (const std::string weights = weights_words(study); !weights.empty()) {
         say(weights);
     }

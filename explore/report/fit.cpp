@@ -142,6 +142,9 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
         }
     }
     json["curves"] = curves_json(result.curves);
+    if (result.mesh) {
+        json["mesh"] = mesh_json(study, *result.mesh);
+    }
     json["readings"] = result.problem.readings();
     json["free_parameters"] = space.axes.size() - best.on_bound.size();
     json["at_bounds"] = Json::array();

@@ -138,6 +138,21 @@ Json warnings_json(const problem::Evaluation& evaluation) {
     return json;
 }
 
+Json mesh_json(const study::Study& study, const analysis::MeshError& error) {
+    Json moved = Json::array();
+    for (const auto& [parameter, standard_errors] : error.moved) {
+        moved.push_back({{"parameter", parameter}, {"standard_errors", standard_errors}});
+    }
+    return {{"finer_refine", error.refine},
+            {"beyond_parameters", error.beyond},
+            {"chi2", error.chi2},
+            {"chi2_finer", error.chi2_finer},
+            {"moved", moved},
+            {"reading", study.readings[error.reading].label()},
+            {"change", error.change},
+            {"shows", error.shows()}};
+}
+
 Json reduced_json(const analysis::ReducedProblem& reduced) {
     Json json = {{"loads", Json::array()}};
     for (const auto& load : reduced.loads) {

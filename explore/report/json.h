@@ -1,6 +1,7 @@
 // Numbers of runs as JSON.
 #pragma once
 
+#include "analysis/mesh_error.h"
 #include "analysis/session.h"
 #include "landscape/minima.h"
 #include "landscape/prior_influence.h"
@@ -46,6 +47,7 @@ Json study_json(const study::Study& study);
 Json warnings_json(const problem::Evaluation& evaluation);
 
 // What a reduced model was built of, the same whether now or before.
+Json mesh_json(const study::Study& study, const analysis::MeshError& error);
 Json reduced_json(const analysis::ReducedProblem& reduced);
 
 // {"converged": 240, "invalid-parameters": 16, ...}, every status named.

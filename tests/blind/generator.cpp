@@ -136,8 +136,13 @@ Case draw_case(Draw& draw) {
     return c;
 }
 
-constexpr double study_refine = 0.6;
 constexpr double fine_refine = 1.5;
+
+// Where neighbouring readings share their errors, their differences are known to a third of one reading's: the mesh
+// must be right to that.
+double study_refine(bool correlated) {
+    return correlated ? 0.9 : 0.6;
+}
 
 Case finer(Case c) {
     c.settings.refine = fine_refine;
@@ -573,8 +578,8 @@ std::string study_text(const Case& c, Draw& draw, bool is_log, const std::string
                     : fmt::format("type = \"wheel\"\npatch = \"circle\"\nforce_kN = {:g}\npressure_kPa = {:g}\n",
                                   load.force / unit::kN, load.pressure / unit::kPa);
     }
-    text += fmt::format("\n[mesh]\nrefine = {}\n\n[data]\nfiles = [\"data.csv\"]\nmisfit = \"{}\"\n", study_refine,
-                        is_log ? "log" : "weighted") +
+    text += fmt::format("\n[mesh]\nrefine = {}\n\n[data]\nfiles = [\"data.csv\"]\nmisfit = \"{}\"\n",
+                        study_refine(!noise.empty()), is_log ? "log" : "weighted") +
             noise;
     for (const Fitted& f : fitted) {
         text += fmt::format("\n[[parameters]]\nname = \"{}\"\nmin = {:g}\nmax = {:g}\nscale = \"{}\"\n", f.path, f.low,
@@ -703,7 +708,7 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
         const Case c = draw_case(draw);
         const Case fine = finer(c);
         Case coarse = c;
-        coarse.settings.refine = study_refine;
+        coarse.settings.refine = study_refine(correlated);
         const VectorXd plain = responses(fine);
         const VectorXd plain_coarse = responses(coarse);
         if (plain.size() == 0 || plain_coarse.size() == 0) {

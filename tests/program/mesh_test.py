@@ -1,4 +1,4 @@
-"""Patches that touch, meshes that no machine holds, and horizontal readings at the bottom of thin and thick asphalt on the default mesh in three dimensions, against the layered
+"""Patches that touch, meshes that no machine holds, what a mesh does to an answer, and horizontal readings at the bottom of thin and thick asphalt on the default mesh in three dimensions, against the layered
 engine under the same patches as many small circles (tools/mesh-errors has the whole table).
 usage: mesh_test.py PROGRAM"""
 import importlib.machinery
@@ -38,6 +38,89 @@ for apart in (0, 1e-13, 1e-6, 1e-3, 1):
     check(done.returncode == 0, f"patches {apart:g} of their width apart: {done.stderr}")
     between[apart] = json.loads(done.stdout)["responses"][0]["value"] if done.returncode == 0 else math.nan
 check(all(abs(value / between[1] - 1) < 5e-3 for value in between.values()), f"the deflection between patches that touch: {between}")
+
+
+# What the mesh does to an answer. A bowl of a mesh six times as fine, to 0.1 %, fitted on a coarse one: what the fit says of the next finer mesh, to first
+# order from one run, is what a fit on that mesh finds.
+BOWL = """schema = 1
+[[layers]]
+name = "asphalt"
+density_kg_m3 = 2100
+k0 = 0.5
+thickness_mm = 80
+law = "linear"
+modulus_MPa = 4000
+poisson = 0.35
+[[layers]]
+name = "base"
+density_kg_m3 = 2100
+k0 = 0.5
+thickness_mm = 300
+law = "uzan"
+k1 = 1500
+k2 = 0.5
+k3 = -0.2
+n = 0.6
+poisson_12 = 0.35
+poisson_31 = 0.35
+[[layers]]
+name = "subgrade"
+density_kg_m3 = 2100
+k0 = 0.5
+thickness_mm = 2000
+law = "linear"
+modulus_MPa = 70
+poisson = 0.4
+[[loads]]
+name = "fwd"
+type = "plate"
+radius_mm = 150
+pressure_kPa = 700
+[mesh]
+refine = {refine}
+"""
+FITTED = """[data]
+files = ["small.csv"]
+misfit = "weighted"
+[[parameters]]
+name = "asphalt.modulus_MPa"
+min = 1000
+max = 12000
+scale = "log"
+[[parameters]]
+name = "base.k1"
+min = 300
+max = 6000
+scale = "log"
+[[parameters]]
+name = "subgrade.modulus_MPa"
+min = 20
+max = 200
+scale = "log"
+"""
+PLACES_MM = (0, 150, 200, 300, 450, 600, 750, 900, 1200)
+OUTPUTS = "".join(f'[[outputs]]\nname = "D{x}"\nload = "fwd"\nquantity = "deflection"\nx_mm = {x}\n' for x in PLACES_MM)
+fine = json.loads(run("forward", write_study(folder / "fine", BOWL.format(refine=2.4) + OUTPUTS, None), "--json").stdout)["responses"]
+
+
+def fitted(name, refine, share):
+    data = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + "".join(
+        f"fwd,deflection,{x},0,0,0,{r['value']},{r['unit']},{share * r['value']}\n" for x, r in zip(PLACES_MM, fine))
+    return json.loads(run("fit", write_study(folder / name, BOWL.format(refine=refine) + FITTED, data), "--json", "--explore", "32", "--starts", "3").stdout)
+
+
+coarse, next_one, rough = fitted("coarse", 0.4, 0.001), fitted("next", 0.6, 0.001), fitted("rough", 0.4, 0.1)
+mesh = coarse["mesh"]
+said = [f for f in coarse["findings"] if "The mesh is coarse" in f]
+check(mesh["shows"] and len(said) == 1 and "refine = 0.6" in said[0], f"a mesh that shows beside 0.1 %: {said} {mesh}")
+check(abs(mesh["finer_refine"] - 0.6) < 1e-9 and abs(mesh["chi2"] / coarse["noise"]["chi2"] - 1) < 1e-6, f"of the mesh: {mesh}")
+check(abs(mesh["chi2_finer"] - next_one["noise"]["chi2"]) < 0.1 * abs(mesh["chi2"] - next_one["noise"]["chi2"]),
+      f"chi2 {mesh['chi2']}, on the finer mesh {mesh['chi2_finer']} to first order and {next_one['noise']['chi2']} when fitted")
+for parameter, moved in ((m["parameter"], m["standard_errors"]) for m in mesh["moved"]):
+    before, after, error = coarse["best"]["parameters"][parameter], next_one["best"]["parameters"][parameter], coarse["best"]["standard_errors"][parameter]
+    found = math.log(after / before) * before / error
+    check(abs(moved - found) < 0.1 + 0.15 * abs(found), f"{parameter}: {moved:.2f} standard errors to first order, {found:.2f} when fitted")
+check(not rough["mesh"]["shows"] and not any("The mesh is coarse" in f for f in rough["findings"]), f"beside 10 % no mesh shows: {rough['mesh']}")
 
 
 # What a mesh asks for is said before anything runs, and refused where no machine has it.

@@ -1,0 +1,35 @@
+// What the mesh does to an answer: one run at its parameters on a finer mesh.
+#pragma once
+
+#include "study/problems.h"
+
+#include <optional>
+
+namespace explore::analysis {
+
+struct MeshError {
+    struct Moved {
+        std::string parameter;
+        double standard_errors = 0.0; // 0 on a bound and where the data do not determine it
+    };
+    double refine = 0.0;      // of the finer mesh
+    double beyond = 0.0;      // length of what the parameters cannot follow of the change of the residuals, in standard
+                              // deviations of the noise
+    double chi2 = 0.0;        // of the answer
+    double chi2_finer = 0.0;  // of the fit on the finer mesh, to first order
+    std::vector<Moved> moved; // every parameter, to first order
+    std::size_t reading = 0;  // of the study: the one that changes most in standard deviations
+    double change = 0.0;      // of it, relative
+    bool shows() const;       // beside the noise
+};
+
+// study: whose problem it is, with its effects; answer: with jacobian, at `unit`. noise: standard deviation of a
+// residual. Nothing: no mesh computes the readings, or the finer one has no answer or takes more than
+// 0.5 GB (wheels in three dimensions on large meshes).
+std::optional<MeshError> mesh_error(const study::Study& study, const problem::Problem& problem,
+                                    const problem::Evaluation& answer, const std::vector<double>& unit, double noise);
+
+// What it comes to, in a sentence, where it shows; else "".
+std::string mesh_words(const study::Study& study, const std::optional<MeshError>& error);
+
+} // namespace explore::analysis
