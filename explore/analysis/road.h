@@ -19,6 +19,13 @@ struct CommonParameter {
     std::size_t alone_determined = 0; // stations that determine it by themselves
 };
 
+// The 95 % region of two parameters that the whole road has in common: the landscape of the material around its answer,
+// to first order.
+struct CommonRegion {
+    std::size_t a = 0, b = 0;                        // of RoadResult::common
+    std::vector<std::pair<double, double>> border{}; // closed, file units, within the box
+};
+
 // A station against what all say.
 struct RoadStation {
     std::size_t station = 0;              // of the survey's
@@ -107,6 +114,7 @@ struct RoadOptions {
 struct RoadResult {
     SurveyResult survey; // with a fit at every station that has one
     std::vector<CommonParameter> common;
+    std::vector<CommonRegion> regions{};
     std::vector<RoadStation> stations; // those with a fit
     std::vector<RoadOutlier> outliers;
     // Of the stations that belong: the misfit in units of the stated noise; where that does not explain it, ranges are

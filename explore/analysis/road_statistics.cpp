@@ -9,6 +9,7 @@
 #include <cmath>
 #include <gsl/gsl_cdf.h>
 #include <map>
+#include <numbers>
 
 namespace explore::analysis {
 namespace {
@@ -64,6 +65,45 @@ void add_common(const RoadState& state, const std::vector<RoadStation>& judged, 
         parameter.alone_width = data::median(widths);
         parameter.narrower = data::median(errors) / std::sqrt(covariance(at, at));
         result.common.push_back(parameter);
+    }
+}
+
+// quantile: of a single parameter, two-sided 95 %.
+void add_regions(const RoadState& state, const MatrixXd& covariance, double quantile, RoadResult& result) {
+    const auto& axes = state.tasks[0].study.space.axes;
+    const auto unknown_of = [&](const CommonParameter& parameter) {
+        const auto found = std::find_if(state.layout.common.begin(), state.layout.common.end(),
+                                        [&](const auto& c) { return c.axis == parameter.axis && !c.section; });
+        return static_cast<Index>(found - state.layout.common.begin());
+    };
+    constexpr double of_two = 5.991464547; // chi2 with two degrees of freedom, 95 %
+    constexpr double of_one = 3.841458821;
+    const double reach = quantile * std::sqrt(of_two / of_one);
+    constexpr int corners = 72;
+    for (std::size_t a = 0; a < result.common.size(); ++a) {
+        for (std::size_t b = a + 1; b < result.common.size(); ++b) {
+            if (result.common[a].section || result.common[b].section) {
+                continue;
+            }
+            const std::vector<Index> both{unknown_of(result.common[a]), unknown_of(result.common[b])};
+            const MatrixXd factor = MatrixXd(covariance(both, both)).llt().matrixL();
+            const problem::Axis& x = axes[result.common[a].axis];
+            const problem::Axis& y = axes[result.common[b].axis];
+            const Eigen::Vector2d centre(x.unit(result.common[a].range.value), y.unit(result.common[b].range.value));
+            CommonRegion region{.a = a, .b = b};
+            for (int corner = 0; corner <= corners; ++corner) {
+                const double angle = 2.0 * std::numbers::pi * corner / corners;
+                const Eigen::Vector2d off = reach * (factor * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+                double within = 1.0; // of the way from the answer, which is in the box
+                for (const int side : {0, 1}) {
+                    const double room = off[side] > 0.0 ? 1.0 - centre[side] : centre[side];
+                    within = std::abs(off[side]) > room ? std::min(within, room / std::abs(off[side])) : within;
+                }
+                const Eigen::Vector2d point = centre + within * off;
+                region.border.emplace_back(x.physical(point[0]), y.physical(point[1]));
+            }
+            result.regions.push_back(std::move(region));
+        }
     }
 }
 
@@ -289,6 +329,7 @@ void conclude(const RoadState& state, const std::vector<RoadStation>& judged, co
         fit.local.noise = result.noise_factor();
     }
     add_common(state, result.stations, by_itself, covariance, quantile, result);
+    add_regions(state, covariance, quantile, result);
     add_weakest(state, covariance, result);
     add_courses(state, covariance, quantile, result, result.courses);
 

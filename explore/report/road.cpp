@@ -97,6 +97,16 @@ Json road_json(const RoadResult& result) {
     for (const CommonParameter& p : result.common) {
         json[p.section ? "section_parameters" : "shared"].push_back(common_json(result, p));
     }
+    json["landscape"] = Json::array();
+    for (const analysis::CommonRegion& region : result.regions) {
+        const auto& x = result.survey.study->space.axes[result.common[region.a].axis];
+        const auto& y = result.survey.study->space.axes[result.common[region.b].axis];
+        json["landscape"].push_back({{"x", x.name},
+                                     {"y", y.name},
+                                     {"log_x", x.scale == problem::Scale::log},
+                                     {"log_y", y.scale == problem::Scale::log},
+                                     {"border", region.border}});
+    }
     for (const RoadStation& s : result.stations) {
         json["stations"][s.station]["road"] = against_road_json(result, s);
     }

@@ -2,6 +2,7 @@
 with a wrong sensor is named, and neither threads nor a kill change a bit."""
 import csv
 import io
+import math
 import random
 
 from support import *
@@ -102,6 +103,19 @@ for name, value in (("base.k2", K2), ("base.k3", K3)):
 
 k2 = shared["base.k2"]
 check(k2["determined"] and k2["determined_alone"] == 0 and k2["median_width_alone"] >= 3 * k2["width"], f"k2 is unique together, and nowhere alone: {k2}")
+
+# The 95 % region of a pair of them reaches as far beyond each range as the quantiles of chi2 with two degrees of freedom and one do (5.991 and 3.841).
+check(len(r["landscape"]) == len(shared) * (len(shared) - 1) // 2, f"every pair has a region: {len(r['landscape'])}")
+for region in r["landscape"]:
+    check(region["border"][0] == region["border"][-1], "the border is closed")
+    reaches = []
+    for side, name in enumerate((region["x"], region["y"])):
+        scale = math.log if region[("log_x", "log_y")[side]] else float
+        value, low, high = (scale(shared[name][key]) for key in ("value", "low", "high"))
+        place = [scale(b[side]) for b in region["border"]]
+        reaches += [(value - min(place)) / (value - low), (max(place) - value) / (high - value)]
+    # The box cuts off what lies beyond k3 = 0.
+    check(abs(max(reaches) / math.sqrt(5.991 / 3.841) - 1) < 5e-3, f"the region reaches {reaches} times the ranges")
 
 # Stations: their own parameters, within their ranges about as often as these say.
 within = []

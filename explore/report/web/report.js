@@ -667,11 +667,25 @@
         { xaxis: axis("chainage [m]"), yaxis: axis("rms of the fit [%]"), height: lanes.length > 1 ? 300 : 220, barmode: "group", showlegend: lanes.length > 1 });
     };
 
+    // Pairs of what the road has in common: the stations each by itself, and the road.
+    const materialCharts = (r) => {
+        const alone = r.stations.filter((s) => s.road && !s.road.outlier);
+        const value = (n) => r.shared.find((p) => p.name === n).value;
+        return r.landscape.length === 0 ? [] : [part("The material's landscape"), make("div", { className: "charts" }, r.landscape.map((l) => chart("material", [
+            { type: "scatter", mode: "markers", name: "a station by itself", x: alone.map((s) => s.road.alone[l.x].value), y: alone.map((s) => s.road.alone[l.y].value),
+                text: alone.map((s) => s.station), marker: { size: 6, color: "#9aa5ad" } },
+            { type: "scatter", mode: "lines", name: "the road, 95 %", x: l.border.map((b) => b[0]), y: l.border.map((b) => b[1]), fill: "toself", line: { color: colours[0] } },
+            { type: "scatter", mode: "markers", name: "the road", x: [value(l.x)], y: [value(l.y)], marker: { size: 8, symbol: "x", color: colours[1] } }],
+        { xaxis: axis(l.x, { type: l.log_x ? "log" : "linear" }), yaxis: axis(l.y, { type: l.log_y ? "log" : "linear" }), height: 340 }))),
+        make("p", { className: "soft" }, "To first order around the answer. Stations by themselves lie along what they cannot tell apart; one on the edge of a picture ended on a bound of its range.")];
+    };
+
     const showRoad = (r) => {
         section("The road as one experiment", opening("road"),
             table(["", "value", "from", "to", "% of its box", "median station alone [%]", "stations"],
                 [...r.shared, ...r.section_parameters].map((p) => [p.level === "section" ? `${p.name}, section ${p.section + 1}` : p.name, p.value, p.low,
                     p.high, 100 * p.width, 100 * p.median_width_alone, p.stations])),
+            materialCharts(r),
             r.outliers.length ? [part("Stations that do not belong"),
                 table(["station", "chainage [m]", "why"], r.outliers.map((o) => [o.station, o.chainage_m, o.reason]), [2])] : []);
         showSurvey({ ...r, findings: r.remarks });
