@@ -46,8 +46,10 @@ Json study_json(const study::Study& study);
 // The warnings of a run, in sentences.
 Json warnings_json(const problem::Evaluation& evaluation);
 
-// What a reduced model was built of, the same whether now or before.
+// What a finer mesh would do to an answer of the study.
 Json mesh_json(const study::Study& study, const analysis::MeshError& error);
+
+// What a reduced model was built of, the same whether now or before.
 Json reduced_json(const analysis::ReducedProblem& reduced);
 
 // {"converged": 240, "invalid-parameters": 16, ...}, every status named.
