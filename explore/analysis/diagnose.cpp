@@ -223,6 +223,7 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
                           .before = {},
                           .after = {},
                           .mesh = {},
+                          .outputs = {},
                           .located = {},
                           .next = {},
                           .held_out = {},
@@ -288,6 +289,10 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     const diagnose::Model& stands = (is_extended ? *d.extended : d.baseline).model;
     result.mesh = mesh_error(is_extended ? result.after->study : study, *bench.problem(stands.members),
                              stands.evaluation, stands.unit, std::sqrt(d.variance));
+    const bool is_named = d.verdict == diagnose::Verdict::cause_named;
+    result.outputs =
+        output_ranges(is_named ? result.after->study : study, (is_named ? *d.extended : d.baseline).model.unit,
+                      std::sqrt(d.variance), session.options().threads);
     if (d.location) {
         result.located = located_in(d);
     }

@@ -4,6 +4,7 @@
 #include "analysis/layout.h"
 #include "analysis/located.h"
 #include "analysis/mesh_error.h"
+#include "analysis/output_ranges.h"
 #include "analysis/session.h"
 #include "study/variants.h"
 
@@ -45,6 +46,7 @@ struct DiagnoseResult {
     std::optional<DiagnosedModel> before; // none: failed
     std::optional<DiagnosedModel> after;  // with the best explanation, or corrected
     std::optional<MeshError> mesh;        // of the extended model where there is one, else of the study's
+    std::vector<OutputUncertainty> outputs;     // of the named model where a cause is named, else of the study's
     std::vector<LocatedCorrection> located;
     std::vector<SeparatingReading> next;
     std::vector<std::optional<double>> held_out; // of each explanation: see DiagnosedModel

@@ -59,6 +59,7 @@ public:
           before(*result.before),
           after(result.after),
           mesh(result.mesh),
+          outputs(result.outputs),
           next(result.next) {}
 
     std::vector<std::string> all() const {
@@ -67,6 +68,9 @@ public:
         wrong(text);
         if (after) {
             gain(text);
+        }
+        for (std::string& words : output_words(study, outputs)) {
+            text.push_back(std::move(words));
         }
         if (std::string words = mesh_words(study, mesh); !words.empty()) {
             text.push_back(std::move(words));
@@ -375,6 +379,7 @@ private:
     const DiagnosedModel& before;
     const std::optional<DiagnosedModel>& after;
     const std::optional<MeshError>& mesh;
+    const std::vector<OutputUncertainty>& outputs;
     const std::vector<SeparatingReading>& next;
 };
 

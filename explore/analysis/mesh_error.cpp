@@ -20,6 +20,9 @@ std::optional<MeshError> mesh_error(const study::Study& study, const problem::Pr
                                     const problem::Evaluation& answer, const std::vector<double>& unit, double noise) {
     constexpr double finer = 1.5;
     constexpr double most_memory = 0.5e9; // bytes
+    if (!(noise > 0.0)) {
+        return std::nullopt;
+    }
     study::Study refined = study;
     refined.model.settings.refine *= finer;
     problem::Evaluation other = answer;
@@ -38,7 +41,7 @@ std::optional<MeshError> mesh_error(const study::Study& study, const problem::Pr
     }
     const VectorXd r = problem.residuals(answer) / noise;
     const VectorXd d = problem.residuals(other) / noise - r;
-    if (!(noise > 0.0) || !(d.norm() > 0.0) || !d.allFinite()) {
+    if (!(d.norm() > 0.0) || !d.allFinite()) {
         return std::nullopt;
     }
     MeshError error{.refine = refined.model.settings.refine, .chi2 = r.squaredNorm(), .moved = {}};

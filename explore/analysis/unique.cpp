@@ -94,6 +94,7 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
                         .next = {},
                         .landscape = {},
                         .mesh = {},
+                        .outputs = {},
                         .posterior = {},
                         .reduced = std::move(reduced),
                         .curves = {}};
@@ -138,6 +139,18 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
         if (result.answer.acceptance) {
             result.mesh = mesh_error(study, result.problem, result.best().evaluation, result.best().unit,
                                      std::sqrt(result.answer.acceptance->variance));
+            result.outputs =
+                output_ranges(study, result.best().unit,
+                              result.answer.acceptance->noise_is_stated ? 1.0 : result.answer.acceptance->noise(),
+                              session.options().threads);
+            for (OutputUncertainty& range : result.outputs) { // walked along, where the other is to first order
+                const std::vector<std::size_t> outputs = study.outputs();
+                const auto o = static_cast<std::size_t>(std::find(outputs.begin(), outputs.end(), range.reading) -
+                                                        outputs.begin());
+                if (o < result.answer.outputs.size()) {
+                    range.set_right(result.answer.outputs[o].low, result.answer.outputs[o].high);
+                }
+            }
         }
     }
     result.computed = engine.tally().computed + everything_engine.tally().computed;

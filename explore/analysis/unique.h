@@ -4,6 +4,7 @@
 #include "analysis/curves.h"
 #include "analysis/mesh_error.h"
 #include "analysis/next_reading.h"
+#include "analysis/output_ranges.h"
 #include "analysis/posterior_range.h"
 #include "analysis/session.h"
 #include "landscape/pair_profile.h"
@@ -34,6 +35,7 @@ struct UniqueResult {
     NextReading next;
     std::optional<UniqueLandscape> landscape;
     std::optional<MeshError> mesh;
+    std::vector<OutputUncertainty> outputs;
     std::optional<PosteriorRanges> posterior; // nothing: not asked for, or no range was walked
     std::optional<ReducedProblem> reduced;
     std::vector<Curve> curves; // of the best minimum, by the full model; of the reduced model alone none

@@ -309,6 +309,9 @@ std::vector<std::string> findings(const UniqueResult& result) {
                         "minimum: more searches (--verify) should find the minimum there.",
                         figure(result.landscape->profiled.lower_by)));
     }
+    for (std::string& words : output_words(study, result.outputs)) {
+        say(std::move(words));
+    }
     if (std::string words = mesh_words(study, result.mesh); !words.empty()) {
         say(std::move(words));
     }

@@ -726,16 +726,16 @@ private:
         int tried = 0;
         while (tried < settings_.bootstrap) {
             const int more = tried == 0 ? std::min(few, settings_.bootstrap) : settings_.bootstrap - tried;
-            std::vector<double> found(static_cast<std::size_t>(more));
-            run::for_each_index(arena_, found.size(), [&](std::size_t i) {
-                found[i] = gain_by_chance(static_cast<std::size_t>(tried) + i);
+            std::vector<double> drawn(static_cast<std::size_t>(more));
+            run::for_each_index(arena_, drawn.size(), [&](std::size_t i) {
+                drawn[i] = gain_by_chance(static_cast<std::size_t>(tried) + i);
                 progress.add(1, true);
             });
             if (run::interrupted()) {
                 return false;
             }
             tried += more;
-            std::copy_if(found.begin(), found.end(), std::back_inserter(gains),
+            std::copy_if(drawn.begin(), drawn.end(), std::back_inserter(gains),
                          [](double gain) { return gain >= 0.0; });
             if (tried == few && !leave_doubt(gains, screened, leading.gain)) {
                 break;

@@ -287,6 +287,11 @@ Json diagnosis_json(const DiagnoseResult& f, const std::string& extended_path) {
                            {"unit", std::string(output.unit.name)},
                            {"before", output.in_unit(before.evaluation.responses[i])},
                            {"after", output.in_unit(reported.evaluation.responses[i])}});
+        for (const analysis::OutputUncertainty& range : f.outputs) {
+            if (range.reading == i) {
+                outputs.back().update(output_range_json(output, range));
+            }
+        }
     }
     json["outputs"] = std::move(outputs);
     json["noise"] = {{"source", f.study.noise_name()}, {"residual_standard_deviation", std::sqrt(d.variance)}};

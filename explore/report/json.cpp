@@ -138,6 +138,16 @@ Json warnings_json(const problem::Evaluation& evaluation) {
     return json;
 }
 
+Json output_range_json(const data::Reading& output, const analysis::OutputUncertainty& range) {
+    return {{"low", output.in_unit(range.low)},
+            {"high", output.in_unit(range.high)},
+            {"if_wrong",
+             {{"low", output.in_unit(range.wide_low)},
+              {"high", output.in_unit(range.wide_high)},
+              {"channel", range.channel},
+              {"share", range.share}}}};
+}
+
 Json mesh_json(const study::Study& study, const analysis::MeshError& error) {
     Json moved = Json::array();
     for (const auto& [parameter, standard_errors] : error.moved) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "analysis/mesh_error.h"
+#include "analysis/output_ranges.h"
 #include "analysis/session.h"
 #include "landscape/minima.h"
 #include "landscape/prior_influence.h"
@@ -45,6 +46,9 @@ Json study_json(const study::Study& study);
 
 // The warnings of a run, in sentences.
 Json warnings_json(const problem::Evaluation& evaluation);
+
+// Of an output, in its unit: `low`, `high` if the model is right, `if_wrong` if it may lack something.
+Json output_range_json(const data::Reading& output, const analysis::OutputUncertainty& range);
 
 // What a finer mesh would do to an answer of the study.
 Json mesh_json(const study::Study& study, const analysis::MeshError& error);

@@ -205,6 +205,11 @@ Json answer_json(const UniqueResult& result) {
                        {"best", reading.in_unit(u.minima[0].evaluation.responses[outputs[o]])},
                        {"unit", reading.unit.name}};
         output.update(range_json(u.outputs[o], reading.unit.to_si, [](double value) { return value; }));
+        for (const auto& wide : result.outputs) {
+            if (wide.reading == outputs[o]) {
+                output["if_wrong"] = output_range_json(reading, wide)["if_wrong"];
+            }
+        }
         if (result.posterior && o < result.posterior->outputs.size()) {
             output["posterior"] = posterior_json(result.posterior->outputs[o], reading.unit.to_si);
         }

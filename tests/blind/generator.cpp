@@ -553,6 +553,16 @@ void add_ceiling(Json& truth, const Case& c, const Hidden& hidden, const VectorX
     truth["hardest"] = hardest;
 }
 
+// What the study asks for: the strain at the top of the subgrade under the wheel.
+Sensor output_sensor(const Case& c) {
+    Sensor sensor;
+    sensor.load = 1;
+    sensor.quantity = Quantity::strain_zz;
+    sensor.depth = c.layers[0].thickness + c.layers[1].thickness + unit::mm;
+    sensor.measured = false;
+    return sensor;
+}
+
 // noise: the text of [data.noise].
 std::string study_text(const Case& c, Draw& draw, bool is_log, const std::string& noise) {
     std::string text = "schema = 1\ntitle = \"A section\"\n";
@@ -585,10 +595,9 @@ std::string study_text(const Case& c, Draw& draw, bool is_log, const std::string
         text += fmt::format("\n[[parameters]]\nname = \"{}\"\nmin = {:g}\nmax = {:g}\nscale = \"{}\"\n", f.path, f.low,
                             f.high, f.is_log ? "log" : "linear");
     }
-    const double depth = (c.layers[0].thickness + c.layers[1].thickness) / unit::mm + 1.0;
     return text + fmt::format("\n[[outputs]]\nname = \"subgrade-top-strain\"\nload = \"wheel\"\nquantity = "
                               "\"strain_zz\"\ndepth_mm = {:g}\n",
-                              depth);
+                              output_sensor(c).depth / unit::mm);
 }
 
 std::string data_text(const Case& c, const VectorXd& values, const VectorXd& sigma) {
@@ -816,6 +825,21 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
             parameters[f.path] = find_parameter(c, f.path, {}).get(c);
         }
         truth["parameters"] = parameters;
+        // What the output is on the road: errors of readings and of what the load is said to be do not change it.
+        std::vector<Hidden> of_road;
+        for (const Hidden& h : hidden) {
+            const std::string name = h.name();
+            const auto is = [&](const char* part) { return name.find(part) != std::string::npos; };
+            const bool of_readings = h.outside != nullptr && h.outside->layer.empty();
+            if (!of_readings && !is("gauge") && !is("sensor") && !is("load-") && !is("outlier") && !is("drift") &&
+                !is("wander") && !is("inertia")) {
+                of_road.push_back(h);
+            }
+        }
+        Case asked = fine;
+        asked.sensors = {output_sensor(c)};
+        const VectorXd there = of_road.empty() ? responses(asked) : responses_with(asked, of_road);
+        truth["output"] = there.size() > 0 ? Json(1e6 * there[0]) : Json(nullptr);
         std::cout << truth.dump() << "\n";
         return 0;
     }

@@ -1,0 +1,302 @@
+#include "analysis/output_ranges.h"
+
+#include "base/text.h"
+#include "diagnose/evidence.h"
+#include "diagnose/model_average.h"
+#include "landscape/minima.h"
+#include "run/parallel.h"
+#include "study/corrections.h"
+#include "study/variants.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
+#include <optional>
+
+namespace explore::analysis {
+namespace {
+
+using diagnose::Said;
+using diagnose::Slopes;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double no_correction = 0.5; // unit coordinate of a factor of 1
+
+// What the model may lack: further coordinates, where they change nothing, and how far they may be from there: `reach`
+// times a strength times standard normal numbers. Its problem is made when it is needed: there are some sixty, with
+// meshes and eliminated stiffnesses of their own.
+struct Hypothesis {
+    std::string name;
+    study::Study study;
+    VectorXd none;
+    MatrixXd reach;
+    bool is_of_readings = false; // an output is what is there, not what a sensor says
+};
+
+// Standard deviations of ln(factor); of sizes of effects, of the way to a typical one.
+constexpr double strengths_of_corrections[] = {0.05, 0.1, 0.2, 0.4, 0.8};
+constexpr double strengths_of_effects[] = {0.25, 0.5, 1.0, 2.0, 4.0};
+constexpr std::size_t strengths = std::size(strengths_of_corrections);
+
+std::vector<Hypothesis> hypotheses_of(const study::Study& study) {
+    std::vector<Hypothesis> list;
+    for (const auto& correction : study::correction_channels(study)) {
+        const auto size = static_cast<Index>(correction.factors.size());
+        study::Study corrected = study::with_free_corrections(study, {correction});
+        const problem::Axis axis = corrected.space.axes.back();
+        const MatrixXd factor = diagnose::prior_correlation(correction.factors.size()).llt().matrixL();
+        list.push_back({.name = correction.name(),
+                        .study = std::move(corrected),
+                        .none = VectorXd::Constant(size, no_correction),
+                        .reach = factor / std::log(axis.high / axis.low),
+                        .is_of_readings = !pave::pavement::info(correction.channel).of_layer});
+    }
+    const bool is_plane = std::all_of(study.model.loads.begin(), study.model.loads.end(),
+                                      [](const auto& load) { return load.is_axisymmetric(); });
+    if (!is_plane) { // a run each: too long in three dimensions
+        return list;
+    }
+    for (const study::Variant& variant : study::variants(study, {})) {
+        const problem::Axis axis = study::size_axis(*variant.applied.effect);
+        const double none = axis.unit(variant.applied.effect->null);
+        list.push_back({.name = std::string(variant.applied.effect->name) +
+                                (variant.on.empty() ? "" : fmt::format(" ({})", variant.on)),
+                        .study = study::with_free_effects(study, {variant}),
+                        .none = VectorXd::Constant(1, none),
+                        .reach = MatrixXd::Constant(1, 1, axis.unit(variant.applied.effect->typical) - none)});
+    }
+    return list;
+}
+
+double strength_of(const Hypothesis& hypothesis, std::size_t number) {
+    return hypothesis.none.size() > 1 ? strengths_of_corrections[number] : strengths_of_effects[number];
+}
+
+std::optional<Slopes> slopes_at(const problem::Problem& problem, const VectorXd& at,
+                                const std::vector<std::size_t>& outputs, double noise,
+                                problem::ForwardFunction::Workspace& workspace) {
+    const problem::Evaluation e = problem.evaluate({at.data(), static_cast<std::size_t>(at.size())}, true, workspace);
+    if (!e.converged()) {
+        return std::nullopt;
+    }
+    Slopes slopes{.at = at,
+                  .residuals = problem.residuals(e) / noise,
+                  .rows = problem.residual_jacobian(e) / noise,
+                  .outputs = VectorXd(static_cast<Index>(outputs.size())),
+                  .output_rows = MatrixXd(static_cast<Index>(outputs.size()), at.size())};
+    for (Index o = 0; o < slopes.outputs.size(); ++o) {
+        const std::size_t row = outputs[static_cast<std::size_t>(o)];
+        slopes.outputs[o] = std::log(std::abs(e.responses[row]));
+        for (Index k = 0; k < at.size(); ++k) {
+            const auto axis = static_cast<std::size_t>(k);
+            slopes.output_rows(o, k) =
+                e.jacobian(static_cast<Index>(row), k) * problem.space.axes[axis].d_physical(at[k]) / e.responses[row];
+        }
+    }
+    const bool is_finite = slopes.residuals.allFinite() && slopes.rows.allFinite() && slopes.outputs.allFinite() &&
+                           slopes.output_rows.allFinite();
+    return is_finite ? std::optional(std::move(slopes)) : std::nullopt;
+}
+
+// From the answer to the hypothesis's own best point at the strength that says most, by Gauss and Newton's steps; the
+// slopes there.
+Slopes slopes_at_best(const Hypothesis& hypothesis, Slopes slopes, Index parameters,
+                      const std::vector<std::size_t>& outputs, double noise) {
+    const problem::Problem problem = study::make_noise_problem(hypothesis.study, study::Scope::everything);
+    const auto workspace = problem.function->make_workspace();
+    constexpr int steps = 4;
+    constexpr int halvings = 3;
+    const auto most_said = [&](const Slopes& there) {
+        std::size_t best = 0;
+        double evidence = -INFINITY;
+        for (std::size_t s = 0; s < strengths; ++s) {
+            const double now =
+                diagnose::say(there, parameters, hypothesis.none, strength_of(hypothesis, s) * hypothesis.reach)
+                    .log_evidence;
+            if (now > evidence) {
+                evidence = now;
+                best = s;
+            }
+        }
+        return best;
+    };
+    for (int step = 0; step < steps; ++step) {
+        const MatrixXd reach = strength_of(hypothesis, most_said(slopes)) * hypothesis.reach;
+        const auto sum = [&](const Slopes& there) {
+            const VectorXd own = reach.fullPivLu().solve(there.at.tail(hypothesis.none.size()) - hypothesis.none);
+            return there.residuals.squaredNorm() + own.squaredNorm() +
+                   (there.at.head(parameters).array() - 0.5).square().sum() / diagnose::box_variance;
+        };
+        const double before = sum(slopes);
+        VectorXd move = diagnose::say(slopes, parameters, hypothesis.none, reach).best - slopes.at;
+        double gained = 0.0;
+        for (int halving = 0; halving < halvings && !(gained > 0.0); ++halving, move *= 0.5) {
+            const VectorXd next = (slopes.at + move).cwiseMax(0.0).cwiseMin(1.0);
+            auto there = slopes_at(problem, next, outputs, noise, *workspace);
+            if (there && sum(*there) < before) {
+                gained = before - sum(*there);
+                slopes = std::move(*there);
+            }
+        }
+        constexpr double enough = 0.5; // of chi2
+        if (gained < enough) {
+            break;
+        }
+    }
+    return slopes;
+}
+
+} // namespace
+
+void OutputUncertainty::set_right(double new_low, double new_high) {
+    low = new_low;
+    high = new_high;
+    wide_low = std::min(wide_low, low);
+    wide_high = std::max(wide_high, high);
+}
+
+std::vector<OutputUncertainty> output_ranges(const study::Study& study, const std::vector<double>& unit, double noise,
+                                             int threads) {
+    std::vector<std::size_t> outputs = study.outputs();
+    if (outputs.empty() || !(noise > 0.0)) {
+        return {};
+    }
+    const auto n = static_cast<Index>(unit.size());
+    const VectorXd answer = Eigen::Map<const VectorXd>(unit.data(), n);
+    const problem::Problem plain = study::make_noise_problem(study, study::Scope::everything);
+    const auto workspace = plain.function->make_workspace();
+    const problem::Evaluation best = plain.evaluate(unit, false, *workspace);
+    if (!best.converged()) {
+        return {};
+    }
+    std::erase_if(outputs, [&](std::size_t o) { return !(std::abs(best.responses[o]) > 0.0); });
+    auto right_slopes = slopes_at(plain, answer, outputs, noise, *workspace);
+    if (!right_slopes || outputs.empty()) {
+        return {};
+    }
+    for (const landscape::BoundMet& bound : landscape::bounds_met(unit)) { // the model as it is gives way no further
+        right_slopes->rows.col(static_cast<Index>(bound.axis)).setZero();
+        right_slopes->output_rows.col(static_cast<Index>(bound.axis)).setZero();
+    }
+    const Said right = diagnose::say(*right_slopes, n, VectorXd(0), MatrixXd(0, 0));
+    const std::vector<Hypothesis> hypotheses = hypotheses_of(study);
+    std::vector<std::optional<Slopes>> slopes(hypotheses.size());
+    tbb::task_arena arena(run::concurrency(threads));
+    run::for_each_index(arena, hypotheses.size(), [&](std::size_t c) {
+        const Hypothesis& hypothesis = hypotheses[c];
+        VectorXd at(n + hypothesis.none.size());
+        at << answer, hypothesis.none;
+        const problem::Problem problem = study::make_noise_problem(hypothesis.study, study::Scope::everything);
+        slopes[c] = slopes_at(problem, at, outputs, noise, *problem.function->make_workspace());
+    });
+    const auto said_by = [&](std::size_t c, std::size_t s) {
+        const Hypothesis& hypothesis = hypotheses[c];
+        Slopes own = *slopes[c];
+        if (hypothesis.is_of_readings) {
+            own.output_rows.rightCols(hypothesis.none.size()).setZero();
+        }
+        return diagnose::say(own, n, hypothesis.none, strength_of(hypothesis, s) * hypothesis.reach);
+    };
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t c = 0; c < hypotheses.size(); ++c) {
+        double evidence = -INFINITY;
+        for (std::size_t s = 0; slopes[c] && s < strengths; ++s) {
+            evidence = std::max(evidence, said_by(c, s).log_evidence);
+        }
+        order.emplace_back(evidence, c);
+    }
+    std::sort(order.rbegin(), order.rend());
+    constexpr std::size_t leading = 8;
+    constexpr double far = 3.0; // of ln(evidence): where nothing is told apart, the answer is near enough
+    const double without = right.log_evidence;
+    run::for_each_index(arena, std::min(leading, order.size()), [&](std::size_t i) {
+        const std::size_t c = order[i].second;
+        if (slopes[c] && order[0].first > without + far) {
+            slopes[c] = slopes_at_best(hypotheses[c], std::move(*slopes[c]), n, outputs, noise);
+        }
+    });
+    std::vector<Said> all;
+    std::vector<std::size_t> whose;
+    double least = right.left;
+    for (std::size_t c = 0; c < hypotheses.size(); ++c) {
+        for (std::size_t s = 0; slopes[c] && s < strengths; ++s) {
+            all.push_back(said_by(c, s));
+            whose.push_back(c);
+            least = std::min(least, all.back().left);
+        }
+    }
+    if (all.empty()) {
+        return {};
+    }
+    // Where no hypothesis leaves only noise, the noise is as large as the best of them leaves it.
+    const double free = static_cast<double>(right_slopes->residuals.size() - n);
+    const double larger = free > 0.0 ? std::sqrt(std::max(1.0, least / free)) : 1.0;
+    const double most = std::max_element(all.begin(), all.end(), [](const Said& a, const Said& b) {
+                            return a.log_evidence < b.log_evidence;
+                        })->log_evidence;
+    std::vector<double> weights;
+    std::vector<double> shares(hypotheses.size(), 0.0);
+    double sum = 0.0;
+    for (const Said& said : all) {
+        weights.push_back(std::exp((said.log_evidence - most) / (larger * larger)));
+        sum += weights.back();
+    }
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        weights[i] /= sum;
+        shares[whose[i]] += weights[i];
+    }
+    const auto leads = static_cast<std::size_t>(std::max_element(shares.begin(), shares.end()) - shares.begin());
+    constexpr double tail = 0.025;
+    const double reach = gsl_cdf_ugaussian_Pinv(1.0 - tail);
+    std::vector<OutputUncertainty> ranges;
+    for (std::size_t o = 0; o < outputs.size(); ++o) {
+        const auto at = static_cast<Index>(o);
+        std::vector<double> means;
+        std::vector<double> deviations;
+        for (const Said& said : all) {
+            means.push_back(said.mean[at] - right_slopes->outputs[at]);
+            deviations.push_back(larger * said.deviation[at]);
+        }
+        const double value = best.responses[outputs[o]];
+        const double half = reach * right.deviation[at];
+        const double below = std::min(-half, diagnose::mixture_quantile(weights, means, deviations, tail));
+        const double above = std::max(half, diagnose::mixture_quantile(weights, means, deviations, 1.0 - tail));
+        OutputUncertainty range{.reading = outputs[o],
+                                .best = value,
+                                .low = value * std::exp(-half),
+                                .high = value * std::exp(half),
+                                .wide_low = value * std::exp(below),
+                                .wide_high = value * std::exp(above),
+                                .channel = hypotheses[leads].name,
+                                .share = shares[leads]};
+        if (value < 0.0) {
+            std::swap(range.low, range.high);
+            std::swap(range.wide_low, range.wide_high);
+        }
+        ranges.push_back(std::move(range));
+    }
+    return ranges;
+}
+
+std::vector<std::string> output_words(const study::Study& study, const std::vector<OutputUncertainty>& ranges) {
+    std::vector<std::string> words;
+    constexpr double wider = 1.2;
+    for (const OutputUncertainty& r : ranges) {
+        if (r.wide_high - r.wide_low < wider * (r.high - r.low)) {
+            continue;
+        }
+        const data::Reading& output = study.readings[r.reading];
+        words.push_back(fmt::format(
+            "If the model may lack something, {} lies between {} and {} {} (95 %; {} to {} if it is right): what these "
+            "data allow of a smooth error in one layer or kind of reading, or of an effect of the catalogue{}.",
+            output.output, pave::figure(output.in_unit(r.wide_low)), pave::figure(output.in_unit(r.wide_high)),
+            output.unit.name, pave::figure(output.in_unit(r.low)), pave::figure(output.in_unit(r.high)),
+            r.share > 0.5 ? fmt::format(", chiefly {}", r.channel) : ""));
+    }
+    return words;
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,36 @@
+// What the outputs may be: if the model is right, and if it may lack something.
+//
+// A model that may be wrong lacks one effect of the catalogue (study/variants.h), or the modulus of a layer or the
+// readings carry a smooth correction that nobody knows (pavement/correction.h): one hypothesis each effect or channel
+// and strength. Around a point, in standard deviations of the noise, with u the parameters in unit coordinates and c
+// the coefficients or the size,
+//     z(u, c) = z + J du + A dc,   z(u, c) ~ N(0, I),   u ~ N(1/2, 1/12),   c ~ N(none, s^2 C),
+// every hypothesis has a marginal likelihood and gives ln|output| a normal distribution. Those that explain most are
+// taken around their own best points (Laplace's approximation), the others around the answer. The range is that of the
+// mixture of all of them, the strengths s equally probable beforehand (Hoeting et al. 1999, Statistical Science 14,
+// 382): where the data see what is wrong they weigh it, where they are silent the strengths stated beforehand do.
+#pragma once
+
+#include "study/problems.h"
+
+namespace explore::analysis {
+
+struct OutputUncertainty {
+    std::size_t reading = 0;                // of the study
+    double best = 0.0;                      // SI, as the following
+    double low = 0.0, high = 0.0;           // 95 %, if the model is right: to first order, or as set
+    double wide_low = 0.0, wide_high = 0.0; // 95 %, if it may lack something; holds the other
+    void set_right(double low, double high);
+    std::string channel; // or effect, that the data and the strengths allow most: "base-depth"
+    double share = 0.0;  // its probability among them
+};
+
+// Of every output with a value other than 0. unit: the answer; noise: standard deviation of a residual of
+// study::make_noise_problem. Empty: no output, or no run has an answer.
+std::vector<OutputUncertainty> output_ranges(const study::Study& study, const std::vector<double>& unit, double noise,
+                                             int threads);
+
+// A sentence each, where the wide range is wider by a fifth or more.
+std::vector<std::string> output_words(const study::Study& study, const std::vector<OutputUncertainty>& ranges);
+
+} // namespace explore::analysis
