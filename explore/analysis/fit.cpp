@@ -58,6 +58,7 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
                      .reduced = std::move(reduced),
                      .without_floor = {},
                      .mesh = {},
+                     .drifts = {},
                      .priors = {},
                      .curves = {},
                      .tally = {}};
@@ -101,6 +102,7 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
         return std::nullopt;
     }
     predictor.complete(best.evaluation);
+    result.drifts = sensor_drifts(study, best.evaluation);
     result.joint = group_fit(study, predictor, "all", result.problem, best);
     result.local = result.joint->local;
     if (!result.problem.priors().empty()) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "analysis/curves.h"
+#include "analysis/drift.h"
 #include "analysis/floor.h"
 #include "analysis/groups.h"
 #include "analysis/mesh_error.h"
@@ -38,6 +39,7 @@ struct FitResult {
     std::optional<ReducedProblem> reduced;
     std::optional<WithoutFloor> without_floor;
     std::optional<MeshError> mesh;
+    std::vector<SensorDrift> drifts;
     std::optional<landscape::PriorInfluence> priors;
     std::vector<Curve> curves; // of the best minimum, by the full model; of the reduced model alone none
     run::Tally tally;

@@ -305,6 +305,9 @@ std::vector<std::string> findings(const FitResult& result) {
             text.push_back(std::move(words));
         }
     }
+    if (std::string words = drift_words(study, result.drifts); !words.empty()) {
+        text.push_back(std::move(words));
+    }
     if (std::string words = mesh_words(study, result.mesh); !words.empty()) {
         text.push_back(std::move(words));
     }

@@ -89,6 +89,9 @@ std::string noise_key_words(const study::Study& study) {
     if (data.noise_correlation_time > 0.0) {
         acting.emplace_back("correlation_ms");
     }
+    if (data.noise_drift > 0.0) {
+        acting.emplace_back("drift_um_per_ms");
+    }
     if (data.noise_degrees > 0.0) {
         acting.emplace_back("loss");
     }

@@ -46,6 +46,21 @@ std::vector<double> relative_errors(const study::Study& study, const pave::Rando
     return errors;
 }
 
+// What each sensor has drifted by [SI], one draw a sensor.
+std::vector<double> drifts(const study::Study& study, const pave::RandomStream& random) {
+    const std::size_t n = study.measured().size();
+    std::vector<double> drifts(n, 0.0);
+    for (std::size_t i = 0; i < n; ++i) {
+        const auto place = [&](std::size_t k) { return study::noise_place(study.model.sensors[k]); };
+        std::size_t first = 0; // reading of the sensor
+        while (!data::is_one_sensor(place(first), place(i))) {
+            ++first;
+        }
+        drifts[i] = study.readings[i].noise.drift * random.normal(first);
+    }
+    return drifts;
+}
+
 } // namespace
 
 TwinResult twin(study::Study study, const TwinOptions& options) {
@@ -67,10 +82,11 @@ TwinResult twin(study::Study study, const TwinOptions& options) {
     }
     const pave::RandomStream random(options.seed, 1);
     const auto errors = relative_errors(study, random, options.noise);
+    const auto drifted = drifts(study, pave::RandomStream(options.seed, 2));
     for (std::size_t i = 0; i < measured.size(); ++i) {
         data::Reading reading = measured[i];
         const double exact = reading.in_unit(outcome->values[i]);
-        reading.value = exact * (1.0 + errors[i]);
+        reading.value = exact * (1.0 + errors[i]) + (options.noise > 0.0 ? reading.in_unit(drifted[i]) : 0.0);
         reading.sigma = options.noise > 0.0 ? std::optional(options.noise * std::abs(exact)) : std::nullopt;
         result.exact.push_back(exact);
         result.readings.push_back(std::move(reading));

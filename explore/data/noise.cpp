@@ -13,7 +13,7 @@ constexpr double least_absolute = 0.1;
 } // namespace
 
 double Noise::deviation(double value) const {
-    return std::hypot(absolute, relative * value);
+    return std::hypot(std::hypot(absolute, drift), relative * value);
 }
 
 double Noise::own_deviation(double value) const {
@@ -22,19 +22,26 @@ double Noise::own_deviation(double value) const {
 }
 
 double Noise::residual(double model, double measured) const {
+    const double fixed = std::hypot(absolute, drift);
     if (relative == 0.0) {
-        return (model - measured) / absolute;
+        return (model - measured) / fixed;
     }
-    const double floor = std::max(absolute, least_absolute * relative * std::abs(measured));
+    const double floor = std::max(fixed, least_absolute * relative * std::abs(measured));
     const double bias = 0.5 * relative * relative * measured / std::hypot(floor, relative * measured);
     return (std::asinh(relative * model / floor) - std::asinh(relative * measured / floor)) / relative - bias;
 }
 
 double Noise::slope(double model, double measured) const {
+    const double fixed = std::hypot(absolute, drift);
     if (relative == 0.0) {
-        return 1.0 / absolute;
+        return 1.0 / fixed;
     }
-    return 1.0 / std::hypot(std::max(absolute, least_absolute * relative * std::abs(measured)), relative * model);
+    return 1.0 / std::hypot(std::max(fixed, least_absolute * relative * std::abs(measured)), relative * model);
+}
+
+bool is_one_sensor(const NoisePlace& a, const NoisePlace& b) {
+    return a.load == b.load && a.load >= 0 && a.quantity == b.quantity && a.x == b.x && a.y == b.y &&
+           a.depth == b.depth;
 }
 
 double own_correlation(const NoisePlace& a, const NoisePlace& b, double length, double time) {

@@ -15,7 +15,8 @@ double correlation(const Misfit::Term& a, const Misfit::Term& b) {
     const double own = a.noise.own_deviation(a.measured) * b.noise.own_deviation(b.measured) *
                        data::own_correlation(a.place, b.place, a.noise.correlation_length, a.noise.correlation_time);
     const double common = a.noise.common_relative * a.measured * b.noise.common_relative * b.measured;
-    return (own + common) / (a.noise.deviation(a.measured) * b.noise.deviation(b.measured));
+    const double drift = data::is_one_sensor(a.place, b.place) ? a.noise.drift * b.noise.drift : 0.0;
+    return (own + common + drift) / (a.noise.deviation(a.measured) * b.noise.deviation(b.measured));
 }
 
 } // namespace
@@ -27,8 +28,9 @@ Misfit::Misfit(MisfitKind kind, std::vector<Term> terms) : kind_(kind), terms_(s
     std::map<int, std::vector<Eigen::Index>> loads;
     for (std::size_t i = 0; i < terms_.size(); ++i) {
         const Term& t = terms_[i];
+        const data::Noise& n = t.noise;
         if (t.place.load >= 0 &&
-            (t.noise.common_relative > 0.0 || t.noise.correlation_length > 0.0 || t.noise.correlation_time > 0.0)) {
+            (n.common_relative > 0.0 || n.correlation_length > 0.0 || n.correlation_time > 0.0 || n.drift != 0.0)) {
             loads[t.place.load].push_back(static_cast<Eigen::Index>(i));
         }
     }
@@ -75,6 +77,37 @@ double Misfit::log_normaliser() const {
         sum -= block.factor.diagonal().array().log().sum();
     }
     return sum;
+}
+
+std::vector<Misfit::Drift> Misfit::drifts(std::span<const double> responses) const {
+    std::vector<Drift> drifts;
+    const Eigen::VectorXd single = single_residuals(responses);
+    for (const Block& block : blocks_) {
+        const auto term = [&](std::size_t k) -> const Term& { return terms_[static_cast<std::size_t>(block.rows[k])]; };
+        std::vector<char> seen(block.rows.size(), 0);
+        for (std::size_t first = 0; first < block.rows.size(); ++first) {
+            if (seen[first] != 0 || term(first).noise.drift == 0.0) {
+                continue;
+            }
+            Eigen::VectorXd change = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(block.rows.size()));
+            Eigen::VectorXd errors = change; // measured less model
+            for (std::size_t k = 0; k < block.rows.size(); ++k) {
+                const Term& t = term(k);
+                const auto row = static_cast<Eigen::Index>(k);
+                errors[row] = -single[block.rows[k]] / t.factor;
+                if (data::is_one_sensor(t.place, term(first).place)) {
+                    seen[k] = 1;
+                    change[row] = t.noise.drift / t.noise.deviation(t.measured);
+                }
+            }
+            block.factor.triangularView<Eigen::Lower>().solveInPlace(change);
+            block.factor.triangularView<Eigen::Lower>().solveInPlace(errors);
+            drifts.push_back({.term = static_cast<std::size_t>(block.rows[first]),
+                              .mean = change.dot(errors),
+                              .deviation = std::sqrt(std::max(0.0, 1.0 - change.squaredNorm()))});
+        }
+    }
+    return drifts;
 }
 
 Eigen::VectorXd Misfit::residuals(std::span<const double> responses) const {

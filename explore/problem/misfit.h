@@ -25,8 +25,9 @@ constexpr std::string_view to_string(MisfitKind kind) {
 // Of kind `noise` residuals are independent whatever the stated correlation: with r in units of the standard deviations
 // and R = L L' their correlation matrix, the residuals are L^-1 r (generalised least squares, Aitken 1935, Proceedings
 // of the Royal Society of Edinburgh 55), times the factors. R is that at the measured values:
-//     R_ij = (s_i s_j rho_ij + c_i c_j v_i v_j) / (d_i d_j),   d_i^2 = s_i^2 + (c_i v_i)^2,   i, j of one load,
-// s own_deviation, rho own_correlation, c common_relative, v the measured value. Each L^-1 r belongs to its reading as
+//     R_ij = (s_i s_j rho_ij + c_i c_j v_i v_j + w_i w_j) / (d_i d_j),   d_i^2 = s_i^2 + (c_i v_i)^2 + w_i^2,
+// i and j of one load, s own_deviation, rho own_correlation, c common_relative, v the measured value, w the drift, of
+// one sensor. Each L^-1 r belongs to its reading as
 // what the readings before it do not tell of it. Other kinds compare every reading by itself.
 //
 // Noise of Student's t distribution (data::Noise::degrees): these independent residuals z, in units of the noise, are t
@@ -70,6 +71,16 @@ public:
     // slope at the measured values, the inverse of their standard deviations, is all that is left; no response is in
     // it.
     double log_normaliser() const;
+
+    // What the readings say of the standard normal number by which the drift of each sensor is multiplied, where a
+    // model has these responses: the mean and the standard deviation given them (Robinson 1991, Statistical Science 6,
+    // 15), in the order of the sensors' first readings.
+    struct Drift {
+        std::size_t term = 0; // the first of the sensor
+        double mean = 0.0;
+        double deviation = 1.0;
+    };
+    std::vector<Drift> drifts(std::span<const double> responses) const;
 
     bool is_correlated() const { return !blocks_.empty(); }
     // rows: one each reading, of single residuals or what changes with them; to those of residuals().

@@ -74,6 +74,10 @@ public:
     Eigen::VectorXd single_residuals(const Evaluation& evaluation) const {
         return misfit_.single_residuals(evaluation.responses);
     }
+    // Of what each sensor has drifted by (problem/misfit.h).
+    std::vector<Misfit::Drift> drifts(const Evaluation& evaluation) const {
+        return misfit_.drifts(evaluation.responses);
+    }
     bool noise_is_correlated() const { return misfit_.is_correlated(); }
     // Whether their noise is of Student's t distribution; then with how many degrees of freedom, else 0.
     bool noise_is_student() const { return misfit_.is_student(); }

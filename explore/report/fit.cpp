@@ -3,6 +3,7 @@
 #include "analysis/build.h"
 #include "base/error.h"
 #include "base/text.h"
+#include "base/units.h"
 #include "report/curves.h"
 #include "report/text.h"
 #include "run/progress.h"
@@ -140,6 +141,14 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
         for (std::size_t i = 0; i < weights.size(); ++i) {
             json["responses"][result.problem.response_of(i)]["weight"] = weights[i];
         }
+    }
+    for (const analysis::SensorDrift& drift : result.drifts) {
+        constexpr double um_per_ms = pave::unit::um / pave::unit::ms;
+        const auto& sensor = study.model.sensors[drift.reading];
+        json["drift"].push_back({{"load", study.model.loads[static_cast<std::size_t>(sensor.load)].name},
+                                 {"x_mm", sensor.x / pave::unit::mm},
+                                 {"um_per_ms", drift.rate / um_per_ms},
+                                 {"standard_error", drift.deviation / um_per_ms}});
     }
     json["curves"] = curves_json(result.curves);
     if (result.mesh) {

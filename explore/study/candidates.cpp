@@ -71,6 +71,7 @@ Study candidates(const Study& study) {
     extended.data.noise_common_relative = 0.0; // of what is measured; a candidate's errors are candidate_noise()
     extended.data.noise_correlation_length = 0.0;
     extended.data.noise_correlation_time = 0.0;
+    extended.data.noise_drift = 0.0;
     extended.data.noise_degrees = 0.0;
     std::vector<data::Reading> list;
     for (const Load& load : study.model.loads) {

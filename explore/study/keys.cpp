@@ -37,6 +37,7 @@ std::span<const Key> study_keys() {
         noise_common_relative,
         noise_correlation,
         noise_correlation_time,
+        noise_drift,
         noise_loss,
         noise_degrees,
         data_held_out,

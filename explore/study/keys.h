@@ -240,6 +240,15 @@ inline constexpr Key noise_correlation_time{
     .default_value = 0.0,
     .meaning =
         "the same over the time between readings under a history: exp(-distance / correlation_mm - time / this)"};
+inline constexpr Key noise_drift{
+    .table = "[data.noise]",
+    .key = "drift_um_per_ms",
+    .kind = number,
+    .low = 0.0,
+    .high = 1e3,
+    .default_value = 0.0,
+    .meaning =
+        "standard deviation of the rate at which each sensor's deflections under a history drift from time 0 on"};
 inline constexpr std::string_view noise_losses[] = {"normal", "student"};
 inline constexpr Key noise_loss{.table = "[data.noise]",
                                 .key = "loss",

@@ -162,6 +162,7 @@ void read_noise(const toml::table& table, Study& study, const TableReader& of_da
     study.data.noise_common_relative = reader.number(keys::noise_common_relative);
     study.data.noise_correlation_length = unit::mm * reader.number(keys::noise_correlation);
     study.data.noise_correlation_time = unit::ms * reader.number(keys::noise_correlation_time);
+    study.data.noise_drift = unit::um / unit::ms * reader.number(keys::noise_drift);
     const bool is_student = reader.choice(keys::noise_loss) == 1;
     if (!is_student && reader.has(keys::noise_degrees)) {
         throw pave::Error(reader.place(keys::noise_degrees), "degrees are of loss = \"student\"", "no such loss",
@@ -174,6 +175,7 @@ void read_noise(const toml::table& table, Study& study, const TableReader& of_da
             reader.place(study.data.noise_common_relative > 0.0      ? keys::noise_common_relative
                          : study.data.noise_correlation_length > 0.0 ? keys::noise_correlation
                          : study.data.noise_correlation_time > 0.0   ? keys::noise_correlation_time
+                         : study.data.noise_drift > 0.0              ? keys::noise_drift
                                                                      : keys::noise_loss),
             study.data.correlates_noise() ? "errors that readings have in common need a misfit by the stated noise"
                                           : "a distribution of errors needs a misfit by the stated noise",
@@ -230,6 +232,10 @@ void shape_noise(Study& study) {
         noise.common_relative = data.noise_common_relative;
         noise.correlation_length = data.noise_correlation_length;
         noise.correlation_time = data.noise_correlation_time;
+        const Sensor& sensor = study.model.sensors[i];
+        if (sensor.quantity == Quantity::deflection && sensor.time) {
+            noise.drift = data.noise_drift * *sensor.time;
+        }
         noise.degrees = data.noise_degrees;
         for (std::size_t j = 0; j < i && data.correlates_readings(); ++j) {
             if (data::own_correlation(noise_place(study.model.sensors[i]), noise_place(study.model.sensors[j]),

@@ -281,6 +281,46 @@ TEST(CorrelatedNoise, IsRefusedWhereItMeansNothing) {
     EXPECT_EQ(refusal("relative = 0.03\ncommon_relative = 0.1", "weighted", rows), "");
 }
 
+// Integrating over the rates of the sensors is a ridge: the least, over a standard normal number xi of each sensor, of
+// the sum of (r - w xi)^2 / s^2 + xi^2, s the error of a reading by itself and w its drift.
+TEST(DriftingNoise, IsTheLeastOverTheRateOfEverySensor) {
+    constexpr double own = 2e-6; // m
+    constexpr double rate = 1e-3;
+    const pave::RandomStream random(5, 0);
+    std::vector<problem::Misfit::Term> terms;
+    std::vector<double> responses;
+    for (std::size_t sensor = 0; sensor < 2; ++sensor) {
+        for (std::size_t step = 0; step < 6; ++step) {
+            const double time = 0.005 * static_cast<double>(step);
+            problem::Misfit::Term term{.response = terms.size(), .measured = 1e-4};
+            term.noise = {.absolute = own, .drift = rate * time};
+            term.place = {.load = 0, .x = static_cast<double>(sensor), .time = time};
+            responses.push_back(term.measured + 1e-5 * random.normal(terms.size()));
+            terms.push_back(term);
+        }
+    }
+    const problem::Misfit misfit(problem::MisfitKind::noise, terms);
+    const auto drifts = misfit.drifts(responses);
+    ASSERT_EQ(drifts.size(), 2U);
+    double least = 0.0;
+    for (std::size_t sensor = 0; sensor < 2; ++sensor) {
+        double ww = 1.0;
+        double wr = 0.0;
+        double rr = 0.0;
+        for (std::size_t i = 6 * sensor; i < 6 * (sensor + 1); ++i) {
+            const double w = terms[i].noise.drift / own;
+            const double r = (terms[i].measured - responses[i]) / own;
+            ww += w * w;
+            wr += w * r;
+            rr += r * r;
+        }
+        least += rr - wr * wr / ww;
+        EXPECT_NEAR(drifts[sensor].mean, wr / ww, 1e-9);
+        EXPECT_NEAR(drifts[sensor].deviation, 1.0 / std::sqrt(ww), 1e-9);
+    }
+    EXPECT_NEAR(misfit.residuals(responses).squaredNorm(), least, 1e-8 * least);
+}
+
 // The twin of a study that says nothing of correlation has independent errors z; with it they are L z and one more for
 // all readings of a load.
 TEST(CorrelatedNoise, IsDrawnByTheTwin) {

@@ -1,4 +1,5 @@
 """Whole pulses: readings in time, wrong histories, runs that keep and know their history, and a twin whose floor is found."""
+import csv
 import json
 import re
 
@@ -139,6 +140,39 @@ for name, truth in (("subgrade.modulus_MPa", 80), ("subgrade.thickness_mm", 2000
     check(abs(best["parameters"][name] - truth) < 4 * best["std_error"][name], f"{name}: the standard error")
 page = run("report", out)
 check(page.returncode == 0 and "time_ms" in (out / "report.html").read_text(), f"the page: {page.stderr}")
+
+# Geophones that drift: each by a rate of its own, in proportion to the time. A fit that is not told so contradicts its noise; one that is finds the
+# modulus and the floor, and what each has drifted by.
+DRIFTING = STUDY.replace("absolute = { um = 2 }", "absolute = { um = 2 }\ndrift_um_per_ms = 1")
+drifting = write("drifting", DRIFTING)
+for noise, name in ((0.02, "told"), (1e-9, "exact")):
+    (folder / name).mkdir(exist_ok=True)
+    shutil.copy(folder / "forward" / "force.csv", folder / name)
+    done = run("twin", drifting, "--noise", noise, "--seed", 4, "--out", folder / name)
+    check(done.returncode == 0, f"twin with drift: {done.stderr}")
+rates = {}
+for own, row in zip(rows, csv.DictReader(line for line in (folder / "exact" / "twin.csv").open() if line[0] != "#")):
+    if row["time_ms"]:
+        rates.setdefault(float(row["x_mm"]), []).append((float(row["value"]) - own["value"] * (1e3 if own["unit"] == "mm" else 1)) / float(row["time_ms"]))
+check(len(rates) == 3 and all(max(r) - min(r) < 1e-3 for r in rates.values()), f"each sensor drifts at one rate: {rates}")
+check(max(abs(r[0]) for r in rates.values()) > 0.3, f"they drift: {rates}")
+made = (folder / "told" / "twin.csv").read_text()
+(folder / "told" / "small.csv").write_text(re.sub(r",[\d.e-]+$", ",", made, flags=re.M))
+found = {}
+for name, text in (("without", STUDY), ("with", DRIFTING)):
+    (folder / "told" / f"{name}.toml").write_text(text.replace("modulus_MPa = 80", "modulus_MPa = 60"))
+    done = run("fit", folder / "told" / f"{name}.toml", "--explore", 16, "--starts", 1, "--out", folder / "told" / name, "--json")
+    check(done.returncode == 0, f"fit {name} drift: {done.stderr}")
+    found[name] = json.loads(done.stdout)
+check(found["without"]["noise"]["p_value"] < 1e-3 and "drift" not in found["without"], f"drift untold: {found['without']['noise']}")
+check(found["with"]["noise"]["p_value"] > 1e-3, f"drift told: {found['with']['noise']}")
+for sensor in found["with"]["drift"]:
+    check(abs(sensor["um_per_ms"] - rates[sensor["x_mm"]][0]) < 4 * sensor["standard_error"] < 2, f"the drift at {sensor['x_mm']} mm: {sensor}, {rates}")
+check(any("Sensors drift" in words for words in found["with"]["findings"]), f"the drift in words: {found['with']['findings']}")
+best = found["with"]["best"]
+for name, truth in (("subgrade.modulus_MPa", 80), ("subgrade.thickness_mm", 2000)):
+    check(abs(best["parameters"][name] - truth) < 4 * best["std_error"][name], f"{name} beside drift: {best['parameters'][name]}")
+refused("drift without a misfit by noise", ["drift_um_per_ms", 'misfit = "weighted"'], "small.toml:", study=DRIFTING.replace('misfit = "weighted"', 'misfit = "log"'))
 
 # Another history is another run; a run keeps its own.
 before = evaluations(out)
