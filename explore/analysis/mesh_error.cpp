@@ -16,21 +16,27 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-std::optional<MeshError> mesh_error(const study::Study& study, const problem::Problem& problem,
-                                    const problem::Evaluation& answer, const std::vector<double>& unit, double noise) {
+std::optional<study::Study> on_finer_mesh(const study::Study& study) {
     constexpr double finer = 1.5;
     constexpr double most_memory = 0.5e9; // bytes
-    if (!(noise > 0.0)) {
-        return std::nullopt;
-    }
     study::Study refined = study;
     refined.model.settings.refine *= finer;
+    try {
+        return affordable_cost(refined, 1).memory > most_memory ? std::nullopt : std::optional(std::move(refined));
+    } catch (const pave::Error&) { // too large
+        return std::nullopt;
+    }
+}
+
+std::optional<MeshError> mesh_error(const study::Study& study, const problem::Problem& problem,
+                                    const problem::Evaluation& answer, const std::vector<double>& unit, double noise) {
+    const auto refined = noise > 0.0 ? on_finer_mesh(study) : std::nullopt;
+    if (!refined) {
+        return std::nullopt;
+    }
     problem::Evaluation other = answer;
     try {
-        if (affordable_cost(refined, 1).memory > most_memory) {
-            return std::nullopt;
-        }
-        const problem::Problem same = study::make_problem(refined, study::Scope::fitted);
+        const problem::Problem same = study::make_problem(*refined, study::Scope::fitted);
         const auto outcome = same.function->evaluate(answer.parameters, false, *same.function->make_workspace());
         if (!outcome) {
             return std::nullopt;
@@ -44,7 +50,7 @@ std::optional<MeshError> mesh_error(const study::Study& study, const problem::Pr
     if (!(d.norm() > 0.0) || !d.allFinite()) {
         return std::nullopt;
     }
-    MeshError error{.refine = refined.model.settings.refine, .chi2 = r.squaredNorm(), .moved = {}};
+    MeshError error{.refine = refined->model.settings.refine, .chi2 = r.squaredNorm(), .moved = {}};
     const MatrixXd j = landscape::off_bounds(problem.residual_jacobian(answer) / noise, landscape::bounds_met(unit));
     const Eigen::JacobiSVD<MatrixXd> svd(j, Eigen::ComputeThinU | Eigen::ComputeThinV);
     const MatrixXd u = landscape::followed_by(j, {});

@@ -23,9 +23,12 @@ struct MeshError {
     bool shows() const;       // beside the noise
 };
 
+// The study on a mesh 1.5 times as fine; nothing: a run there would take more than 0.5 GB (wheels in three dimensions
+// on large meshes), or the mesh is too large.
+std::optional<study::Study> on_finer_mesh(const study::Study& study);
+
 // study: whose problem it is, with its effects; answer: with jacobian, at `unit`. noise: standard deviation of a
-// residual. Nothing: no mesh computes the readings, or the finer one has no answer or takes more than
-// 0.5 GB (wheels in three dimensions on large meshes).
+// residual. Nothing: no mesh computes the readings, or there is no finer one or no answer on it.
 std::optional<MeshError> mesh_error(const study::Study& study, const problem::Problem& problem,
                                     const problem::Evaluation& answer, const std::vector<double>& unit, double noise);
 

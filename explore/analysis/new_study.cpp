@@ -197,15 +197,129 @@ noise_floor = 0.005           # of the largest reading under that load
     return {study_text(name, parts), readings};
 }
 
-NewStudy study_of_station(const std::string& name, const data::FwdFile& file, const std::string& path,
-                          const std::string& wanted) {
-    const data::FwdStation& station = chosen(file, path, wanted);
-    const std::string source = harmless(std::filesystem::path(path).filename().string());
-    const auto bowls = data::bowls_of(station);
+namespace {
+
+std::string station_head(const data::FwdStation& station, const std::string& source) {
+    const auto given = [](const char* what, const std::optional<double>& celsius) {
+        return celsius ? fmt::format(", {} {:g} C", what, *celsius) : std::string();
+    };
+    return fmt::format("# Station {} of {}{}{}{}{}{}. Written by `pavescape new`:\n", harmless(station.name), source,
+                       station.date.empty() ? "" : ", " + harmless(station.date),
+                       station.time.empty() ? "" : " " + harmless(station.time), given("air", station.air_C),
+                       given("surface", station.surface_C),
+                       given("asphalt", data::measured_asphalt_C(station.asphalt_C, station.surface_C)));
+}
+
+constexpr const char* layers_of_station =
+    "# Layers from the top down. The file does not say what they are: REPLACE thicknesses and laws by "
+    "those of your road.\n# depth_mm of the outputs below goes with the thicknesses.";
+
+// By the surface modulus at the farthest sensor.
+void set_subgrade(Parts& parts, const data::DeflectionBowl& bowl) {
+    const auto moduli = data::indices_of(bowl, bowl.pressure_kPa).surface_moduli;
+    if (!moduli.empty() && moduli.back().offset_mm > 0.0) {
+        const double modulus = std::clamp(moduli.back().modulus_MPa, 10.0, 1000.0);
+        parts.subgrade_MPa = rounded(modulus);
+        parts.subgrade_low_MPa = rounded(modulus / 4.0);
+        parts.subgrade_high_MPa = rounded(modulus * 4.0);
+    }
+}
+
+data::StationBowls bowls_or_error(const data::FwdStation& station, const std::string& path) {
+    auto bowls = data::bowls_of(station);
     if (!bowls) {
         throw pave::Error({.file = path, .line = station.line, .key = "station " + station.name},
                           "its readings cannot be right", bowls.failure().reason, "another station");
     }
+    return std::move(bowls).value();
+}
+
+} // namespace
+
+NewStudy study_of_pulses(const std::string& name, const data::FwdFile& file, const std::string& path,
+                         const std::string& wanted) {
+    const data::FwdStation& station = chosen(file, path, wanted);
+    const std::string source = harmless(std::filesystem::path(path).filename().string());
+    const data::StationBowls bowls = bowls_or_error(station, path);
+    constexpr double apart_ms = 1.0;
+    NewStudy made;
+    Parts parts;
+    parts.head = station_head(station, source);
+    parts.title = fmt::format("Station {} of {}, whole pulses", harmless(station.name), source);
+    parts.layers = layers_of_station;
+    parts.loads = "# The drops of the station that have a history. time_shift_ms would move readings against it.\n";
+    std::vector<data::Reading> rows;
+    double longest_ms = 0.0;
+    for (const data::FwdDrop& drop : station.drops) {
+        if (!drop.history) {
+            continue;
+        }
+        const data::FwdHistory& history = *drop.history;
+        const std::string load = fmt::format("drop-{}", drop.number);
+        const std::string csv = fmt::format("{}-{}.csv", name, load);
+        std::string pressures = "time_ms,pressure_kPa\n";
+        for (std::size_t i = 0; i < history.pressure_kPa.size(); ++i) {
+            pressures +=
+                fmt::format("{:.6g},{:g}\n", history.step_ms * static_cast<double>(i), history.pressure_kPa[i]);
+        }
+        made.histories.emplace_back(csv, pressures);
+        parts.load = load; // the last one
+        parts.loads += fmt::format("[[loads]]\nname = \"{}\"\ntype = \"plate\"\nradius_mm = {:g}\nhistory = \"{}\"\n\n",
+                                   load, drop.radius_mm, csv);
+        const auto every = static_cast<std::size_t>(std::max(1.0, std::round(apart_ms / history.step_ms)));
+        const std::size_t sensors = history.offsets_mm.size();
+        for (std::size_t s = 0; s < sensors; ++s) {
+            for (std::size_t i = every; i < history.pressure_kPa.size(); i += every) {
+                const double deflection = history.deflection_um[i * sensors + s];
+                data::Reading row;
+                row.load = load;
+                row.quantity = "deflection";
+                row.x_mm = history.offsets_mm[s];
+                row.time_ms = history.step_ms * static_cast<double>(i);
+                row.value = deflection;
+                row.unit = data::unit_named("um");
+                if (std::isfinite(deflection)) {
+                    longest_ms = std::max(longest_ms, *row.time_ms);
+                    rows.push_back(std::move(row));
+                }
+            }
+        }
+    }
+    if (made.histories.empty() || rows.empty()) {
+        throw pave::Error({.file = path, .line = station.line, .key = "station " + station.name},
+                          "none of its drops has a time history", pave::join(file.remarks),
+                          "a station with one, or its peaks: without --pulses");
+    }
+    parts.loads.pop_back();
+    parts.noise = fmt::format(
+        R"(# What was read, one reading a millisecond. Errors of one sensor at two times are alike, and geophones drift.
+[data]
+files = ["{}.csv"]
+misfit = "weighted"
+
+[data.noise]
+relative = 0.02
+absolute = {{ um = 2 }}
+correlation_ms = 5
+drift_um_per_ms = 0.2
+
+[solver]
+time_step_ms = 0.5            # 0.2 for the final answer
+)",
+        name);
+    set_subgrade(parts, bowls.bowl());
+    made.study = study_text(name, parts);
+    made.readings = fmt::format("# Station {} of {}: {} drop{} over {:g} ms\n{}", harmless(station.name), source,
+                                made.histories.size(), made.histories.size() == 1 ? "" : "s", longest_ms,
+                                data::measurement_rows(rows));
+    return made;
+}
+
+NewStudy study_of_station(const std::string& name, const data::FwdFile& file, const std::string& path,
+                          const std::string& wanted) {
+    const data::FwdStation& station = chosen(file, path, wanted);
+    const std::string source = harmless(std::filesystem::path(path).filename().string());
+    const data::StationBowls bowls = bowls_or_error(station, path);
     // Repeats along the whole road tell more than those of one station.
     std::vector<data::StationBowls> road;
     for (const data::FwdStation& s : file.stations) {
@@ -222,27 +336,19 @@ NewStudy study_of_station(const std::string& name, const data::FwdFile& file, co
     const auto repeatability = data::repeatability(all);
 
     Parts parts;
-    const auto given = [](const char* what, const std::optional<double>& celsius) {
-        return celsius ? fmt::format(", {} {:g} C", what, *celsius) : std::string();
-    };
-    parts.head = fmt::format("# Station {} of {}{}{}{}{}{}. Written by `pavescape new`:\n", harmless(station.name),
-                             source, station.date.empty() ? "" : ", " + harmless(station.date),
-                             station.time.empty() ? "" : " " + harmless(station.time), given("air", station.air_C),
-                             given("surface", station.surface_C),
-                             given("asphalt", data::measured_asphalt_C(station.asphalt_C, station.surface_C)));
+    parts.head = station_head(station, source);
     parts.title = fmt::format("Station {} of {}", harmless(station.name), source);
-    parts.layers = "# Layers from the top down. The file does not say what they are: REPLACE thicknesses and laws by "
-                   "those of your road.\n# depth_mm of the outputs below goes with the thicknesses.";
+    parts.layers = layers_of_station;
     std::string rows;
     std::string left_out;
     parts.loads = "# The loads of the station, one a level.\n";
-    for (const data::DeflectionBowl& bowl : bowls->levels) {
+    for (const data::DeflectionBowl& bowl : bowls.levels) {
         const std::string load = fmt::format("fwd-{:.0f}kPa", bowl.pressure_kPa);
         parts.loads += fmt::format("[[loads]]\nname = \"{}\"\ntype = \"plate\"\nradius_mm = {:g}\npressure_kPa = {:g}  "
                                    "          # {:.1f} kN, drop{} {}\n\n",
                                    load, bowl.radius_mm, bowl.pressure_kPa, bowl.force_kN(),
                                    bowl.drops.size() == 1 ? "" : "s", fmt::join(bowl.drops, ", "));
-        if (&bowl == &bowls->bowl()) {
+        if (&bowl == &bowls.bowl()) {
             parts.load = load;
         }
         for (const data::BowlReading& reading : bowl.readings) {
@@ -257,14 +363,14 @@ NewStudy study_of_station(const std::string& name, const data::FwdFile& file, co
         }
     }
     parts.loads.pop_back();
-    for (const data::DropLeftOut& drop : bowls->left_out) {
+    for (const data::DropLeftOut& drop : bowls.left_out) {
         const bool used = drop.why == data::LeftOut::another_level; // its level is a load of its own
         left_out += used ? ""
                          : fmt::format("# Drop {} is left out{}{}\n", drop.number,
                                        drop.why == data::LeftOut::seating ? ": it seats the plate" : "",
                                        drop.words.empty() ? "" : ": " + harmless(drop.words));
     }
-    for (const std::string& remark : bowls->remarks) {
+    for (const std::string& remark : bowls.remarks) {
         left_out += fmt::format("# {}\n", harmless(remark));
     }
     parts.noise = fmt::format(R"(# What was read; every reading states its noise (sigma).
@@ -273,13 +379,7 @@ files = ["{}.csv"]
 misfit = "weighted"
 )",
                               name);
-    const auto moduli = data::indices_of(bowls->bowl(), bowls->bowl().pressure_kPa).surface_moduli;
-    if (!moduli.empty() && moduli.back().offset_mm > 0.0) {
-        const double modulus = std::clamp(moduli.back().modulus_MPa, 10.0, 1000.0);
-        parts.subgrade_MPa = rounded(modulus);
-        parts.subgrade_low_MPa = rounded(modulus / 4.0);
-        parts.subgrade_high_MPa = rounded(modulus * 4.0);
-    }
+    set_subgrade(parts, bowls.bowl());
     const std::string head = fmt::format(
         "# Station {} of {}: medians of the drops of each level. sigma: {}, with 1 um and 1 % of the sensor\n{}{}\n",
         harmless(station.name), source,

@@ -10,6 +10,8 @@ namespace explore::analysis {
 struct NewStudy {
     std::string study;    // TOML
     std::string readings; // CSV, in the file NAME.csv beside it
+    // Further files beside it: name and text.
+    std::vector<std::pair<std::string, std::string>> histories{};
 };
 
 // name: of the study and its readings, of letters, digits and . _ -
@@ -23,6 +25,11 @@ NewStudy example_study(const std::string& name);
 // right.
 NewStudy study_of_station(const std::string& name, const data::FwdFile& file, const std::string& path,
                           const std::string& station);
+
+// The whole pulses of the station's drops, a load each with its history: one reading a millisecond of every sensor.
+// Throws pave::Error where no drop has a history.
+NewStudy study_of_pulses(const std::string& name, const data::FwdFile& file, const std::string& path,
+                         const std::string& station);
 
 // What a station is called in a file name: its letters, digits and . _ -
 std::string plain_name(const std::string& name);

@@ -1,5 +1,7 @@
 #include "analysis/output_ranges.h"
 
+#include "analysis/mesh_error.h"
+#include "base/error.h"
 #include "base/text.h"
 #include "diagnose/evidence.h"
 #include "diagnose/model_average.h"
@@ -149,14 +151,30 @@ Slopes slopes_at_best(const Hypothesis& hypothesis, Slopes slopes, Index paramet
     return slopes;
 }
 
-} // namespace
-
-void OutputUncertainty::set_right(double new_low, double new_high) {
-    low = new_low;
-    high = new_high;
-    wide_low = std::min(wide_low, low);
-    wide_high = std::max(wide_high, high);
+// By how much the mesh is off in ln|output|, by Richardson's extrapolation from a finer one (second order); 0 where
+// there is none.
+VectorXd mesh_errors(const study::Study& study, const problem::Evaluation& best,
+                     const std::vector<std::size_t>& outputs) {
+    VectorXd errors = VectorXd::Zero(static_cast<Index>(outputs.size()));
+    const auto refined = on_finer_mesh(study);
+    if (!refined) {
+        return errors;
+    }
+    try {
+        const problem::Problem finer = study::make_problem(*refined, study::Scope::everything);
+        const auto outcome = finer.function->evaluate(best.parameters, false, *finer.function->make_workspace());
+        const double ratio = refined->model.settings.refine / study.model.settings.refine;
+        for (Index o = 0; outcome && o < errors.size(); ++o) {
+            const std::size_t row = outputs[static_cast<std::size_t>(o)];
+            const double change = std::log(std::abs(outcome->responses[row] / best.responses[row]));
+            errors[o] = std::isfinite(change) ? change / (1.0 - 1.0 / (ratio * ratio)) : 0.0;
+        }
+    } catch (const pave::Error&) { // too large
+    }
+    return errors;
 }
+
+} // namespace
 
 std::vector<OutputUncertainty> output_ranges(const study::Study& study, const std::vector<double>& unit, double noise,
                                              int threads) {
@@ -249,6 +267,7 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
         shares[whose[i]] += weights[i];
     }
     const auto leads = static_cast<std::size_t>(std::max_element(shares.begin(), shares.end()) - shares.begin());
+    const VectorXd of_mesh = mesh_errors(study, best, outputs);
     constexpr double tail = 0.025;
     const double reach = gsl_cdf_ugaussian_Pinv(1.0 - tail);
     std::vector<OutputUncertainty> ranges;
@@ -258,12 +277,12 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
         std::vector<double> deviations;
         for (const Said& said : all) {
             means.push_back(said.mean[at] - right_slopes->outputs[at]);
-            deviations.push_back(larger * said.deviation[at]);
+            deviations.push_back(std::hypot(larger * said.deviation[at], of_mesh[at]));
         }
         const double value = best.responses[outputs[o]];
         const double half = reach * right.deviation[at];
-        const double below = std::min(-half, diagnose::mixture_quantile(weights, means, deviations, tail));
-        const double above = std::max(half, diagnose::mixture_quantile(weights, means, deviations, 1.0 - tail));
+        const double below = diagnose::mixture_quantile(weights, means, deviations, tail);
+        const double above = diagnose::mixture_quantile(weights, means, deviations, 1.0 - tail);
         OutputUncertainty range{.reading = outputs[o],
                                 .best = value,
                                 .low = value * std::exp(-half),
@@ -283,9 +302,10 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
 
 std::vector<std::string> output_words(const study::Study& study, const std::vector<OutputUncertainty>& ranges) {
     std::vector<std::string> words;
-    constexpr double wider = 1.2;
+    constexpr double beyond = 0.1; // of the range
     for (const OutputUncertainty& r : ranges) {
-        if (r.wide_high - r.wide_low < wider * (r.high - r.low)) {
+        const double margin = beyond * (r.high - r.low);
+        if (r.wide_low > r.low - margin && r.wide_high < r.high + margin) {
             continue;
         }
         const data::Reading& output = study.readings[r.reading];

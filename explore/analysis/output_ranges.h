@@ -19,10 +19,9 @@ struct OutputUncertainty {
     std::size_t reading = 0;                // of the study
     double best = 0.0;                      // SI, as the following
     double low = 0.0, high = 0.0;           // 95 %, if the model is right: to first order, or as set
-    double wide_low = 0.0, wide_high = 0.0; // 95 %, if it may lack something; holds the other
-    void set_right(double low, double high);
-    std::string channel; // or effect, that the data and the strengths allow most: "base-depth"
-    double share = 0.0;  // its probability among them
+    double wide_low = 0.0, wide_high = 0.0; // 95 %, if it lacks something; need not hold the other
+    std::string channel;                    // or effect, that the data and the strengths allow most: "base-depth"
+    double share = 0.0;                     // its probability among them
 };
 
 // Of every output with a value other than 0. unit: the answer; noise: standard deviation of a residual of
@@ -30,7 +29,7 @@ struct OutputUncertainty {
 std::vector<OutputUncertainty> output_ranges(const study::Study& study, const std::vector<double>& unit, double noise,
                                              int threads);
 
-// A sentence each, where the wide range is wider by a fifth or more.
+// A sentence each, where the wide range goes beyond the other by a tenth of that.
 std::vector<std::string> output_words(const study::Study& study, const std::vector<OutputUncertainty>& ranges);
 
 } // namespace explore::analysis

@@ -148,7 +148,8 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
                 const auto o = static_cast<std::size_t>(std::find(outputs.begin(), outputs.end(), range.reading) -
                                                         outputs.begin());
                 if (o < result.answer.outputs.size()) {
-                    range.set_right(result.answer.outputs[o].low, result.answer.outputs[o].high);
+                    range.low = result.answer.outputs[o].low;
+                    range.high = result.answer.outputs[o].high;
                 }
             }
         }

@@ -11,6 +11,7 @@ namespace {
 
 struct Options {
     std::string file, from, station, columns;
+    bool pulses = false;
 };
 
 // Of a station, unless it is named.
@@ -33,20 +34,30 @@ int write_study(const Options& options) {
         throw pave::Error({.file = file}, "not a name of a study", "\"" + stem + "\"", "letters, digits, . _ -");
     }
     const std::string folder = path.has_parent_path() ? path.parent_path().string() : ".";
-    for (const std::string& name : {stem + ".toml", stem + ".csv"}) {
+    const auto make = [&] {
+        if (options.from.empty()) {
+            return analysis::example_study(stem);
+        }
+        const data::FwdFile read = data::read_fwd(
+            options.from, options.columns.empty() ? data::ColumnMap{} : data::read_column_map(options.columns));
+        const auto study = options.pulses ? analysis::study_of_pulses : analysis::study_of_station;
+        return study(stem, read, options.from, options.station);
+    };
+    const auto keep = [&](const std::string& name) {
         const auto there = std::filesystem::path(folder) / name;
         if (std::filesystem::exists(there)) {
             throw pave::Error({.file = there.string()}, "this file is there already", {}, "a name that is free");
         }
+    };
+    keep(stem + ".toml");
+    keep(stem + ".csv");
+    const analysis::NewStudy made = make();
+    for (const auto& [name, text] : made.histories) {
+        keep(name);
     }
-    const analysis::NewStudy made =
-        options.from.empty()
-            ? analysis::example_study(stem)
-            : analysis::study_of_station(stem,
-                                         data::read_fwd(options.from, options.columns.empty()
-                                                                          ? data::ColumnMap{}
-                                                                          : data::read_column_map(options.columns)),
-                                         options.from, options.station);
+    for (const auto& [name, text] : made.histories) {
+        run::write_file(folder, name, text);
+    }
     run::write_file(folder, stem + ".csv", made.readings);
     run::write_file(folder, stem + ".toml", made.study);
     fmt::print("written: {0}/{1}.toml and {0}/{1}.csv\nnext:    {2}pavescape check {0}/{1}.toml\n", folder, stem,
@@ -67,6 +78,8 @@ void add_new(CLI::App& app, Action& action) {
     command->add_option("--station", options->station, "its name or chainage (default: the first that can be used)")
         ->needs(from);
     command->add_option("--columns", options->columns, "names of the columns of a table, as for survey")->needs(from);
+    command->add_flag("--pulses", options->pulses, "the time histories of its drops in place of their peaks")
+        ->needs(from);
     command->footer("Example: pavescape new road.toml\n"
                     "         pavescape new station.toml --from grids/road-north.f25 --station 100");
     command->callback([=, &action] {

@@ -17,6 +17,14 @@ struct FwdReading {
     double deflection_um = 0.0; // peak, positive down
 };
 
+// What load cell and sensors read over the pulse of a drop.
+struct FwdHistory {
+    double step_ms = 0.0;
+    std::vector<double> pressure_kPa{};  // of every sample, from time 0 on
+    std::vector<double> offsets_mm{};    // of the sensors, as FwdReading's
+    std::vector<double> deflection_um{}; // of every sample those of all sensors; not a number: not read
+};
+
 struct FwdDrop {
     int number = 0;
     double radius_mm = 0.0;            // of the plate; not a number: not stated
@@ -24,7 +32,8 @@ struct FwdDrop {
     std::vector<FwdReading> readings;  // those that were measured
     std::vector<double> not_read_mm{}; // offsets of the sensors that gave no number
     std::optional<double> force_kN{};  // where the file states a force: pressure_kPa is made of it
-    std::string flag{};                // why the file itself warns of this drop; "": it does not
+    std::optional<FwdHistory> history{};
+    std::string flag{}; // why the file itself warns of this drop; "": it does not
     int line = 0;
 };
 

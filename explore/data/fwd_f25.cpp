@@ -5,6 +5,7 @@
 #include "data/fwd_values.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
@@ -20,6 +21,8 @@ constexpr int station_line = 5301;
 constexpr int comment_line = 5302;
 constexpr int temperature_line = 5303;
 constexpr int last_drop = 999; // larger numbers are objects or samples of a time history
+constexpr int history_line = 5185;
+constexpr int first_sample = 1001;
 
 // Cells of one line; quotes keep commas in a text and end with the line.
 std::vector<std::string> cells_of(std::string_view line) {
@@ -87,6 +90,15 @@ struct Sensor {
     double x_mm, y_mm;
 };
 
+// A time history and whose it is.
+struct HistoryBlock {
+    std::vector<std::string> station; // what follows the number of a line 5301
+    int drop = 0;
+    std::size_t samples = 0;
+    int line = 0;
+    FwdHistory history{};
+};
+
 class Reader {
 public:
     explicit Reader(std::string file) : file_(std::move(file)) {}
@@ -101,7 +113,13 @@ public:
             }
             return;
         }
-        if (*id > file_line && *id < position_line && stations_.empty() && is_new_) {
+        if (!histories_.empty() &&
+            *id == first_sample + static_cast<int>(histories_.back().history.pressure_kPa.size()) &&
+            histories_.back().history.pressure_kPa.size() < histories_.back().samples) {
+            take_sample(line);
+            return;
+        }
+        if (*id > file_line && *id < position_line && stations_.empty() && is_new_ && *id != history_line) {
             is_open_ = is_new_ = false; // the place where the survey ended, which is among the lines of the header
         }
         if (*id == plate_and_x) {
@@ -128,6 +146,8 @@ public:
             station_.asphalt_C = temperature(2);
             station_.surface_C = temperature(3);
             station_.air_C = temperature(4);
+        } else if (*id == history_line) {
+            begin_history(line);
         } else if (*id >= 1 && *id <= last_drop) {
             take_drop(line, *id);
         }
@@ -135,6 +155,7 @@ public:
 
     FwdFile file() && {
         close_station();
+        give_histories();
         return with_drops({std::move(stations_), std::move(remarks_)}, file_,
                           "after a line 5301 lines such as \"1, 574, 434, 396, ...\"");
     }
@@ -169,8 +190,98 @@ private:
     void close_station() {
         if (is_open_ && is_new_) {
             station_.unusable = no_drops;
-            stations_.push_back(station_);
+            add_station();
         }
+    }
+
+    void add_station() {
+        stations_.push_back(station_);
+        station_lines_.push_back(station_cells_);
+    }
+
+    // Which station and drop it is of, how many samples, the time between them [us], where they are: in the lines that
+    // follow (-1) or in a binary file.
+    void begin_history(const Line& line) {
+        std::vector<std::string> cells(line.cells.begin() + 1, line.cells.end());
+        while (!cells.empty() && cells.back().empty()) {
+            cells.pop_back();
+        }
+        constexpr std::size_t own = 4;
+        std::array<double, own> numbers{};
+        for (std::size_t i = 0; i < own; ++i) {
+            const auto number = cells.size() > own ? measured(cells[cells.size() - own + i]) : std::nullopt;
+            if (!number) {
+                say(line, "it does not say of which drop it is, how many samples it has or how far apart they are");
+                return;
+            }
+            numbers[i] = *number;
+        }
+        const auto [drop, samples, step, position] = numbers;
+        constexpr double most_samples = 4000.0; // so that their numbers are below those of objects
+        if (position != -1.0) {
+            say(line, "it is in a binary file beside this one, which is not read");
+        } else if (!(drop >= 1.0 && drop <= last_drop && samples >= 1.0 && samples < most_samples && step > 0.0)) {
+            say(line, fmt::format("{:g} samples {:g} us apart of drop {:g}", samples, step, drop));
+        } else {
+            cells.resize(cells.size() - own);
+            histories_.push_back({.station = cells,
+                                  .drop = static_cast<int>(drop),
+                                  .samples = static_cast<std::size_t>(samples),
+                                  .line = line.number});
+            histories_.back().history.step_ms = 1e-3 * step;
+            for (const Sensor& sensor : sensors_) {
+                histories_.back().history.offsets_mm.push_back(offset_mm(sensor));
+            }
+        }
+    }
+
+    void say(const Line& line, const std::string& why) {
+        remarks_.push_back(fmt::format("{}, line {}: this time history is left out: {}", file_, line.number, why));
+    }
+
+    void take_sample(const Line& line) {
+        FwdHistory& history = histories_.back().history;
+        history.pressure_kPa.push_back(line.reading(1).value_or(NAN));
+        for (const Sensor& sensor : sensors_) {
+            history.deflection_um.push_back(line.reading(sensor.at).value_or(NAN));
+        }
+    }
+
+    // A history may stand before or behind the drops of its station.
+    void give_histories() {
+        for (HistoryBlock& block : histories_) {
+            const auto left_out = [&](const std::string& why) {
+                remarks_.push_back(
+                    fmt::format("{}, line {}: this time history is left out: {}", file_, block.line, why));
+            };
+            const auto is_own = [&](const std::vector<std::string>& station) {
+                return std::equal(station.begin(),
+                                  station.begin() +
+                                      static_cast<std::ptrdiff_t>(std::min(station.size(), block.station.size())),
+                                  block.station.begin());
+            };
+            FwdDrop* drop = nullptr;
+            for (std::size_t s = 0; s < stations_.size(); ++s) {
+                for (FwdDrop& own : stations_[s].drops) {
+                    drop = own.number == block.drop && is_own(station_lines_[s]) ? &own : drop;
+                }
+            }
+            const auto& pressures = block.history.pressure_kPa;
+            if (drop == nullptr) {
+                left_out(fmt::format("the file has no drop {} at its station", block.drop));
+            } else if (pressures.size() < block.samples) {
+                left_out(fmt::format("it ends after {} of {} samples", pressures.size(), block.samples));
+            } else if (std::any_of(pressures.begin(), pressures.end(), [](double p) { return std::isnan(p); })) {
+                left_out("a sample has no pressure");
+            } else {
+                drop->history = std::move(block.history);
+            }
+        }
+    }
+
+    // Behind the plate is where x is negative.
+    static double offset_mm(const Sensor& sensor) {
+        return std::copysign(std::hypot(sensor.x_mm, sensor.y_mm), sensor.x_mm);
     }
 
     void begin_station(const Line& line) {
@@ -191,6 +302,7 @@ private:
             station_.time = fmt::format("{}:{}", line.text(12), line.text(13));
         }
         station_.line = line.number;
+        station_cells_.assign(line.cells.begin() + 1, line.cells.end());
         set_position(station_, position_.first, position_.second);
         position_ = {};
         is_open_ = true;
@@ -213,8 +325,7 @@ private:
                      .readings = {}};
         drop.line = line.number;
         for (const Sensor& sensor : sensors_) {
-            // Behind the plate is where x is negative.
-            const double offset = std::copysign(std::hypot(sensor.x_mm, sensor.y_mm), sensor.x_mm);
+            const double offset = offset_mm(sensor);
             if (const auto deflection = line.reading(sensor.at)) {
                 drop.readings.push_back({offset, *deflection});
             } else {
@@ -224,7 +335,7 @@ private:
         say_what_has_no_place(line);
         if (is_new_) {
             station_.line = line.number;
-            stations_.push_back(station_);
+            add_station();
             is_new_ = false;
         }
         if (!number) {
@@ -263,6 +374,9 @@ private:
     bool is_new_ = false;      // without a drop so far
     bool has_said_so_ = false; // of readings without a place
     std::vector<FwdStation> stations_;
+    std::vector<std::string> station_cells_;              // of the line 5301, without its number
+    std::vector<std::vector<std::string>> station_lines_; // those of stations_
+    std::vector<HistoryBlock> histories_;
     std::vector<std::string> remarks_;
 };
 

@@ -174,6 +174,37 @@ for name, truth in (("subgrade.modulus_MPa", 80), ("subgrade.thickness_mm", 2000
     check(abs(best["parameters"][name] - truth) < 4 * best["std_error"][name], f"{name} beside drift: {best['parameters'][name]}")
 refused("drift without a misfit by noise", ["drift_um_per_ms", 'misfit = "weighted"'], "small.toml:", study=DRIFTING.replace('misfit = "weighted"', 'misfit = "log"'))
 
+# An F25 file with the histories of two drops, as the device writes them: whole numbers of kPa and um, one every 0.5 ms. `new --pulses` makes a study of it,
+# which finds the subgrade that they were computed with.
+TIMES = [0.5 * i for i in range(1, 81)]
+PEAK = 50 / 0.0225 / 3.14159265358979
+half_ms = write("f25", data=HEADER + "".join(f"drop,deflection,{x},0,0,0,{t:g},100,um,\n" for x in (0, 600, 1800) for t in TIMES))
+computed = {x: [1e3 * r["value"] if r["unit"] == "mm" else r["value"] for r in json.loads(run("forward", half_ms, "--json").stdout)["responses"] if r["x_mm"] == x] for x in (0, 600, 1800)}
+force = [[float(cell) for cell in row.split(",")] for row in FORCE.split()[1:]]
+def pressure(t):
+    for (t0, f0), (t1, f1) in zip(force, force[1:]):
+        if t0 <= t <= t1:
+            return (f0 + (f1 - f0) * (t - t0) / (t1 - t0)) / 50 * PEAK
+    return 0
+STATION = "0,1,4,3, 31.500,1,1,N0 ,,2024,06,05,14,07"
+samples = "1001,0,0,0,0\n" + "".join(f"{1002 + i},{pressure(t):.0f},{','.join(f'{computed[x][i]:.0f}' for x in computed)}\n" for i, t in enumerate(TIMES))
+peaks = f"1,{PEAK:.0f},{','.join(f'{max(v):.0f}' for v in computed.values())}\n"
+(folder / "road.f25").write_text(f"5001,25.10,1,40, 3, 1\n5020,150,0,600,1800\n5021,300,N0,N0,N0\n5301,{STATION}\n{peaks}5185,{STATION},1,{len(TIMES) + 1},500,-1\n{samples}")
+done = run("new", folder / "f25" / "made.toml", "--from", folder / "road.f25", "--pulses")
+check(done.returncode == 0 and (folder / "f25" / "made-drop-1.csv").exists(), f"new --pulses: {done}")
+text = (folder / "f25" / "made.toml").read_text()
+cut = lambda text, first, last: text[:text.index(first)] + text[text.index(last):]
+text = cut(text, '[section]', '[[loads]]').replace("[[loads]]", STUDY[STUDY.index("[[layers]]"):STUDY.index("[[loads]]")] + "[mesh]\nextent_m = 5\nrefine = 0.5\n\n[[loads]]", 1)
+text = text[:text.index("[[parameters]]")].replace("time_step_ms = 0.5 ", "time_step_ms = 1 ") + STUDY[STUDY.index("[[parameters]]"):]
+(folder / "f25" / "made.toml").write_text(text.replace("modulus_MPa = 80", "modulus_MPa = 50"))
+done = run("fit", folder / "f25" / "made.toml", "--explore", 12, "--starts", 1, "--joint-only", "--out", folder / "f25" / "fit", "--json")
+check(done.returncode == 0, f"fit of an F25 file's pulses: {done.stderr}")
+best = json.loads(done.stdout)["best"]
+for name, truth in (("subgrade.modulus_MPa", 80), ("subgrade.thickness_mm", 2000)):
+    check(abs(best["parameters"][name] / truth - 1) < 0.02, f"{name} from an F25 file: {best['parameters'][name]}, not {truth}")
+done = run("new", folder / "f25" / "other.toml", "--from", ROOT / "grids" / "road-north.f25", "--pulses")
+check(done.returncode == 2 and "none of its drops has a time history" in done.stderr, f"no histories: {done.stderr}")
+
 # Another history is another run; a run keeps its own.
 before = evaluations(out)
 (folder / "twin" / "force.csv").write_text(FORCE.replace("13,50", "13,51"))
