@@ -2,13 +2,11 @@
 //
 // A model that may be wrong lacks one effect of the catalogue (study/variants.h), or the modulus of a layer or the
 // readings carry a smooth correction that nobody knows (pavement/correction.h): one hypothesis each effect or channel
-// and strength. Around a point, in standard deviations of the noise, with u the parameters in unit coordinates and c
-// the coefficients or the size,
-//     z(u, c) = z + J du + A dc,   z(u, c) ~ N(0, I),   u ~ N(1/2, 1/12),   c ~ N(none, s^2 C),
-// every hypothesis has a marginal likelihood and gives ln|output| a normal distribution. Those that explain most are
-// taken around their own best points (Laplace's approximation), the others around the answer. The range is that of the
-// mixture of all of them, the strengths s equally probable beforehand (Hoeting et al. 1999, Statistical Science 14,
-// 382): where the data see what is wrong they weigh it, where they are silent the strengths stated beforehand do.
+// and strength, all equally probable beforehand; wheels in three dimensions have the corrections alone, for a run each.
+// Every hypothesis has a marginal likelihood and gives ln|output| a normal distribution (diagnose/model_average.h).
+// Those that explain most are taken around their own best points (Laplace's approximation), the others around the
+// answer. The range is that of the mixture: where the data see what is wrong they weigh it, where they are silent the
+// strengths stated beforehand do.
 #pragma once
 
 #include "study/problems.h"
@@ -29,7 +27,7 @@ struct OutputUncertainty {
 std::vector<OutputUncertainty> output_ranges(const study::Study& study, const std::vector<double>& unit, double noise,
                                              int threads);
 
-// A sentence each, where the wide range goes beyond the other by a tenth of that.
+// A sentence each.
 std::vector<std::string> output_words(const study::Study& study, const std::vector<OutputUncertainty>& ranges);
 
 } // namespace explore::analysis

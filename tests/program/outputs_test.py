@@ -27,9 +27,7 @@ for seed in range(1, CASES + 1):
     print(f"{seed}: {truth['hidden'][0]['effect']}: {truth['output']:.0f}; {output['low']:.0f} to {output['high']:.0f}; if the model may lack something {wide['low']:.0f} to {wide['high']:.0f}, {wide['channel']}")
     check(output["low"] <= output["best"] <= output["high"] and wide["low"] < wide["high"], f"seed {seed}: ranges: {output}")
     check(wide["channel"] and 0 < wide["share"] <= 1, f"seed {seed}: what weighs most: {wide}")
-    margin = 0.1 * (output["high"] - output["low"])
-    check(wide["low"] > output["low"] - margin and wide["high"] < output["high"] + margin or any("may lack something" in words for words in found["findings"]),
-          f"seed {seed}: the findings say so")
+    check(any("may lack something" in words for words in found["findings"]), f"seed {seed}: the findings say so")
     truth_of[seed] = truth["output"]
     held += wide["low"] <= truth["output"] <= wide["high"]
 # Nine in ten is what it should be, and three of four or more then have a probability of 95 %.
