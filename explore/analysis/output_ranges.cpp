@@ -7,6 +7,7 @@
 #include "diagnose/model_average.h"
 #include "diagnose/workbench.h"
 #include "landscape/minima.h"
+#include "pavement/effects/effect.h"
 #include "run/parallel.h"
 #include "study/corrections.h"
 #include "study/variants.h"
@@ -99,6 +100,49 @@ std::optional<Slopes> slopes_at(const problem::Problem& problem, const VectorXd&
     const bool is_finite = slopes.residuals.allFinite() && slopes.rows.allFinite() && slopes.outputs.allFinite() &&
                            slopes.output_rows.allFinite();
     return is_finite ? std::optional(std::move(slopes)) : std::nullopt;
+}
+
+// Of the hypotheses that are corrections, which come first; how many they are. At no correction one run has the
+// derivatives of several, as many as a study may have parameters.
+std::size_t slopes_of_corrections(const study::Study& study, const VectorXd& answer,
+                                  const std::vector<Hypothesis>& hypotheses, const std::vector<std::size_t>& outputs,
+                                  double noise, std::vector<std::optional<Slopes>>& slopes) {
+    const auto channels = study::correction_channels(study);
+    const Index n = answer.size();
+    for (std::size_t c = 0; c < channels.size();) {
+        const std::size_t first = c;
+        Index size = n;
+        do {
+            size += hypotheses[c].none.size();
+            ++c;
+        } while (c < channels.size() && size + hypotheses[c].none.size() <= static_cast<Index>(study::most_parameters));
+        if (size > static_cast<Index>(study::most_parameters)) {
+            continue; // this one alone is too many
+        }
+        VectorXd at = VectorXd::Constant(size, diagnose::no_correction);
+        at.head(n) = answer;
+        const problem::Problem problem = study::make_noise_problem(
+            study::with_free_corrections(study, {channels.begin() + static_cast<std::ptrdiff_t>(first),
+                                                 channels.begin() + static_cast<std::ptrdiff_t>(c)}),
+            study::Scope::everything);
+        const auto all = slopes_at(problem, at, outputs, noise, *problem.function->make_workspace());
+        Index column = n;
+        for (std::size_t own = first; all && own < c; ++own) {
+            const Index count = hypotheses[own].none.size();
+            const auto part = [&](const MatrixXd& matrix) {
+                MatrixXd columns(matrix.rows(), n + count);
+                columns << matrix.leftCols(n), matrix.middleCols(column, count);
+                return columns;
+            };
+            slopes[own] = Slopes{.at = part(all->at.transpose()).transpose(),
+                                 .residuals = all->residuals,
+                                 .rows = part(all->rows),
+                                 .outputs = all->outputs,
+                                 .output_rows = part(all->output_rows)};
+            column += count;
+        }
+    }
+    return channels.size();
 }
 
 // From the answer to the hypothesis's own best point at the strength that says most, by Gauss and Newton's steps; the
@@ -201,8 +245,13 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
     const std::vector<Hypothesis> hypotheses = hypotheses_of(study);
     std::vector<std::optional<Slopes>> slopes(hypotheses.size());
     tbb::task_arena arena(run::concurrency(threads));
-    run::for_each_index(arena, hypotheses.size(), [&](std::size_t c) {
+    const std::size_t corrections = slopes_of_corrections(study, answer, hypotheses, outputs, noise, slopes);
+    run::for_each_index(arena, hypotheses.size() - corrections, [&](std::size_t i) {
+        const std::size_t c = corrections + i;
         const Hypothesis& hypothesis = hypotheses[c];
+        if (n + hypothesis.none.size() > static_cast<Index>(study::most_parameters)) {
+            return;
+        }
         VectorXd at(n + hypothesis.none.size());
         at << answer, hypothesis.none;
         const problem::Problem problem = study::make_noise_problem(hypothesis.study, study::Scope::everything);

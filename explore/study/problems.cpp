@@ -56,9 +56,9 @@ problem::Problem problem_of(const Study& study, const std::vector<bool>& loads, 
         throw pave::Error({.file = study.file, .key = "parameters"}, "this command needs parameters to change", {},
                           "at least one [[parameters]]");
     }
-    if (study.space.dimension() > 40) {
+    if (study.space.dimension() > most_parameters) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "too many parameters",
-                          fmt::format("{}", study.space.dimension()), "at most 40");
+                          fmt::format("{}", study.space.dimension()), fmt::format("at most {}", most_parameters));
     }
     std::vector<bool> needed = loads;
     if (!needed.empty()) { // empty: all

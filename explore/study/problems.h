@@ -6,6 +6,8 @@
 
 namespace explore::study {
 
+inline constexpr std::size_t most_parameters = 40; // of a problem
+
 // What a problem computes at every point: all responses, or those of the loads with readings that are fitted (the
 // others are then not numbers).
 enum class Scope { everything, fitted };
