@@ -43,10 +43,10 @@ struct DiagnoseResult {
     std::vector<diagnose::Channel> channels;
     Layout layout;
     diagnose::Diagnosis diagnosis;
-    std::optional<DiagnosedModel> before; // none: failed
-    std::optional<DiagnosedModel> after;  // with the best explanation, or corrected
-    std::optional<MeshError> mesh;        // of the extended model where there is one, else of the study's
-    std::vector<OutputUncertainty> outputs;     // of the named model where a cause is named, else of the study's
+    std::optional<DiagnosedModel> before;   // none: failed
+    std::optional<DiagnosedModel> after;    // with the best explanation, or corrected
+    std::optional<MeshError> mesh;          // of the extended model where there is one, else of the study's
+    std::vector<OutputUncertainty> outputs; // of the named model where a cause is named, else of the study's
     std::vector<LocatedCorrection> located;
     std::vector<SeparatingReading> next;
     std::vector<std::optional<double>> held_out; // of each explanation: see DiagnosedModel
