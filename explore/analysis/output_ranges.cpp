@@ -76,10 +76,9 @@ std::vector<Hypothesis> hypotheses_of(const study::Study& study) {
     return list;
 }
 
-std::optional<Slopes> slopes_at(const problem::Problem& problem, const VectorXd& at,
-                                const std::vector<std::size_t>& outputs, double noise,
-                                problem::ForwardFunction::Workspace& workspace) {
-    const problem::Evaluation e = problem.evaluate({at.data(), static_cast<std::size_t>(at.size())}, true, workspace);
+// e: of the problem at that point, with jacobian.
+std::optional<Slopes> slopes_of(const problem::Problem& problem, const VectorXd& at, const problem::Evaluation& e,
+                                const std::vector<std::size_t>& outputs, double noise) {
     if (!e.converged()) {
         return std::nullopt;
     }
@@ -100,6 +99,13 @@ std::optional<Slopes> slopes_at(const problem::Problem& problem, const VectorXd&
     const bool is_finite = slopes.residuals.allFinite() && slopes.rows.allFinite() && slopes.outputs.allFinite() &&
                            slopes.output_rows.allFinite();
     return is_finite ? std::optional(std::move(slopes)) : std::nullopt;
+}
+
+std::optional<Slopes> slopes_at(const problem::Problem& problem, const VectorXd& at,
+                                const std::vector<std::size_t>& outputs, double noise,
+                                problem::ForwardFunction::Workspace& workspace) {
+    const problem::Evaluation e = problem.evaluate({at.data(), static_cast<std::size_t>(at.size())}, true, workspace);
+    return slopes_of(problem, at, e, outputs, noise);
 }
 
 // Of the hypotheses that are corrections, which come first; how many they are. At no correction one run has the
@@ -180,8 +186,8 @@ Slopes slopes_at_best(const Hypothesis& hypothesis, Slopes slopes, Index paramet
         for (int halving = 0; halving < halvings && !(gained > 0.0); ++halving, move *= 0.5) {
             const VectorXd next = (slopes.at + move).cwiseMax(0.0).cwiseMin(1.0);
             auto there = slopes_at(problem, next, outputs, noise, *workspace);
-            if (there && sum(*there) < before) {
-                gained = before - sum(*there);
+            if (const double now = there ? sum(*there) : INFINITY; now < before) {
+                gained = before - now;
                 slopes = std::move(*there);
             }
         }
@@ -227,13 +233,12 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
     const auto n = static_cast<Index>(unit.size());
     const VectorXd answer = Eigen::Map<const VectorXd>(unit.data(), n);
     const problem::Problem plain = study::make_noise_problem(study, study::Scope::everything);
-    const auto workspace = plain.function->make_workspace();
-    const problem::Evaluation best = plain.evaluate(unit, false, *workspace);
+    const problem::Evaluation best = plain.evaluate(unit, true, *plain.function->make_workspace());
     if (!best.converged()) {
         return {};
     }
     std::erase_if(outputs, [&](std::size_t o) { return !(std::abs(best.responses[o]) > 0.0); });
-    auto right_slopes = slopes_at(plain, answer, outputs, noise, *workspace);
+    auto right_slopes = slopes_of(plain, answer, best, outputs, noise);
     if (!right_slopes || outputs.empty()) {
         return {};
     }

@@ -143,8 +143,8 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
                 output_ranges(study, result.best().unit,
                               result.answer.acceptance->noise_is_stated ? 1.0 : result.answer.acceptance->noise(),
                               session.options().threads);
+            const std::vector<std::size_t> outputs = study.outputs();
             for (OutputUncertainty& range : result.outputs) { // walked along, where the other is to first order
-                const std::vector<std::size_t> outputs = study.outputs();
                 const auto o = static_cast<std::size_t>(std::find(outputs.begin(), outputs.end(), range.reading) -
                                                         outputs.begin());
                 if (o < result.answer.outputs.size()) {

@@ -211,7 +211,9 @@ private:
         for (std::size_t i = 0; i < own; ++i) {
             const auto number = cells.size() > own ? measured(cells[cells.size() - own + i]) : std::nullopt;
             if (!number) {
-                say(line, "it does not say of which drop it is, how many samples it has or how far apart they are");
+                leave_history_out(
+                    line.number,
+                    "it does not say of which drop it is, how many samples it has or how far apart they are");
                 return;
             }
             numbers[i] = *number;
@@ -219,9 +221,9 @@ private:
         const auto [drop, samples, step, position] = numbers;
         constexpr double most_samples = 4000.0; // so that their numbers are below those of objects
         if (position != -1.0) {
-            say(line, "it is in a binary file beside this one, which is not read");
+            leave_history_out(line.number, "it is in a binary file beside this one, which is not read");
         } else if (!(drop >= 1.0 && drop <= last_drop && samples >= 1.0 && samples < most_samples && step > 0.0)) {
-            say(line, fmt::format("{:g} samples {:g} us apart of drop {:g}", samples, step, drop));
+            leave_history_out(line.number, fmt::format("{:g} samples {:g} us apart of drop {:g}", samples, step, drop));
         } else {
             cells.resize(cells.size() - own);
             histories_.push_back({.station = cells,
@@ -235,8 +237,8 @@ private:
         }
     }
 
-    void say(const Line& line, const std::string& why) {
-        remarks_.push_back(fmt::format("{}, line {}: this time history is left out: {}", file_, line.number, why));
+    void leave_history_out(int line, const std::string& why) {
+        remarks_.push_back(fmt::format("{}, line {}: this time history is left out: {}", file_, line, why));
     }
 
     void take_sample(const Line& line) {
@@ -250,10 +252,6 @@ private:
     // A history may stand before or behind the drops of its station.
     void give_histories() {
         for (HistoryBlock& block : histories_) {
-            const auto left_out = [&](const std::string& why) {
-                remarks_.push_back(
-                    fmt::format("{}, line {}: this time history is left out: {}", file_, block.line, why));
-            };
             const auto is_own = [&](const std::vector<std::string>& station) {
                 return std::equal(station.begin(),
                                   station.begin() +
@@ -268,11 +266,12 @@ private:
             }
             const auto& pressures = block.history.pressure_kPa;
             if (drop == nullptr) {
-                left_out(fmt::format("the file has no drop {} at its station", block.drop));
+                leave_history_out(block.line, fmt::format("the file has no drop {} at its station", block.drop));
             } else if (pressures.size() < block.samples) {
-                left_out(fmt::format("it ends after {} of {} samples", pressures.size(), block.samples));
+                leave_history_out(block.line,
+                                  fmt::format("it ends after {} of {} samples", pressures.size(), block.samples));
             } else if (std::any_of(pressures.begin(), pressures.end(), [](double p) { return std::isnan(p); })) {
-                left_out("a sample has no pressure");
+                leave_history_out(block.line, "a sample has no pressure");
             } else {
                 drop->history = std::move(block.history);
             }
