@@ -1,7 +1,7 @@
 // Evidence of corrections on linear problems.
 #include "diagnose/evidence.h"
 
-#include "base/random.h"
+#include "support/normal_matrix.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -15,19 +15,15 @@ namespace {
 
 constexpr Index rows = 25;
 
-MatrixXd normal(const pave::RandomStream& random, Index n, Index columns, std::uint64_t first) {
-    return MatrixXd::NullaryExpr(n, columns, [&] { return random.normal(first++); });
-}
-
 // Two parameters that are followed, three channels of four coefficients.
 struct World {
     MatrixXd jacobian;
     std::vector<MatrixXd> changes;
     explicit World(std::uint64_t seed) {
         const pave::RandomStream random(seed, 0);
-        jacobian = 30.0 * normal(random, rows, 2, 0);
+        jacobian = 30.0 * test::normal_matrix(random, rows, 2, 0);
         for (std::uint64_t c = 0; c < 3; ++c) {
-            changes.push_back(5.0 * normal(random, rows, 4, 1000 * (c + 1)));
+            changes.push_back(5.0 * test::normal_matrix(random, rows, 4, 1000 * (c + 1)));
         }
     }
     Mimicry mimicry() const { return {jacobian, {0.5, 0.5}, VectorXd::Zero(rows)}; }
@@ -59,7 +55,7 @@ TEST(ChannelEvidence, OfOneCoefficientHasItsClosedForm) {
 TEST(ChannelEvidence, RatioIsThatOfTheDensities) {
     const World world(3);
     const pave::RandomStream random(4, 0);
-    const VectorXd z = normal(random, rows, 1, 0);
+    const VectorXd z = test::normal_matrix(random, rows, 1, 0);
     const ChannelEvidence evidence(world.changes[0]);
     for (const double s : {0.05, 0.3, 1.0}) {
         const MatrixXd v = MatrixXd::Identity(rows, rows) +
@@ -90,7 +86,7 @@ TEST(TestChannels, NoiseAloneIsSignificantAsOftenAsStated) {
         constexpr int cases = 60;
         for (std::uint64_t k = 0; k < cases; ++k) {
             const pave::RandomStream random(100 + k, estimated ? 1 : 0);
-            const VectorXd noise = (estimated ? 7.0 : 1.0) * normal(random, rows, 1, 0);
+            const VectorXd noise = (estimated ? 7.0 : 1.0) * test::normal_matrix(random, rows, 1, 0);
             double p = 1.0;
             for (const auto& test : test_channels(noise, world.changes, {}, world.mimicry(), estimated, 1)) {
                 p = std::min(p, test.p_familywise);
@@ -113,8 +109,8 @@ TEST(TestChannels, FindsTheChannelAndThenTheOtherOne) {
         const pave::RandomStream random(500 + k, 0);
         const VectorXd a{{0.6, 0.5, 0.4, 0.3}};
         const VectorXd b{{-0.2, 0.3, 0.3, -0.3}};
-        const VectorXd residuals =
-            normal(random, rows, 1, 0) + world.changes[1] * a + world.changes[2] * b + 0.7 * world.jacobian.col(0);
+        const VectorXd residuals = test::normal_matrix(random, rows, 1, 0) + world.changes[1] * a +
+                                   world.changes[2] * b + 0.7 * world.jacobian.col(0);
         const auto largest = [](const std::vector<ChannelTest>& tests) {
             return std::max_element(tests.begin(), tests.end(),
                                     [](const auto& x, const auto& y) { return x.log_ratio < y.log_ratio; }) -

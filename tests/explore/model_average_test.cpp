@@ -1,7 +1,7 @@
 // Averages over models that may lack something, against draws from their priors weighed by their likelihoods.
 #include "diagnose/model_average.h"
 
-#include "base/random.h"
+#include "support/normal_matrix.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,10 +17,6 @@ namespace {
 constexpr Index parameters = 2;
 constexpr Index lacking = 2;
 constexpr Index readings = 5;
-
-MatrixXd normal_numbers(const pave::RandomStream& random, Index n, Index columns, std::uint64_t first) {
-    return MatrixXd::NullaryExpr(n, columns, [&] { return random.normal(first++); });
-}
 
 struct Weighed {
     double log_evidence, mean, deviation;
@@ -57,10 +53,10 @@ Weighed drawn(const Slopes& slopes, const VectorXd& none, const MatrixXd& reach)
 Slopes some_slopes(Index coordinates) {
     const pave::RandomStream random(3, 0);
     return {.at = VectorXd::LinSpaced(coordinates, 0.3, 0.6),
-            .residuals = normal_numbers(random, readings, 1, 0),
-            .rows = 2.0 * normal_numbers(random, readings, coordinates, 100),
+            .residuals = test::normal_matrix(random, readings, 1, 0),
+            .rows = 2.0 * test::normal_matrix(random, readings, coordinates, 100),
             .outputs = VectorXd::Constant(1, 0.7),
-            .output_rows = normal_numbers(random, 1, coordinates, 200)};
+            .output_rows = test::normal_matrix(random, 1, coordinates, 200)};
 }
 
 } // namespace
