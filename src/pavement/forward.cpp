@@ -235,7 +235,7 @@ struct ForwardModel::Observed {
         std::vector<Moved> list;
         for (const auto& [offset, weight] : stencil_of(values, parameter)) {
             const Case there = with_effects(moved_by(values, parameter, offset * step), load);
-            if (there.layers != here.layers || there.loads != here.loads) {
+            if (!differ_in_sensors_alone(here, there, load)) {
                 return false;
             }
             for (std::size_t i = 0; i < there.sensors.size(); ++i) {

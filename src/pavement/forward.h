@@ -45,8 +45,8 @@ public:
 
     // The response at `values`, a case that differs from the nominal one in numbers only; with its derivatives by
     // `parameters`: exact for the discrete algorithm, but by differences of readings in the same run for effects that
-    // move sensors alone, and by differences of runs for effects that move layers and for geometry where fields,
-    // springs or inertia go with it. Effects that are varied must be `present`. Pure: same input, same bits.
+    // move sensors alone, and by differences of runs for geometry, of a layer or of an effect, where fields, springs or
+    // inertia go with it. Effects that are varied must be `present`. Pure: same input, same bits.
     Outcome<Response> run(const Case& values, const std::vector<Parameter>& parameters, Workspace& workspace) const;
 
     // What the run at `values` leaves under a load, at rest; of a load that nothing reads too.

@@ -69,4 +69,7 @@ struct Derivative {
 // rule through them is by differences of those forms, to some 1e-10. A motion of the mesh is by the file value.
 std::optional<Derivative> exact_derivative(const Case& c, const Parameter& parameter, int load);
 
+// Whether two cases, their effects applied, are the same under a load but for where and how the sensors read.
+bool differ_in_sensors_alone(Case a, Case b, int load);
+
 } // namespace pave::pavement

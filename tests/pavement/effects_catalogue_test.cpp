@@ -241,6 +241,27 @@ TEST(Effects, LeaveGeometryToAMotionOfTheMeshWhereItHoldsAll) {
     }
 }
 
+// So are the derivatives by sizes that move layers; those by sizes that move sensors alone are read on the way, though
+// a number that the law was not given is equal to none.
+TEST(Effects, NeedNoFurtherRunForTheDerivativeByTheirSizeWhereTheyMoveLayersOrSensors) {
+    Case plain = shared_axisymmetric_case();
+    plain.layers[1].parameters[*plain.layers[1].law->index_of("poisson_12")] = material::not_given;
+    for (const std::string_view name : {"base-thickness", "floor-depth"}) {
+        EXPECT_TRUE(is_exact(with(plain, *find_effect(name), 0.0, true), std::string(name) + ".size")) << name;
+    }
+    const auto moves_sensors_alone = [&](std::string_view name) {
+        const Effect& e = *find_effect(name);
+        return differ_in_sensors_alone(with_effects(with(plain, e, e.typical), 0),
+                                       with_effects(with(plain, e, e.typical / 2.0), 0), 0);
+    };
+    for (const std::string_view name : {"sensor-position", "gauge-depth", "gauge-length", "load-offset"}) {
+        EXPECT_TRUE(moves_sensors_alone(name)) << name;
+    }
+    for (const std::string_view name : {"base-thickness", "floor-depth", "load-magnitude", "plate-rigidity"}) {
+        EXPECT_FALSE(moves_sensors_alone(name)) << name;
+    }
+}
+
 // Of what inertia moves only its own time has no derivative.
 TEST(Effects, LeaveLoadsTheirExactDerivatives) {
     const Case& plain = shared_axisymmetric_case();
