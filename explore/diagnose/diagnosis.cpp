@@ -54,9 +54,9 @@ constexpr int fold_number = 5000;
 constexpr int bootstrap_number = 20'000;
 constexpr int search_number = 10'000'000; // + the point of the sample
 
-// Puts the model that was found in place of the best so far where it is lower by more than this.
-void keep_lower(std::optional<Model>& best, std::optional<Model> found, double by = 0.0) {
-    if (found && (!best || found->sum < best->sum - by)) {
+// Puts the model that was found in place of the best so far where it is lower.
+void keep_lower(std::optional<Model>& best, std::optional<Model> found) {
+    if (found && (!best || found->sum < best->sum)) {
         best = std::move(found);
     }
 }
@@ -216,9 +216,18 @@ private:
         return {.secant_below = at_start != nullptr ? INFINITY : near * d_.variance, .at_start = at_start};
     }
 
+    // A fit that is to get lower than what is found so far, and than this.
+    std::optional<Model> fit_lower(const Members& members, int number, const std::vector<double>& start,
+                                   const std::optional<Model>& found, double worth) {
+        constexpr double lower = 0.1; // chi2
+        return fit_from(members, number, start, {},
+                        {.worth = found ? std::min(worth, found->sum - lower * d_.variance) : worth});
+    }
+
     // Fit of base with one candidate more: from the starts that the screening proposes, until one gets as low as
-    // predicted.
-    std::optional<Model> fit_added(const Model& base, const Screened& screened, std::size_t candidate, int number) {
+    // predicted. worth: a sum of squares; nothing, where none gets as low.
+    std::optional<Model> fit_added(const Model& base, const Screened& screened, std::size_t candidate, int number,
+                                   double worth = INFINITY) {
         const Members members = with_member(base.members, candidate);
         std::vector<std::vector<double>> starts;
         const auto propose = [&](std::size_t i) {
@@ -240,14 +249,14 @@ private:
             if (best && best->sum < screened.predicted + reached * d_.variance) {
                 break;
             }
-            keep_lower(best, fit_from(members, number + static_cast<int>(s), starts[s]));
+            keep_lower(best, fit_lower(members, number + static_cast<int>(s), starts[s], best, worth));
         }
         return best;
     }
 
     // With one candidate more, whatever the screening says of it: from a typical size on both sides of none, and from
-    // large ones.
-    std::optional<Model> fit_blindly(const Model& base, std::size_t added) {
+    // large ones. worth: as of fit_added().
+    std::optional<Model> fit_blindly(const Model& base, std::size_t added, double worth = INFINITY) {
         const Members members = with_member(base.members, added);
         const std::size_t at = size_index(bench_, members, added);
         const Candidate& candidate = task_.candidates[added];
@@ -257,16 +266,19 @@ private:
         for (const double size : {candidate.typical, 2.0 * candidate.null - candidate.typical,
                                   candidate.null + large * (1.0 - candidate.null), (1.0 - large) * candidate.null}) {
             if (size > 0.0 && size < 1.0 && std::abs(size - candidate.null) > 1e-3) {
-                keep_lower(best, fit_from(members, number, with_size(base.unit, at, size)));
+                keep_lower(best, fit_lower(members, number, with_size(base.unit, at, size), best, worth));
             }
             ++number;
         }
         return best;
     }
 
-    // Where no effect explains the data clearly better than the next, those that promised nothing are fitted too: the
-    // baseline's parameters are bent to follow what is missing, and the screening may then not see it. False:
-    // interrupted.
+    // What a model has to get below to stand beside this one among the explanations, and more: a sum of squares.
+    double worth_beside(const Judged& j) const { return (criterion(j) + 2.0 * margin) * d_.variance; }
+
+    // Where no effect explains the data clearly better than the next, those that promised nothing are fitted too, as
+    // far as they get near those that lead: the baseline's parameters are bent to follow what is missing, and the
+    // screening may then not see it. False: interrupted.
     bool fit_untried() {
         constexpr double clearly = 6.0; // chi2
         const auto& e = d_.effects;
@@ -278,10 +290,12 @@ private:
                 untried.push_back(&effect);
             }
         }
+        const bool many_lead = e.size() >= beam_width && e[beam_width - 1].fit;
+        const double worth = many_lead ? worth_beside(*e[beam_width - 1].fit) : INFINITY;
         std::vector<std::optional<Model>> models(untried.size());
         run::Progress progress("remaining fits", static_cast<std::int64_t>(untried.size()));
         run::for_each_index(arena_, untried.size(), [&](std::size_t i) {
-            models[i] = fit_blindly(d_.baseline.model, untried[i]->candidate);
+            models[i] = fit_blindly(d_.baseline.model, untried[i]->candidate, worth);
             progress.add(1, true);
         });
         if (run::interrupted()) {
@@ -289,13 +303,17 @@ private:
         }
         for (std::size_t i = 0; i < untried.size(); ++i) {
             if (models[i]) {
-                untried[i]->impossible.clear();
-                singles_.emplace_back(untried[i]->candidate, *models[i]);
-                untried[i]->fit = judge(std::move(*models[i]));
+                take_single(*untried[i], std::move(*models[i]));
             }
         }
         set_statistics();
         return true;
+    }
+
+    void take_single(EffectResult& effect, Model model) {
+        effect.impossible.clear();
+        singles_.emplace_back(effect.candidate, model);
+        effect.fit = judge(std::move(model));
     }
 
     // The candidates that are worth a fit: of the effects that lead by what the screening predicts so many, those that
@@ -498,34 +516,57 @@ private:
                                       residuals, mimicry_of(d_.baseline.model), task_.groups);
     }
 
-    // One candidate more on each of the best models, those that the screening proposes. False: interrupted.
-    bool fit_pairs(const std::vector<const Judged*>& beam, std::vector<Judged>& pairs) {
+    // What each candidate could explain beside the model that stands at this place of the beam.
+    std::optional<Screening> screen_seconds(const Model& base, std::size_t place, std::size_t scanned) {
+        return screen(bench_, base, task_.candidates, d_.variance, !noise_is_stated_, task_.seed, scanned,
+                      pair_number + 100 * static_cast<int>(place));
+    }
+
+    // One candidate more on each of the best models, those that the screening proposes. of_first: the screening of the
+    // first of them. False: interrupted.
+    bool fit_pairs(const std::vector<const Judged*>& beam, const Screening& of_first, std::vector<Judged>& pairs) {
         struct Job {
             const Model* base;
             const Screened* screened;
             std::size_t candidate;
             int number;
         };
+        const Model& first = beam[0]->model;
+        // A second effect has to gain something on the best single one.
+        const auto worth = [&] {
+            const double beside_single = first.sum - margin * d_.variance;
+            return pairs.empty() ? beside_single : std::min(beside_single, worth_beside(pairs[0]));
+        };
+        const auto fit_seconds = [&](const std::vector<Job>& jobs) {
+            const double below = worth();
+            return fit_jobs("fits of pairs", jobs.size(), pairs, [&](std::size_t i) {
+                return fit_added(*jobs[i].base, *jobs[i].screened, jobs[i].candidate, jobs[i].number, below);
+            });
+        };
+        const auto add_jobs = [&](const Screening& screening, std::size_t b, std::vector<Job>& jobs) {
+            constexpr std::size_t seconds = 5;
+            const int number = pair_number + 100 * static_cast<int>(b) + 20;
+            for (const std::size_t c : worth_fitting(screening, seconds, 1)) {
+                jobs.push_back({&beam[b]->model, &screening.items[c], c, number});
+            }
+        };
+        std::vector<Job> of_leading;
+        add_jobs(of_first, 0, of_leading);
+        if (!fit_seconds(of_leading)) { // what they reach, the others have to come near
+            return false;
+        }
         std::vector<Screening> screenings;
         screenings.reserve(beam.size()); // the jobs point into them
-        std::vector<Job> jobs;
-        for (std::size_t b = 0; b < beam.size(); ++b) {
-            const int number = pair_number + 100 * static_cast<int>(b);
-            auto screening = screen(bench_, beam[b]->model, task_.candidates, d_.variance, !noise_is_stated_,
-                                    task_.seed, scanned_of_pairs, number);
+        std::vector<Job> of_others;
+        for (std::size_t b = 1; b < beam.size(); ++b) {
+            auto screening = screen_seconds(beam[b]->model, b, scanned_of_pairs);
             if (!screening) {
                 return false;
             }
             screenings.push_back(std::move(*screening));
-            constexpr std::size_t seconds = 5;
-            const auto chosen = worth_fitting(screenings.back(), seconds, 1);
-            for (const std::size_t c : chosen) {
-                jobs.push_back({&beam[b]->model, &screenings.back().items[c], c, number + 20});
-            }
+            add_jobs(screenings.back(), b, of_others);
         }
-        if (!fit_jobs("fits of pairs", jobs.size(), pairs, [&](std::size_t i) {
-                return fit_added(*jobs[i].base, *jobs[i].screened, jobs[i].candidate, jobs[i].number);
-            })) {
+        if (!fit_seconds(of_others)) {
             return false;
         }
         if (!pairs.empty() && !contradicted(pairs[0], 1.0)) {
@@ -534,19 +575,16 @@ private:
         // Where one of two effects is fitted alone, the parameters are bent to follow the other, which may then look
         // like nothing there: every effect with the leading one, from a typical size on both sides.
         std::map<std::string, std::size_t> variant; // of each effect the one with the highest score
-        const Model& first = beam[0]->model;
         for (std::size_t c = 0; c < task_.candidates.size(); ++c) {
-            const Screened& item = screenings[0].items[c];
+            const Screened& item = of_first.items[c];
             const std::string& effect = task_.candidates[c].effect;
-            const auto fitted = [&](const Job& job) {
-                return job.base == &first && task_.candidates[job.candidate].effect == effect;
-            };
+            const auto fitted = [&](const Job& job) { return task_.candidates[job.candidate].effect == effect; };
             if (!item.impossible.empty() || task_.candidates[c].reading ||
-                std::any_of(jobs.begin(), jobs.end(), fitted)) {
+                std::any_of(of_leading.begin(), of_leading.end(), fitted)) {
                 continue;
             }
             const auto [at, is_new] = variant.try_emplace(effect, c);
-            if (std::abs(item.score) > std::abs(screenings[0].items[at->second].score)) {
+            if (std::abs(item.score) > std::abs(of_first.items[at->second].score)) {
                 at->second = c;
             }
         }
@@ -555,8 +593,9 @@ private:
         for (const auto& [effect, c] : variant) {
             list.push_back(c);
         }
+        const double below = worth();
         return fit_jobs("further pairs", list.size(), pairs,
-                        [&](std::size_t i) { return fit_blindly(first, list[i]); });
+                        [&](std::size_t i) { return fit_blindly(first, list[i], below); });
     }
 
     // Adds what so many fits found to the pairs, best first. False: interrupted.
@@ -581,6 +620,23 @@ private:
         }
         std::stable_sort(pairs.begin(), pairs.end(),
                          [&](const Judged& a, const Judged& b) { return criterion(a) < criterion(b); });
+        return true;
+    }
+
+    // What each of these explains without the other, where it was not fitted for it promised little. False:
+    // interrupted.
+    bool fit_alone(const Members& members) {
+        for (EffectResult& effect : d_.effects) {
+            if (!effect.fit && std::find(members.begin(), members.end(), effect.candidate) != members.end()) {
+                if (auto model = fit_blindly(d_.baseline.model, effect.candidate)) {
+                    take_single(effect, std::move(*model));
+                }
+            }
+        }
+        if (run::interrupted()) {
+            return false;
+        }
+        set_statistics();
         return true;
     }
 
@@ -616,14 +672,13 @@ private:
         run::for_each_index(arena_, tried.size(), [&](std::size_t i) {
             EffectResult& effect = *tried[i];
             const Members members = effect.fit->model.members;
+            std::optional<Model> best = effect.fit->model;
             for (std::size_t s = 0; s < count; ++s) {
                 std::vector<double> start = points[s]->unit;
                 start.push_back(s == 0 ? effect.fit->model.unit.back() : task_.candidates[effect.candidate].typical);
-                auto found = fit_from(members, further_number + static_cast<int>(s), start);
-                if (found && found->sum < effect.fit->model.sum) {
-                    effect.fit->model = std::move(*found);
-                }
+                keep_lower(best, fit_lower(members, further_number + static_cast<int>(s), start, best, INFINITY));
             }
+            effect.fit->model = std::move(*best);
             progress.add(1, true);
         });
         if (run::interrupted()) {
@@ -651,8 +706,11 @@ private:
             return true;
         }
         const Judged& first = *singles[0];
-        auto next = screen(bench_, first.model, task_.candidates, d_.variance, !noise_is_stated_, task_.seed, 0,
-                           pair_number + 100 * static_cast<int>(beam_width));
+        const bool is_contradicted = contradicted(first, 1.0);
+        auto next = screen_seconds(first.model, 0, is_contradicted ? scanned_of_pairs : 0);
+        if (next && !is_contradicted && contradicted(first, next->p_familywise)) {
+            next = screen_seconds(first.model, 0, scanned_of_pairs);
+        }
         if (!next) {
             return false;
         }
@@ -660,7 +718,7 @@ private:
             const std::vector<const Judged*> beam(
                 singles.begin(), singles.begin() + static_cast<std::ptrdiff_t>(std::min(singles.size(), beam_width)));
             std::vector<Judged> pairs;
-            if (!fit_pairs(beam, pairs)) {
+            if (!fit_pairs(beam, *next, pairs)) {
                 return false;
             }
             // Does a second effect earn its place?
@@ -668,7 +726,7 @@ private:
             const double p_second = next->family ? next->family->p_value(std::sqrt(more)) : 1.0;
             if (p_second < level_evidence && pairs[0].aicc < first.aicc) {
                 explanations_ = std::move(pairs);
-                return true;
+                return fit_alone(explanations_[0].model.members);
             }
         }
         for (const Judged* single : singles) {
@@ -1002,8 +1060,9 @@ private:
                 start.push_back(std::clamp(candidate.null + (s == 0 ? 0.0 : side * reach), 0.0, 1.0));
             }
             constexpr double lower = 0.1; // chi2: the same is the same without an effect
-            keep_lower(after, fit_from(best.members, number + s, start, extended, for_residuals(nullptr)),
-                       lower * d_.variance);
+            FitSettings search = for_residuals(nullptr);
+            search.worth = after ? after->sum - lower * d_.variance : INFINITY;
+            keep_lower(after, fit_from(best.members, number + s, start, extended, search));
         }
         if (after) {
             use(*before, *after);

@@ -80,11 +80,12 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
     search.max_evaluations = 40;
     search.enough = settings.enough;
     search.secant_below = settings.secant_below;
+    search.worth = settings.worth / 2.0;
     optimise::gauss_newton(start, objective, search);
     if (failure) {
         std::rethrow_exception(failure);
     }
-    if (best.unit.empty()) {
+    if (best.unit.empty() || best.sum > settings.worth) {
         return std::nullopt;
     }
     return best;

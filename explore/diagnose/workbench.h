@@ -63,9 +63,11 @@ struct FitSettings {
     double enough = 0.0;                           // optimise::SearchSettings
     double secant_below = 0.0;                     // the same; > 0: derivatives are saved
     const problem::Evaluation* at_start = nullptr; // with jacobian; computed if nullptr
+    // A sum of squares: a search that leads to nothing lower is given up.
+    double worth = std::numeric_limits<double>::infinity();
 };
 
-// Least squares from a point; nothing: no answer there.
+// Least squares from a point; nothing: no answer there, or it was given up.
 std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, const Members& members,
                          const std::vector<double>& start, const Target& target, const FitSettings& settings);
 

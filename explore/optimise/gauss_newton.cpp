@@ -117,6 +117,17 @@ VectorXd limited_step(const MatrixXd& h, const VectorXd& g, const VectorXd& low,
     return step;
 }
 
+// Half of the least sum of squares that linear theory promises within the cube, from here.
+double promised(const Sample& here, const VectorXd& low, const VectorXd& high) {
+    const VectorXd gradient = here.jacobian.transpose() * here.residuals;
+    MatrixXd normal = here.jacobian.transpose() * here.jacobian;
+    constexpr double least = 1e-9; // of the largest term: for parameters that change nothing
+    normal.diagonal().array() += least * (1e-300 + normal.diagonal().maxCoeff());
+    double predicted = 0.0;
+    limited_step(normal, gradient, low, high, here, predicted);
+    return 0.5 * here.residuals.squaredNorm() - predicted;
+}
+
 } // namespace
 
 SearchResult gauss_newton(const std::vector<double>& start, const Objective& objective,
@@ -147,6 +158,8 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
     bool with_curvature = false;
     Sample there;
     bool is_secant = false; // the derivatives at hand
+    bool is_new = true;     // the point
+    int hopeless = 0;       // points in a row that promise nothing worth having
     while (true) {
         if (half < 1e-24) {
             result.converged = true;
@@ -168,6 +181,17 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
             low[i] = -point[static_cast<std::size_t>(i)];
             high[i] = 1.0 - point[static_cast<std::size_t>(i)];
         }
+        if (is_new && std::isfinite(settings.worth)) {
+            constexpr double share = 0.5;
+            const bool is_hopeless = half - promised(here, low, high) < share * (half - settings.worth);
+            hopeless = is_hopeless ? hopeless + 1 : 0;
+            constexpr int enough = 2;
+            if (hopeless == enough) {
+                result.ended = "it leads to nothing as low as is wanted";
+                break;
+            }
+        }
+        is_new = false;
         double predicted = 0.0;
         const VectorXd step = limited_step(h, gradient, low, high, here, predicted);
         if (predicted <= std::max(settings.misfit_tolerance * half, settings.enough)) {
@@ -242,6 +266,7 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
         point = std::move(trial);
         std::swap(here, there);
         half = half_there;
+        is_new = true;
         result.unit = point;
     }
     result.misfit = std::sqrt(2.0 * half);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -47,6 +48,9 @@ struct SearchSettings {
     // Gauss-Newton alone: where half the sum of squares is predicted to fall by less, no derivatives are asked for;
     // those of the point before then serve, with Broyden's correction (1965) along the step.
     double secant_below = 0.0;
+    // Gauss-Newton alone: half of a sum of squares; the search ends where at two points after each other linear theory
+    // promises less than half of the fall that is needed to get there.
+    double worth = std::numeric_limits<double>::infinity();
 };
 
 struct SearchResult {

@@ -137,3 +137,39 @@ TEST(GaussNewton, GetsThroughACurvedValleyWithCorrectedDerivatives) {
     EXPECT_NEAR(result.unit[0], 0.6, 1e-3);
     EXPECT_NEAR(result.unit[1], 0.6, 1e-3);
 }
+
+// y = a exp(-k t) against data that no decay follows: the least sum of squares is known from linear least squares in a,
+// k by k.
+TEST(GaussNewton, GivesUpASearchThatLeadsToNothingWorthHaving) {
+    constexpr double data[] = {0.6, 0.6, 0.6, 0.0, 0.0, 0.6};
+    const Objective decay = [&](std::span<const double> u, Sample& sample) {
+        sample.residuals.resize(6);
+        sample.jacobian.resize(6, 2);
+        for (int i = 0; i < 6; ++i) {
+            const double fall = std::exp(-u[1] * i);
+            sample.residuals[i] = u[0] * fall - data[i];
+            sample.jacobian.row(i) << fall, -u[0] * i * fall;
+        }
+        return Answer::computed;
+    };
+    double least = INFINITY; // half of the sum of squares
+    for (double k = 0.0; k <= 1.0; k += 1e-3) {
+        double product = 0.0, square = 0.0;
+        for (int i = 0; i < 6; ++i) {
+            product += std::exp(-k * i) * data[i];
+            square += std::exp(-2.0 * k * i);
+        }
+        least = std::min(least, 0.5 * (4.0 * 0.36 - product * product / square));
+    }
+    const Method& method = *find_method("gauss-newton");
+    const std::vector<double> start = {0.3, 0.6};
+    const SearchResult all = local_search(method, start, decay, {});
+    EXPECT_TRUE(all.converged);
+    EXPECT_NEAR(0.5 * all.misfit * all.misfit, least, 1e-4 * least);
+    const SearchResult lower = local_search(method, start, decay, {.worth = 0.5 * least});
+    EXPECT_FALSE(lower.converged);
+    EXPECT_LT(lower.evaluations, all.evaluations);
+    const SearchResult higher = local_search(method, start, decay, {.worth = 1.01 * least});
+    EXPECT_TRUE(higher.converged);
+    EXPECT_EQ(higher.unit, all.unit);
+}
