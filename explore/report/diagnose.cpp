@@ -78,12 +78,14 @@ Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Can
             {{"explanation", members_words(candidates, d.to_compare()[s.explanations[e]].fit.model.members)},
              {"value", s.values[e]}});
     }
-    return {{"reading", s.reading.words()},
-            {"unit", s.reading.unit.name},
-            {"sigma", s.reading.in_unit(s.reading.noise.absolute)},
-            {"power", s.power},
-            {"rate_now", s.rate_now},
-            {"predicted", predicted}};
+    Json json = place_json(s.reading);
+    json.update({{"reading", s.reading.words()},
+                 {"unit", s.reading.unit.name},
+                 {"sigma", s.reading.in_unit(s.reading.noise.absolute)},
+                 {"power", s.power},
+                 {"rate_now", s.rate_now},
+                 {"predicted", predicted}});
+    return json;
 }
 
 Json channel_json(const pave::pavement::Correction& correction) {
@@ -241,6 +243,10 @@ Json diagnosis_json(const DiagnoseResult& f, const std::string& extended_path) {
     }
     json["confounding"] = std::move(confounding);
     json["next_measurement"] = f.next.empty() ? Json::object() : separating_json(f.next[0], f.candidates, d);
+    json["further_measurements"] = Json::array();
+    for (std::size_t i = 1; i < f.next.size(); ++i) {
+        json["further_measurements"].push_back(separating_json(f.next[i], f.candidates, d));
+    }
     Json groups = Json::array();
     for (std::size_t g = 0; g < f.layout.groups.size() && g < d.groups.size(); ++g) {
         const auto& test = d.groups[g];

@@ -2,10 +2,12 @@
 // study.toml and data.csv as an engineer would bring them; the truth goes to standard output as one JSON object, where
 // only the judge reads it.
 //
-// usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated]
+// usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated | few]
 //   KIND   none, one, two, the name of an effect, or outside: one that is neither in the catalogue nor of the form of a
 //          correction; LEAST MOST: its strength, in standard deviations (8 20); correlated: errors are tied as those of
-//          repeated drops are, and the study says so; independent.toml and its data say that they are not
+//          repeated drops are, and the study says so; independent.toml and its data say that they are not; few: 11
+//          readings instead of 40 to 59, and further.csv says what instruments at other places and a heavier drop
+//          would read
 //
 // The data come from a mesh 2.5 times as fine and from load paths ten times as exact as the study asks for. Half of the
 // effects that are fields of the section have another form here than in the catalogue. The strength of an effect is
@@ -134,6 +136,51 @@ Case draw_case(Draw& draw) {
     c.settings.extent = c.default_extent();
     c.settings.wall_follows = true; // as in the study that is written, which states none
     return c;
+}
+
+// The deflections of the plate and, under the wheel, the strains at the three upper depths.
+void keep_few(Case& c) {
+    std::size_t strains = 0;
+    std::erase_if(c.sensors, [&](const Sensor& s) {
+        constexpr std::size_t most = 3;
+        const bool is_strain = s.load == 1 && s.quantity == Quantity::strain_zz && s.x == 0.0;
+        return !(s.load == 0 && s.quantity == Quantity::deflection) && !(is_strain && ++strains <= most);
+    });
+}
+
+// What else could be read: under both loads and under a drop that is half as heavy again.
+Case with_further_readings(Case c) {
+    Load heavier = c.loads[0];
+    heavier.name += " at 1.5 times the pressure";
+    heavier.pressure *= 1.5;
+    c.loads.push_back(heavier);
+    std::vector<Sensor> more;
+    for (int load = 0; load < 3; ++load) {
+        for (const double x : {0.0, 0.2, 0.3, 0.45, 0.6, 0.9, 1.2, 1.5, 1.8}) {
+            more.push_back({load, Quantity::deflection, x, 0.0, 0.0, 0.0});
+        }
+        if (load < 2) {
+            constexpr double gauge = 0.075;
+            const double asphalt = c.layers[0].thickness;
+            const double base = c.layers[1].thickness;
+            more.push_back({load, Quantity::strain_xx, 0.0, 0.0, asphalt - unit::mm, 0.0});
+            more.push_back({load, Quantity::strain_zz, 0.0, 0.0, asphalt + base / 2.0, gauge});
+            more.push_back({load, Quantity::strain_zz, 0.0, 0.0, asphalt + base + gauge / 2.0, gauge});
+            more.push_back({load, Quantity::stress_zz, 0.0, 0.0, asphalt + base + gauge / 2.0, 0.0});
+        }
+    }
+    c.sensors.insert(c.sensors.end(), more.begin(), more.end()); // those that an effect names keep their numbers
+    return c;
+}
+
+// Standard deviations that are common: of a deflection 2 % and 2 um, a strain 5 % and 10 microstrain, a stress 10 % and
+// 2 kPa.
+double common_noise(Quantity quantity, double value) {
+    switch (quantity) {
+    case Quantity::deflection: return std::hypot(0.02 * value, 2e-6);
+    case Quantity::stress_zz: return std::hypot(0.10 * value, 2.0 * unit::kPa);
+    default: return std::hypot(0.05 * value, 10e-6);
+    }
 }
 
 constexpr double fine_refine = 1.5;
@@ -600,9 +647,10 @@ std::string study_text(const Case& c, Draw& draw, bool is_log, const std::string
                               output_sensor(c).depth / unit::mm);
 }
 
-std::string data_text(const Case& c, const VectorXd& values, const VectorXd& sigma) {
+// Of the sensors from this one on.
+std::string data_text(const Case& c, const VectorXd& values, const VectorXd& sigma, std::size_t first = 0) {
     std::string text = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n";
-    for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+    for (std::size_t i = first; i < c.sensors.size(); ++i) {
         const Sensor& s = c.sensors[i];
         const auto& about = info(s.quantity);
         const auto at = static_cast<Eigen::Index>(i);
@@ -611,6 +659,25 @@ std::string data_text(const Case& c, const VectorXd& values, const VectorXd& sig
                             values[at] / about.to_si, about.unit, sigma[at] / about.to_si);
     }
     return text;
+}
+
+// Writes further.csv; false: the section has no answer under the heavier drop.
+bool write_further_readings(const Case& c, const std::vector<Hidden>& hidden, Draw& draw,
+                            const std::filesystem::path& folder) {
+    const Case more = with_further_readings(c);
+    const VectorXd exact = responses_with(finer(more), hidden);
+    if (exact.size() == 0) {
+        return false;
+    }
+    VectorXd values = exact;
+    VectorXd sigma = exact;
+    for (Eigen::Index i = 0; i < exact.size(); ++i) {
+        sigma[i] = common_noise(more.sensors[static_cast<std::size_t>(i)].quantity, exact[i]);
+        values[i] += sigma[i] * draw.normal();
+    }
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "further.csv") << data_text(more, values, sigma, c.sensors.size());
+    return true;
 }
 
 struct Strength {
@@ -711,10 +778,13 @@ Json words(const Case& c, const Hidden& hidden) {
 }
 
 int generate(std::uint64_t seed, const std::filesystem::path& folder, const std::string& kind, const Strength& strength,
-             bool correlated) {
+             bool correlated, bool few) {
     for (std::uint64_t attempt = 0;; ++attempt) {
         Draw draw(seed, 1000 + attempt);
-        const Case c = draw_case(draw);
+        Case c = draw_case(draw);
+        if (few) {
+            keep_few(c);
+        }
         const Case fine = finer(c);
         Case coarse = c;
         coarse.settings.refine = study_refine(correlated);
@@ -804,6 +874,9 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
             number = draw.normal();
         }
         const VectorXd values = exact + errors_of(c, spread, common_of(exact)).root * numbers;
+        if (few && !write_further_readings(c, hidden, draw, folder)) {
+            continue;
+        }
         std::filesystem::create_directories(folder);
         const bool is_log = draw.chance(0.3) && !correlated; // correlations need residuals in units of the noise
         const std::string said = fmt::format("\n[data.noise]\ncommon_relative = {}\ncorrelation_mm = {}\n",
@@ -850,16 +923,17 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
 int main(int argc, char** argv) {
     std::vector<std::string> words(argv + 1, argv + argc);
     const bool correlated = !words.empty() && words.back() == "correlated";
-    if (correlated) {
+    const bool few = !words.empty() && words.back() == "few";
+    if (correlated || few) {
         words.pop_back();
     }
     if (words.size() != 3 && words.size() != 5) {
-        std::cerr << "usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated]\n";
+        std::cerr << "usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated | few]\n";
         return 2;
     }
     Strength strength;
     if (words.size() == 5) {
         strength = {std::stod(words[3]), std::stod(words[4])};
     }
-    return generate(std::stoull(words[0]), words[1], words[2], strength, correlated);
+    return generate(std::stoull(words[0]), words[1], words[2], strength, correlated, few);
 }
