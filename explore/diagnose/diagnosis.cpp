@@ -613,9 +613,15 @@ private:
         std::stable_sort(models.begin(), models.end(),
                          [](const auto& a, const auto& b) { return a && (!b || a->sum < b->sum); });
         for (auto& model : models) {
-            const auto same = [&](const Judged& pair) { return pair.model.members == model->members; };
-            if (model && std::none_of(pairs.begin(), pairs.end(), same)) {
+            if (!model) {
+                break; // those that found nothing come last
+            }
+            const auto known = std::find_if(pairs.begin(), pairs.end(),
+                                            [&](const Judged& pair) { return pair.model.members == model->members; });
+            if (known == pairs.end()) {
                 pairs.push_back(judge(std::move(*model)));
+            } else if (model->sum < known->model.sum) {
+                *known = judge(std::move(*model));
             }
         }
         std::stable_sort(pairs.begin(), pairs.end(),
