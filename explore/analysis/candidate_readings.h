@@ -7,6 +7,14 @@
 
 namespace explore::analysis {
 
+// What one reading more is expected to tell of some unknowns: the information it has in common with them, to first
+// order about a point, its noise normal: ln(1 + s^2) / (2 ln 2) of all of them, s the standard deviation of its
+// predicted value in units of the noise (Lindley 1956, doi 10.1214/aoms/1177728069).
+struct TellingReading {
+    data::Reading reading; // value: at that point; noise: assumed
+    double bits = 0.0;
+};
+
 class CandidateReadings {
 public:
     explicit CandidateReadings(const study::Study& study);

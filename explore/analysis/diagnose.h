@@ -1,6 +1,7 @@
 // What the simulation gets wrong, the cause, the extended model, the gain.
 #pragma once
 
+#include "analysis/candidate_readings.h"
 #include "analysis/layout.h"
 #include "analysis/located.h"
 #include "analysis/mesh_error.h"
@@ -49,6 +50,7 @@ struct DiagnoseResult {
     std::vector<OutputUncertainty> outputs; // of the named model where a cause is named, else of the study's
     std::vector<LocatedCorrection> located;
     std::vector<SeparatingReading> next;
+    std::vector<TellingReading> telling;         // of the corrections, where they stand; most bits first
     std::vector<std::optional<double>> held_out; // of each explanation: see DiagnosedModel
     std::optional<ReducedProblem> reduced;
     run::Tally tally;

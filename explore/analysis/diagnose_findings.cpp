@@ -60,7 +60,8 @@ public:
           after(result.after),
           mesh(result.mesh),
           outputs(result.outputs),
-          next(result.next) {}
+          next(result.next),
+          telling(result.telling) {}
 
     std::vector<std::string> all() const {
         std::vector<std::string> text;
@@ -88,6 +89,13 @@ public:
                 "between the closest two from {} to {}.",
                 best.reading.words(), figure(best.reading.in_unit(best.reading.noise.absolute)), best.reading.unit.name,
                 percent(best.rate_now), percent(best.power)));
+        }
+        if (!telling.empty()) {
+            const auto& [reading, bits] = telling.front();
+            text.push_back(
+                fmt::format("The further reading that would say most of where the model errs: {} (noise {} {} "
+                            "assumed), {:.1f} bits.",
+                            reading.words(), figure(reading.in_unit(reading.noise.absolute)), reading.unit.name, bits));
         }
         return text;
     }
@@ -381,6 +389,7 @@ private:
     const std::optional<MeshError>& mesh;
     const std::vector<OutputUncertainty>& outputs;
     const std::vector<SeparatingReading>& next;
+    const std::vector<TellingReading>& telling;
 };
 
 } // namespace

@@ -1,6 +1,7 @@
 // The posterior of the parameters and the outputs, by sampling.
 #pragma once
 
+#include "analysis/candidate_readings.h"
 #include "analysis/session.h"
 #include "landscape/posterior.h"
 
@@ -37,14 +38,6 @@ struct SampleCorrection {
     std::size_t weighed = 0; // draws that are kept
     double effective = 0.0;  // of them, by their weights
     double left = 0.0;       // of the logarithms of the weights, beyond the surface; not a number: there is none
-};
-
-// What one reading more is expected to tell of the parameters: the information it has in common with them, to first
-// order about the mean of the draws, its noise normal: ln(1 + s^2) / (2 ln 2), s the standard deviation of its
-// predicted value over the posterior in units of the noise (Lindley 1956, doi 10.1214/aoms/1177728069).
-struct TellingReading {
-    data::Reading reading; // value: at the mean of the draws; noise: assumed
-    double bits = 0.0;
 };
 
 struct SampleResult {

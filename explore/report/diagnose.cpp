@@ -88,6 +88,15 @@ Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Can
     return json;
 }
 
+Json telling_json(const analysis::TellingReading& telling) {
+    Json json = place_json(telling.reading);
+    json.update({{"reading", telling.reading.words()},
+                 {"unit", telling.reading.unit.name},
+                 {"sigma", telling.reading.in_unit(telling.reading.noise.absolute)},
+                 {"bits", telling.bits}});
+    return json;
+}
+
 Json channel_json(const pave::pavement::Correction& correction) {
     return {{"channel", std::string(info(correction.channel).name)}, {"layer", correction.layer}};
 }
@@ -242,11 +251,18 @@ Json diagnosis_json(const DiagnoseResult& f, const std::string& extended_path) {
                                {"rate", pair.rate}});
     }
     json["confounding"] = std::move(confounding);
-    json["next_measurement"] = f.next.empty() ? Json::object() : separating_json(f.next[0], f.candidates, d);
-    json["further_measurements"] = Json::array();
-    for (std::size_t i = 1; i < f.next.size(); ++i) {
-        json["further_measurements"].push_back(separating_json(f.next[i], f.candidates, d));
+    Json measurements = Json::array();
+    for (const SeparatingReading& reading : f.next) {
+        measurements.push_back(separating_json(reading, f.candidates, d));
     }
+    for (const analysis::TellingReading& reading : f.telling) {
+        measurements.push_back(telling_json(reading));
+    }
+    json["next_measurement"] = measurements.empty() ? Json::object() : measurements[0];
+    if (!measurements.empty()) {
+        measurements.erase(0);
+    }
+    json["further_measurements"] = std::move(measurements);
     Json groups = Json::array();
     for (std::size_t g = 0; g < f.layout.groups.size() && g < d.groups.size(); ++g) {
         const auto& test = d.groups[g];

@@ -81,6 +81,13 @@ check(100 <= softest[1] <= 400 and softest[0] < 40, f"at 150 to 350 mm it has 25
 check(found["extended"]["chi2"] < 0.5 * found["baseline"]["chi2"], "the correction explains most of what was wrong")
 check(found["gain"]["held_out_rmse_after"] < found["gain"]["held_out_rmse_before"], "readings left out are predicted better")
 
+# What would tell more of it: of what is offered, strains in the layer say more than deflections far away.
+offered = [found["next_measurement"], *found["further_measurements"]]
+check(offered == sorted(offered, key=lambda r: -r["bits"]) and offered[0]["bits"] > 0.1, f"the most telling first: {offered[0]}")
+bits = {(r["quantity"], r["x_mm"]): r["bits"] for r in offered if "times" not in r["load"]}
+check(max(b for (q, _), b in bits.items() if q == "strain_zz") > bits["deflection", 1800], f"bits: {bits}")
+check(any("say most of where the model errs" in f for f in found["findings"]), "said in the findings")
+
 # The extended study holds it as a table.
 done = run("forward", found["extended"]["study"], "--json")
 check(done.returncode == 0, f"the extended study: {done.stderr}")

@@ -535,8 +535,9 @@
                 ["misfit", r.baseline.misfit, r.extended ? r.extended.misfit : null], ["chi2", r.baseline.chi2, r.extended ? r.extended.chi2 : null],
                 ["degrees of freedom", r.baseline.dof, r.extended ? r.extended.dof : null], ["p", r.baseline.p_value, r.extended ? r.extended.p_value : null],
                 ["error of readings left out [sigma]", r.gain ? r.gain.held_out_rmse_before : null, r.gain ? r.gain.held_out_rmse_after : null]]),
-            r.next_measurement && r.next_measurement.reading ? make("p", {}, `The reading that would decide: ${r.next_measurement.reading}` +
-                ` (right with a rate of ${figure(100 * r.next_measurement.power)} %).`) : null);
+            r.next_measurement && r.next_measurement.reading ? make("p", {}, r.next_measurement.bits === undefined
+                ? `The reading that would decide: ${r.next_measurement.reading} (right with a rate of ${figure(100 * r.next_measurement.power)} %).`
+                : `The reading that would say most of where the model errs: ${r.next_measurement.reading} (${figure(r.next_measurement.bits)} bits).`) : null);
     };
 
     const showCompare = (r) => {
