@@ -1,6 +1,7 @@
 #include "diagnose/diagnosis.h"
 
 #include "base/random.h"
+#include "diagnose/held_out.h"
 #include "diagnose/location.h"
 #include "run/parallel.h"
 #include "run/progress.h"
@@ -53,13 +54,6 @@ constexpr int baseline_number = 500;
 constexpr int fold_number = 5000;
 constexpr int bootstrap_number = 20'000;
 constexpr int search_number = 10'000'000; // + the point of the sample
-
-// Puts the model that was found in place of the best so far where it is lower.
-void keep_lower(std::optional<Model>& best, std::optional<Model> found) {
-    if (found && (!best || found->sum < best->sum)) {
-        best = std::move(found);
-    }
-}
 
 class Diagnostician {
 public:
@@ -197,23 +191,9 @@ private:
         d_.baseline = judge(std::move(model));
     }
 
-    // Least squares of a model from a point, its evaluations kept under this number; nothing: no answer, or
-    // interrupted.
     std::optional<Model> fit_from(const Members& members, int number, const std::vector<double>& start,
-                                  const Target& target = {}, FitSettings settings = {}) {
-        std::optional<Model> found;
-        settings.enough = std::max(settings.enough, close_enough * d_.variance);
-        bench_.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
-            found = fit(chain, problem, members, start, target, settings);
-        });
-        return found;
-    }
-
-    // Of which only the residuals are wanted: derivatives are saved near the minimum, where these of the start are
-    // known everywhere. at_start: may be nullptr.
-    FitSettings for_residuals(const problem::Evaluation* at_start) const {
-        constexpr double near = 2.0; // half of chi2
-        return {.secant_below = at_start != nullptr ? INFINITY : near * d_.variance, .at_start = at_start};
+                                  const Target& target = {}, const FitSettings& settings = {}) {
+        return diagnose::fit_from(bench_, members, number, start, d_.variance, target, settings);
     }
 
     // A fit that is to get lower than what is found so far, and than this.
@@ -776,7 +756,7 @@ private:
                 target.offset[i] += noise * random.normal(static_cast<std::uint64_t>(i));
             }
             const int number = bootstrap_number + static_cast<int>(b);
-            FitSettings settings = for_residuals(&base.evaluation);
+            FitSettings settings = for_residuals(&base.evaluation, d_.variance);
             settings.enough = 0.05 * d_.variance; // half of the change of chi2, whose mean gain is 1
             const auto without = fit_from({}, number, base.unit, target, settings);
             settings.at_start = &at_with;
@@ -970,109 +950,17 @@ private:
         }
     }
 
-    // Predictions of readings that were left out. A reading that an effect declares wrong is nobody's to predict.
     // False: interrupted.
     bool hold_out() {
         if (!d_.extended) {
             return true;
         }
-        const Judged& best = *d_.extended;
-        std::set<std::size_t> wrong;
-        for (const std::size_t c : best.model.members) {
-            if (c < task_.candidates.size() && task_.candidates[c].reading) {
-                wrong.insert(*task_.candidates[c].reading);
-            }
-        }
-        const auto predict = [&](const std::vector<Fold>& folds, int number) -> std::optional<HeldOut> {
-            struct Squares {
-                double before = 0.0, after = 0.0;
-                std::size_t count = 0;
-            };
-            std::vector<Squares> squares(folds.size());
-            run::Progress progress("held out", static_cast<std::int64_t>(folds.size()));
-            run::for_each_index(arena_, folds.size(), [&](std::size_t f) {
-                predict_fold(
-                    folds[f], best.model, number + 10 * static_cast<int>(f), [&](const Model& a, const Model& b) {
-                        for (const std::size_t i : folds[f].terms) {
-                            if (!wrong.contains(i)) {
-                                squares[f].before += std::pow(a.residuals[static_cast<Index>(i)], 2) / d_.variance;
-                                squares[f].after += std::pow(b.residuals[static_cast<Index>(i)], 2) / d_.variance;
-                                ++squares[f].count;
-                            }
-                        }
-                    });
-                progress.add(1, true);
-            });
-            HeldOut held;
-            for (std::size_t f = 0; f < folds.size(); ++f) {
-                if (squares[f].count > 0) {
-                    const auto n = static_cast<double>(squares[f].count);
-                    held.folds.push_back(
-                        {folds[f].name, std::sqrt(squares[f].before / n), std::sqrt(squares[f].after / n)});
-                    held.before += squares[f].before;
-                    held.after += squares[f].after;
-                    held.readings += squares[f].count;
-                }
-            }
-            if (held.readings == 0) {
-                return std::nullopt;
-            }
-            held.before = std::sqrt(held.before / static_cast<double>(held.readings));
-            held.after = std::sqrt(held.after / static_cast<double>(held.readings));
-            return held;
-        };
-        d_.places = predict(task_.places, fold_number);
+        d_.places = predict_left_out(task_, d_, explored_, task_.places, fold_number);
         if (task_.loads.size() > 1) {
-            d_.loads = predict(task_.loads, fold_number + 10 * static_cast<int>(task_.places.size()));
+            d_.loads = predict_left_out(task_, d_, explored_, task_.loads,
+                                        fold_number + 10 * static_cast<int>(task_.places.size()));
         }
         return !run::interrupted();
-    }
-
-    // The baseline without these readings, from the best of what was explored, and from there the extended model, which
-    // begins without its effects: nothing of the readings is known to either.
-    void predict_fold(const Fold& fold, const Model& best, int number,
-                      const std::function<void(const Model&, const Model&)>& use) {
-        const Target target = leaving_out(fold.terms, rows());
-        const auto sum = [&](const Model& point) { return counted_sum(point.residuals, target); };
-        const auto nearest = std::min_element(explored_.begin(), explored_.end(),
-                                              [&](const Model& a, const Model& b) { return sum(a) < sum(b); });
-        std::optional<Model> before = fit_from({}, number, nearest->unit, target, for_residuals(nullptr));
-        // Where that ended in a worse minimum than is known.
-        if (!before || before->sum > sum(d_.baseline.model) + 0.1 * d_.variance) {
-            keep_lower(before, fit_from({}, number + 1, d_.baseline.model.unit, target,
-                                        for_residuals(&d_.baseline.model.evaluation)));
-        }
-        if (!before) {
-            return;
-        }
-        // From no effect, and from a typical one on the side that was found; corrections from none.
-        std::optional<Model> after;
-        const std::size_t own = before->unit.size();
-        Target extended = target;
-        if (d_.location) {
-            extended.penalty = d_.location->pull.penalty;
-            extended.centre = d_.location->pull.centre;
-        }
-        for (int s = 0; s < (d_.location ? 1 : 2); ++s) {
-            std::vector<double> start = before->unit;
-            for (std::size_t m = 0; m < best.members.size(); ++m) {
-                if (best.members[m] >= task_.candidates.size()) {
-                    start.push_back(no_correction);
-                    continue;
-                }
-                const Candidate& candidate = task_.candidates[best.members[m]];
-                const double reach = std::abs(candidate.typical - candidate.null);
-                const double side = best.unit[own + m] > candidate.null ? 1.0 : -1.0;
-                start.push_back(std::clamp(candidate.null + (s == 0 ? 0.0 : side * reach), 0.0, 1.0));
-            }
-            constexpr double lower = 0.1; // chi2: the same is the same without an effect
-            FitSettings search = for_residuals(nullptr);
-            search.worth = after ? after->sum - lower * d_.variance : INFINITY;
-            keep_lower(after, fit_from(best.members, number + s, start, extended, search));
-        }
-        if (after) {
-            use(*before, *after);
-        }
     }
 
     static constexpr double level_unexplained = 0.05;

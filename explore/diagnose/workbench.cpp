@@ -3,6 +3,9 @@
 #include "optimise/gauss_newton.h"
 #include "run/least_squares.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace explore::diagnose {
 
 Target leaving_out(const std::vector<std::size_t>& terms, std::size_t residuals) {
@@ -144,6 +147,27 @@ bool Workbench::chain(const Members& members, int start,
     return use(members, [&](const problem::Problem& problem, run::Engine& engine) {
         return engine.chains("", start, 1, [&](std::size_t, run::Chain& chain) { body(problem, chain); });
     });
+}
+
+std::optional<Model> fit_from(Workbench& bench, const Members& members, int number, const std::vector<double>& start,
+                              double variance, const Target& target, FitSettings settings) {
+    std::optional<Model> found;
+    settings.enough = std::max(settings.enough, close_enough * variance);
+    bench.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
+        found = fit(chain, problem, members, start, target, settings);
+    });
+    return found;
+}
+
+FitSettings for_residuals(const problem::Evaluation* at_start, double variance) {
+    constexpr double near = 2.0; // half of chi2
+    return {.secant_below = at_start != nullptr ? INFINITY : near * variance, .at_start = at_start};
+}
+
+void keep_lower(std::optional<Model>& best, std::optional<Model> found) {
+    if (found && (!best || found->sum < best->sum)) {
+        best = std::move(found);
+    }
 }
 
 run::Tally Workbench::tally() const {

@@ -118,4 +118,14 @@ private:
     run::Tally tally_;
 };
 
+// fit() in a chain of its own, kept under this number, as exact as a diagnosis needs; nothing: interrupted, too.
+// variance: of a residual.
+std::optional<Model> fit_from(Workbench& bench, const Members& members, int number, const std::vector<double>& start,
+                              double variance, const Target& target, FitSettings settings);
+// Of a fit of which only the residuals are wanted: derivatives are saved near the minimum, where these of the start are
+// known everywhere. at_start: may be nullptr.
+FitSettings for_residuals(const problem::Evaluation* at_start, double variance);
+// Puts the model that was found in place of the best so far where it is lower.
+void keep_lower(std::optional<Model>& best, std::optional<Model> found);
+
 } // namespace explore::diagnose

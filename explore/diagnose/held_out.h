@@ -1,0 +1,15 @@
+// Readings that were left out of the fit, predicted by a model with what it lacked and without.
+#pragma once
+
+#include "diagnose/diagnosis.h"
+
+namespace explore::diagnose {
+
+// Every fold is left out once and predicted by the baseline and by the extended model of the diagnosis, both fitted to
+// the rest from points that know nothing of the fold. explored: points of the baseline's sample, with residuals. A
+// reading that an effect declares wrong is nobody's to predict. number: of the first evaluation that is kept; 10 a
+// fold. Nothing: no reading is left to predict, or interrupted.
+std::optional<HeldOut> predict_left_out(const DiagnosisTask& task, const Diagnosis& d,
+                                        const std::vector<Model>& explored, const std::vector<Fold>& folds, int number);
+
+} // namespace explore::diagnose
