@@ -2,6 +2,8 @@
 
 #include "study/candidates.h"
 
+#include <algorithm>
+#include <cmath>
 #include <ctime>
 
 namespace explore::analysis {
@@ -39,6 +41,33 @@ Eigen::MatrixXd CandidateReadings::rows(const problem::Evaluation& there, const 
         }
     }
     return rows;
+}
+
+std::vector<TellingReading> telling_readings(const study::Study& study, const std::vector<double>& unit,
+                                             const Eigen::MatrixXd& covariance, std::size_t others) {
+    CandidateReadings candidates(study);
+    const auto there = candidates.at(unit, true);
+    std::vector<TellingReading> telling;
+    if (!there.converged()) {
+        return telling;
+    }
+    const auto readings = candidates.readings(there);
+    const Eigen::MatrixXd rows = candidates.rows(there, unit, readings);
+    // Of the others, where those asked about are known.
+    const auto n = static_cast<Eigen::Index>(others);
+    const Eigen::Index asked = covariance.rows() - n;
+    const Eigen::MatrixXd across = covariance.topRightCorner(n, asked);
+    const Eigen::MatrixXd given = covariance.topLeftCorner(n, n) -
+                                  across * covariance.bottomRightCorner(asked, asked).llt().solve(across.transpose());
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        const Eigen::RowVectorXd row = rows.row(static_cast<Eigen::Index>(i));
+        const Eigen::RowVectorXd own = row.head(n);
+        const double before = 1.0 + row.dot(covariance * row.transpose());
+        const double after = 1.0 + std::max(0.0, own.dot(given * own.transpose()));
+        telling.push_back({readings[i], 0.5 * std::log2(std::max(1.0, before / after))});
+    }
+    std::stable_sort(telling.begin(), telling.end(), [](const auto& a, const auto& b) { return a.bits > b.bits; });
+    return telling;
 }
 
 } // namespace explore::analysis

@@ -35,4 +35,9 @@ private:
     double forward_cpu_seconds_ = 0.0;
 };
 
+// What each candidate would tell of the unit coordinates at this point but the first `others`, whatever those are; most
+// bits first, empty: no answer there. covariance: of all of them.
+std::vector<TellingReading> telling_readings(const study::Study& study, const std::vector<double>& unit,
+                                             const Eigen::MatrixXd& covariance, std::size_t others = 0);
+
 } // namespace explore::analysis

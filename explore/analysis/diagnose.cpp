@@ -145,36 +145,6 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
     return readings;
 }
 
-// What each reading would tell of the coefficients of the corrections, whatever the parameters are: between its spread
-// over all unknowns and that over the parameters at given coefficients.
-std::vector<TellingReading> telling_readings(const study::Study& corrected, const diagnose::Location& location) {
-    CandidateReadings candidates(corrected);
-    const std::vector<double>& unit = location.fit.model.unit;
-    const auto there = candidates.at(unit, true);
-    std::vector<TellingReading> telling;
-    if (!there.converged()) {
-        return telling;
-    }
-    const auto readings = candidates.readings(there);
-    const Eigen::MatrixXd rows = candidates.rows(there, unit, readings);
-    const Eigen::MatrixXd& all = location.covariance;
-    const auto coefficients = static_cast<Eigen::Index>(location.fit.model.members.size());
-    const Eigen::Index others = all.rows() - coefficients;
-    const Eigen::MatrixXd across = all.topRightCorner(others, coefficients);
-    const Eigen::MatrixXd given =
-        all.topLeftCorner(others, others) -
-        across * all.bottomRightCorner(coefficients, coefficients).llt().solve(across.transpose());
-    for (std::size_t i = 0; i < readings.size(); ++i) {
-        const Eigen::RowVectorXd row = rows.row(static_cast<Eigen::Index>(i));
-        const Eigen::RowVectorXd own = row.head(others);
-        const double before = 1.0 + row.dot(all * row.transpose());
-        const double after = 1.0 + std::max(0.0, own.dot(given * own.transpose()));
-        telling.push_back({readings[i], 0.5 * std::log2(std::max(1.0, before / after))});
-    }
-    std::stable_sort(telling.begin(), telling.end(), [](const auto& a, const auto& b) { return a.bits > b.bits; });
-    return telling;
-}
-
 std::vector<diagnose::Candidate> candidates_of(const std::vector<study::Variant>& variants, const Layout& layout) {
     std::vector<diagnose::Candidate> list;
     for (const study::Variant& variant : variants) {
@@ -326,7 +296,9 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
                       std::sqrt(d.variance), session.options().threads);
     if (d.location) {
         result.located = located_in(d);
-        result.telling = telling_readings(result.after->study, *d.location);
+        const diagnose::Model& corrected = d.location->fit.model;
+        result.telling = telling_readings(result.after->study, corrected.unit, d.location->covariance,
+                                          corrected.unit.size() - corrected.members.size());
     }
     if (d.to_compare().size() > 1) {
         result.next = separating_readings(study, result.variants, bench, d);

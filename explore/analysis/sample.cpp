@@ -211,7 +211,7 @@ void judge(SampleResult& result) {
     result.status = result.missing.empty() ? SampleStatus::converged : SampleStatus::not_converged;
 }
 
-std::vector<TellingReading> telling_readings(const SampleResult& result) {
+std::vector<TellingReading> telling_of_parameters(const SampleResult& result) {
     const auto d = static_cast<Index>(result.problem.space.axes.size());
     VectorXd mean = VectorXd::Zero(d);
     double total = 0.0;
@@ -227,20 +227,7 @@ std::vector<TellingReading> telling_readings(const SampleResult& result) {
         covariance += result.descent.weight[i] / total * off * off.transpose();
     }
     const std::vector<double> unit(mean.begin(), mean.end());
-    CandidateReadings candidates(result.study);
-    const auto there = candidates.at(unit, true);
-    std::vector<TellingReading> telling;
-    if (!there.converged()) {
-        return telling;
-    }
-    const auto readings = candidates.readings(there);
-    const MatrixXd rows = candidates.rows(there, unit, readings);
-    for (std::size_t i = 0; i < readings.size(); ++i) {
-        const auto row = rows.row(static_cast<Index>(i));
-        telling.push_back({readings[i], 0.5 * std::log2(1.0 + row.dot(covariance * row.transpose()))});
-    }
-    std::stable_sort(telling.begin(), telling.end(), [](const auto& a, const auto& b) { return a.bits > b.bits; });
-    return telling;
+    return telling_readings(result.study, unit, covariance);
 }
 
 } // namespace
@@ -355,7 +342,7 @@ std::optional<SampleResult> sample(Session& session, const study::Study& study, 
         }
         judge(result);
         if (result.converged() && !options.model.alone()) {
-            result.telling = telling_readings(result);
+            result.telling = telling_of_parameters(result);
         }
     }
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

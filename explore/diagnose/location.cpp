@@ -250,13 +250,9 @@ private:
         const auto corrected = task_.bench.problem(members);
         for (int pass = 0; pass < passes; ++pass) {
             const Target target = penalised(*corrected, members);
-            std::optional<Model> found;
             const int number = corrected_fit_number + 10 * static_cast<int>(accepted_.size()) + pass;
-            task_.bench.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
-                found =
-                    fit(chain, problem, members, start, target,
-                        {.enough = close_enough * d_.variance, .at_start = pass > 0 ? &model_.evaluation : nullptr});
-            });
+            std::optional<Model> found = fit_from(task_.bench, members, number, start, d_.variance, target,
+                                                  {.at_start = pass > 0 ? &model_.evaluation : nullptr});
             if (run::interrupted()) {
                 return false;
             }

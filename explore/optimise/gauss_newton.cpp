@@ -117,15 +117,15 @@ VectorXd limited_step(const MatrixXd& h, const VectorXd& g, const VectorXd& low,
     return step;
 }
 
-// Half of the least sum of squares that linear theory promises within the cube, from here.
-double promised(const Sample& here, const VectorXd& low, const VectorXd& high) {
-    const VectorXd gradient = here.jacobian.transpose() * here.residuals;
-    MatrixXd normal = here.jacobian.transpose() * here.jacobian;
+// By how much linear theory promises half of the sum of squares to fall within the cube, from here. normal, gradient:
+// of here.
+double promised(MatrixXd normal, const VectorXd& gradient, const VectorXd& low, const VectorXd& high,
+                const Sample& here) {
     constexpr double least = 1e-9; // of the largest term: for parameters that change nothing
     normal.diagonal().array() += least * (1e-300 + normal.diagonal().maxCoeff());
     double predicted = 0.0;
     limited_step(normal, gradient, low, high, here, predicted);
-    return 0.5 * here.residuals.squaredNorm() - predicted;
+    return predicted;
 }
 
 } // namespace
@@ -183,7 +183,7 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
         }
         if (is_new && std::isfinite(settings.worth)) {
             constexpr double share = 0.5;
-            const bool is_hopeless = half - promised(here, low, high) < share * (half - settings.worth);
+            const bool is_hopeless = promised(normal, gradient, low, high, here) < share * (half - settings.worth);
             hopeless = is_hopeless ? hopeless + 1 : 0;
             constexpr int enough = 2;
             if (hopeless == enough) {

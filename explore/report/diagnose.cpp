@@ -70,6 +70,15 @@ Json held_out_json(const diagnose::HeldOut& held) {
     return {{"rmse_before", held.before}, {"rmse_after", held.after}, {"readings", held.readings}, {"folds", folds}};
 }
 
+// A reading that could be taken.
+Json measurement_json(const data::Reading& reading) {
+    Json json = place_json(reading);
+    json.update({{"reading", reading.words()},
+                 {"unit", reading.unit.name},
+                 {"sigma", reading.in_unit(reading.noise.absolute)}});
+    return json;
+}
+
 Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Candidate>& candidates,
                      const Diagnosis& d) {
     Json predicted = Json::array();
@@ -78,22 +87,14 @@ Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Can
             {{"explanation", members_words(candidates, d.to_compare()[s.explanations[e]].fit.model.members)},
              {"value", s.values[e]}});
     }
-    Json json = place_json(s.reading);
-    json.update({{"reading", s.reading.words()},
-                 {"unit", s.reading.unit.name},
-                 {"sigma", s.reading.in_unit(s.reading.noise.absolute)},
-                 {"power", s.power},
-                 {"rate_now", s.rate_now},
-                 {"predicted", predicted}});
+    Json json = measurement_json(s.reading);
+    json.update({{"power", s.power}, {"rate_now", s.rate_now}, {"predicted", predicted}});
     return json;
 }
 
 Json telling_json(const analysis::TellingReading& telling) {
-    Json json = place_json(telling.reading);
-    json.update({{"reading", telling.reading.words()},
-                 {"unit", telling.reading.unit.name},
-                 {"sigma", telling.reading.in_unit(telling.reading.noise.absolute)},
-                 {"bits", telling.bits}});
+    Json json = measurement_json(telling.reading);
+    json["bits"] = telling.bits;
     return json;
 }
 
