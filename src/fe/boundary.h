@@ -31,8 +31,9 @@ struct Elasticity {
 template <class Work>
 class OpenSides {
 public:
-    explicit OpenSides(const Work& work) : w_(work) {
-        for (const auto& x : w_.model->coordinates) {
+    // model: where the mesh stands, or another of its places, with the moduli at hand.
+    OpenSides(const Work& work, const Model<AxisymmetricQ8>& model) : w_(work), model_(model) {
+        for (const auto& x : model_.coordinates) {
             wall_ = std::max(wall_, x.row(0).maxCoeff());
             bottom_ = std::max(bottom_, x.row(1).maxCoeff());
         }
@@ -75,8 +76,8 @@ private:
 
     template <class F>
     void each_side(F at) const {
-        for (int e = 0; e < w_.model->elements(); ++e) {
-            const auto& x = w_.model->coordinates[static_cast<std::size_t>(e)];
+        for (int e = 0; e < model_.elements(); ++e) {
+            const auto& x = model_.coordinates[static_cast<std::size_t>(e)];
             if (w_.topology->wall_is_open && x.row(0).maxCoeff() >= wall_) {
                 at(e, true);
             }
@@ -143,10 +144,11 @@ private:
             add_inert<Element>(*w_.topology, e, shape, area * impedance, to.dashpots);
             add_inert<Element>(*w_.topology, e, shape, area * spring, to.springs);
         };
-        is_wall ? integrate_outer_side(*w_.model, e, at) : integrate_lower_side(*w_.model, e, at);
+        is_wall ? integrate_outer_side(model_, e, at) : integrate_lower_side(model_, e, at);
     }
 
     const Work& w_;
+    const Model<AxisymmetricQ8>& model_;
     double wall_ = 0.0, bottom_ = 0.0; // m, where they stand
 };
 

@@ -7,11 +7,10 @@ Outcome<Marched<Element>>
 Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                            const History& history, const std::vector<Functional<Element>>& readings,
                            const std::vector<Variation>& variations, const SolverSettings& settings,
-                           const std::vector<double>& springs) {
+                           const std::vector<double>& springs, const std::vector<Motion<Element>>& motions) {
     using State = PathState<Element>;
     Work& w = *work_;
-    static const std::vector<Motion<Element>> no_motions;
-    w.prepare(layers, variations, settings, springs, no_motions);
+    w.prepare(layers, variations, settings, springs, motions);
     const Pattern& lower = w.topology->lower;
     const int points = w.points();
     const int count = w.count();
@@ -88,6 +87,7 @@ Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen
             auto right = out.du.col(k);
             add_product(lower, lasting, -1.0, now.du.col(k), right);
             w.subtract_force(now.d_stress, count, k, right);
+            w.subtract_force_motion(k, now.stress, right.data());
             for (const Memory& m : memories) {
                 product(m, m.before_rate(step, now.u, now.du.col(k), k) + m.share_rate(step, k) * out.u, right);
             }
@@ -154,10 +154,12 @@ Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen
 template Outcome<Marched<AxisymmetricQ8>>
 Solver<AxisymmetricQ8>::over_time(const std::vector<LayerMaterial>&, const Eigen::VectorXd&, const History&,
                                   const std::vector<Functional<AxisymmetricQ8>>&, const std::vector<Variation>&,
-                                  const SolverSettings&, const std::vector<double>&);
+                                  const SolverSettings&, const std::vector<double>&,
+                                  const std::vector<Motion<AxisymmetricQ8>>&);
 template Outcome<Marched<Hex20>> Solver<Hex20>::over_time(const std::vector<LayerMaterial>&, const Eigen::VectorXd&,
                                                           const History&, const std::vector<Functional<Hex20>>&,
                                                           const std::vector<Variation>&, const SolverSettings&,
-                                                          const std::vector<double>&);
+                                                          const std::vector<double>&,
+                                                          const std::vector<Motion<Hex20>>&);
 
 } // namespace pave::fe

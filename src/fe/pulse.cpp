@@ -28,18 +28,50 @@ Spring sparse(const Pattern& lower, const std::vector<double>& values) {
     return matrix;
 }
 
-// Mass: of every layer, or by the unit weight of one.
-template <class Work>
-std::vector<double> mass_of(const Work& w, const Variation* by) {
+// Mass of every layer, or of one as if its unit weight were 1.
+template <class Work, class Element>
+std::vector<double> mass_of(const Work& w, const Model<Element>& model, const Variation* by) {
     std::vector<double> mass(w.topology->lower.row.size(), 0.0);
-    for (int e = 0; e < w.model->elements(); ++e) {
+    for (int e = 0; e < model.elements(); ++e) {
         if (by == nullptr) {
-            add_mass(*w.model, e, w.layer_of(e).unit_weight / unit::gravity, mass);
+            add_mass(model, e, w.layer_of(e).unit_weight / unit::gravity, mass);
         } else if (by->layer == w.topology->layer[e]) {
-            add_mass(*w.model, e, 1.0 / unit::gravity, mass);
+            add_mass(model, e, 1.0 / unit::gravity, mass);
         }
     }
     return mass;
+}
+
+// By a variation; empty: none.
+template <class Work>
+std::vector<double> mass_rate(const Work& w, int k) {
+    const Variation& v = (*w.variations)[static_cast<std::size_t>(k)];
+    if (v.kind == Variation::Kind::unit_weight) {
+        return mass_of(w, *w.model, &v);
+    }
+    std::vector<double> rate;
+    if (const auto* motion = w.motion_of(k)) {
+        rate.assign(w.topology->lower.row.size(), 0.0);
+        for (const auto& [weight, there] : motion->beside) {
+            add(weight, mass_of(w, there, nullptr), rate);
+        }
+    }
+    return rate;
+}
+
+template <class Work>
+Sides sides_rate(const Work& w, int k) {
+    Sides rate = OpenSides<Work>(w, *w.model).rates(k);
+    if (const auto* motion = w.motion_of(k)) {
+        rate.dashpots.resize(w.topology->lower.row.size(), 0.0);
+        rate.springs.resize(w.topology->lower.row.size(), 0.0);
+        for (const auto& [weight, there] : motion->beside) {
+            const Sides sides = OpenSides<Work>(w, there).matrices();
+            add(weight, sides.dashpots, rate.dashpots);
+            add(weight, sides.springs, rate.springs);
+        }
+    }
+    return rate;
 }
 
 } // namespace
@@ -53,12 +85,12 @@ template <class Element>
 Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                                                  const Pulse& pulse, const std::vector<Functional<Element>>& readings,
                                                  const std::vector<Variation>& variations,
-                                                 const SolverSettings& settings, const std::vector<double>& springs) {
+                                                 const SolverSettings& settings, const std::vector<double>& springs,
+                                                 const std::vector<Motion<Element>>& motions) {
     using State = PathState<Element>;
     using Kind = Variation::Kind;
     Work& w = *work_;
-    static const std::vector<Motion<Element>> no_motions;
-    w.prepare(layers, variations, settings, springs, no_motions);
+    w.prepare(layers, variations, settings, springs, motions);
     const Pattern& lower = w.topology->lower;
     const int points = w.points();
     const int count = w.count();
@@ -84,19 +116,17 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
     State& change = path.slope[0];
     State& ahead = path.trial; // at the middle of the step
     w.set_moduli(now.stress, now.d_stress);
-    const OpenSides<Work> open_sides(w);
-    const Sides sides = open_sides.matrices();
+    const Sides sides = OpenSides<Work>(w, *w.model).matrices();
     const Spring dashpots = sparse(lower, sides.dashpots);
-    const std::vector<double> mass = mass_of(w, nullptr);
+    const std::vector<double> mass = mass_of(w, *w.model, nullptr);
     std::vector<Spring> spring_rates;
     std::vector<Spring> dashpot_rates;
     std::vector<std::vector<double>> mass_rates;
     for (int k = 0; k < count; ++k) {
-        const Variation& v = variations[static_cast<std::size_t>(k)];
-        const Sides rates = open_sides.rates(k);
+        const Sides rates = sides_rate(w, k);
         spring_rates.push_back(sparse(lower, rates.springs));
         dashpot_rates.push_back(sparse(lower, rates.dashpots));
-        mass_rates.push_back(v.kind == Kind::unit_weight ? mass_of(w, &v) : std::vector<double>());
+        mass_rates.push_back(mass_rate(w, k));
     }
 
     w.assemble_linear(shares);
@@ -172,6 +202,7 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
         for (int k = 0; k < count; ++k) {
             auto column = right.col(k);
             w.subtract_force(now.d_stress, count, k, column);
+            w.subtract_force_motion(k, now.stress, column.data());
             for (const Memory& m : memories) {
                 of_layer(m.layer, -1.0, m.before_rate(h / 2.0, now.u, now.du.col(k), k), column);
             }
@@ -259,6 +290,7 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
 template Outcome<Marched<AxisymmetricQ8>>
 Solver<AxisymmetricQ8>::pulse(const std::vector<LayerMaterial>&, const Eigen::VectorXd&, const Pulse&,
                               const std::vector<Functional<AxisymmetricQ8>>&, const std::vector<Variation>&,
-                              const SolverSettings&, const std::vector<double>&);
+                              const SolverSettings&, const std::vector<double>&,
+                              const std::vector<Motion<AxisymmetricQ8>>&);
 
 } // namespace pave::fe

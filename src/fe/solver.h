@@ -42,6 +42,9 @@ struct Motion {
     std::vector<typename Element::Point> points; // of weight and shape derivatives, every Gauss point
     std::vector<double> vertical_stress;         // initial, at every Gauss point as it moves [Pa]
     Eigen::VectorXd load;                        // on every free unknown [N]
+    // For a pulse, what else the positions enter is differentiated through these: the mesh at values beside, whose
+    // weighted sum is the derivative.
+    std::vector<std::pair<double, Model<Element>>> beside;
 };
 
 struct Statistics {
@@ -116,9 +119,9 @@ public:
     // load: force on every free unknown [N] at load factor 1. d(load)/d(load_factor) = load.
     // springs: stiffness of each spring of the model [Pa/m].
     // Layers that relax have their instantaneous modulus in these two.
-    // motions: of a model without springs and fields. Derivatives of stress are those at the Gauss points as they move.
-    // on_the_way: load factors in (0, 1] to know the displacement at: the cubic through the ends of a step and their
-    // rates, of the order of the path (Hairer, Norsett and Wanner 1993, II.6).
+    // motions, here and below: of a model without springs and fields. Derivatives of stress are those at the Gauss
+    // points as they move. on_the_way: load factors in (0, 1] to know the displacement at: the cubic through the ends
+    // of a step and their rates, of the order of the path (Hairer, Norsett and Wanner 1993, II.6).
     Outcome<Solution<Element>> incremental(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                                            const std::vector<Variation>& variations, const SolverSettings& settings,
                                            const std::vector<double>& springs = {},
@@ -135,7 +138,8 @@ public:
     Outcome<Marched<Element>> over_time(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                                         const History& history, const std::vector<Functional<Element>>& readings,
                                         const std::vector<Variation>& variations, const SolverSettings& settings,
-                                        const std::vector<double>& springs = {});
+                                        const std::vector<double>& springs = {},
+                                        const std::vector<Motion<Element>>& motions = {});
 
     // The section in motion (axisymmetric): M a + internal forces = load, from rest. Stress-dependent layers follow the
     // incremental law through loading and unloading, layers that relax their memory, and every layer damps by its
@@ -147,7 +151,8 @@ public:
     Outcome<Marched<Element>> pulse(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                                     const Pulse& pulse, const std::vector<Functional<Element>>& readings,
                                     const std::vector<Variation>& variations, const SolverSettings& settings,
-                                    const std::vector<double>& springs = {});
+                                    const std::vector<double>& springs = {},
+                                    const std::vector<Motion<Element>>& motions = {});
 
     // Called by `incremental` at the start of a stress-dependent load path and after every step, with the load factor,
     // the rate of the displacement by it and the modulus at the Gauss points of the stress-dependent elements, in the

@@ -334,13 +334,13 @@ struct Solver<Element>::Work {
         return v.kind == Variation::Kind::motion ? &(*motions)[v.index] : nullptr;
     }
     // force -= d(B)^T stress weight + B^T stress d(weight): what a moving point adds to the internal force at held
-    // stress. Returns what it adds to the stress at held displacement, stiffness d(B) u.
+    // stress. Returns what it adds to the stress at held displacement, stiffness d(B) u. factor: on the force.
     Stress subtract_motion(const Motion<Element>& motion, int e, int g, const Vector& ue, const Stress& stress,
-                           const mechanics::Stiffness<N>& stiffness, Vector& force) const {
+                           const mechanics::Stiffness<N>& stiffness, Vector& force, double factor = 1.0) const {
         const auto& rate = motion.points[static_cast<std::size_t>(e) * Element::gauss + g];
         Stress turned = stiffness * Element::strain(rate, ue);
-        Element::add_force(rate, stress, -point(e, g).weight, force);
-        Element::add_force(point(e, g), stress, -rate.weight, force);
+        Element::add_force(rate, stress, -factor * point(e, g).weight, force);
+        Element::add_force(point(e, g), stress, -factor * rate.weight, force);
         return turned;
     }
 
@@ -413,7 +413,7 @@ struct Solver<Element>::Work {
             model->springs[v.index].add_product(u.data(), -1.0, right);
         }
         if (const Motion<Element>* motion = motion_of(k)) {
-            subtract_linear_motion(*motion, u.data(), right);
+            subtract_linear_motion(*motion, felt, right);
         }
         if ((v.kind != Variation::Kind::law_parameter && v.kind != Variation::Kind::field) ||
             prepared[v.layer].stress_dependent) {
@@ -444,14 +444,15 @@ struct Solver<Element>::Work {
                 std::vector<const Eigen::MatrixXd*>(prepared.size(), &du)};
     }
 
-    // force -= (dK/dp) u over the linear layers when the mesh moves.
-    void subtract_linear_motion(const Motion<Element>& motion, const double* u, double* right) const {
+    // force -= (dK/dp) felt over the linear layers when the mesh moves.
+    void subtract_linear_motion(const Motion<Element>& motion, const std::vector<const Eigen::VectorXd*>& felt,
+                                double* right) const {
         for (int e = 0; e < model->elements(); ++e) {
             const PreparedLayer<N>& p = prepared_of(e);
             if (p.stress_dependent) {
                 continue;
             }
-            const Vector ue = model->gather(e, u);
+            const Vector ue = model->gather(e, felt[static_cast<std::size_t>(topology->layer[e])]->data());
             Vector force = Vector::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
                 const mechanics::Stiffness<N> d = p.modulus * unit(e, g);
@@ -693,7 +694,7 @@ struct Solver<Element>::Work {
                         d += modulus[q] * (unit_rate(e, g, k) * strain[g]);
                     }
                     if (const Motion<Element>* motion = motion_of(k)) {
-                        d += subtract_motion(*motion, e, g, ue, stress.col(q), modulus[q] * unit(e, g), force);
+                        d += subtract_motion(*motion, e, g, ue, stress.col(q), modulus[q] * unit(e, g), force, factor);
                     }
                     d_stress.col(qk) = d;
                     Element::add_force(point(e, g), d, -factor * point(e, g).weight, force);
@@ -733,6 +734,21 @@ struct Solver<Element>::Work {
                 Element::add_force(at, stress.col(q * stride + offset), -at.weight, own);
             }
             model->scatter_add(active[a], own, force.data());
+        }
+    }
+    // right -= what the force of held stress at the points of the active elements changes by as the mesh moves with
+    // variation k.
+    template <class Stresses>
+    void subtract_force_motion(int k, const Stresses& stress, double* right) const {
+        const Motion<Element>* motion = motion_of(k);
+        for (std::size_t a = 0; motion != nullptr && a < active.size(); ++a) {
+            const int e = active[a];
+            Vector own = Vector::Zero();
+            for (int g = 0; g < Element::gauss; ++g) {
+                const auto q = static_cast<Eigen::Index>(a) * Element::gauss + g;
+                subtract_motion(*motion, e, g, Vector::Zero(), stress.col(q), mechanics::Stiffness<N>::Zero(), own);
+            }
+            model->scatter_add(e, own, right);
         }
     }
     // Stresses, moduli and rates of the points of the active elements to where the solution has them.
@@ -800,6 +816,11 @@ struct Solver<Element>::Work {
                 const Stress rate = Element::strain(point(e, g), model->gather(e, by.du[layer]->col(k).data()));
                 rates[k] +=
                     weight * direction.dot(p.modulus * (unit(e, g) * rate) + linear_stiffness_rate(e, g, k) * strain);
+                if (const Motion<Element>* motion = motion_of(k)) {
+                    const Stress turned = Element::strain(motion->points[static_cast<std::size_t>(point_number)],
+                                                          model->gather(e, by.u[layer]->data()));
+                    rates[k] += weight * p.modulus * direction.dot(unit(e, g) * turned);
+                }
             }
         }
     }

@@ -277,6 +277,35 @@ private:
         return list;
     }
 
+    // The same, and behind them for each motion of the mesh what the places that are read move by.
+    std::vector<fe::Functional<Element>>
+    with_moved(const Case& values, const std::vector<std::vector<Observation<Element>>>& observation_rates,
+               const Own& own) const {
+        std::vector<fe::Functional<Element>> list = functionals(values, own);
+        for (const auto& rates : observation_rates) {
+            for (const std::size_t i : sensors_of(values)) {
+                list.push_back(rates[i]);
+            }
+        }
+        return list;
+    }
+    // Takes those further rows of a course into the derivatives of the readings.
+    static void add_moved(const std::vector<fe::Variation>& by, std::size_t motions, fe::Course& course) {
+        const Eigen::Index readings = course.values.rows() / static_cast<Eigen::Index>(1 + motions);
+        for (std::size_t instant = 0; instant < course.d_values.size(); ++instant) {
+            Eigen::MatrixXd& rates = course.d_values[instant];
+            const auto values = course.values.col(static_cast<Eigen::Index>(instant));
+            for (std::size_t k = 0; k < by.size(); ++k) {
+                if (by[k].kind == fe::Variation::Kind::motion) {
+                    rates.col(static_cast<Eigen::Index>(k)).head(readings) +=
+                        values.segment(static_cast<Eigen::Index>(1 + by[k].index) * readings, readings);
+                }
+            }
+            rates.conservativeResize(readings, Eigen::NoChange);
+        }
+        course.values.conservativeResize(readings, Eigen::NoChange);
+    }
+
     // The sensors over the time of the load, as the section and the load ask for. Fails where one reads no number.
     Outcome<Responses> follow(const Case& values, const std::vector<fe::LayerMaterial>& layers,
                               const Eigen::VectorXd& force, const std::vector<fe::Variation>& by,
@@ -285,30 +314,39 @@ private:
         Responses responses;
         if (values.loads[load_].is_pulse()) {
             if constexpr (Element::dim == 2) {
-                const auto march = [&](const fe::Pulse& pulse, const std::vector<fe::Variation>& variations) {
-                    return own.geometry->solver->pulse(layers, force, pulse, functionals(values, own), variations,
-                                                       values.settings.solver, spring_stiffness(values));
+                const auto march = [&](const fe::Pulse& pulse, const std::vector<fe::Functional<Element>>& readings,
+                                       const std::vector<fe::Variation>& variations) {
+                    return own.geometry->solver->pulse(layers, force, pulse, readings, variations,
+                                                       values.settings.solver, spring_stiffness(values), motions);
                 };
                 const fe::Pulse pulse = pulse_of(values, load_);
-                const auto coarse = march(coarser(pulse), {});
-                auto fine = coarse ? march(pulse, by) : coarse;
-                if (!fine) {
-                    return fine.failure();
+                const auto coarse = march(coarser(pulse), functionals(values, own), {});
+                if (!coarse) {
+                    return coarse.failure();
                 }
-                responses.statistics = fine->at_largest.statistics;
-                responses.statistics.time_error = time_error(values, fine->course, coarse->course);
-                responses.moving = std::move(fine->course);
+                auto outcome = march(pulse, with_moved(values, observation_rates, own), by);
+                if (!outcome) {
+                    return outcome.failure();
+                }
+                auto fine = std::move(outcome).value();
+                add_moved(by, observation_rates.size(), fine.course);
+                responses.statistics = fine.at_largest.statistics;
+                responses.statistics.time_error = time_error(values, fine.course, coarse->course);
+                responses.moving = std::move(fine.course);
             }
         } else if (values.relaxes()) {
             const fe::History history = fe::haversine(values.loads[load_].duration, relaxing_steps);
-            auto relaxed = own.geometry->solver->over_time(layers, force, history, functionals(values, own), by,
-                                                           values.settings.solver, spring_stiffness(values));
-            if (!relaxed) {
-                return relaxed.failure();
+            auto outcome =
+                own.geometry->solver->over_time(layers, force, history, with_moved(values, observation_rates, own), by,
+                                                values.settings.solver, spring_stiffness(values), motions);
+            if (!outcome) {
+                return outcome.failure();
             }
+            auto relaxed = std::move(outcome).value();
+            add_moved(by, observation_rates.size(), relaxed.course);
             const std::size_t largest = history.largest();
-            responses.statistics = relaxed->at_largest.statistics;
-            responses.moving = std::move(relaxed->course);
+            responses.statistics = relaxed.at_largest.statistics;
+            responses.moving = std::move(relaxed.course);
             responses.at_rest = fe::Course(responses.moving.values.col(static_cast<Eigen::Index>(largest)),
                                            responses.moving.d_values[largest]);
             responses.slow = responses.at_rest;
@@ -528,7 +566,7 @@ private:
         std::vector<Observation<Element>> rates(values.sensors.size());
         for (const auto& [weight, there] : near) {
             const auto mesh = Kind::mesh_of(lines_for(Kind::breaks(there, load_)), there, load_);
-            const auto model = fe::make_model(mesh, *model_);
+            auto model = fe::make_model(mesh, *model_);
             const auto layers = materials_of(there);
             for (std::size_t q = 0; q < model.points.size(); ++q) {
                 motion.points[q].weight += weight * model.points[q].weight;
@@ -549,6 +587,9 @@ private:
                 for (const auto& [point, part, direction] : o.on_stress) {
                     rates[i].on_stress.push_back({point, weight * part, direction});
                 }
+            }
+            if (is_pulse_) {
+                motion.beside.emplace_back(weight, std::move(model));
             }
         }
         return {std::move(motion), std::move(rates)};

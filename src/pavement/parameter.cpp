@@ -381,7 +381,7 @@ Case without_geometry(Case c) {
 
 // Whether all that geometry changes of a case without effects is what the solver's motions hold.
 bool is_moved_by_its_mesh(const Case& c, int load) {
-    return !c.loads[load].plate_stiffness && !c.loads[load].inertia && !c.loads[load].is_pulse() && !c.relaxes() &&
+    return !c.loads[load].plate_stiffness && !c.loads[load].inertia &&
            std::none_of(c.layers.begin(), c.layers.end(),
                         [](const Layer& layer) { return layer.compliance || !layer.fields.empty(); });
 }

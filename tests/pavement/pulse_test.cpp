@@ -292,11 +292,26 @@ TEST(Pulse, HasExactDerivatives) {
         const ForwardModel model(c);
         const auto workspace = model.make_workspace();
         std::vector<Parameter> parameters;
-        for (const char* path :
-             {"asphalt.modulus_MPa", "asphalt.tau1_s", "asphalt.damping_time_ms", "asphalt.density_kg_m3", "base.k1",
-              "base.k2", "base.k3", "base.n", "base.density_kg_m3", "base.damping_time_ms", "subgrade.modulus_MPa",
-              "subgrade.poisson", "subgrade.density_kg_m3", "subgrade.damping_time_ms", "fwd.pressure_kPa",
-              "fwd.time_shift_ms"}) {
+        for (const char* path : {"asphalt.modulus_MPa",
+                                 "asphalt.tau1_s",
+                                 "asphalt.damping_time_ms",
+                                 "asphalt.density_kg_m3",
+                                 "base.k1",
+                                 "base.k2",
+                                 "base.k3",
+                                 "base.n",
+                                 "base.density_kg_m3",
+                                 "base.damping_time_ms",
+                                 "subgrade.modulus_MPa",
+                                 "subgrade.poisson",
+                                 "subgrade.density_kg_m3",
+                                 "subgrade.damping_time_ms",
+                                 "fwd.pressure_kPa",
+                                 "fwd.time_shift_ms",
+                                 "asphalt.thickness_mm",
+                                 "base.thickness_mm",
+                                 "subgrade.thickness_mm",
+                                 "fwd.radius_mm"}) {
             parameters.push_back(find_parameter(c, path, {}));
         }
         const auto exact = model.run(c, parameters, *workspace);
