@@ -145,7 +145,8 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
     return readings;
 }
 
-std::vector<diagnose::Candidate> candidates_of(const std::vector<study::Variant>& variants, const Layout& layout) {
+std::vector<diagnose::Candidate> candidates_of(const study::Study& study, const std::vector<study::Variant>& variants,
+                                               const Layout& layout) {
     std::vector<diagnose::Candidate> list;
     for (const study::Variant& variant : variants) {
         const auto& effect = *variant.applied.effect;
@@ -154,7 +155,8 @@ std::vector<diagnose::Candidate> candidates_of(const std::vector<study::Variant>
                                       .on = variant.on,
                                       .null = axis.unit(effect.null),
                                       .typical = axis.unit(effect.typical),
-                                      .reading = {}};
+                                      .reading = {},
+                                      .layer = layer_stiffened(study.model, variant.applied)};
         if (effect.is_error_of_reading) {
             candidate.reading =
                 std::find(layout.rows.begin(), layout.rows.end(), static_cast<std::size_t>(*variant.applied.reading)) -
@@ -188,7 +190,7 @@ std::string DiagnoseResult::extended_study(const std::string& folder) const {
     std::string text = study::extended_text(after->study, own, values, folder);
     // What is known beforehand stands beside noise that is stated.
     const bool with_prior = study.data.misfit == problem::MisfitKind::weighted && diagnosis.variance == 1.0;
-    for (const LocatedCorrection& found : located) {
+    for (const LocatedCorrection& found : diagnosis.is_located() ? located : std::vector<LocatedCorrection>()) {
         text += study::correction_text(found.correction, with_prior ? std::optional(found.strength) : std::nullopt,
                                        diagnose::neighbour_correlation);
     }
@@ -233,13 +235,13 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     if (options.model.reduced() && !result.reduced) {
         return std::nullopt;
     }
-    result.candidates = candidates_of(result.variants, result.layout);
+    result.candidates = candidates_of(study, result.variants, result.layout);
     const std::string settings =
         fmt::format("seed {}{}", session.options().seed, result.reduced ? result.reduced->settings : "");
     for (const auto& correction : result.corrections) {
         const std::size_t first = result.channels.empty() ? result.candidates.size()
                                                           : result.channels.back().first + result.channels.back().count;
-        result.channels.push_back({correction.name(), first, correction.factors.size()});
+        result.channels.push_back({correction.name(), correction.layer, first, correction.factors.size()});
     }
     const auto extended_study = [&](const Members& members) { return extended_by(result, members); };
     session.begin(study, "diagnose", settings);
@@ -296,6 +298,8 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
                       std::sqrt(d.variance), session.options().threads);
     if (d.location) {
         result.located = located_in(d);
+    }
+    if (d.is_located()) {
         const diagnose::Model& corrected = d.location->fit.model;
         result.telling = telling_readings(result.after->study, corrected.unit, d.location->covariance,
                                           corrected.unit.size() - corrected.members.size());

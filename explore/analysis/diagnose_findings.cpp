@@ -185,9 +185,24 @@ private:
                 text.push_back(fmt::format("AMBIGUOUS: {} explains the data, but only with a size at the end of its "
                                            "range: the cause may be stronger, of another form, or another one.",
                                            sets[0]));
+            } else if (d.location) {
+                std::vector<std::string> where;
+                for (const LocatedCorrection& found : result.located) {
+                    where.push_back(channel_words(found.correction));
+                }
+                text.push_back(fmt::format("AMBIGUOUS: {} {} the data, but a smooth correction ({}) does so about as "
+                                           "well: the cause may be another one, there, that the catalogue lacks.",
+                                           sets[0],
+                                           d.extended->model.members.size() > 1 ? "together explain" : "explains",
+                                           pave::join(where, "; ")));
             } else if (d.extended->model.members.size() > 1) {
-                text.push_back(fmt::format("AMBIGUOUS: {} together explain the data, but one explains so little beyond "
-                                           "the other that both may stand for one thing outside the catalogue.",
+                text.push_back(
+                    fmt::format("AMBIGUOUS: {} together explain the data, and no effect alone does. It takes "
+                                "two at once: one thing that the catalogue lacks may do so as well.",
+                                sets[0]));
+            } else if (d.asks_for_correction) {
+                text.push_back(fmt::format("AMBIGUOUS: {} explains most of the data, but beside it a smooth correction "
+                                           "of the model finds more: this is not quite it, or not all.",
                                            sets[0]));
             } else {
                 text.push_back(

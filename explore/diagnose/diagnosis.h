@@ -152,11 +152,15 @@ struct Diagnosis {
     bool leaves_more_than_noise = false;   // the best of them
     double noise_factor = 1.0; // by which the stated noise would have to be larger for what the answer's model leaves
     bool noise_is_overstated = false; // the baseline leaves less than the stated noise makes in one case of a hundred
+    bool asks_for_correction = false; // beside what would be named, a correction explains more
     std::vector<std::string> causes;  // names, most probable first
     std::vector<Confounding> confounding; // of the effects with the best explanation's
-    std::optional<Location> location;     // corrections in place of names, where the verdict is that
-    std::optional<Judged> extended;       // the best explanation, or the corrected model
+    // Corrections: in place of names where the verdict is that, or such as explain the data nearly as well as a name.
+    std::optional<Location> location;
+    std::optional<Judged> extended; // the best explanation, or the corrected model
     std::optional<HeldOut> places, loads;
+
+    bool is_located() const { return verdict == Verdict::located; }
 
     // What a further reading might tell apart.
     const std::vector<Explanation>& to_compare() const {

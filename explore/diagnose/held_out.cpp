@@ -38,11 +38,11 @@ public:
         std::optional<Model> found;
         const std::size_t own = before.unit.size();
         Target target = target_;
-        if (d_.location) {
+        if (d_.is_located()) {
             target.penalty = d_.location->pull.penalty;
             target.centre = d_.location->pull.centre;
         }
-        for (int s = 0; s < (d_.location ? 1 : 2); ++s) {
+        for (int s = 0; s < (d_.is_located() ? 1 : 2); ++s) {
             std::vector<double> start = before.unit;
             for (std::size_t m = 0; m < best.members.size(); ++m) {
                 if (best.members[m] >= task_.candidates.size()) {

@@ -38,15 +38,21 @@ public:
           problem_(task.bench.problem(base.members)),
           arena_(run::concurrency(task.bench.threads())) {}
 
-    // Fits up to so many corrections; nothing in the location: the data call for none. False: interrupted.
-    bool run(std::size_t most, std::optional<Location>& location) {
-        while (!is_done_ && accepted_.size() < most) {
+    // Fits corrections, as many as the data call for; nothing in the location: none, or none that is worth it. worth:
+    // what AICc with them has to come below. False: interrupted.
+    bool run(double worth, std::optional<Location>& location) {
+        while (!is_done_ && accepted_.size() < most_corrections) {
             if (!differentiate()) {
                 return false;
             }
             const auto tests = test();
             const std::size_t best = best_of(tests);
-            if (tests[best].p_familywise >= level_correction) {
+            // What this one promises of AICc, and each of those that may follow, or twice that: fits find up to so much
+            // more than the linear evidence.
+            const auto further = static_cast<double>(std::max<std::size_t>(2, most_corrections - accepted_.size()));
+            const double promised = 2.0 * tests[best].log_ratio * further;
+            const double aicc_now = accepted_.empty() ? d_.baseline.aicc : judge().aicc;
+            if (tests[best].p_familywise >= level_correction || aicc_now - promised > worth) {
                 break;
             }
             add(best, tests);
@@ -286,37 +292,49 @@ private:
     }
 
     Location report() {
-        const Mimicry beyond = mimicry();
-        const MatrixXd jacobian = problem_->residual_jacobian(model_.evaluation) / noise_;
         location_.pull = penalised(*problem_, model_.members);
-        const MatrixXd pulls = location_.pull.penalty / noise_;
-        MatrixXd precision = jacobian.transpose() * jacobian + pulls.transpose() * pulls;
-        constexpr double box_variance = 1.0 / 12.0;
-        constexpr double weak = 0.01; // as of every interval
-        precision.diagonal().head(static_cast<Index>(followed_)).array() += weak / box_variance;
-        location_.covariance = precision.llt().solve(MatrixXd::Identity(precision.rows(), precision.cols()));
-        Judged& fit = location_.fit;
-        const auto rows = static_cast<std::size_t>(model_.residuals.size());
-        fit.chi2 = model_.sum / d_.variance;
-        fit.dof = static_cast<int>(rows) - beyond.rank();
-        if (!estimated_ && fit.dof > 0) {
-            fit.p_value = gsl_cdf_chisq_Q(fit.chi2, fit.dof);
-        }
-        // What coefficients count: as many as the data set free.
-        const double held = (location_.covariance * (pulls.transpose() * pulls)).trace();
-        const auto free = static_cast<double>(model_.unit.size() - followed_) - held;
-        fit.aicc = aicc(model_.residuals.squaredNorm(), rows,
-                        followed_ + static_cast<std::size_t>(std::lround(std::max(0.0, free))), !estimated_);
-        fit.pattern = test_pattern(model_.residuals / noise_, Mimicry(jacobian, model_.unit, model_.residuals / noise_),
-                                   task_.groups);
+        location_.covariance = covariance();
+        location_.fit = judge();
+        const Mimicry beyond = mimicry();
         for (std::size_t i = 0; i < accepted_.size(); ++i) {
             Correction& correction = location_.corrections[i];
             correction.strength = accepted_[i].strength;
             compare(beyond.beyond(changes_[correction.channel] * coefficients_of(correction.channel)), beyond,
                     correction);
         }
-        fit.model = model_;
         return std::move(location_);
+    }
+
+    // Of the unit coordinates of the model.
+    MatrixXd covariance() const {
+        const MatrixXd jacobian = problem_->residual_jacobian(model_.evaluation) / noise_;
+        const MatrixXd pulls = penalised(*problem_, model_.members).penalty / noise_;
+        MatrixXd precision = jacobian.transpose() * jacobian + pulls.transpose() * pulls;
+        constexpr double box_variance = 1.0 / 12.0;
+        constexpr double weak = 0.01; // as of every interval
+        precision.diagonal().head(static_cast<Index>(followed_)).array() += weak / box_variance;
+        return precision.llt().solve(MatrixXd::Identity(precision.rows(), precision.cols()));
+    }
+
+    Judged judge() const {
+        Judged fit;
+        const auto rows = static_cast<std::size_t>(model_.residuals.size());
+        fit.chi2 = model_.sum / d_.variance;
+        fit.dof = static_cast<int>(rows) - mimicry().rank();
+        if (!estimated_ && fit.dof > 0) {
+            fit.p_value = gsl_cdf_chisq_Q(fit.chi2, fit.dof);
+        }
+        // What coefficients count: as many as the data set free.
+        const MatrixXd pulls = penalised(*problem_, model_.members).penalty / noise_;
+        const double held = (covariance() * (pulls.transpose() * pulls)).trace();
+        const auto free = static_cast<double>(model_.unit.size() - followed_) - held;
+        fit.aicc = aicc(model_.residuals.squaredNorm(), rows,
+                        followed_ + static_cast<std::size_t>(std::lround(std::max(0.0, free))), !estimated_);
+        const MatrixXd jacobian = problem_->residual_jacobian(model_.evaluation) / noise_;
+        fit.pattern = test_pattern(model_.residuals / noise_, Mimicry(jacobian, model_.unit, model_.residuals / noise_),
+                                   task_.groups);
+        fit.model = model_;
+        return fit;
     }
 
     // What of this change of the residuals each effect makes.
@@ -382,47 +400,65 @@ void take(const DiagnosisTask& task, Diagnosis& d, Location location) {
     }
 }
 
+// Whether the corrections say of the layer that the effect changes what the effect says of it, only less sharply.
+bool is_in_its_place(const DiagnosisTask& task, const Location& location, const Judged& named) {
+    const std::string& layer = task.candidates[named.model.members[0]].layer;
+    return named.model.members.size() == 1 && !layer.empty() &&
+           std::all_of(location.corrections.begin(), location.corrections.end(),
+                       [&](const Correction& c) { return task.channels[c.channel].layer == layer; });
+}
+
 } // namespace
 
 bool locate(const DiagnosisTask& task, Diagnosis& d) {
     // No name explains the data as it is: what is left is more than noise, or its size is where its range ends.
     const bool is_weak = d.verdict == Verdict::ambiguous && (d.leaves_more_than_noise || d.extended->ends_range());
     const bool is_named = d.verdict == Verdict::cause_named;
-    if (task.channels.empty() || !(d.verdict == Verdict::unexplained || is_weak || is_named)) {
+    if (!(d.verdict == Verdict::unexplained || is_weak || is_named)) {
         return true;
     }
-    const auto from_baseline = [&](std::size_t most, std::optional<Location>& location) {
-        return Locator(task, d, d.baseline.model).run(most, location);
-    };
+    const bool is_pair = is_named && d.extended->model.members.size() > 1;
+    if (task.channels.empty()) {
+        d.verdict = is_pair ? Verdict::ambiguous : d.verdict;
+        return true;
+    }
     std::optional<Location> location;
-    if (is_named) {
-        // One correction that does what it takes two effects for is the simpler explanation.
-        if (d.extended->model.members.size() > 1) {
-            if (!from_baseline(1, location)) {
-                return false;
-            }
-            if (location && location->fit.p_value >= level_noise && location->fit.chi2 < d.extended->chi2 + as_good) {
-                take(task, d, std::move(*location));
-                return true;
-            }
+    if (!Locator(task, d, d.baseline.model).run(is_named ? d.extended->aicc + as_good : INFINITY, location)) {
+        return false;
+    }
+    if (d.verdict == Verdict::unexplained) {
+        if (location) {
+            take(task, d, std::move(*location));
         }
-        double p = 1.0;
-        if (!Locator(task, d, d.extended->model).test_base(p)) {
-            return false;
+        return true;
+    }
+    const double behind = location ? location->fit.aicc - d.extended->aicc : INFINITY;
+    if (is_weak) {
+        // What came near stands where corrections do not come nearer; noise that was stated too small is no reason for
+        // them.
+        if (behind < (d.leaves_more_than_noise ? -as_good : as_good)) {
+            take(task, d, std::move(*location));
         }
-        if (p >= level_beyond) {
+        return true;
+    }
+    // One correction that does what it takes two effects for is the simpler explanation.
+    if (behind < (is_pair && location->corrections.size() == 1 ? as_good : -as_good)) {
+        take(task, d, *location);
+        if (d.is_located()) {
             return true;
         }
     }
-    location.reset();
-    if (!from_baseline(most_corrections, location)) {
+    const bool has_rival = behind < as_good && !is_in_its_place(task, *location, *d.extended);
+    double p_beyond = 1.0;
+    if (!has_rival && !is_pair && !Locator(task, d, d.extended->model).test_base(p_beyond)) {
         return false;
     }
-    // What came near stands where corrections do not come nearer; noise that was stated too small is no reason for
-    // them.
-    const double nearer = is_weak && d.leaves_more_than_noise ? -as_good : as_good;
-    if (location && (d.verdict == Verdict::unexplained || location->fit.chi2 < d.extended->chi2 + nearer)) {
-        take(task, d, std::move(*location));
+    d.asks_for_correction = p_beyond < level_beyond;
+    if (has_rival || is_pair || d.asks_for_correction) {
+        d.verdict = Verdict::ambiguous;
+    }
+    if (has_rival) {
+        d.location = std::move(location);
     }
     return true;
 }

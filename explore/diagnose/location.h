@@ -6,12 +6,14 @@
 namespace explore::diagnose {
 
 // Adds corrections to the baseline, best evidence first (diagnose/evidence.h), while the next one is due to chance in
-// less than one case of twenty, and fits the full model with them after each. The verdict becomes `located` where there
-// is one and
-// - no effect of the catalogue explains the data, or one that leaves more than noise or is at the end of its range, and
-//   the corrections come as near, or
-// - two effects are named, and one correction comes as near, or
-// - one is named, but a correction finds more beside it and corrections come as near.
+// less than one case of twenty, and fits the full model with them after each. By AICc, in which each coefficient counts
+// as far as the data set it free, the verdict becomes `located` where
+// - no effect of the catalogue explains the data, or
+// - one does that leaves more than noise, or that was named, and corrections are clearly better, or
+// - one does that is at the end of its range, or it takes two, and corrections, of two effects a single one, are not
+//   clearly worse.
+// What was named is `ambiguous` where corrections are not clearly worse and say something else, where a correction
+// finds more beside it, and where it takes two effects: what a catalogue lacks is then as likely as both at once.
 // False: interrupted.
 bool locate(const DiagnosisTask& task, Diagnosis& diagnosis);
 

@@ -15,12 +15,14 @@ struct Candidate {
     double null = 0.0;                  // the size that changes nothing, and one that is seen in practice:
     double typical = 0.0;               // unit coordinates of its axis
     std::optional<std::size_t> reading; // the reading (term of the misfit) that it declares wrong
+    std::string layer; // whose stiffness is all that it changes; empty: it changes more, or other things
 };
 
 // Where a smooth correction of the model may act, whatever the cause: so many coefficients, each the logarithm of a
 // factor at one place, that are numbers of models as sizes of candidates are.
 struct Channel {
     std::string name;
+    std::string layer;     // empty: of readings
     std::size_t first = 0; // member of the first coefficient, after all candidates
     std::size_t count = 0;
 };

@@ -139,7 +139,7 @@ inline constexpr Key mesh_extent{.table = "[mesh]",
                                  .kind = number,
                                  .low = 0.1,
                                  .high = 1000.0,
-                                 .without = "4, twice the depth or twice the farthest sensor, whichever is largest; "
+                                 .without = "4 (under a load with a history 8), twice the depth or twice the farthest sensor, whichever is largest; "
                                             "linear layers under circles: no wall",
                                  .meaning = "distance of the smooth wall; nearer than twice the depth gives a warning; "
                                             "of a half-space: where the infinite elements begin"};

@@ -11,21 +11,37 @@ namespace pave::fe {
 // One number a row and variation: of every unknown, or of every reading.
 using Rates = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// y += K x, with the values of K on the pattern of its lower triangle.
-inline void add_product(const Pattern& lower, const std::vector<double>& values, const Rates& x, Rates& y) {
-    const auto add = [count = x.cols()](double value, const double* from, double* to) {
-        for (Eigen::Index k = 0; k < count; ++k) {
-            to[k] += value * from[k];
-        }
-    };
+// The same of C of the columns, from one on.
+template <int C>
+void add_product_of(const Pattern& lower, const std::vector<double>& values, const Rates& x, Rates& y,
+                    Eigen::Index first) {
+    using Row = Eigen::Array<double, 1, C>;
+    const auto of = [&](auto& rates, int i) { return rates.data() + i * rates.cols() + first; };
     for (int j = 0; j < lower.size; ++j) {
+        const Row own = Eigen::Map<const Row>(of(x, j));
+        Row row = Row::Zero();
         for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
             const int i = lower.row[k];
-            add(values[k], x.row(j).data(), y.row(i).data());
+            Eigen::Map<Row>(of(y, i)) += values[k] * own;
             if (i != j) {
-                add(values[k], x.row(i).data(), y.row(j).data());
+                row += values[k] * Eigen::Map<const Row>(of(x, i));
             }
         }
+        Eigen::Map<Row>(of(y, j)) += row;
+    }
+}
+
+// y += K x, with the values of K on the pattern of its lower triangle.
+inline void add_product(const Pattern& lower, const std::vector<double>& values, const Rates& x, Rates& y) {
+    Eigen::Index done = 0;
+    for (; x.cols() - done >= 4; done += 4) {
+        add_product_of<4>(lower, values, x, y, done);
+    }
+    for (; x.cols() - done >= 2; done += 2) {
+        add_product_of<2>(lower, values, x, y, done);
+    }
+    if (done < x.cols()) {
+        add_product_of<1>(lower, values, x, y, done);
     }
 }
 

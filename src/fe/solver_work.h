@@ -58,13 +58,14 @@ struct PathState {
 inline void add_product(const Pattern& lower, const std::vector<double>& values, double factor,
                         const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> y) {
     for (int j = 0; j < lower.size; ++j) {
+        const double own = factor * x[j];
+        double row = 0.0; // of the upper triangle: no waiting for y[j] to be written
         for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
             const int i = lower.row[k];
-            y[i] += factor * values[k] * x[j];
-            if (i != j) {
-                y[j] += factor * values[k] * x[i];
-            }
+            y[i] += values[k] * own;
+            row += i != j ? values[k] * x[i] : 0.0;
         }
+        y[j] += factor * row;
     }
 }
 

@@ -80,7 +80,9 @@ bool Case::turns() const {
 }
 
 double Case::default_extent(double depth) const {
-    double extent = std::max(4.0, 2.0 * depth);
+    // Under a pulse the wall absorbs waves, but none that meet it aslant: they come back later from farther.
+    const bool moves = std::any_of(loads.begin(), loads.end(), [](const Load& load) { return load.is_pulse(); });
+    double extent = std::max(moves ? 8.0 : 4.0, 2.0 * depth);
     for (const Sensor& sensor : sensors) {
         extent = std::max(extent, 2.0 * std::hypot(sensor.x, sensor.y));
     }

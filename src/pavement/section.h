@@ -192,8 +192,8 @@ struct Case {
     bool relaxes() const;
     // Whether the anisotropy of a layer follows the stress.
     bool turns() const;
-    // Where the wall stands unless a study says otherwise: 4 m, or twice the depth of the section, or twice the
-    // distance of the farthest sensor. Nearer than twice the depth, the wall shows in the far deflections.
+    // Where the wall stands unless a study says otherwise: 4 m (8 m under a pulse), or twice the depth of the section,
+    // or twice the distance of the farthest sensor. Nearer than twice the depth, the wall shows in the far deflections.
     double default_extent() const { return default_extent(depth()); }
     // Of another depth [m].
     double default_extent(double depth) const;

@@ -215,8 +215,8 @@ TEST(Diagnosis, FindsWhatIsHiddenInLinearModels) {
         world.data += 0.5 * world.signatures.col(static_cast<Index>(second));
         const auto two = world.diagnose(seed);
         const std::set<std::string> causes(two.causes.begin(), two.causes.end());
-        both +=
-            two.verdict == Verdict::cause_named && causes == std::set<std::string>{name, fmt::format("e{}", second)};
+        both += two.verdict == Verdict::ambiguous && two.explanations.size() == 1 &&
+                causes == std::set<std::string>{name, fmt::format("e{}", second)};
         pair_true += causes.contains(name);
     }
     EXPECT_GE(adequate, trials - 7); // 96 %: four standard deviations

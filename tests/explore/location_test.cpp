@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <map>
 
 using namespace explore;
 using diagnose::Members;
@@ -28,6 +29,7 @@ constexpr std::size_t coefficients = 4;
 struct World {
     MatrixXd a, signatures, changes;
     VectorXd data;
+    std::map<std::size_t, std::string> layers; // whose stiffness is all that a candidate changes
 
     explicit World(std::uint64_t seed) {
         const pave::RandomStream random(seed, 0);
@@ -81,7 +83,11 @@ struct World {
             task.candidates.push_back(
                 {.effect = fmt::format("e{}", j), .on = "", .null = 0.5, .typical = 0.7, .reading = {}});
         }
-        task.channels = {{"first", candidates, coefficients}, {"second", candidates + coefficients, coefficients}};
+        for (const auto& [candidate, layer] : layers) {
+            task.candidates[candidate].layer = layer;
+        }
+        task.channels = {{"first", "base", candidates, coefficients},
+                         {"second", "subgrade", candidates + coefficients, coefficients}};
         for (std::size_t g = 0; g < 2; ++g) {
             diagnose::ReadingGroup group{.name = fmt::format("group{}", g), .terms = {}};
             for (std::size_t i = 0; i < static_cast<std::size_t>(readings) / 2; ++i) {
@@ -112,6 +118,48 @@ TEST(Location, NamesNothingWhereTheModelIsAdequateOrAnEffectExplainsTheData) {
     }
     EXPECT_LE(corrected, 3);
     EXPECT_GE(named, 26);
+}
+
+// An effect that one coefficient of the second channel follows almost: what is named may be something else there. Not
+// where both say the same of one layer, nor where the correction has another signature.
+TEST(Location, LeavesANameBesideACorrectionThatFitsAsWell) {
+    int rivals = 0;
+    int alone = 0;
+    int in_another_layer = 0;
+    int elsewhere = 0;
+    constexpr std::uint64_t worlds = 20;
+    for (std::uint64_t seed = 0; seed < worlds; ++seed) {
+        World world(3000 + seed);
+        World other = world;
+        world.signatures.col(1) = world.changes.col(5) + 0.05 * world.signatures.col(1);
+        world.data += 0.7 * world.signatures.col(1);
+        const auto found = world.diagnose();
+        rivals += found.verdict == Verdict::ambiguous && found.causes == std::vector<std::string>{"e1"} &&
+                  found.location && found.location->corrections[0].channel == 1;
+        world.layers = {{1, "subgrade"}};
+        alone += world.diagnose().verdict == Verdict::cause_named ? 1 : 0;
+        world.layers = {{1, "base"}};
+        in_another_layer += world.diagnose().verdict == Verdict::cause_named ? 1 : 0;
+        other.data += 0.7 * other.signatures.col(1);
+        elsewhere += other.diagnose().verdict == Verdict::cause_named ? 1 : 0;
+    }
+    EXPECT_GE(rivals, 15);
+    EXPECT_GE(alone, 17);
+    EXPECT_LE(in_another_layer, 5);
+    EXPECT_GE(elsewhere, 17);
+}
+
+// Two effects at once are both said, and that one thing may do so as well.
+TEST(Location, OfTwoEffectsLeavesRoomForOneThatTheCatalogueLacks) {
+    int both = 0;
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        World world(4000 + seed);
+        world.data += 0.7 * (world.signatures.col(1) - world.signatures.col(2));
+        const auto found = world.diagnose();
+        EXPECT_TRUE(found.verdict == Verdict::ambiguous) << seed;
+        both += found.explanations.size() == 1 && found.causes.size() == 2 ? 1 : 0;
+    }
+    EXPECT_GE(both, 18);
 }
 
 // The coefficients are those of ridge regression with the prior that was found (Hoerl and Kennard 1970; here C and not

@@ -47,6 +47,22 @@ TEST(LoadMagnitude, IsThePressureTimesTheSize) {
     EXPECT_LT(differs(shared(), "load-magnitude", 1.3, [](Case& s) { s.loads[0].pressure *= 1.3; }), 1e-12);
 }
 
+TEST(EffectsInTime, AreOtherNumbersAndALawOfTheLayers) {
+    const Case c = in_motion(shared());
+    EXPECT_LT(differs(c, "damping", 4.0, [](Case& s) { s.layers[2].damping_time *= 4.0; }), 1e-12);
+    EXPECT_LT(differs(c, "density", 1.4, [](Case& s) { s.layers[2].density *= 1.4; }), 1e-12);
+    EXPECT_LT(differs(c, "asphalt-relaxation", 0.6,
+                      [](Case& s) {
+                          Layer& asphalt = s.layers[0];
+                          const double modulus = asphalt.parameters[0];
+                          const double poisson = asphalt.parameters[1];
+                          asphalt.law = material::find_law("viscoelastic");
+                          asphalt.parameters = {modulus, poisson, 20.0, 20.0, 261e3, 0.6, 0.01,
+                                                0.0,     0.1,     0.0,  1.0,  0.0,   10.0};
+                      }),
+              1e-12);
+}
+
 TEST(SubgradeStressDependence, IsALayerOfEquationOne) {
     EXPECT_LT(differs(shared(), "subgrade-stress-dependence", -1.5,
                       [](Case& s) { s.layers[2] = soil_of(40e6, 0.4, {.k1 = 400, .k2 = 0.0, .k3 = -1.5, .n = 1.0}); }),

@@ -8,7 +8,8 @@ folder = workspace()
 NAMES = """subgrade-stress-dependence subgrade-depth-gradient weak-subgrade-top anisotropy-distribution base-residual-stress
 base-tension interface-slip-asphalt-base interface-slip-base-subgrade floor-depth base-thickness asphalt-modulus-rate load-magnitude
 load-offset contact-pressure-shape plate-rigidity gauge-depth gauge-length sensor-gain outlier inertia shear-ratio
-wheel-wander sensor-position drift asphalt-temperature-gradient subgrade-anisotropy base-modulus-gradient""".split()
+wheel-wander sensor-position drift asphalt-temperature-gradient subgrade-anisotropy base-modulus-gradient
+damping asphalt-relaxation density""".split()
 
 
 def extended(text, parameter=""):

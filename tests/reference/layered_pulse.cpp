@@ -12,6 +12,13 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 
+// Young's modulus at a frequency.
+Complex modulus_of(const MovingLayer& layer, Complex w) {
+    const Complex iw = Complex(0.0, 1.0) * w;
+    const Complex slow = iw * layer.fading_time;
+    return layer.modulus * (1.0 - layer.fading_share / (1.0 + slow) + iw * layer.damping_time);
+}
+
 // u_r, u_z, sigma_zz, sigma_rz of the four waves of a layer at a depth below its top: downward P and SV, upward P and
 // SV, each 1 where it enters the layer.
 struct Waves {
@@ -19,7 +26,7 @@ struct Waves {
     double k, thickness;
 
     Waves(const MovingLayer& layer, Complex w, double wavenumber) : k(wavenumber), thickness(layer.thickness) {
-        const Complex e = layer.modulus * (1.0 + Complex(0.0, 1.0) * w * layer.damping_time);
+        const Complex e = modulus_of(layer, w);
         const double nu = layer.poisson;
         mu = e / (2.0 * (1.0 + nu));
         const Complex lambda = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
@@ -115,8 +122,7 @@ std::vector<std::vector<double>> layered_pulse(std::span<const MovingLayer> laye
         }
         // For large k the layer on top, at rest.
         const double nu = layers[0].poisson;
-        const Complex limit =
-            2.0 * (1.0 - nu * nu) / (layers[0].modulus * (1.0 + Complex(0.0, 1.0) * w * layers[0].damping_time));
+        const Complex limit = 2.0 * (1.0 - nu * nu) / modulus_of(layers[0], w);
         std::vector<Complex> sum(radii.size());
         for (std::size_t i = 0; i < radii.size(); ++i) {
             sum[i] = limit * at_infinity[i];

@@ -24,6 +24,9 @@ struct MovingLayer {
     double poisson;      // -
     double density;      // kg/m3
     double damping_time; // s
+    // Share of the modulus that fades, and its time of relaxation [s]: E(t) = E (1 - share + share exp(-t/time)).
+    double fading_share = 0.0;
+    double fading_time = 1.0;
 };
 
 // Deflections [m, down] at the radii (a row each) and times (not above `window`) under sin^2(pi t / duration) times

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <numbers>
 
 namespace test {
 
@@ -31,6 +32,21 @@ inline Case axisymmetric_case(Integration integration = Integration::incremental
     c.sensors.push_back({1, Quantity::stress_zz, 0.05, 0.0, 0.25, 0.0});
     c.sensors.push_back({1, Quantity::strain_xx, 0.02, 0.0, 0.027, 0.0});
     c.settings.refine = 0.5;
+    return c;
+}
+
+// The same plate with the history of a pulse, its wheel at rest.
+inline Case in_motion(Case c) {
+    constexpr double duration = 0.025;
+    constexpr int parts = 25;
+    for (int i = 0; i <= parts; ++i) {
+        c.loads[0].history.push_back({duration * i / parts, std::pow(std::sin(std::numbers::pi * i / parts), 2)});
+    }
+    c.loads[0].history.push_back({0.04, 0.0});
+    for (Layer& layer : c.layers) {
+        layer.damping_time = 5e-4;
+    }
+    c.settings.time_step = 1e-3;
     return c;
 }
 

@@ -27,6 +27,9 @@
     EFFECT(drift)                                                                                                      \
     EFFECT(outlier)                                                                                                    \
     EFFECT(inertia)                                                                                                    \
+    EFFECT(damping)                                                                                                    \
+    EFFECT(asphalt_relaxation)                                                                                         \
+    EFFECT(density)                                                                                                    \
     EFFECT(shear_ratio)                                                                                                \
     EFFECT(wheel_wander)
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <utility>
 
 namespace pave::pavement {
 
@@ -83,6 +84,64 @@ Case with_effects(const Case& c, int load) {
         out.settings.extent = c.default_extent(out.depth());
     }
     return out;
+}
+
+std::string layer_stiffened(const Case& c, const AppliedEffect& applied) {
+    if (!why_impossible(c, applied).empty() || c.loads.empty()) {
+        return "";
+    }
+    Case with = c;
+    with.effects = {applied};
+    with.effects[0].size = applied.effect->typical;
+    Case without = c;
+    without.effects.clear();
+    const auto seen_by = [](const Case& whole, std::size_t load) {
+        Case seen = with_effects(whole, static_cast<int>(load));
+        for (Layer& layer : seen.layers) { // a number that is not given equals none, not even itself
+            std::replace_if(
+                layer.parameters.begin(), layer.parameters.end(), [](double p) { return std::isnan(p); }, 0.0);
+        }
+        return seen;
+    };
+    const Case plain = seen_by(without, 0);
+    const std::vector<Layer> changed = seen_by(with, 0).layers;
+    std::string name;
+    const auto same_but_for_stiffness = [](Layer a, const Layer& b) {
+        a.law = b.law;
+        a.parameters = b.parameters;
+        a.fields = b.fields;
+        return a == b;
+    };
+    // A layer may have become several of its name, that follow one another.
+    std::size_t at = 0;
+    for (const Layer& layer : plain.layers) {
+        std::vector<Layer> parts;
+        for (; at < changed.size() && changed[at].name == layer.name; ++at) {
+            parts.push_back(changed[at]);
+        }
+        if (parts.size() == 1 && parts[0] == layer) {
+            continue;
+        }
+        double thickness = 0.0;
+        for (Layer& part : parts) {
+            thickness += std::exchange(part.thickness, layer.thickness);
+        }
+        const bool is_stiffness = name.empty() && std::abs(thickness - layer.thickness) < 1e-9 &&
+                                  std::all_of(parts.begin(), parts.end(),
+                                              [&](const Layer& part) { return same_but_for_stiffness(part, layer); });
+        if (!is_stiffness) {
+            return "";
+        }
+        name = layer.name;
+    }
+    for (std::size_t l = 0; l < c.loads.size(); ++l) {
+        const Case here = seen_by(with, l);
+        const Case before = seen_by(without, l);
+        if (here.layers != changed || here.loads != before.loads || here.sensors != before.sensors) {
+            return "";
+        }
+    }
+    return name;
 }
 
 std::string why_impossible(const Case& c, const AppliedEffect& applied) {
@@ -162,6 +221,11 @@ bool is_plate(const Case& c, std::optional<int> load) {
         return c.loads[*load].type == LoadType::plate;
     }
     return std::any_of(c.loads.begin(), c.loads.end(), [](const Load& l) { return l.type == LoadType::plate; });
+}
+
+std::string why_not_in_time(const Case& c) {
+    const bool in_time = std::any_of(c.loads.begin(), c.loads.end(), [](const Load& load) { return load.is_pulse(); });
+    return in_time ? "" : "only under a plate with a history does the section move in time";
 }
 
 bool has_gauges(const Case& c) {

@@ -51,6 +51,10 @@ bool is_active(const AppliedEffect& applied);
 // The case without effects and corrections that load number `load` meets: they are applied one after the other.
 Case with_effects(const Case& c, int load);
 
+// The layer whose stiffness is all that the effect changes, under every load alike; "": it changes more, or other
+// things.
+std::string layer_stiffened(const Case& c, const AppliedEffect& applied);
+
 // Why the case cannot have the effect, or "": what the effect itself says, and options that name nothing.
 std::string why_impossible(const Case& c, const AppliedEffect& applied);
 
@@ -72,6 +76,8 @@ double slip_compliance(double size);
 Effect interface_slip();
 // Whether a load, or with none given any of them, is a plate.
 bool is_plate(const Case& c, std::optional<int> load);
+// Why an effect that only readings in time tell cannot be looked for, or "".
+std::string why_not_in_time(const Case& c);
 // Whether strains or stresses are measured.
 bool has_gauges(const Case& c);
 // What a sensor reads, as shares: those it has, or itself.
