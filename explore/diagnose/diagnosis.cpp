@@ -37,9 +37,6 @@ constexpr double level_doubtful = 0.05;
 constexpr double level_evidence = 0.01;
 constexpr double margin = 6.0;
 constexpr double least_rate = 0.95; // of telling two effects apart
-// A pair is named where each of its effects explains this much beyond what the other explains: a single effect that is
-// not in the catalogue is often close to one that is, and a second one then takes up the rest.
-constexpr double least_share = 49.0;
 constexpr std::size_t scanned = 30; // candidates computed at several sizes
 constexpr std::size_t scanned_of_pairs = 12;
 constexpr std::size_t beam_width = 4; // single effects that a second one is added to
@@ -912,15 +909,7 @@ private:
                 d_.explanations.push_back({*other, behind});
             }
         }
-        bool enough = d_.p_evidence < level_evidence && !d_.leaves_more_than_noise && !best.ends_range();
-        if (is_pair) {
-            for (const std::size_t c : best.model.members) {
-                const auto rest = std::find_if(best.model.members.begin(), best.model.members.end(),
-                                               [&](std::size_t other) { return other != c; });
-                const Judged* single = single_of(*rest);
-                enough = enough && (single == nullptr || single->chi2 - best.chi2 >= least_share);
-            }
-        }
+        const bool enough = d_.p_evidence < level_evidence && !d_.leaves_more_than_noise && !best.ends_range();
         if (rejected(best) || d_.p_evidence >= level_unexplained) {
             d_.verdict = Verdict::unexplained;
             d_.nearest = std::move(d_.explanations);

@@ -17,14 +17,14 @@ std::optional<std::size_t> counterpart(const Law& law, const ParameterInfo& of_a
     return same || of_another.alias.empty() ? same : law.index_of(of_another.alias);
 }
 
-// SI values of the new law where the old one had these.
+// SI values of the new law where the old one had these. A law without the modulus ratio n is isotropic.
 std::vector<double> translated(const Law& from, const std::vector<double>& values, const Law& to) {
     std::vector<double> result;
     for (const ParameterInfo& info : to.parameters()) {
         if (const auto old = counterpart(from, info)) {
             result.push_back(values[*old]);
         } else {
-            result.push_back(info.to_si * (info.usual ? info.usual->start : info.default_value.value_or(0.0)));
+            result.push_back(info.to_si * (info.usual ? info.usual->start : info.default_value.value_or(info.key == "n" ? 1.0 : 0.0)));
         }
     }
     return result;

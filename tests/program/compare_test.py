@@ -34,6 +34,17 @@ twin = run("twin", made, "--noise", "0.02", "--seed", "5", "--out", folder / "tw
 check(twin.returncode == 0, f"twin: {twin.stderr}")
 study = write_study(folder / "s", text, (folder / "twin" / "twin.csv").read_text())
 
+# From a study whose base is linear, and so isotropic.
+start = text.index('law = "uzan"')
+linear = text[:start] + 'law = "linear"\nmodulus_MPa = 200\npoisson = 0.35\n' + text[text.index("\n[[layers]]", start):]
+linear = linear.replace('name = "base.k1"', 'name = "base.modulus_MPa"').replace('[[parameters]]\nname = "base.k2"\nmin = 0\nmax = 1\n\n', "")
+of_linear = run("compare", write_study(folder / "l", linear, (folder / "twin" / "twin.csv").read_text()), "--layer", "base", "--laws", "linear,uzan", "--json",
+                "--out", folder / "of-linear", *options)
+check(of_linear.returncode == 0, f"compare from a linear layer: {of_linear.stderr}")
+if of_linear.returncode == 0:
+    from_linear = {law["law"]: law for law in json.loads(of_linear.stdout)["laws"]}
+    check(from_linear["uzan"]["p_value"] > 0.001 and from_linear["linear"]["p_value"] < 1e-4, f"from a linear layer too: {from_linear}")
+
 done = run("compare", study, "--laws", "linear,uzan,k-theta,lade-nelson", "--json", "--out", folder / "run", *options)
 check(done.returncode == 0, f"compare runs: {done.stderr}")
 found = json.loads(done.stdout)
