@@ -50,7 +50,9 @@ private:
 // Changes the section; the size as `diagnose` states it.
 double hide(const std::string& effect, Draws& draw, std::vector<MovingLayer>& layers) {
     if (effect == "floor-depth") {
-        const double by = layers[2].thickness * (draw.coin() ? draw.between(0.2, 0.6) : -draw.between(0.12, 0.25));
+        constexpr double highest = -0.48; // m, what the effect may be sought at
+        const double share = draw.coin() ? draw.between(0.2, 0.6) : -draw.between(0.12, 0.25);
+        const double by = std::max(highest, layers[2].thickness * share);
         layers[2].thickness += by;
         return 1e3 * by;
     }
