@@ -36,8 +36,8 @@ plain = write_study(folder, name="plain")
 base = responses(plain)
 for effect in catalogue:
     name = effect["name"]
-    if name in ("wheel-wander", "drift"):
-        continue  # no wheel and no second load in this study
+    if name in ("wheel-wander", "drift", "damping", "asphalt-relaxation", "density"):
+        continue  # no wheel, no second load and no history in this study
     null = write_study(folder, extended(f'[[effects]]\nname = "{name}"\nsize = {effect["null"]}'), name="null")
     check(responses(null) == base, f"{name}: no bit changes at its null size")
     sized = write_study(folder, extended(f'[[effects]]\nname = "{name}"\nsize = {effect["typical"]}'), name="sized")
@@ -115,6 +115,7 @@ expect('[[effects]]\nname = "base-tension"\nreading = 1', ["reading", "unknown k
 expect('[[effects]]\nname = "base-tension"\nthickness_mm = 100', ["thickness_mm", "unknown key"], line="thickness_mm = 100")
 expect('[[effects]]\nname = "weak-subgrade-top"\nthickness_mm = 0', ["thickness_mm", "0 < value"], line="thickness_mm = 0")
 expect('[[effects]]\nname = "drift"', ["second load"], line="drift")
+expect('[[effects]]\nname = "damping"', ["history"], line="damping")
 expect('[[effects]]\nname = "base-tension"\nlayer = "subgrade"', ["floor of theta"], line="base-tension")
 expect('[[effects]]\nname = "load-magnitude"\nload = "fdw"', ["load", "fwd"], line="fdw")
 expect('[[effects]]\nname = "inertia"\n[[effects]]\nname = "inertia"', ["each once"])
