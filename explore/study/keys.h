@@ -134,15 +134,16 @@ inline constexpr Key solver_time_step{.table = "[solver]",
                                       .default_value = 0.2,
                                       .meaning = "under a load with a history"};
 
-inline constexpr Key mesh_extent{.table = "[mesh]",
-                                 .key = "extent_m",
-                                 .kind = number,
-                                 .low = 0.1,
-                                 .high = 1000.0,
-                                 .without = "4 (under a load with a history 8), twice the depth or twice the farthest sensor, whichever is largest; "
-                                            "linear layers under circles: no wall",
-                                 .meaning = "distance of the smooth wall; nearer than twice the depth gives a warning; "
-                                            "of a half-space: where the infinite elements begin"};
+inline constexpr Key mesh_extent{
+    .table = "[mesh]",
+    .key = "extent_m",
+    .kind = number,
+    .low = 0.1,
+    .high = 1000.0,
+    .without = "4 (under a load with a history 8), twice the depth or twice the farthest sensor, whichever is largest; "
+               "linear layers under circles: no wall",
+    .meaning = "distance of the smooth wall; nearer than twice the depth gives a warning; "
+               "of a half-space: where the infinite elements begin"};
 inline constexpr Key mesh_refine{.table = "[mesh]",
                                  .key = "refine",
                                  .kind = number,

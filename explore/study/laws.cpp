@@ -24,7 +24,8 @@ std::vector<double> translated(const Law& from, const std::vector<double>& value
         if (const auto old = counterpart(from, info)) {
             result.push_back(values[*old]);
         } else {
-            result.push_back(info.to_si * (info.usual ? info.usual->start : info.default_value.value_or(info.key == "n" ? 1.0 : 0.0)));
+            result.push_back(info.to_si * (info.usual ? info.usual->start
+                                                      : info.default_value.value_or(info.key == "n" ? 1.0 : 0.0)));
         }
     }
     return result;

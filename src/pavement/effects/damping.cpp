@@ -14,7 +14,7 @@ void apply(Case& c, const AppliedEffect& applied, int) {
 }
 
 std::string refuses(const Case& c, const AppliedEffect& applied) {
-    if (const std::string why = why_not_in_time(c); !why.empty()) {
+    if (std::string why = why_not_in_time(c); !why.empty()) {
         return why;
     }
     return c.layers[layers_named(c, applied.layer).front()].damping_time > 0.0 ? ""
