@@ -190,8 +190,9 @@ private:
                 for (const LocatedCorrection& found : result.located) {
                     where.push_back(channel_words(found.correction));
                 }
-                text.push_back(fmt::format("AMBIGUOUS: {} {} the data, but a smooth correction ({}) does so about as "
-                                           "well: the cause may be another one, there, that the catalogue lacks.",
+                text.push_back(fmt::format("AMBIGUOUS: {} {} the data, but a smooth correction ({}) does so as well "
+                                           "or better: the cause may have another form, or be another one that the "
+                                           "catalogue lacks.",
                                            sets[0],
                                            d.extended->model.members.size() > 1 ? "together explain" : "explains",
                                            pave::join(where, "; ")));

@@ -441,14 +441,15 @@ bool locate(const DiagnosisTask& task, Diagnosis& d) {
         }
         return true;
     }
+    const bool says_the_same = location && is_in_its_place(task, *location, *d.extended);
     // One correction that does what it takes two effects for is the simpler explanation.
-    if (behind < (is_pair && location->corrections.size() == 1 ? as_good : -as_good)) {
+    if (behind < (is_pair && location->corrections.size() == 1 ? as_good : -as_good) && !says_the_same) {
         take(task, d, *location);
         if (d.is_located()) {
             return true;
         }
     }
-    const bool has_rival = behind < as_good && !is_in_its_place(task, *location, *d.extended);
+    const bool has_rival = behind < (says_the_same ? -as_good : as_good);
     double p_beyond = 1.0;
     if (!has_rival && !is_pair && !Locator(task, d, d.extended->model).test_base(p_beyond)) {
         return false;
