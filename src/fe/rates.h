@@ -19,15 +19,15 @@ void add_product_of(const Pattern& lower, const std::vector<double>& values, con
     const auto of = [&](auto& rates, int i) { return rates.data() + i * rates.cols() + first; };
     for (int j = 0; j < lower.size; ++j) {
         const Row own = Eigen::Map<const Row>(of(x, j));
-        Row row = Row::Zero();
+        Row row = Eigen::Map<const Row>(of(y, j));
         for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
             const int i = lower.row[k];
-            Eigen::Map<Row>(of(y, i)) += values[k] * own;
             if (i != j) {
-                row += values[k] * Eigen::Map<const Row>(of(x, i));
+                Eigen::Map<Row>(of(y, i)) += values[k] * own;
             }
+            row += values[k] * Eigen::Map<const Row>(of(x, i));
         }
-        Eigen::Map<Row>(of(y, j)) += row;
+        Eigen::Map<Row>(of(y, j)) = row;
     }
 }
 

@@ -58,14 +58,16 @@ struct PathState {
 inline void add_product(const Pattern& lower, const std::vector<double>& values, double factor,
                         const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> y) {
     for (int j = 0; j < lower.size; ++j) {
-        const double own = factor * x[j];
-        double row = 0.0; // of the upper triangle: no waiting for y[j] to be written
+        double row = y[j]; // kept here: no waiting for it to be written
         for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
             const int i = lower.row[k];
-            y[i] += values[k] * own;
-            row += i != j ? values[k] * x[i] : 0.0;
+            const double value = factor * values[k];
+            if (i != j) {
+                y[i] += value * x[j];
+            }
+            row += value * x[i];
         }
-        y[j] += factor * row;
+        y[j] = row;
     }
 }
 
