@@ -123,6 +123,19 @@ Case layered_section(bool half_space) {
     return c;
 }
 
+// Shares of the modulus fade within 10 and 100 ms.
+Layer relaxing_asphalt(double modulus, double soon, double later, double damping_time) {
+    Layer layer{"asphalt",
+                0.15,
+                2300.0,
+                0.5,
+                0.0,
+                material::find_law("viscoelastic"),
+                {modulus, 0.35, 20.0, 20.0, 261e3, soon, 0.01, later, 0.1, 0.0, 1.0, 0.0, 10.0}};
+    layer.damping_time = damping_time;
+    return layer;
+}
+
 Case captif_in_motion() {
     Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4, .residual_stress = 20e3});
     for (Layer& layer : c.layers) {
@@ -218,15 +231,7 @@ INSTANTIATE_TEST_SUITE_P(BothBottoms, PulseOnLayers, testing::Bool());
 // Asphalt that relaxes, its damping time beside.
 TEST(Pulse, OnAsphaltThatRelaxesIsThatOfTheTransformSolution) {
     Case c = layered_section(false);
-    const double damping_time = c.layers[0].damping_time;
-    c.layers[0] = {"asphalt",
-                   0.15,
-                   2300.0,
-                   0.5,
-                   0.0,
-                   material::find_law("viscoelastic"),
-                   {6e9, 0.35, 20.0, 20.0, 261e3, 0.6, 0.01, 0.0, 0.1, 0.0, 1.0, 0.0, 10.0}};
-    c.layers[0].damping_time = damping_time;
+    c.layers[0] = relaxing_asphalt(6e9, 0.6, 0.0, c.layers[0].damping_time);
     expect_transform_solution(c);
 }
 
@@ -303,14 +308,7 @@ TEST(Pulse, IsOfSecondOrderWhereStiffnessFollowsTheStress) {
 
 TEST(Pulse, HasExactDerivatives) {
     Case c = captif_in_motion();
-    c.layers[0] = {"asphalt",
-                   0.15,
-                   2200.0,
-                   0.5,
-                   0.0,
-                   material::find_law("viscoelastic"),
-                   {10e9, 0.35, 20.0, 20.0, 261e3, 0.5, 0.01, 0.2, 0.1, 0.0, 1.0, 0.0, 10.0}};
-    c.layers[0].damping_time = 1e-4;
+    c.layers[0] = relaxing_asphalt(10e9, 0.5, 0.2, 1e-4);
     c.sensors = {
         deflection(0.0), deflection(0.9), strain_zz(0.2, 0.075), {0, Quantity::stress_zz, 0.0, 0.0, 0.25, 0.0}};
     for (const double time : {0.0082, 0.0141, 0.0213}) {
