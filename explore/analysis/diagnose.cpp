@@ -188,9 +188,12 @@ std::string DiagnoseResult::extended_study(const std::string& folder) const {
     std::vector<double> values = model.evaluation.parameters;
     values.resize(study.space.axes.size() + own.size());
     std::string text = study::extended_text(after->study, own, values, folder);
+    if (!diagnosis.is_located()) { // corrections beside a name are no part of its model
+        return text;
+    }
     // What is known beforehand stands beside noise that is stated.
     const bool with_prior = study.data.misfit == problem::MisfitKind::weighted && diagnosis.variance == 1.0;
-    for (const LocatedCorrection& found : diagnosis.is_located() ? located : std::vector<LocatedCorrection>()) {
+    for (const LocatedCorrection& found : located) {
         text += study::correction_text(found.correction, with_prior ? std::optional(found.strength) : std::nullopt,
                                        diagnose::neighbour_correlation);
     }

@@ -51,8 +51,8 @@ public:
             // more than the linear evidence.
             const auto further = static_cast<double>(std::max<std::size_t>(2, most_corrections - accepted_.size()));
             const double promised = 2.0 * tests[best].log_ratio * further;
-            const double aicc_now = accepted_.empty() ? d_.baseline.aicc : judge().aicc;
-            if (tests[best].p_familywise >= level_correction || aicc_now - promised > worth) {
+            const double reached = accepted_.empty() ? d_.baseline.aicc : aicc_now();
+            if (tests[best].p_familywise >= level_correction || reached - promised > worth) {
                 break;
             }
             add(best, tests);
@@ -316,20 +316,23 @@ private:
         return precision.llt().solve(MatrixXd::Identity(precision.rows(), precision.cols()));
     }
 
-    Judged judge() const {
-        Judged fit;
-        const auto rows = static_cast<std::size_t>(model_.residuals.size());
-        fit.chi2 = model_.sum / d_.variance;
-        fit.dof = static_cast<int>(rows) - mimicry().rank();
-        if (!estimated_ && fit.dof > 0) {
-            fit.p_value = gsl_cdf_chisq_Q(fit.chi2, fit.dof);
-        }
-        // What coefficients count: as many as the data set free.
+    // Of the model: its coefficients count as far as the data set them free.
+    double aicc_now() const {
         const MatrixXd pulls = penalised(*problem_, model_.members).penalty / noise_;
         const double held = (covariance() * (pulls.transpose() * pulls)).trace();
         const auto free = static_cast<double>(model_.unit.size() - followed_) - held;
-        fit.aicc = aicc(model_.residuals.squaredNorm(), rows,
-                        followed_ + static_cast<std::size_t>(std::lround(std::max(0.0, free))), !estimated_);
+        return aicc(model_.residuals.squaredNorm(), static_cast<std::size_t>(model_.residuals.size()),
+                    followed_ + static_cast<std::size_t>(std::lround(std::max(0.0, free))), !estimated_);
+    }
+
+    Judged judge() const {
+        Judged fit;
+        fit.chi2 = model_.sum / d_.variance;
+        fit.dof = static_cast<int>(model_.residuals.size()) - mimicry().rank();
+        if (!estimated_ && fit.dof > 0) {
+            fit.p_value = gsl_cdf_chisq_Q(fit.chi2, fit.dof);
+        }
+        fit.aicc = aicc_now();
         const MatrixXd jacobian = problem_->residual_jacobian(model_.evaluation) / noise_;
         fit.pattern = test_pattern(model_.residuals / noise_, Mimicry(jacobian, model_.unit, model_.residuals / noise_),
                                    task_.groups);

@@ -87,7 +87,7 @@ Case with_effects(const Case& c, int load) {
 }
 
 std::string layer_stiffened(const Case& c, const AppliedEffect& applied) {
-    if (!why_impossible(c, applied).empty() || c.loads.empty()) {
+    if (applied.effect->layer == LayerRole::none || !why_impossible(c, applied).empty() || c.loads.empty()) {
         return "";
     }
     Case with = c;
