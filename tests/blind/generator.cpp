@@ -724,8 +724,16 @@ std::optional<Hidden> sized(Draw& draw, const Case& c, Hidden hidden, const Vect
     return std::nullopt;
 }
 
+// Without those that only a history tells: the cases here are of peaks.
+std::vector<const Effect*> drawn_effects() {
+    std::vector<const Effect*> drawn;
+    std::ranges::copy_if(effects(), std::back_inserter(drawn), [](const Effect* e) {
+        return e->name != "damping" && e->name != "asphalt-relaxation" && e->name != "density";
+    });
+    return drawn;
+}
+
 Hidden draw_hidden(Draw& draw, const Case& c, const std::string& kind) {
-    const auto all = effects();
     Hidden hidden;
     if (kind == "outside") {
         hidden.outside = &outsides[draw.below(std::size(outsides))];
@@ -735,6 +743,7 @@ Hidden draw_hidden(Draw& draw, const Case& c, const std::string& kind) {
     }
     hidden.effect = find_effect(kind);
     if (hidden.effect == nullptr) {
+        const auto all = drawn_effects();
         hidden.effect = all[draw.below(all.size())];
     }
     const Effect& effect = *hidden.effect;
