@@ -135,8 +135,6 @@ std::vector<LocatedCorrection> located(const study::Study& study, const study::S
             place.low = std::exp(value - two_sided * std::sqrt(variance));
             place.high = std::exp(value + two_sided * std::sqrt(variance));
             place.variance_left = variance / (found.strength * found.strength);
-            constexpr double enough = 0.25;
-            place.seen = place.variance_left < enough;
             own.places.push_back(place);
         }
         list.push_back(std::move(own));
@@ -207,13 +205,14 @@ std::vector<std::string> words_of(const LocatedCorrection& found) {
         }
         i = end;
     }
+    const auto is_dark = [&](std::size_t i) { return !places[i].seen() && places[i].side() == 0; };
     std::vector<std::string> unseen;
     for (std::size_t i = 0; i < places.size();) {
         std::size_t end = i + 1;
-        while (end < places.size() && places[end].seen == places[i].seen) {
+        while (end < places.size() && is_dark(end) == is_dark(i)) {
             ++end;
         }
-        if (!places[i].seen) {
+        if (is_dark(i)) {
             const std::string unit(info(found.correction.channel).unit);
             unseen.push_back(end == places.size() && i > 0
                                  ? fmt::format("from {} {} on", pave::figure(places[i].at, 3), unit)

@@ -14,10 +14,14 @@ struct LocatedPlace {
     double value = 1.0, low = 1.0, high = 1.0;
     double modulus = 0.0;       // Pa, of the corrected model; 0: of readings
     double variance_left = 1.0; // of ln(value), over what was thought possible beforehand
-    bool seen = false;          // less than a quarter of it is left
 
+    // The readings know it: of what was thought possible they leave less than a quarter, and no more than a factor of
+    // two between the ends of the band, however much was thought possible.
+    bool seen() const { return variance_left < enough && high <= 2.0 * low; }
     // Which side of 1 it lies on for certain; 0: neither.
-    int side() const { return !seen ? 0 : high < 1.0 ? -1 : low > 1.0 ? 1 : 0; }
+    int side() const { return variance_left >= enough ? 0 : high < 1.0 ? -1 : low > 1.0 ? 1 : 0; }
+
+    static constexpr double enough = 0.25;
 };
 
 struct LocatedCorrection {

@@ -126,7 +126,7 @@ Json corrections_json(const DiagnoseResult& f) {
                 json["modulus_MPa"].push_back(place.modulus / pave::unit::MPa);
             }
             json["variance_left"].push_back(place.variance_left);
-            json["seen"].push_back(place.seen);
+            json["seen"].push_back(place.seen());
         }
         json["alike"] = Json::array();
         for (const std::size_t c : own.alike) {
@@ -379,7 +379,7 @@ std::string diagnosis_page(const DiagnoseResult& f) {
                       channel.of_layer ? "modulus [MPa]" : "", ""});
         for (const analysis::LocatedPlace& place : found.places) {
             places.add({figure(place.at), figure(place.value), figure(place.low), figure(place.high),
-                        channel.of_layer ? figure(place.modulus / pave::unit::MPa) : "", place.seen ? "" : "not seen"});
+                        channel.of_layer ? figure(place.modulus / pave::unit::MPa) : "", place.seen() ? "" : "not seen"});
         }
         text += places.text();
     }

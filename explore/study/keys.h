@@ -79,7 +79,7 @@ inline constexpr Key load_history{.table = "[[loads]]",
                                   .allowed =
                                       "the name of a CSV file with the columns time_ms and force_kN or pressure_kPa",
                                   .without = "a static load",
-                                  .meaning = "of a plate: how it pressed over time; the section moves under it"};
+                                  .meaning = "how a plate or wheels pressed over time; the section moves under it"};
 inline constexpr Key load_wheels{.table = "[[loads]]",
                                  .key = "wheels",
                                  .kind = Key::Kind::table,

@@ -23,12 +23,26 @@ void check_inside(const Study& study, const std::string& name, const pave::Place
 
 namespace {
 
-// A plate that a file says the time of, and the pressure too where it is not a number yet.
-void set_history(Load& load, const data::History& history) {
+// A load that a file says the time of, and the force or the pressure too where it is not a number yet. What is missing
+// then, the reader says at its place.
+void set_history(Load& load, const data::History& history, const TableReader& reader) {
     const double largest = *std::max_element(history.values.begin(), history.values.end());
-    const double area = std::numbers::pi * load.radius * load.radius;
-    if (std::isnan(load.pressure)) {
-        load.pressure = history.is_force ? largest * unit::kN / area : largest * unit::kPa;
+    if (load.type == LoadType::plate) {
+        const double area = std::numbers::pi * load.radius * load.radius;
+        if (std::isnan(load.pressure)) {
+            load.pressure = history.is_force ? largest * unit::kN / area : largest * unit::kPa;
+        }
+    } else {
+        double& recorded = history.is_force ? load.force : load.pressure;
+        if (std::isnan(recorded)) {
+            recorded = largest * (history.is_force ? unit::kN : unit::kPa);
+        }
+        const char* other = history.is_force ? "pressure_kPa" : "force_kN";
+        if (std::isnan(history.is_force ? load.pressure : load.force)) {
+            throw pave::Error(
+                reader.place(other), "the size of the patch follows from the force and the pressure", {},
+                fmt::format("{}: the history has the {}", other, history.is_force ? "force" : "pressure"));
+        }
     }
     for (std::size_t i = 0; i < history.time_ms.size(); ++i) {
         load.history.push_back({history.time_ms[i] * unit::ms, history.values[i] / largest});
@@ -50,9 +64,9 @@ Load read_load(const toml::table& table, const Study& study, bool outside, const
         load.patch = static_cast<Patch>(reader.choice(keys::load_patch));
     }
     const bool has_history = reader.has(keys::load_history);
-    if (has_history && load.type != LoadType::plate) {
-        throw pave::Error(reader.place(keys::load_history), "a history is of a plate", "another type",
-                          "type = \"plate\"");
+    if (has_history && load.type == LoadType::gear) {
+        throw pave::Error(reader.place(keys::load_history), "a history is of a plate, a wheel or a dual wheel",
+                          "type = \"gear\"", "one of the wheels of the gear");
     }
     if (has_history && reader.has("duration_ms")) {
         throw pave::Error(reader.place("duration_ms"), "the history of this load says how long it presses",
@@ -67,7 +81,7 @@ Load read_load(const toml::table& table, const Study& study, bool outside, const
             check_inside(study, name, reader.place(keys::load_history));
         }
         const auto [path, text] = read_text(name, reader.place(keys::load_history), "history");
-        set_history(load, data::history_of(text, path));
+        set_history(load, data::history_of(text, path), reader);
     }
     if (load.type == LoadType::gear) {
         for (const auto* wheel : reader.tables(keys::load_wheels)) {

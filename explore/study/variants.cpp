@@ -42,6 +42,13 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
         }
     }
     const auto load_name = [&](int load) { return study.model.loads[static_cast<std::size_t>(load)].name; };
+    // Of several readings of one place.
+    const auto first_of_place = [&](std::size_t i) {
+        const std::string place = study.readings[i].place_words();
+        const auto same = [&](std::size_t other) { return study.readings[other].place_words() == place; };
+        return std::count_if(readings.begin(), readings.end(), same) > 1 &&
+               *std::find_if(readings.begin(), readings.end(), same) == i;
+    };
     std::vector<Variant> list;
     for (const Effect* effect : effects()) {
         const bool has_it = std::any_of(study.model.effects.begin(), study.model.effects.end(),
@@ -58,17 +65,18 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
         };
         if (effect->takes_reading) {
             for (const std::size_t i : readings) {
-                // What one place reads under one load alone could as well be an error of that reading.
-                const std::string place = study.readings[i].place_words();
-                const auto same = [&](std::size_t other) { return study.readings[other].place_words() == place; };
-                const bool stands_for_place = std::count_if(readings.begin(), readings.end(), same) > 1 &&
-                                              *std::find_if(readings.begin(), readings.end(), same) == i;
+                // What one place reads under one load alone could as well be an error of that reading. Peaks tell the
+                // gain of one instrument neither from its place nor from the section below it: histories do.
+                const bool stands_for_place =
+                    first_of_place(i) && (!effect->takes_quantity || study.readings[i].time_ms);
                 if (effect->is_error_of_reading || stands_for_place) {
                     add({.reading = static_cast<int>(i)},
-                        fmt::format("reading {}: {}", i + 1, study.readings[i].words()));
+                        effect->takes_quantity ? "every " + study.readings[i].place_words()
+                                               : fmt::format("reading {}: {}", i + 1, study.readings[i].words()));
                 }
             }
-        } else if (effect->takes_quantity) {
+        }
+        if (effect->takes_quantity) {
             for (const auto& [load, quantity] : groups) {
                 add({.load = load, .quantity = quantity}, fmt::format("{}, {}", load_name(load), info(quantity).name));
             }
@@ -78,7 +86,7 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
                     add({.quantity = quantity}, fmt::format("every {}", info(quantity).name));
                 }
             }
-        } else {
+        } else if (!effect->takes_reading) {
             // What its own choice does is named by its load where it is that of one.
             for (std::size_t l = 0; effect->takes_load && study.model.loads.size() > 1 && l < loads.size(); ++l) {
                 add({.load = loads[l]}, load_name(loads[l]));

@@ -61,27 +61,31 @@ void add_mass(const Model<Element>& model, int e, double density, std::vector<do
     });
 }
 
-// Calls at(shape, place, area) for points on the outer side of an element, the one away from the axis, and on its
-// lower side.
-template <class F>
-void integrate_outer_side(const Model<AxisymmetricQ8>& model, int e, F at) {
+// Calls at(shape, place, area) for points on the side of an element, a box, that is away from the origin along an axis
+// of the mesh.
+template <class Element, class F>
+void integrate_side(const Model<Element>& model, int e, int axis, F at) {
     const auto& x = model.coordinates[static_cast<std::size_t>(e)];
-    const double radius = x.row(0).maxCoeff();
-    for (const auto& [eta, weight] : three_points) {
-        const auto shape = AxisymmetricQ8::shape({1.0, eta});
-        const double area = 2.0 * std::numbers::pi * radius * weight * (x(1, 3) - x(1, 0)) / 2.0;
-        at(shape, AxisymmetricQ8::Position(radius, x.row(1).dot(shape)), area);
-    }
-}
-template <class F>
-void integrate_lower_side(const Model<AxisymmetricQ8>& model, int e, F at) {
-    const auto& x = model.coordinates[static_cast<std::size_t>(e)];
-    for (const auto& [xi, weight] : three_points) {
-        const auto shape = AxisymmetricQ8::shape({xi, 1.0});
-        const double radius = x.row(0).dot(shape);
-        const double area = 2.0 * std::numbers::pi * radius * weight * (x(0, 1) - x(0, 0)) / 2.0;
-        at(shape, AxisymmetricQ8::Position(radius, x.row(1).maxCoeff()), area);
-    }
+    const Eigen::Matrix<double, Element::dim, 1> last = x.rowwise().maxCoeff();
+    const Eigen::Matrix<double, Element::dim, 1> half = (last - x.rowwise().minCoeff()) / 2.0;
+    integrate<Element>([&](typename Element::Position position, double weight) {
+        // All points across the side are one.
+        if (position[axis] != three_points[0].first) {
+            return;
+        }
+        double area = weight / three_points[0].second;
+        position[axis] = 1.0;
+        const auto shape = Element::shape(position);
+        typename Element::Position place = x * shape;
+        place[axis] = last[axis];
+        for (int d = 0; d < Element::dim; ++d) {
+            area *= d == axis ? 1.0 : half[d];
+        }
+        if constexpr (Element::dim == 2) {
+            area *= 2.0 * std::numbers::pi * place[0];
+        }
+        at(shape, place, area);
+    });
 }
 
 } // namespace pave::fe

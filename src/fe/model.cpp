@@ -339,10 +339,8 @@ make_topology(const Mesh& mesh, const std::vector<bool>& linear,
     topology->layers = mesh.layers;
     topology->layer = mesh.layer;
     topology->linear = linear;
-    if constexpr (Element::dim == 2) {
-        topology->wall_is_open = mesh.wall_is_open;
-        topology->bottom_is_open = mesh.bottom_is_open;
-    }
+    topology->wall_is_open = mesh.wall_is_open;
+    topology->bottom_is_open = mesh.bottom_is_open;
     if (mesh.endless) {
         topology->endless = endless_of<Element>(mesh, lines);
     }
@@ -432,9 +430,9 @@ Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const std::
 Model<Hex20> make_model(const mesh::SolidMesh& mesh, const std::vector<bool>& linear, const Springs& springs) {
     const auto is_held = [&](std::size_t k, int d) {
         const auto [x, y, z] = mesh.nodes[k];
-        return z == mesh.z_lines.back() || (d == 0 && x == 0.0) || (d == 1 && y == 0.0) ||
-               ((d == 0 || mesh.endless) && x == mesh.x_lines.back()) ||
-               ((d == 1 || mesh.endless) && y == mesh.y_lines.back());
+        return (z == mesh.z_lines.back() && !mesh.bottom_is_open) || (d == 0 && x == 0.0) || (d == 1 && y == 0.0) ||
+               (!mesh.wall_is_open && (((d == 0 || mesh.endless) && x == mesh.x_lines.back()) ||
+                                       ((d == 1 || mesh.endless) && y == mesh.y_lines.back())));
     };
     return build(mesh, make_topology<Hex20>(mesh, linear, is_held, springs, {mesh.x_lines, mesh.y_lines, mesh.z_lines}),
                  springs);

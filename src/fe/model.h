@@ -118,7 +118,7 @@ Eigen::Matrix<double, Element::voigt, Eigen::Dynamic> strains(const Model<Elemen
 // linear: of each layer, whether it is linear elastic. It is used to order the unknowns; a run may have it otherwise.
 Model<AxisymmetricQ8> make_model(const mesh::AxisymmetricMesh& mesh, const std::vector<bool>& linear,
                                  const Springs& springs = {});
-// u_x = 0 on x = 0 and on the smooth wall, u_y likewise, u = 0 on the floor.
+// u_x = 0 on x = 0 and on the smooth wall, u_y likewise, u = 0 on the floor, unless they are open.
 Model<Hex20> make_model(const mesh::SolidMesh& mesh, const std::vector<bool>& linear, const Springs& springs = {});
 
 // A mesh of the same structure as that of `like`, with which it shares the topology; springs: likewise.

@@ -59,14 +59,14 @@ std::vector<double> mass_rate(const Work& w, int k) {
     return rate;
 }
 
-template <class Work>
+template <class Element, class Work>
 Sides sides_rate(const Work& w, int k) {
-    Sides rate = OpenSides<Work>(w, *w.model).rates(k);
+    Sides rate = OpenSides<Element, Work>(w, *w.model).rates(k);
     if (const auto* motion = w.motion_of(k)) {
         rate.dashpots.resize(w.topology->lower.row.size(), 0.0);
         rate.springs.resize(w.topology->lower.row.size(), 0.0);
         for (const auto& [weight, there] : motion->beside) {
-            const Sides sides = OpenSides<Work>(w, there).matrices();
+            const Sides sides = OpenSides<Element, Work>(w, there).matrices();
             add(weight, sides.dashpots, rate.dashpots);
             add(weight, sides.springs, rate.springs);
         }
@@ -116,14 +116,14 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
     State& change = path.slope[0];
     State& ahead = path.trial; // at the middle of the step
     w.set_moduli(now.stress, now.d_stress);
-    const Sides sides = OpenSides<Work>(w, *w.model).matrices();
+    const Sides sides = OpenSides<Element, Work>(w, *w.model).matrices();
     const Spring dashpots = sparse(lower, sides.dashpots);
     const std::vector<double> mass = mass_of(w, *w.model, nullptr);
     std::vector<Spring> spring_rates;
     std::vector<Spring> dashpot_rates;
     std::vector<std::vector<double>> mass_rates;
     for (int k = 0; k < count; ++k) {
-        const Sides rates = sides_rate(w, k);
+        const Sides rates = sides_rate<Element>(w, k);
         spring_rates.push_back(sparse(lower, rates.springs));
         dashpot_rates.push_back(sparse(lower, rates.dashpots));
         mass_rates.push_back(mass_rate(w, k));
@@ -292,5 +292,9 @@ Solver<AxisymmetricQ8>::pulse(const std::vector<LayerMaterial>&, const Eigen::Ve
                               const std::vector<Functional<AxisymmetricQ8>>&, const std::vector<Variation>&,
                               const SolverSettings&, const std::vector<double>&,
                               const std::vector<Motion<AxisymmetricQ8>>&);
+template Outcome<Marched<Hex20>> Solver<Hex20>::pulse(const std::vector<LayerMaterial>&, const Eigen::VectorXd&,
+                                                      const Pulse&, const std::vector<Functional<Hex20>>&,
+                                                      const std::vector<Variation>&, const SolverSettings&,
+                                                      const std::vector<double>&, const std::vector<Motion<Hex20>>&);
 
 } // namespace pave::fe

@@ -137,7 +137,7 @@ private:
     void add_dashpots(int e, double impedance, std::vector<double>& to) const {
         if constexpr (Element::dim == 2) {
             const typename Element::Position vertical(0.0, impedance);
-            integrate_outer_side(*w_.model, e, [&](const auto& shape, const auto&, double area) {
+            integrate_side(*w_.model, e, 0, [&](const auto& shape, const auto&, double area) {
                 add_inert<Element>(*w_.topology, e, shape, area * vertical, to);
             });
         }

@@ -19,7 +19,9 @@ struct SolidMesh {
     std::vector<std::array<int, 20>> elements;
     std::vector<int> layer; // of each element
     int layers = 0;
-    bool endless = false; // as of an AxisymmetricMesh, along all three axes
+    bool endless = false;      // as of an AxisymmetricMesh, along all three axes
+    bool wall_is_open = false; // as of one, both walls
+    bool bottom_is_open = false;
 
     int x_cells() const { return static_cast<int>(x_lines.size()) - 1; }
     int y_cells() const { return static_cast<int>(y_lines.size()) - 1; }

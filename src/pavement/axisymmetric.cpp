@@ -10,11 +10,6 @@ namespace {
 
 constexpr int doublings = 10; // deflections of a half-space are then within 0.2 %
 
-// Of a half-space at rest; waves leave through sides that are open.
-std::vector<double> with_far_cells_at_rest(std::vector<double> lines, const Case& c, int load) {
-    return c.loads[load].is_pulse() ? lines : with_far_cells(std::move(lines), c, doublings);
-}
-
 } // namespace
 
 mesh::AxisymmetricMesh Axisymmetric::nominal_mesh(const Case& c, int load) {
@@ -46,8 +41,8 @@ mesh::AxisymmetricMesh Axisymmetric::nominal_mesh(const Case& c, int load) {
     }
     auto mesh = mesh::axisymmetric_mesh(demand);
     return c.half_space || c.loads[load].is_pulse()
-               ? mesh_of({with_far_cells_at_rest(std::move(mesh.r_lines), c, load),
-                          with_far_cells_at_rest(std::move(mesh.z_lines), c, load)},
+               ? mesh_of({with_far_cells(std::move(mesh.r_lines), c, load, doublings),
+                          with_far_cells(std::move(mesh.z_lines), c, load, doublings)},
                          c, load)
                : mesh;
 }
@@ -59,8 +54,8 @@ Lines Axisymmetric::lines_of(const Mesh& mesh) {
 Lines Axisymmetric::breaks(const Case& c, int load) {
     std::vector<double> bottoms = bottoms_of(c);
     bottoms.insert(bottoms.begin(), 0.0);
-    return {with_far_cells_at_rest({0.0, c.loads[load].footprint().half_x, c.settings.extent}, c, load),
-            with_far_cells_at_rest(std::move(bottoms), c, load)};
+    return {with_far_cells({0.0, c.loads[load].footprint().half_x, c.settings.extent}, c, load, doublings),
+            with_far_cells(std::move(bottoms), c, load, doublings)};
 }
 
 mesh::AxisymmetricMesh Axisymmetric::mesh_of(Lines lines, const Case& c, int load) {

@@ -198,12 +198,10 @@ public:
         }
         const Eigen::VectorXd force = load.pressure * load.factor * own.unit_load;
         if (load.is_pulse()) {
-            if constexpr (Element::dim == 2) {
-                const auto marched = own.geometry->solver->pulse(layers, force, pulse_of(values, load_), {}, {},
-                                                                 values.settings.solver, spring_stiffness(values));
-                return marched ? Outcome<Fields>(fields_of(*own.geometry->model, layers, marched->at_largest))
-                               : marched.failure();
-            }
+            const auto marched = own.geometry->solver->pulse(layers, force, pulse_of(values, load_), {}, {},
+                                                             values.settings.solver, spring_stiffness(values));
+            return marched ? Outcome<Fields>(fields_of(*own.geometry->model, layers, marched->at_largest))
+                           : marched.failure();
         }
         if (values.relaxes()) {
             const auto relaxed =
@@ -313,27 +311,25 @@ private:
                               const std::vector<std::vector<Observation<Element>>>& observation_rates, Own& own) const {
         Responses responses;
         if (values.loads[load_].is_pulse()) {
-            if constexpr (Element::dim == 2) {
-                const auto march = [&](const fe::Pulse& pulse, const std::vector<fe::Functional<Element>>& readings,
-                                       const std::vector<fe::Variation>& variations) {
-                    return own.geometry->solver->pulse(layers, force, pulse, readings, variations,
-                                                       values.settings.solver, spring_stiffness(values), motions);
-                };
-                const fe::Pulse pulse = pulse_of(values, load_);
-                const auto coarse = march(coarser(pulse), functionals(values, own), {});
-                if (!coarse) {
-                    return coarse.failure();
-                }
-                auto outcome = march(pulse, with_moved(values, observation_rates, own), by);
-                if (!outcome) {
-                    return outcome.failure();
-                }
-                auto fine = std::move(outcome).value();
-                add_moved(by, observation_rates.size(), fine.course);
-                responses.statistics = fine.at_largest.statistics;
-                responses.statistics.time_error = time_error(values, fine.course, coarse->course);
-                responses.moving = std::move(fine.course);
+            const auto march = [&](const fe::Pulse& pulse, const std::vector<fe::Functional<Element>>& readings,
+                                   const std::vector<fe::Variation>& variations) {
+                return own.geometry->solver->pulse(layers, force, pulse, readings, variations, values.settings.solver,
+                                                   spring_stiffness(values), motions);
+            };
+            const fe::Pulse pulse = pulse_of(values, load_);
+            const auto coarse = march(coarser(pulse), functionals(values, own), {});
+            if (!coarse) {
+                return coarse.failure();
             }
+            auto outcome = march(pulse, with_moved(values, observation_rates, own), by);
+            if (!outcome) {
+                return outcome.failure();
+            }
+            auto fine = std::move(outcome).value();
+            add_moved(by, observation_rates.size(), fine.course);
+            responses.statistics = fine.at_largest.statistics;
+            responses.statistics.time_error = time_error(values, fine.course, coarse->course);
+            responses.moving = std::move(fine.course);
         } else if (values.relaxes()) {
             const fe::History history = fe::haversine(values.loads[load_].duration, relaxing_steps);
             auto outcome =
@@ -607,8 +603,8 @@ private:
 
 } // namespace
 
-std::vector<double> with_far_cells(std::vector<double> lines, const Case& c, int doublings) {
-    if (c.half_space) {
+std::vector<double> with_far_cells(std::vector<double> lines, const Case& c, int load, int doublings) {
+    if (c.half_space && !c.loads[load].is_pulse()) {
         for (int i = 0; i < doublings; ++i) {
             lines.push_back(2.0 * lines.back());
         }

@@ -37,9 +37,10 @@ struct Solid {
     static Eigen::VectorXd unit_load(const Mesh& mesh, const fe::Model<Element>& model, const Load& load);
 };
 
-// The lines; of a half-space with cells after the last that double its distance each, then one without end. A cell
-// without end alone would be too stiff: far below, what falls off to the side does so from a distance like the depth.
-std::vector<double> with_far_cells(std::vector<double> lines, const Case& c, int doublings);
+// The lines; of a half-space at rest with cells after the last that double its distance each, then one without end. A
+// cell without end alone would be too stiff: far below, what falls off to the side does so from a distance like the
+// depth. The waves of a pulse leave through sides that are open.
+std::vector<double> with_far_cells(std::vector<double> lines, const Case& c, int load, int doublings);
 
 // Depth of the bottom of every layer [m].
 std::vector<double> bottoms_of(const Case& c);

@@ -123,20 +123,37 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch, bool has_history)
         key.meaning = "the largest contact pressure, in place of that of the history";
         return key;
     }();
+    static const KeyInfo largest_tyre_pressure = [] {
+        KeyInfo key = largest_pressure;
+        key.changes_geometry = true;
+        return key;
+    }();
+    static const KeyInfo largest_force = [] {
+        KeyInfo key = force;
+        key.default_value = std::numeric_limits<double>::quiet_NaN();
+        key.meaning = "the largest force of the whole wheel assembly, in place of that of the history";
+        return key;
+    }();
     static const KeyInfo plate[] = {radius, pressure, duration};
     static const KeyInfo recorded[] = {radius, largest_pressure, shift};
+    static const KeyInfo recorded_wheel_circle[] = {largest_force, largest_tyre_pressure, shift};
+    static const KeyInfo recorded_wheel[] = {largest_force, largest_tyre_pressure, width, shift};
+    static const KeyInfo recorded_dual_circle[] = {largest_force, largest_tyre_pressure, spacing, shift};
+    static const KeyInfo recorded_dual[] = {largest_force, largest_tyre_pressure, spacing, width, shift};
     static const KeyInfo wheel_circle[] = {force, tyre_pressure, duration};
     static const KeyInfo wheel[] = {force, tyre_pressure, width, duration};
     static const KeyInfo dual_circle[] = {force, tyre_pressure, spacing, duration};
     static const KeyInfo dual[] = {force, tyre_pressure, spacing, width, duration};
     static const KeyInfo gear[] = {tyre_pressure};
+    using Keys = std::span<const KeyInfo>;
+    const auto of = [&](Keys circle, Keys rectangle) { return patch == Patch::circle ? circle : rectangle; };
     switch (type) {
-    case LoadType::plate: return has_history ? std::span<const KeyInfo>(recorded) : plate;
+    case LoadType::plate: return has_history ? Keys(recorded) : plate;
     case LoadType::gear: return gear;
-    case LoadType::wheel: return patch == Patch::circle ? std::span<const KeyInfo>(wheel_circle) : wheel;
+    case LoadType::wheel: return has_history ? of(recorded_wheel_circle, recorded_wheel) : of(wheel_circle, wheel);
     case LoadType::dual_wheel: break;
     }
-    return patch == Patch::circle ? std::span<const KeyInfo>(dual_circle) : dual;
+    return has_history ? of(recorded_dual_circle, recorded_dual) : of(dual_circle, dual);
 }
 
 std::span<const KeyInfo> load_keys(const Load& load) {

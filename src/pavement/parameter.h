@@ -24,7 +24,7 @@ struct KeyInfo {
     bool changes_geometry = false;
 };
 std::span<const KeyInfo> layer_keys();
-// has_history: of a plate under a history, whose pressure and time are recorded.
+// has_history: of a load under a history, whose time and largest force or pressure are recorded.
 std::span<const KeyInfo> load_keys(LoadType type, Patch patch, bool has_history = false);
 std::span<const KeyInfo> load_keys(const Load& load);
 

@@ -58,7 +58,7 @@ struct Load {
     double duration = 0.03;
     // Plate: the inertia of the section answers to the load's pulse, its mass times this; none: static.
     std::optional<double> inertia{};
-    // Plate: how it was recorded to act, linear between samples of increasing time and nothing before and after; the
+    // How it was recorded to act, linear between samples of increasing time and nothing before and after; the
     // pressure is its largest. None: the load is static, or has a duration.
     struct Sample {
         double time = 0.0;  // s

@@ -102,11 +102,12 @@ void integrate(const Load::Footprint& f, double x0, double x1, double y0, double
 
 mesh::SolidMesh Solid::nominal_mesh(const Case& c, int load) {
     auto mesh = mesh::solid_mesh(demand_of(c, load));
-    return c.half_space ? mesh_of({with_far_cells(std::move(mesh.x_lines), c, doublings),
-                                   with_far_cells(std::move(mesh.y_lines), c, doublings),
-                                   with_far_cells(std::move(mesh.z_lines), c, doublings)},
-                                  c, load)
-                        : mesh;
+    return c.half_space || c.loads[load].is_pulse()
+               ? mesh_of({with_far_cells(std::move(mesh.x_lines), c, load, doublings),
+                          with_far_cells(std::move(mesh.y_lines), c, load, doublings),
+                          with_far_cells(std::move(mesh.z_lines), c, load, doublings)},
+                         c, load)
+               : mesh;
 }
 
 Lines Solid::lines_of(const Mesh& mesh) {
@@ -117,13 +118,16 @@ Lines Solid::breaks(const Case& c, int load) {
     auto lateral = mesh::patch_breaks(demand_of(c, load));
     std::vector<double> bottoms = bottoms_of(c);
     bottoms.insert(bottoms.begin(), 0.0);
-    return {with_far_cells(std::move(lateral[0]), c, doublings), with_far_cells(std::move(lateral[1]), c, doublings),
-            with_far_cells(std::move(bottoms), c, doublings)};
+    return {with_far_cells(std::move(lateral[0]), c, load, doublings),
+            with_far_cells(std::move(lateral[1]), c, load, doublings),
+            with_far_cells(std::move(bottoms), c, load, doublings)};
 }
 
-mesh::SolidMesh Solid::mesh_of(Lines lines, const Case& c, int /*load*/) {
+mesh::SolidMesh Solid::mesh_of(Lines lines, const Case& c, int load) {
     auto mesh = mesh::solid_mesh(std::move(lines[0]), std::move(lines[1]), std::move(lines[2]), bottoms_of(c));
-    mesh.endless = c.half_space;
+    mesh.wall_is_open = c.loads[load].is_pulse();
+    mesh.bottom_is_open = c.half_space && mesh.wall_is_open;
+    mesh.endless = c.half_space && !mesh.wall_is_open;
     return mesh;
 }
 

@@ -562,11 +562,11 @@ void add_ceiling(Json& truth, const Case& c, const Hidden& hidden, const VectorX
             }
             continue;
         }
-        if (effect->takes_reading) {
+        if (effect->takes_reading && !effect->takes_quantity) {
             for (int reading = 0; reading < static_cast<int>(c.sensors.size()); ++reading) {
                 ways.push_back({.reading = reading});
             }
-        } else if (effect->takes_quantity) {
+        } else if (effect->takes_quantity) { // of one instrument: only where it is read over time
             std::set<std::pair<int, Quantity>> groups;
             for (const Sensor& s : c.sensors) {
                 groups.emplace(s.load, s.quantity);
@@ -688,7 +688,8 @@ struct Strength {
 // none within the effect's range.
 std::optional<Hidden> sized(Draw& draw, const Case& c, Hidden hidden, const VectorXd& plain,
                             const Eigen::MatrixXd& base, const Errors& errors, double wanted) {
-    const Effect own{.low = 0.0, .high = hidden.outside != nullptr ? hidden.outside->most : 0.0};
+    Effect own{};
+    own.high = hidden.outside != nullptr ? hidden.outside->most : 0.0;
     const Effect& effect = hidden.outside != nullptr ? own : *hidden.effect;
     const bool up_only = effect.null <= effect.low;
     const bool down_only = effect.null >= effect.high;
@@ -748,7 +749,7 @@ Hidden draw_hidden(Draw& draw, const Case& c, const std::string& kind) {
     }
     const Effect& effect = *hidden.effect;
     const int load = static_cast<int>(draw.below(c.loads.size()));
-    if (effect.takes_reading) {
+    if (effect.takes_reading && !effect.takes_quantity) {
         hidden.options.reading = static_cast<int>(draw.below(c.sensors.size()));
     } else if (effect.takes_quantity) {
         const Sensor& sensor = c.sensors[draw.below(c.sensors.size())];

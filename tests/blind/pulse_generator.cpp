@@ -5,10 +5,11 @@
 //
 // Writes study.toml with the histories of seven sensors and peaks.toml with their largest deflections alone. Without an
 // effect three moduli and the depth of the rock are sought. With one (floor-depth, damping, asphalt-relaxation,
-// density) the section has it, and the studies seek three moduli and do not know of it. What is true goes to standard
-// output.
+// density) the section has it, or one of the geophones (sensor-gain), and the studies seek three moduli and do not know
+// of it. What is true goes to standard output.
 #include "reference/layered_pulse.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -47,8 +48,8 @@ private:
     std::mt19937_64 engine_;
 };
 
-// Changes the section; the size as `diagnose` states it.
-double hide(const std::string& effect, Draws& draw, std::vector<MovingLayer>& layers) {
+// Changes the section or the gain of a sensor; the size as `diagnose` states it.
+double hide(const std::string& effect, Draws& draw, std::vector<MovingLayer>& layers, std::vector<double>& gains) {
     if (effect == "floor-depth") {
         constexpr double highest = -0.48; // m, what the effect may be sought at
         const double share = draw.coin() ? draw.between(0.2, 0.6) : -draw.between(0.12, 0.25);
@@ -69,6 +70,11 @@ double hide(const std::string& effect, Draws& draw, std::vector<MovingLayer>& la
     if (effect == "density") {
         const double factor = draw.coin() ? draw.between(1.15, 1.5) : draw.between(0.65, 0.87);
         layers[2].density *= factor;
+        return factor;
+    }
+    if (effect == "sensor-gain") {
+        const double factor = draw.coin() ? draw.between(1.06, 1.25) : draw.between(0.8, 0.94);
+        gains[static_cast<std::size_t>(draw.between(0.0, static_cast<double>(gains.size())))] = factor;
         return factor;
     }
     std::cerr << "no such effect: " << effect << "\n";
@@ -113,7 +119,9 @@ int main(int count, char** words) {
                                     {draw.between(0.2, 0.45), draw.log_between(150e6, 500e6), 0.35, 2000.0, 5e-4},
                                     {draw.between(1.5, 4.0), draw.log_between(40e6, 150e6), 0.4, 1800.0, 5e-4}};
     const std::vector<MovingLayer> stated = layers;
-    const double size = effect.empty() ? 0.0 : hide(effect, draw, layers);
+    std::vector<double> gains(offsets.size(), 1.0);
+    const double size = effect.empty() ? 0.0 : hide(effect, draw, layers, gains);
+    const auto turned = std::ranges::find_if(gains, [](double gain) { return gain != 1.0; });
 
     std::vector<double> times;
     for (int i = 1; apart * i < until + 1e-9; ++i) {
@@ -143,19 +151,20 @@ int main(int count, char** words) {
     for (std::size_t i = 0; i < offsets.size(); ++i) {
         for (std::size_t j = 0; j < times.size(); ++j) {
             histories << fmt::format("drop,deflection,{},0,0,0,{:.10g},{:.10g},um,\n", 1e3 * offsets[i], 1e3 * times[j],
-                                     1e6 * noisy(motion[i][j]));
+                                     1e6 * noisy(gains[i] * motion[i][j]));
         }
         double largest = 0.0;
         for (const double u : course[i]) {
             largest = std::max(largest, u);
         }
-        peaks << fmt::format("drop,deflection,{},0,0,0,,{:.10g},um,\n", 1e3 * offsets[i], 1e6 * noisy(largest));
+        peaks << fmt::format("drop,deflection,{},0,0,0,,{:.10g},um,\n", 1e3 * offsets[i],
+                             1e6 * noisy(gains[i] * largest));
     }
     std::ofstream(folder / "study.toml") << study_of(stated, effect.empty(), "histories.csv");
     std::ofstream(folder / "peaks.toml") << study_of(stated, effect.empty(), "peaks.csv");
     std::cout << fmt::format(
-        "{{\"effect\": \"{}\", \"size\": {:.10g}, \"parameters\": {{\"asphalt.modulus_MPa\": {:.10g}, "
+        "{{\"effect\": \"{}\", \"size\": {:.10g}, \"at_mm\": {}, \"parameters\": {{\"asphalt.modulus_MPa\": {:.10g}, "
         "\"base.modulus_MPa\": {:.10g}, \"subgrade.modulus_MPa\": {:.10g}, \"subgrade.thickness_mm\": {:.10g}}}}}\n",
-        effect, size, 1e-6 * layers[0].modulus, 1e-6 * layers[1].modulus, 1e-6 * layers[2].modulus,
-        1e3 * layers[2].thickness);
+        effect, size, turned == gains.end() ? "null" : fmt::format("{}", 1e3 * offsets[turned - gains.begin()]),
+        1e-6 * layers[0].modulus, 1e-6 * layers[1].modulus, 1e-6 * layers[2].modulus, 1e3 * layers[2].thickness);
 }

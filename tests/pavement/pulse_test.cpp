@@ -18,30 +18,15 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-// sin^2(pi t / duration), and its integral from 0 to t.
-double haversine(double t, double duration) {
-    const double s = std::sin(pi * t / duration);
-    return t > 0.0 && t < duration ? s * s : 0.0;
-}
+// Of sin^2(pi t / duration), from 0 to t.
 double integral_of_haversine(double t, double duration) {
     t = std::clamp(t, 0.0, duration);
     return t / 2.0 - duration / (4.0 * pi) * std::sin(2.0 * pi * t / duration);
 }
 
-std::vector<Load::Sample> samples(double duration, double until, int of_pulse = 400) {
-    std::vector<Load::Sample> list;
-    for (int i = 0; i <= of_pulse; ++i) {
-        list.push_back({duration * i / of_pulse, i < of_pulse ? haversine(duration * i / of_pulse, duration) : 0.0});
-    }
-    if (until > duration) {
-        list.push_back({until, 0.0});
-    }
-    return list;
-}
-
 Load pulse(double duration, double until, double pressure = 700e3) {
     Load load = plate(0.15, pressure);
-    load.history = samples(duration, until);
+    load.history = haversine_history(duration, until);
     return load;
 }
 
@@ -141,7 +126,7 @@ Case captif_in_motion() {
     for (Layer& layer : c.layers) {
         layer.damping_time = 5e-4;
     }
-    c.loads[0].history = samples(0.025, 0.03);
+    c.loads[0].history = haversine_history(0.025, 0.03);
     c.settings.refine = 0.35;
     c.settings.time_step = 5e-4;
     return c;
@@ -252,7 +237,7 @@ TEST(Pulse, LeavesWithTheEnergyThatTheLoadBrought) {
         layer.damping_time = 0.0;
     }
     const auto after = [&](double until) {
-        c.loads[0].history = samples(0.025, until);
+        c.loads[0].history = haversine_history(0.025, until);
         const auto parts = parts_of<Axisymmetric>(c, 0);
         fe::Solver<Element> solver(parts.model);
         auto marched = solver.pulse(parts.layers, parts.load, pulse_of(c, 0), {}, {}, {});
@@ -273,7 +258,7 @@ TEST(Pulse, IsTheLoadAtRestWhenItIsSlow) {
     Case still = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4, .residual_stress = 20e3});
     still.settings.extent = 6.0;
     Case slow = still;
-    slow.loads[0].history = samples(2.0, 2.0);
+    slow.loads[0].history = haversine_history(2.0, 2.0);
     slow.settings.time_step = 0.01;
     const auto at_rest = run(still);
     const auto moving = run(slow);
@@ -290,7 +275,7 @@ TEST(Pulse, IsTheLoadAtRestWhenItIsSlow) {
 // The moduli in the middle of a step are those that the step before foretells: of second order too.
 TEST(Pulse, IsOfSecondOrderWhereStiffnessFollowsTheStress) {
     Case c = captif_in_motion();
-    c.loads[0].history = samples(0.024, 0.024);
+    c.loads[0].history = haversine_history(0.024, 0.024);
     for (Sensor& sensor : c.sensors) {
         sensor.time = 0.0144; // a step ends there, whatever its length
     }

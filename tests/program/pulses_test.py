@@ -60,6 +60,7 @@ max = 4000
 scale = "log"
 """
 FORCE = "time_ms,force_kN\n" + "".join(f"{t},{v}\n" for t, v in ((0, 0), (5, 20), (10, 45), (13, 50), (16, 45), (20, 20), (25, 0), (40, 0)))
+PLATE = 'type = "plate"\nradius_mm = 150'
 HEADER = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,time_ms,value,unit,sigma\n"
 DATA = HEADER + "".join(f"drop,deflection,{x},0,0,0,{t},100,um,\n" for x in (0, 600, 1800) for t in (*range(6, 40, 3), ""))
 
@@ -88,6 +89,21 @@ check(all(abs(moved[i]["value"] - rows[i + 1]["value"]) < 1e-9 for i in range(0,
 halved = write("halved", STUDY.replace('history = "force.csv"', f'history = "force.csv"\npressure_kPa = {25 / 0.0225 / 3.14159265358979}'))
 half = json.loads(run("forward", halved, "--json").stdout)["responses"]
 check(all(abs(half[i]["value"] / rows[i]["value"] - 0.5) < 1e-9 for i in range(len(rows))), "half the pressure of a history")
+# A wheel on a circle is a plate: its force that of the history, its pressure stated, or the other way round; far from it the shape of the patch does not matter.
+pressure = 50 / 0.0225 / 3.14159265358979
+IN_KPA = "time_ms,pressure_kPa\n" + "".join(f"{t},{float(v) / 50 * pressure}\n" for t, v in (row.split(",") for row in FORCE.splitlines()[1:]))
+for name, stated, force in (("wheel of force", f"pressure_kPa = {pressure}", FORCE), ("wheel of pressure", "force_kN = 50", IN_KPA)):
+    wheeled = write(name, STUDY.replace(PLATE, f'type = "wheel"\npatch = "circle"\n{stated}'), force=force)
+    found = json.loads(run("forward", wheeled, "--json").stdout)["responses"]
+    check(all(abs(found[i]["value"] / rows[i]["value"] - 1) < 1e-6 for i in range(len(rows))), f"{name} on a circle")
+COARSE, FINE = "extent_m = 5\nrefine = 0.5", "extent_m = 8\nrefine = 1.2"
+square = write("square wheel", STUDY.replace(PLATE, f'type = "wheel"\npressure_kPa = {pressure}\npatch_width_mm = 266').replace(COARSE, FINE))
+found = json.loads(run("forward", square, "--json").stdout)["responses"]
+fine = json.loads(run("forward", write("fine", STUDY.replace(COARSE, FINE)), "--json").stdout)["responses"]
+for x in (600, 1800):
+    own = [(f["value"], r["value"]) for f, r in zip(found, fine) if r["x_mm"] == x]
+    most = max(r for _, r in own)
+    check(all(abs(f - r) < 0.02 * most for f, r in own), f"a square wheel at {x} mm in three dimensions: {own}")
 done = json.loads(run("forward", write("steps", STUDY.replace("time_step_ms = 1", "time_step_ms = 8")), "--json").stdout)
 check(any("time_step_ms" in w for w in done["warnings"]), f"steps that are too long: {done['warnings']}")
 
@@ -113,7 +129,9 @@ refused("nothing presses", ["above zero"], "force.csv:1:", force="time_ms,force_
 refused("one row", ["at least two rows"], "force.csv:", force="time_ms,force_kN\n0,1\n")
 refused("empty", ["no history"], "force.csv:", force="# nothing\n")
 refused("duration too", ["duration_ms", "history"], "small.toml:25:", study=STUDY.replace('"force.csv"', '"force.csv"\nduration_ms = 30'))
-refused("a wheel", ["plate"], "small.toml:25:", study=STUDY.replace('type = "plate"\nradius_mm = 150', 'type = "wheel"\nforce_kN = 50\npressure_kPa = 700'))
+refused("a gear", ["gear", "wheel"], "small.toml:24:", study=STUDY.replace(PLATE, 'type = "gear"\npressure_kPa = 700'))
+refused("a wheel without a pressure", ["pressure_kPa", "patch"], "small.toml:", study=STUDY.replace(PLATE, 'type = "wheel"'))
+refused("a wheel without a force", ["force_kN", "patch"], "small.toml:", study=STUDY.replace(PLATE, 'type = "wheel"'), force=FORCE.replace("force_kN", "pressure_kPa"))
 refused("a time without a history", ["time_ms", "history"], "small.csv:2:", study=STUDY.replace('history = "force.csv"', "pressure_kPa = 700"))
 refused("a time far away", ["time_ms", "20000"], "small.csv:2:", data=HEADER + "drop,deflection,0,0,0,0,20000,100,um,\n")
 refused("secant", ["integration", "history", "incremental"], "small.toml:", study=STUDY.replace("[solver]", '[solver]\nintegration = "secant"'))

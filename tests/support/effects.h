@@ -37,12 +37,7 @@ inline Case axisymmetric_case(Integration integration = Integration::incremental
 
 // The same plate with the history of a pulse, its wheel at rest.
 inline Case in_motion(Case c) {
-    constexpr double duration = 0.025;
-    constexpr int parts = 25;
-    for (int i = 0; i <= parts; ++i) {
-        c.loads[0].history.push_back({duration * i / parts, std::pow(std::sin(std::numbers::pi * i / parts), 2)});
-    }
-    c.loads[0].history.push_back({0.04, 0.0});
+    c.loads[0].history = haversine_history(0.025, 0.04, 25);
     for (Layer& layer : c.layers) {
         layer.damping_time = 5e-4;
     }

@@ -4,7 +4,9 @@
 #include "material/catalog.h"
 #include "pavement/forward.h"
 
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace test {
 
@@ -40,6 +42,18 @@ inline Load plate(double radius = 0.15, double pressure = 595e3) {
     load.radius = radius;
     load.pressure = pressure;
     return load;
+}
+
+// The history sin^2(pi t / duration), then nothing until the end.
+inline std::vector<Load::Sample> haversine_history(double duration, double until, int parts = 400) {
+    std::vector<Load::Sample> list;
+    for (int i = 0; i <= parts; ++i) {
+        list.push_back({duration * i / parts, i < parts ? std::pow(std::sin(std::numbers::pi * i / parts), 2) : 0.0});
+    }
+    if (until > duration) {
+        list.push_back({until, 0.0});
+    }
+    return list;
 }
 
 inline Load dual_wheel(double force = 40e3, double pressure = 650e3, Patch patch = Patch::rectangle,

@@ -94,8 +94,9 @@ int main() {
     for (const auto& [name, kind] : loads) {
         fmt::print("\n### `{}`\n\n", name);
         table(pavement::load_keys(kind.first, kind.second));
-        if (kind.first == pavement::LoadType::plate) {
-            fmt::print("\nWith a `history` (the pressure is its largest):\n\n");
+        if (kind.first != pavement::LoadType::gear) {
+            fmt::print("\nWith a `history` (the {} is its largest):\n\n",
+                       kind.first == pavement::LoadType::plate ? "pressure" : "force or the pressure");
             table(pavement::load_keys(kind.first, kind.second, true));
         }
     }

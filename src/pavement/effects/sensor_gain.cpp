@@ -1,7 +1,8 @@
-// The readings of one load or of one kind are scaled by a factor.
+// The readings of one load, of one kind or of one instrument are scaled by a factor.
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pave::pavement {
 namespace {
@@ -9,6 +10,12 @@ namespace {
 bool is_scaled(const Case& c, const AppliedEffect& applied, const Sensor& sensor) {
     if (!sensor.measured) {
         return false;
+    }
+    if (applied.reading) { // what is stated at its place is the same instrument, on every drop
+        const Sensor& own = c.sensors[static_cast<std::size_t>(*applied.reading)];
+        constexpr double same = 1e-6; // m
+        return sensor.quantity == own.quantity && std::abs(sensor.x - own.x) < same &&
+               std::abs(sensor.y - own.y) < same && std::abs(sensor.depth - own.depth) < same;
     }
     if (!applied.load && !applied.quantity) { // the group of the first reading
         return sensor.load == c.sensors.front().load && sensor.quantity == c.sensors.front().quantity;
@@ -42,13 +49,14 @@ const Effect& sensor_gain() {
         .high = 2.0,
         .log_scale = true,
         .typical = 1.1,
-        .mechanism =
-            "A wrong calibration multiplies every reading of one kind of instrument under one load by the size. "
-            "Everything else stays as it is.",
+        .mechanism = "A wrong calibration multiplies every reading of one kind of instrument under one load, or of one "
+                     "instrument, by the size. "
+                     "Everything else stays as it is.",
         .source = "FWD calibration protocols (relative and reference calibration)",
         .acts_on = "the load and quantity of the first reading",
         .takes_load = true,
         .takes_quantity = true,
+        .takes_reading = true,
         .apply = apply,
         .refuses = refuses,
         .in_words = [](const AppliedEffect& a) -> std::string { return "the instrument reads " + share_words(a.size); },
