@@ -379,7 +379,8 @@ std::string diagnosis_page(const DiagnoseResult& f) {
                       channel.of_layer ? "modulus [MPa]" : "", ""});
         for (const analysis::LocatedPlace& place : found.places) {
             places.add({figure(place.at), figure(place.value), figure(place.low), figure(place.high),
-                        channel.of_layer ? figure(place.modulus / pave::unit::MPa) : "", place.seen() ? "" : "not seen"});
+                        channel.of_layer ? figure(place.modulus / pave::unit::MPa) : "",
+                        place.seen() ? "" : "not seen"});
         }
         text += places.text();
     }
