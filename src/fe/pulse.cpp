@@ -282,6 +282,7 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
     result.kinetic = momentum.dot(v) / 2.0;
     Statistics& statistics = result.at_largest.statistics;
     statistics.residual_relative = 0.0; // of motion: none is left
+    statistics.kept_share = w.kept_share(now, result.at_largest);
     statistics.load_steps = static_cast<int>(steps);
     statistics.factorizations = w.system.factorizations();
     return result;

@@ -322,6 +322,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
     double limited = 0.0;
     bool wall_is_near = false;
     double time_error = 0.0;
+    double kept = 0.0;
     for (std::size_t l = 0; l < values.loads.size(); ++l) {
         if (!models_[l] || (!loads.empty() && !loads[l])) {
             continue;
@@ -412,6 +413,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         unstable = std::max(unstable, s.unstable_share);
         limited = std::max(limited, s.limited_share);
         time_error = std::max(time_error, s.time_error);
+        kept = std::max(kept, s.kept_share);
         if (!wall_is_near && !c.half_space && c.settings.extent < 1.99 * c.depth()) {
             wall_is_near = true;
             response.warnings.push_back(
@@ -424,6 +426,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
     response.statistics.unstable_share = unstable;
     response.statistics.limited_share = limited;
     response.statistics.time_error = time_error;
+    response.statistics.kept_share = kept;
     // Shares are weighted by the energy of the load stress: what is far away and hardly loaded does not count.
     if (tension > 0.05) {
         response.warnings.push_back(percent(tension) + " of the stress-dependent material is in tension (theta < 0)");
@@ -437,6 +440,13 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
             fmt::format("the steps of time ([solver] time_step_ms = {:g}) are too long: readings "
                         "under a pulse err by some {:.2g} % of the largest",
                         values.settings.time_step / unit::ms, 100.0 * time_error));
+    }
+    if (kept > 0.1) {
+        response.warnings.push_back(
+            "the stress-dependent material keeps " + percent(kept) +
+            " of its largest strain after the pulse, as no resilient material does: stress went back another way than "
+            "it came, and moduli along its path do not cancel. Readings after the peak are not to be trusted; less is "
+            "kept where more confines at rest (residual_stress_kPa, k0)");
     }
     if (limited > 0.0) {
         response.warnings.push_back("the modulus limit of 100,000 MPa was met in " + percent(limited) +

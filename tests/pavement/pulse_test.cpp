@@ -291,6 +291,33 @@ TEST(Pulse, IsOfSecondOrderWhereStiffnessFollowsTheStress) {
     }
 }
 
+// Stress that goes back the way it came leaves no strain, and neither does a modulus that is constant; in motion it
+// goes back another way, and what is left of the strain then is named.
+TEST(Pulse, SaysWhatStrainItKeeps) {
+    const auto kept = [](const Uzan& law, double duration, double step, double* at_end = nullptr) {
+        Case c = captif(3000, 45, law);
+        c.loads[0].history = haversine_history(duration, 1.8 * duration);
+        c.settings.time_step = step;
+        c.sensors = {strain_zz(0.2, 0.075), strain_zz(0.2, 0.075)};
+        c.sensors[0].time = 0.5 * duration;
+        c.sensors[1].time = 1.8 * duration;
+        const auto found = run(c);
+        if (at_end != nullptr) {
+            *at_end = std::abs(found->values[1] / found->values[0]);
+        }
+        const bool warns = std::ranges::any_of(
+            found->warnings, [](const std::string& w) { return w.find("after the pulse") != std::string::npos; });
+        EXPECT_EQ(warns, found->statistics.kept_share > 0.1);
+        return found->statistics.kept_share;
+    };
+    const Uzan law{.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4};
+    EXPECT_LT(kept(law, 2.0, 5e-3), 0.01);
+    EXPECT_LT(kept({.k1 = 1000, .k2 = 1e-6, .k3 = -1e-6, .n = 0.4}, 0.025, 2e-4), 1e-4);
+    double at_end = 0.0;
+    EXPECT_GT(kept(law, 0.025, 2e-4, &at_end), 0.3);
+    EXPECT_GT(at_end, 0.3);
+}
+
 TEST(Pulse, HasExactDerivatives) {
     Case c = captif_in_motion();
     c.layers[0] = relaxing_asphalt(10e9, 0.5, 0.2, 1e-4);
