@@ -274,8 +274,11 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
         return located(study, extended_study(members), *bench.problem(members), d, result.channels, result.corrections);
     };
     task.says_where = [&](const Diagnosis& d) {
-        const auto found = located_in(d);
-        return std::any_of(found.begin(), found.end(), [](const LocatedCorrection& c) { return c.says_where(); });
+        auto says = diagnose::Says::nothing;
+        for (const LocatedCorrection& found : located_in(d)) {
+            says = std::max(says, found.says_where());
+        }
+        return says;
     };
     auto diagnosis = diagnose::diagnose(task, options.settings);
     if (!diagnosis) {

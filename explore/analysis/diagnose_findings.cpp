@@ -249,7 +249,7 @@ private:
         std::vector<std::string> vague;
         for (const LocatedCorrection& found : result.located) {
             where.push_back(channel_words(found.correction));
-            (found.says_where() ? certain : vague).push_back(where.back());
+            (found.says_where() != diagnose::Says::nothing ? certain : vague).push_back(where.back());
         }
         const bool is_at_end =
             std::any_of(d.nearest.begin(), d.nearest.end(), [](const auto& e) { return e.fit.ends_range(); });
@@ -263,8 +263,9 @@ private:
                 : "leaves noise only"));
         for (std::size_t i = 0; i < result.located.size(); ++i) {
             const auto& own = d.location->corrections[i];
-            for (std::string& words :
-                 result.located[i].says_where() ? words_of(result.located[i]) : std::vector<std::string>()) {
+            for (std::string& words : result.located[i].says_where() != diagnose::Says::nothing
+                                          ? words_of(result.located[i])
+                                          : std::vector<std::string>()) {
                 text.push_back(std::move(words));
             }
             std::string sentence = fmt::format("Noise alone would make some correction as likely as that of {} with "

@@ -66,14 +66,43 @@ pave::mechanics::Invariants state_at(const Case& c, const Fields& fields, int lo
     return nearest;
 }
 
+constexpr double two_sided = 1.959963984540054; // standard deviations: 95 %
+
+// slopes: of the logarithms, by what has the covariance.
+std::optional<LocatedContrast> clearest_contrast(const std::vector<double>& logarithms,
+                                                 const std::vector<Eigen::VectorXd>& slopes,
+                                                 const Eigen::MatrixXd& covariance) {
+    double most = 3.0; // standard deviations: chance makes one of some twenty pairs differ by two
+    std::optional<LocatedContrast> clearest;
+    for (std::size_t i = 0; i < logarithms.size(); ++i) {
+        for (std::size_t j = 0; j < logarithms.size(); ++j) {
+            const double difference = logarithms[i] - logarithms[j];
+            const Eigen::VectorXd slope = slopes[i] - slopes[j];
+            const double deviation = std::sqrt(slope.dot(covariance * slope));
+            if (difference < 0.0 && -difference > most * deviation) {
+                most = -difference / deviation;
+                clearest = {.place = i,
+                            .beside = j,
+                            .value = std::exp(difference),
+                            .low = std::exp(difference - two_sided * deviation),
+                            .high = std::exp(difference + two_sided * deviation)};
+            }
+        }
+    }
+    return clearest;
+}
+
 double modulus_at(const Layer& layer, pave::mechanics::Invariants state) {
     return layer.law->modulus(layer.parameters, state).value;
 }
 
 } // namespace
 
-bool LocatedCorrection::says_where() const {
-    return std::any_of(places.begin(), places.end(), [](const LocatedPlace& p) { return p.side() != 0; });
+diagnose::Says LocatedCorrection::says_where() const {
+    if (std::any_of(places.begin(), places.end(), [](const LocatedPlace& p) { return p.side() != 0; })) {
+        return diagnose::Says::at_places;
+    }
+    return contrast ? diagnose::Says::between_places : diagnose::Says::nothing;
 }
 
 std::vector<LocatedCorrection> located(const study::Study& study, const study::Study& corrected,
@@ -104,6 +133,8 @@ std::vector<LocatedCorrection> located(const study::Study& study, const study::S
             }
             fields = *outcome;
         }
+        std::vector<double> logarithms;
+        std::vector<Eigen::VectorXd> slopes;
         for (std::size_t i = 0; i < own.correction.places.size(); ++i) {
             const auto k = static_cast<std::size_t>(first) + i;
             own.correction.factors[i] = values[k];
@@ -130,13 +161,15 @@ std::vector<LocatedCorrection> located(const study::Study& study, const study::S
                 }
             }
             const double variance = slope.dot(location.covariance * slope);
-            constexpr double two_sided = 1.959963984540054;
             place.value = std::exp(value);
             place.low = std::exp(value - two_sided * std::sqrt(variance));
             place.high = std::exp(value + two_sided * std::sqrt(variance));
             place.variance_left = variance / (found.strength * found.strength);
             own.places.push_back(place);
+            logarithms.push_back(value);
+            slopes.push_back(std::move(slope));
         }
+        own.contrast = clearest_contrast(logarithms, slopes, location.covariance);
         list.push_back(std::move(own));
     }
     return list;
@@ -204,6 +237,15 @@ std::vector<std::string> words_of(const LocatedCorrection& found) {
             text.push_back(std::move(sentence));
         }
         i = end;
+    }
+    if (text.empty() && found.contrast) {
+        const auto& [place, beside, value, low, high] = *found.contrast;
+        text.push_back(
+            fmt::format("Beside the study's model {} {} {}{} {} to {} % of {} {}; which of the two is off is "
+                        "not known.",
+                        what, of_layer ? "has" : "read", range_words(found, place, place),
+                        variable_words(found.correction), share(low), share(high),
+                        of_layer ? "the modulus that it has" : "what they do", range_words(found, beside, beside)));
     }
     const auto is_dark = [&](std::size_t i) { return !places[i].seen() && places[i].side() == 0; };
     std::vector<std::string> unseen;

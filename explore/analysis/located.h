@@ -4,6 +4,8 @@
 #include "diagnose/diagnosis.h"
 #include "study/study.h"
 
+#include <optional>
+
 namespace explore::analysis {
 
 // The factor on the modulus (of a channel of readings: on the readings) at one place, with its 95 % band, to first
@@ -24,12 +26,21 @@ struct LocatedPlace {
     static constexpr double enough = 0.25;
 };
 
+// The factor at one place over that at another, with its 95 % band: known where the readings do not say which of the
+// two is off, because a parameter makes up for what they have in common.
+struct LocatedContrast {
+    std::size_t place = 0, beside = 0; // of the two the one with the smaller factor, and the other
+    double value = 1.0, low = 1.0, high = 1.0;
+};
+
 struct LocatedCorrection {
     pave::pavement::Correction correction; // its factors those found
     double strength = 0.0;                 // see diagnose::Correction
     std::vector<LocatedPlace> places;
+    // Of the two places that are told apart most clearly; none: no two are.
+    std::optional<LocatedContrast> contrast{};
 
-    bool says_where() const; // some place is seen to differ from 1
+    diagnose::Says says_where() const;
 };
 
 // The corrections among the members of a model, all factors 1. channels: those of the diagnosis.
@@ -42,7 +53,7 @@ std::vector<LocatedCorrection> located(const study::Study& study, const study::S
                                        const std::vector<pave::pavement::Correction>& corrections);
 
 // "Between 200 and 400 mm below its top the subgrade has 45 to 65 % of the modulus of the study's model"; what is seen
-// to differ, then what is not seen. Empty: nothing of either.
+// to differ, at places or between two of them, then what is not seen. Empty: nothing of either.
 std::vector<std::string> words_of(const LocatedCorrection& found);
 // "subgrade, by depth"
 std::string channel_words(const pave::pavement::Correction& correction);

@@ -14,6 +14,10 @@ struct Fold {
 
 struct Diagnosis;
 
+// What readings say of where a correction is: nothing, that the model errs more at one place than at another, or that
+// it errs at some place.
+enum class Says { nothing, between_places, at_places };
+
 struct DiagnosisTask {
     Workbench& bench;
     std::vector<Candidate> candidates;
@@ -24,8 +28,8 @@ struct DiagnosisTask {
     std::vector<Channel> channels{}; // of corrections
     // The sample by a quicker model of the baseline; empty: by the baseline's. Nothing: interrupted.
     std::function<std::optional<std::vector<problem::Evaluation>>(const search::Design& sample)> explore = {};
-    // Whether corrections (those of its location) are known to differ from none at some place; without: they are.
-    std::function<bool(const Diagnosis& diagnosis)> says_where = {};
+    // What is known of corrections (those of its location); without: all.
+    std::function<Says(const Diagnosis& diagnosis)> says_where = {};
 };
 
 struct DiagnosisSettings {

@@ -398,7 +398,9 @@ void take(const DiagnosisTask& task, Diagnosis& d, Location location) {
     d.extended = d.location->fit;
     d.leaves_more_than_noise = d.extended->p_value < level_noise;
     d.noise_factor = d.leaves_more_than_noise ? std::sqrt(d.extended->chi2 / d.extended->dof) : 1.0;
-    if (task.says_where && !task.says_where(d)) {
+    // What explains the data by its name gives way to what is known of places only.
+    const Says needed = named.verdict == Verdict::unexplained ? Says::between_places : Says::at_places;
+    if (task.says_where && task.says_where(d) < needed) {
         d = named;
     }
 }

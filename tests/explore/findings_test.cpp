@@ -175,6 +175,28 @@ TEST(FindingsOfUnique, TellValleysFromAlternativesAndSayWhatIsMissing) {
     EXPECT_EQ(findings(result)[0], "UNDECIDED. What is missing: more searches.");
 }
 
+TEST(FindingsOfADiagnosis, SayWhatIsKnownOfPlacesBesideEachOther) {
+    using analysis::LocatedPlace;
+    analysis::LocatedCorrection found;
+    found.correction.channel = pave::pavement::Channel::depth;
+    found.correction.layer = "base";
+    found.places = {
+        LocatedPlace{.at = 0.0, .value = 2.0, .low = 0.8, .high = 5.0, .modulus = 0.0, .variance_left = 0.3},
+        LocatedPlace{.at = 300.0, .value = 0.6, .low = 0.3, .high = 1.2, .modulus = 0.0, .variance_left = 0.1}};
+    EXPECT_TRUE(found.says_where() == diagnose::Says::nothing);
+    EXPECT_EQ(words_of(found), std::vector<std::string>{"These readings hardly constrain it between 0 and 300 mm."});
+    found.contrast = {.place = 1, .beside = 0, .value = 0.3, .low = 0.25, .high = 0.36};
+    EXPECT_TRUE(found.says_where() == diagnose::Says::between_places);
+    EXPECT_EQ(words_of(found)[0], "Beside the study's model the base has around 300 mm below its top 25 to 36 % of the "
+                                  "modulus that it has around 0 mm; which of the two is off is not known.");
+    found.places[1].high = 0.9; // one of them is known for itself
+    EXPECT_TRUE(found.says_where() == diagnose::Says::at_places);
+    EXPECT_TRUE(words_of(found)[0].starts_with("Around 300 mm below its top the base has 30 to 90 %"));
+    EXPECT_FALSE(found.places[1].seen()); // a band of a factor of three
+    found.places[1].low = 0.5;
+    EXPECT_TRUE(found.places[1].seen());
+}
+
 TEST(FindingsOfADiagnosis, SayTheVerdictAndTheNoise) {
     const study::Study study = study_in_memory("uzan");
     analysis::DiagnoseResult result{.study = study,

@@ -73,7 +73,7 @@ struct World {
         return {space, std::make_shared<test::Formula>(std::move(formula)), {problem::MisfitKind::weighted, terms}};
     }
 
-    diagnose::Diagnosis diagnose() const {
+    diagnose::Diagnosis diagnose(diagnose::Says says = diagnose::Says::at_places) const {
         diagnose::Workbench bench({.problem = [this](const Members& members) { return problem(members); },
                                    .run = [](const Members&) { return 0; },
                                    .store = nullptr,
@@ -86,6 +86,7 @@ struct World {
         for (const auto& [candidate, layer] : layers) {
             task.candidates[candidate].layer = layer;
         }
+        task.says_where = [says](const diagnose::Diagnosis&) { return says; };
         task.channels = {{"first", "base", candidates, coefficients},
                          {"second", "subgrade", candidates + coefficients, coefficients}};
         for (std::size_t g = 0; g < 2; ++g) {
@@ -206,4 +207,30 @@ TEST(Location, FindsTheChannelAndItsCoefficients) {
     }
     EXPECT_GE(located, 23);
     EXPECT_GE(within, 0.88 * places);
+}
+
+// What is known between places only locates what no name explains, and displaces no name.
+TEST(Location, OfPlacesThatAreKnownBesideEachOtherTakesNoNameAway) {
+    int unexplained = 0;
+    int located = 0;
+    int displaced = 0;
+    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+        World world(2000 + seed);
+        world.data += world.changes.rightCols(4) * VectorXd{{-0.8, -0.6, 0.1, 0.5}};
+        using diagnose::Says;
+        unexplained += world.diagnose(Says::nothing).verdict == Verdict::unexplained;
+        located += world.diagnose(Says::between_places).verdict == Verdict::located;
+        // A name that explains it, but for what one coefficient more does.
+        World named(5000 + seed);
+        named.signatures.col(1) = named.changes.col(5) + 0.2 * named.changes.col(6);
+        named.data += named.changes.col(5) * 0.7;
+        if (named.diagnose(Says::nothing).verdict == Verdict::unexplained) {
+            continue;
+        }
+        displaced += named.diagnose(Says::at_places).is_located();
+        EXPECT_FALSE(named.diagnose(Says::between_places).is_located()) << seed;
+    }
+    EXPECT_GE(unexplained, 11);
+    EXPECT_GE(located, 11);
+    EXPECT_GT(displaced, 0);
 }
