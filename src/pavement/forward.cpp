@@ -4,6 +4,7 @@
 #include "base/units.h"
 #include "pavement/effects/effect.h"
 #include "pavement/load_model.h"
+#include "pavement/pulse.h"
 #include "pavement/solid_cost.h"
 
 #include <algorithm>
@@ -203,7 +204,8 @@ ForwardModel::Cost ForwardModel::cost() const {
             if (counted.insert(models_[l]->shared_model()).second) {
                 cost.memory += solid_memory(models_[l]->unknowns());
             }
-            cost.seconds += solid_seconds(models_[l]->unknowns());
+            const auto steps = nominal_.loads[l].is_pulse() ? steps_of(nominal_, static_cast<int>(l)) : 0;
+            cost.seconds += solid_seconds(models_[l]->unknowns(), steps);
         }
     }
     return cost;
