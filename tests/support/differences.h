@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <gtest/gtest.h>
 
 namespace test {
 
@@ -54,6 +55,28 @@ inline Disagreement disagreement(const pave::pavement::Response& exact, std::siz
         d.scale = std::max(d.scale, std::abs(rates[i]) * unit);
     }
     return d;
+}
+
+// Derivatives of every reading of a pulse by these parameters, against differences from points a thousandth apart.
+inline void expect_exact_derivatives(const pave::pavement::Case& c, std::initializer_list<const char*> paths,
+                                     double tolerance) {
+    const pave::pavement::ForwardModel model(c);
+    const auto workspace = model.make_workspace();
+    std::vector<pave::pavement::Parameter> parameters;
+    for (const char* path : paths) {
+        parameters.push_back(find_parameter(c, path, {}));
+    }
+    const auto exact = model.run(c, parameters, *workspace);
+    ASSERT_TRUE(exact) << exact.failure().reason;
+    for (std::size_t p = 0; p < parameters.size(); ++p) {
+        const double value = parameters[p].get(c);
+        const double range = value == 0.0 ? 1.0 : std::abs(value);
+        const auto differences = central_differences(model, c, parameters[p], 1e-3 * range, *exact, *workspace);
+        ASSERT_TRUE(differences);
+        const auto d = disagreement(*exact, p, range, differences->rates);
+        EXPECT_LT(d.worst, tolerance * std::max(d.scale, 0.1)) << parameters[p].path;
+        EXPECT_GT(d.scale, 1e-6) << parameters[p].path;
+    }
 }
 
 } // namespace test
