@@ -327,6 +327,7 @@ Json diagnosis_json(const DiagnoseResult& f, const std::string& extended_path) {
     json["outputs"] = std::move(outputs);
     json["noise"] = {{"source", f.study.noise_name()}, {"residual_standard_deviation", std::sqrt(d.variance)}};
     json["findings"] = findings(f);
+    json["warnings"] = warnings_json(reported.evaluation);
     return json;
 }
 
@@ -357,7 +358,7 @@ std::string diagnosis_page(const DiagnoseResult& f) {
     const DiagnosedModel& reported_before = *f.before;
     const std::vector<double> before = residuals_of(f, d.baseline.model);
     const std::vector<double> after = d.extended ? residuals_of(f, d.extended->model) : std::vector<double>{};
-    std::string text = sentences(findings(f));
+    std::string text = sentences(findings(f)) + warning_lines((f.after ? *f.after : reported_before).evaluation);
     text += "\nResiduals (model - measured) in standard deviations, of the study's model";
     text += after.empty() ? "\n" : ", and with " + members_words(f.candidates, d.extended->model.members) + "\n";
     text += fmt::format("  {}\n", sign_convention);

@@ -320,6 +320,7 @@ Json unique_json(const UniqueResult& result, const analysis::RunOptions& run) {
         json["reduced_model"] = reduced_json(*result.reduced);
     }
     json["findings"] = findings(result);
+    json["warnings"] = warnings_json(result.best().evaluation);
     json["parameters"] = space_json(result.problem.space);
     json["responses"] = responses_json(study, result.best().evaluation.responses);
     add_residuals(json["responses"], study, result.problem, result.best().evaluation,
@@ -371,7 +372,7 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
             text += fmt::format("    {} ended: {}\n", count, landscape::end_kind_names[kind]);
         }
     }
-    text += "\n" + sentences(findings(result));
+    text += "\n" + sentences(findings(result)) + warning_lines(result.best().evaluation);
     if (!u.parameters.empty()) {
         text += fmt::format("\nWhat the data accept (95 %)\n");
         if (!outputs.empty()) {

@@ -225,7 +225,7 @@ bool is_plate(const Case& c, std::optional<int> load) {
 
 std::string why_not_in_time(const Case& c) {
     const bool in_time = std::any_of(c.loads.begin(), c.loads.end(), [](const Load& load) { return load.is_pulse(); });
-    return in_time ? "" : "only under a plate with a history does the section move in time";
+    return in_time ? "" : "only under a load with a history does the section move in time";
 }
 
 bool has_gauges(const Case& c) {
