@@ -60,9 +60,9 @@ struct Statistics {
     double limited_share = 0.0;  // modulus limit met
     // Under a pulse: the error of the readings by the steps of time, of the largest of their kind; an estimate.
     double time_error = 0.0;
-    // Under a pulse: what stress-dependent layers keep of their largest strain when it is over, though their stress does
-    // not answer to it, both as roots of energy. Tangents along a path of stress that does not go back the way it came
-    // leave some.
+    // Under a pulse: what stress-dependent layers keep of their largest strain when it is over, though their stress
+    // does not answer to it, both as roots of energy. Tangents along a path of stress that does not go back the way it
+    // came leave some.
     double kept_share = 0.0;
 };
 
