@@ -1,10 +1,12 @@
 #include "study/candidates.h"
 
 #include "base/units.h"
+#include "pavement/effects/effect.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace explore::study {
 
@@ -88,7 +90,14 @@ Study candidates(const Study& study) {
             std::move(more.begin(), more.end(), std::back_inserter(list));
         }
     }
-    return with_measurements(std::move(extended), std::move(list));
+    extended = with_measurements(std::move(extended), std::move(list));
+    for (pave::pavement::AppliedEffect& applied :
+         extended.model.effects) { // another instrument reads what is not yet there
+        if (applied.reading || applied.effect->is_error_of_reading) {
+            applied.reading = std::numeric_limits<int>::max();
+        }
+    }
+    return extended;
 }
 
 double candidate_noise(Quantity quantity, double value) {

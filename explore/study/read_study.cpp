@@ -287,8 +287,8 @@ std::string hash_of(toml::table table, const Study& study) {
     std::ostringstream text;
     text << toml::default_formatter(table);
     for (const Load& load : study.model.loads) {
-        for (const auto& [time, share] : load.history) {
-            text << fmt::format("\n{},{}", time, share * load.pressure);
+        for (const auto& [time, share] : load.history) { // of wheels the pressure does not say the force
+            text << fmt::format("\n{},{},{}", time, share * load.pressure, share * load.total_force());
         }
     }
     return hash_with_readings(text.str(), study.measured());

@@ -49,6 +49,12 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
         return std::count_if(readings.begin(), readings.end(), same) > 1 &&
                *std::find_if(readings.begin(), readings.end(), same) == i;
     };
+    const auto has_times_at = [&](std::size_t i) {
+        return std::any_of(readings.begin(), readings.end(), [&](std::size_t other) {
+            return study.readings[other].time_ms &&
+                   study.readings[other].place_words() == study.readings[i].place_words();
+        });
+    };
     std::vector<Variant> list;
     for (const Effect* effect : effects()) {
         const bool has_it = std::any_of(study.model.effects.begin(), study.model.effects.end(),
@@ -67,8 +73,7 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
             for (const std::size_t i : readings) {
                 // What one place reads under one load alone could as well be an error of that reading. Peaks tell the
                 // gain of one instrument neither from its place nor from the section below it: histories do.
-                const bool stands_for_place =
-                    first_of_place(i) && (!effect->takes_quantity || study.readings[i].time_ms);
+                const bool stands_for_place = first_of_place(i) && (!effect->takes_quantity || has_times_at(i));
                 if (effect->is_error_of_reading || stands_for_place) {
                     add({.reading = static_cast<int>(i)},
                         effect->takes_quantity ? "every " + study.readings[i].place_words()

@@ -1,4 +1,5 @@
 #include "fe/boundary.h"
+#include "fe/deadline.h"
 #include "fe/memory.h"
 #include "fe/rates.h"
 #include "fe/solver_work.h"
@@ -90,7 +91,9 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
     using State = PathState<Element>;
     using Kind = Variation::Kind;
     Work& w = *work_;
-    w.prepare(layers, variations, settings, springs, motions);
+    SolverSettings exact = settings; // nothing brings back to equilibrium what adds up over the steps
+    exact.linear_tolerance = std::min(settings.linear_tolerance, 1e-6);
+    w.prepare(layers, variations, exact, springs, motions);
     const Pattern& lower = w.topology->lower;
     const int points = w.points();
     const int count = w.count();
@@ -155,10 +158,23 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
     result.course = Course(n, steps, count, false);
     Course& course = result.course;
 
+    const auto kinetic_energy = [&] {
+        Eigen::VectorXd momentum = Eigen::VectorXd::Zero(unknowns);
+        add_product(lower, mass, 1.0, v, momentum);
+        return momentum.dot(v) / 2.0;
+    };
+    double most_work = 0.0;
+    double largest_stress = 0.0;
+    Eigen::VectorXd largest_u; // when it was reached
+    Eigen::VectorXd largest_modulus;
+    const Deadline deadline(settings.time_limit);
     bool has_matrix = false;
     std::vector<Eigen::VectorXd> felt(memories.size());
     std::vector<Eigen::MatrixXd> felt_rates(memories.size());
     for (std::size_t i = 0; i < steps; ++i) {
+        if (deadline.has_passed()) {
+            return Deadline::failure();
+        }
         const double factor = pulse.means[i];
         if (points > 0) {
             // As in the step before.
@@ -264,6 +280,16 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
         now.add(1.0, change);
         v = 2.0 / h * du - v;
         dv = 2.0 / h * right - dv;
+        if (points > 0) { // what is linear cannot give back more than it got
+            most_work = std::max(most_work, result.work);
+            constexpr double much = 4.0;
+            if (!(kinetic_energy() <= much * most_work)) {
+                return Failure{Status::failed,
+                               "the motion grows beyond what the load puts into the section: the moduli of "
+                               "stress-dependent layers do not settle under a load so sudden. Give the layers damping "
+                               "(damping_time_ms), or the history a rise that takes longer"};
+            }
+        }
         Felt by = w.felt_by_all(now.u, now.du);
         for (std::size_t m = 0; m < memories.size(); ++m) {
             memories[m].advance(h, du, right);
@@ -273,16 +299,27 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
             by.du[memories[m].layer] = &felt_rates[m];
         }
         w.read_all(readings, now, by, i, course);
+        double stress = 0.0; // of the stress-dependent layers, squared
+        for (int q = 0; q < points; ++q) {
+            stress +=
+                w.point(w.active[q / Element::gauss], q % Element::gauss).weight * now.stress.col(q).squaredNorm();
+        }
+        if (stress > largest_stress) {
+            largest_stress = stress;
+            largest_u = now.u;
+            largest_modulus = w.modulus;
+        }
         if (i == largest) {
             result.at_largest = w.solution_at(now, by, factor * load);
         }
     }
-    Eigen::VectorXd momentum = Eigen::VectorXd::Zero(unknowns);
-    add_product(lower, mass, 1.0, v, momentum);
-    result.kinetic = momentum.dot(v) / 2.0;
+    result.kinetic = kinetic_energy();
     Statistics& statistics = result.at_largest.statistics;
     statistics.residual_relative = 0.0; // of motion: none is left
-    statistics.kept_share = w.kept_share(now, result.at_largest);
+    constexpr double nothing = 0.05;    // of the largest load
+    if (largest_stress > 0.0 && std::abs(pulse.means.back()) < nothing * pulse.means[largest]) {
+        statistics.kept_share = w.kept_share(now, largest_u, largest_modulus);
+    }
     statistics.load_steps = static_cast<int>(steps);
     statistics.factorizations = w.system.factorizations();
     return result;

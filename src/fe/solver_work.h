@@ -793,8 +793,10 @@ struct Solver<Element>::Work {
     }
 
     // Of the stress-dependent layers: the strain at the end beyond that which its stress is reached with along a
-    // straight path from rest, over the strain of a solution, as roots of energy with the moduli there.
-    double kept_share(const PathState<Element>& end, const Solution<Element>& at_largest) const {
+    // straight path from rest, over that of a displacement where it is largest, as roots of energy with the moduli
+    // there.
+    double kept_share(const PathState<Element>& end, const Eigen::VectorXd& largest_u,
+                      const Eigen::VectorXd& largest_modulus) const {
         double kept = 0.0;
         double all = 0.0;
         for (int q = 0; q < points(); ++q) {
@@ -811,8 +813,8 @@ struct Solver<Element>::Work {
             }
             const Stress strain = Element::strain(point(e, g), model->gather(e, end.u.data()));
             const Stress beyond = strain - softness * (compliance(e, g) * end.stress.col(q));
-            const Stress largest = Element::strain(point(e, g), model->gather(e, at_largest.displacement.data()));
-            const double stiffness = point(e, g).weight * at_largest.modulus[e * Element::gauss + g];
+            const Stress largest = Element::strain(point(e, g), model->gather(e, largest_u.data()));
+            const double stiffness = point(e, g).weight * largest_modulus[q];
             kept += stiffness * beyond.dot(unit(e, g) * beyond);
             all += stiffness * largest.dot(unit(e, g) * largest);
         }

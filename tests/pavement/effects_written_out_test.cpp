@@ -261,6 +261,47 @@ TEST(SensorsThatErr, AreReadWhereTheyAreAndTimesTheirGain) {
     EXPECT_EQ(why_impossible(c, {.effect = find_effect("outlier")}), "no such reading");
 }
 
+// A geophone reads every drop of its device, wherever another effect moves it to, and no wheel's.
+TEST(EffectsOnReadings, OfOneInstrumentActOnEveryReadingOfIt) {
+    Case c;
+    c.layers = {linear_layer("asphalt", 0.1, 3e9, 0.35), linear_layer("subgrade", 2.0, 60e6, 0.4)};
+    Load second = plate(0.15, 900e3);
+    second.name = "second";
+    c.loads = {plate(), second, dual_wheel(40e3, 650e3, Patch::circle)};
+    c.settings.layered = true;
+    for (const int load : {0, 1, 2}) {
+        for (const double x : {0.3, 0.6}) {
+            c.sensors.push_back(deflection(x));
+            c.sensors.back().load = load;
+        }
+    }
+    AppliedEffect gain{.effect = find_effect("sensor-gain"), .size = 1.2, .reading = 1};
+    const auto gained = [&](Case of) {
+        const auto plain = values_of(of);
+        of.effects.push_back(gain);
+        const auto there = values_of(of);
+        std::vector<bool> by;
+        for (std::size_t i = 0; i < plain.size(); ++i) {
+            by.push_back(std::abs(there[i] / plain[i] - 1.2) < 1e-12);
+            EXPECT_TRUE(by.back() || there[i] == plain[i]);
+        }
+        return by;
+    };
+    const std::vector<bool> every_drop{false, true, false, true, false, false};
+    EXPECT_EQ(gained(c), every_drop);
+    AppliedEffect moved{.effect = find_effect("load-offset"), .size = 50.0, .load = 1};
+    Case with_offset = c;
+    with_offset.effects = {moved};
+    EXPECT_EQ(gained(with_offset), every_drop);
+    AppliedEffect slipped{.effect = find_effect("sensor-position"), .size = 300.0, .reading = 0};
+    with_offset.effects = {slipped}; // to where the other one is
+    EXPECT_EQ(gained(with_offset), every_drop);
+    gain.reading = 100; // of a list of readings that has no such instrument
+    EXPECT_EQ(gained(c), std::vector<bool>(6, false));
+    gain.load = 0;
+    EXPECT_EQ(why_impossible(c, gain), "a reading says its load and quantity");
+}
+
 TEST(EffectsOnNumbers, AreTheSectionWithThoseNumbers) {
     const Case c = axisymmetric_case();
     const auto differs = [&](std::string_view name, double size, const auto& change) {

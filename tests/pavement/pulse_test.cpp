@@ -316,6 +316,37 @@ TEST(Pulse, SaysWhatStrainItKeeps) {
     double at_end = 0.0;
     EXPECT_GT(kept(law, 0.025, 2e-4, &at_end), 0.3);
     EXPECT_GT(at_end, 0.3);
+
+    // A load that stays is largest from its first step on, when nothing has moved yet; one that is cut off is not over.
+    Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4, .residual_stress = 60e3});
+    c.settings.time_step = 2e-4;
+    c.sensors = {deflection(0.0)};
+    c.loads[0].history = {{0.0, 1.0}, {0.02, 1.0}, {0.021, 0.0}, {0.05, 0.0}};
+    for (Layer& layer : c.layers) {
+        layer.damping_time = 5e-4;
+    }
+    EXPECT_LT(run(c)->statistics.kept_share, 1.0);
+    c.loads[0].history = {{0.0, 0.0}, {0.01, 1.0}};
+    EXPECT_EQ(run(c)->statistics.kept_share, 0.0);
+}
+
+// A shock without damping: moduli that follow the stress make more motion of it than it brought.
+TEST(Pulse, ThatGrowsWithoutEndHasNoAnswer) {
+    Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4, .residual_stress = 60e3});
+    c.settings.time_step = 2e-4;
+    c.sensors = {deflection(0.0)};
+    c.loads[0].history = {{0.0, 1.0}, {0.02, 1.0}, {0.021, 0.0}, {0.05, 0.0}};
+    const auto found = run(c);
+    ASSERT_FALSE(found);
+    EXPECT_NE(found.failure().reason.find("damping_time_ms"), std::string::npos);
+}
+
+TEST(Pulse, IsOverWithinTheTimeAllowed) {
+    Case c = captif_in_motion();
+    c.settings.solver.time_limit = 0.0;
+    const auto found = run(c);
+    ASSERT_FALSE(found);
+    EXPECT_NE(found.failure().reason.find("time_limit_s"), std::string::npos);
 }
 
 TEST(Pulse, HasExactDerivatives) {

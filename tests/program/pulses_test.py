@@ -107,6 +107,18 @@ for x in (600, 1800):
 done = json.loads(run("forward", write("steps", STUDY.replace("time_step_ms = 1", "time_step_ms = 8")), "--json").stdout)
 check(any("time_step_ms" in w for w in done["warnings"]), f"steps that are too long: {done['warnings']}")
 
+# What was recorded is part of the study: of a wheel whose pressure is stated, the force.
+data = HEADER + "".join(f"drop,deflection,{x},0,0,0,{t},{300 if x else 900},um,\n" for x in (0, 600) for t in (9, 12, 15))
+for scale in (1, 1.5):
+    text = "time_ms,force_kN\n" + "".join(f"{t},{float(v) * scale}\n" for t, v in (row.split(",") for row in FORCE.splitlines()[1:]))
+    fitted = run("fit", write("kept wheel", STUDY.replace(PLATE, 'type = "wheel"\npatch = "circle"\npressure_kPa = 900'), data, text), "--explore", "4", "--starts", "1",
+                 "--out", folder / "kept wheel" / "out", "--json")
+    check(fitted.returncode == 0, f"a wheel with {scale} times the force: {fitted.stderr}")
+    modulus = json.loads(fitted.stdout)["best"]["parameters"]["subgrade.modulus_MPa"]
+    if scale == 1:
+        before = modulus
+check(abs(modulus / before - 1) > 0.1, f"half as much force again, the same answer: {before} and {modulus}")
+
 # What cannot be.
 def refused(name, words, where, **files):
     done = run("fit", write(name, **files), "--out", folder / name / "out")

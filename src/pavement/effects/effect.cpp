@@ -70,9 +70,12 @@ Case with_effects(const Case& c, int load) {
     out.corrections.clear();
     // What is applied need not be the same under every load.
     out.settings.shares_paths = c.settings.shares_paths && c.effects.empty() && c.corrections.empty();
-    for (const AppliedEffect& applied : c.effects) {
-        if (is_active(applied)) {
-            applied.effect->apply(out, with_layer(c, applied), load);
+    // Gains know instruments by their places, so they act before others move them; the order of gains is none.
+    for (const bool of_gains : {true, false}) {
+        for (const AppliedEffect& applied : c.effects) {
+            if (is_active(applied) && applied.effect->takes_quantity == of_gains) {
+                applied.effect->apply(out, with_layer(c, applied), load);
+            }
         }
     }
     for (const Correction& correction : c.corrections) {

@@ -9,7 +9,10 @@ namespace pave::pavement {
 namespace {
 
 void apply(Case& c, const AppliedEffect& applied, int) {
-    c.sensors[applied.reading.value_or(0)].gain *= 1.0 + applied.size;
+    const auto reading = static_cast<std::size_t>(applied.reading.value_or(0));
+    if (reading < c.sensors.size()) {
+        c.sensors[reading].gain *= 1.0 + applied.size;
+    }
 }
 
 std::string refuses(const Case& c, const AppliedEffect& applied) {

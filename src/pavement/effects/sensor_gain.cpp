@@ -12,10 +12,16 @@ bool is_scaled(const Case& c, const AppliedEffect& applied, const Sensor& sensor
         return false;
     }
     if (applied.reading) { // what is stated at its place is the same instrument, on every drop
-        const Sensor& own = c.sensors[static_cast<std::size_t>(*applied.reading)];
+        const auto reading = static_cast<std::size_t>(*applied.reading);
+        if (reading >= c.sensors.size()) {
+            return false;
+        }
+        const Sensor& own = c.sensors[reading];
+        const auto type_under = [&](const Sensor& s) { return c.loads[static_cast<std::size_t>(s.load)].type; };
         constexpr double same = 1e-6; // m
-        return sensor.quantity == own.quantity && std::abs(sensor.x - own.x) < same &&
-               std::abs(sensor.y - own.y) < same && std::abs(sensor.depth - own.depth) < same;
+        const auto near = [](double a, double b) { return std::abs(a - b) < same; };
+        return sensor.quantity == own.quantity && type_under(sensor) == type_under(own) && near(sensor.x, own.x) &&
+               near(sensor.y, own.y) && near(sensor.depth, own.depth) && near(sensor.gauge, own.gauge);
     }
     if (!applied.load && !applied.quantity) { // the group of the first reading
         return sensor.load == c.sensors.front().load && sensor.quantity == c.sensors.front().quantity;
@@ -33,6 +39,9 @@ void apply(Case& c, const AppliedEffect& applied, int) {
 }
 
 std::string refuses(const Case& c, const AppliedEffect& applied) {
+    if (applied.reading && (applied.load || applied.quantity)) {
+        return "a reading says its load and quantity";
+    }
     const bool any = std::any_of(c.sensors.begin(), c.sensors.end(),
                                  [&](const Sensor& sensor) { return is_scaled(c, applied, sensor); });
     return any ? "" : "no such reading";

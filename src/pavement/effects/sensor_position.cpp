@@ -29,7 +29,11 @@ const Sensor* named(const Case& c, const AppliedEffect& applied) {
 // One bar carries the sensors of all drops: what is stated at the same place is the same sensor. One under the load
 // moves along x.
 void apply(Case& c, const AppliedEffect& applied, int) {
-    const Sensor at = *named(c, applied);
+    const Sensor* own = named(c, applied);
+    if (own == nullptr) {
+        return;
+    }
+    const Sensor at = *own;
     const double distance = std::hypot(at.x, at.y);
     const double along_x = distance > 0.0 ? at.x / distance : 1.0;
     const double along_y = distance > 0.0 ? at.y / distance : 0.0;
