@@ -387,11 +387,12 @@ private:
             const auto& is = after->parameters[k];
             if (was.value < is.low || was.value > is.high) {
                 biased.push_back(
-                    fmt::format("{} {} instead of {}", study.space.axes[k].name, figure(is.value), figure(was.value)));
+                    fmt::format("{} {} instead of {}", study.space.axes[k].name, figure(was.value), figure(is.value)));
             }
         }
         if (!biased.empty() && d.verdict != Verdict::unexplained && !d.leaves_more_than_noise) {
-            text.push_back("Without the effect the fit was biased: " + pave::join(biased) + ".");
+            text.push_back(fmt::format("Without the {} the fit was biased: {}.",
+                                       d.is_located() ? "correction" : "effect", pave::join(biased)));
         }
     }
 

@@ -226,13 +226,16 @@ std::vector<std::string> words_of(const LocatedCorrection& found) {
             ++end;
         }
         if (places[i].side() != 0) {
-            const auto clearest = std::max_element(
-                places.begin() + static_cast<std::ptrdiff_t>(i), places.begin() + static_cast<std::ptrdiff_t>(end),
-                [](const auto& a, const auto& b) { return std::abs(std::log(a.value)) < std::abs(std::log(b.value)); });
+            const auto first = places.begin() + static_cast<std::ptrdiff_t>(i);
+            const auto last = places.begin() + static_cast<std::ptrdiff_t>(end);
+            const double low =
+                std::min_element(first, last, [](const auto& a, const auto& b) { return a.low < b.low; })->low;
+            const double high =
+                std::max_element(first, last, [](const auto& a, const auto& b) { return a.high < b.high; })->high;
             std::string sentence =
                 fmt::format("{}{} {} {} {} to {} % of {}.", range_words(found, i, end - 1),
-                            variable_words(found.correction), what, of_layer ? "has" : "read", share(clearest->low),
-                            share(clearest->high), of_layer ? "the modulus of the study's model" : "what there is");
+                            variable_words(found.correction), what, of_layer ? "has" : "read", share(low), share(high),
+                            of_layer ? "the modulus of the study's model" : "what there is");
             sentence[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence[0])));
             text.push_back(std::move(sentence));
         }
