@@ -128,14 +128,7 @@ Json corrections_json(const DiagnoseResult& f) {
             json["variance_left"].push_back(place.variance_left);
             json["seen"].push_back(place.seen());
         }
-        json["contrast"] = nullptr;
-        if (const auto& contrast = found.contrast) {
-            json["contrast"] = {{"at", found.places[contrast->place].at},
-                                {"beside", found.places[contrast->beside].at},
-                                {"value", contrast->value},
-                                {"low", contrast->low},
-                                {"high", contrast->high}};
-        }
+        json["contrast"] = contrast_json(found);
         json["alike"] = Json::array();
         for (const std::size_t c : own.alike) {
             json["alike"].push_back(channel_json(f.corrections[c]));

@@ -138,6 +138,17 @@ Json warnings_json(const problem::Evaluation& evaluation) {
     return json;
 }
 
+Json contrast_json(const analysis::LocatedCorrection& found) {
+    if (!found.contrast) {
+        return nullptr;
+    }
+    return {{"at", found.places[found.contrast->place].at},
+            {"beside", found.places[found.contrast->beside].at},
+            {"value", found.contrast->value},
+            {"low", found.contrast->low},
+            {"high", found.contrast->high}};
+}
+
 Json output_range_json(const data::Reading& output, const analysis::OutputUncertainty& range) {
     return {{"low", output.in_unit(range.low)},
             {"high", output.in_unit(range.high)},

@@ -1,6 +1,7 @@
 // Numbers of runs as JSON.
 #pragma once
 
+#include "analysis/located.h"
 #include "analysis/mesh_error.h"
 #include "analysis/output_ranges.h"
 #include "analysis/session.h"
@@ -49,6 +50,10 @@ Json warnings_json(const problem::Evaluation& evaluation);
 
 // Of an output, in its unit: `low`, `high` if the model is right, `if_wrong` if it may lack something.
 Json output_range_json(const data::Reading& output, const analysis::OutputUncertainty& range);
+
+// {"at", "beside", "value", "low", "high"}: the factor at one place over that at the other; null: no two are told
+// apart.
+Json contrast_json(const analysis::LocatedCorrection& found);
 
 // What a finer mesh would do to an answer of the study.
 Json mesh_json(const study::Study& study, const analysis::MeshError& error);

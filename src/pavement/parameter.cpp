@@ -117,23 +117,16 @@ std::span<const KeyInfo> load_keys(LoadType type, Patch patch, bool has_history)
                                "with a history: added to the times of readings to get those of the history",
                                nullptr,
                                [](Load& l) -> double& { return l.time_shift; }};
-    static const KeyInfo largest_pressure = [] {
-        KeyInfo key = pressure;
+    const auto as_recorded = [](KeyInfo key, std::string_view meaning) {
         key.default_value = std::numeric_limits<double>::quiet_NaN();
-        key.meaning = "the largest contact pressure, in place of that of the history";
+        key.meaning = meaning;
         return key;
-    }();
-    static const KeyInfo largest_tyre_pressure = [] {
-        KeyInfo key = largest_pressure;
-        key.changes_geometry = true;
-        return key;
-    }();
-    static const KeyInfo largest_force = [] {
-        KeyInfo key = force;
-        key.default_value = std::numeric_limits<double>::quiet_NaN();
-        key.meaning = "the largest force of the whole wheel assembly, in place of that of the history";
-        return key;
-    }();
+    };
+    constexpr std::string_view of_pressure = "the largest contact pressure, in place of that of the history";
+    static const KeyInfo largest_pressure = as_recorded(pressure, of_pressure);
+    static const KeyInfo largest_tyre_pressure = as_recorded(tyre_pressure, of_pressure);
+    static const KeyInfo largest_force =
+        as_recorded(force, "the largest force of the whole wheel assembly, in place of that of the history");
     static const KeyInfo plate[] = {radius, pressure, duration};
     static const KeyInfo recorded[] = {radius, largest_pressure, shift};
     static const KeyInfo recorded_wheel_circle[] = {largest_force, largest_tyre_pressure, shift};
