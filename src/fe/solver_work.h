@@ -1,7 +1,6 @@
 // What both integrations share: the layers prepared for one run, assembly, and the closing figures. Private to fe/.
 #pragma once
 
-#include "fe/gauss_rule.h"
 #include "fe/load_path.h"
 #include "fe/solver.h"
 #include "fe/symmetric_system.h"
@@ -790,35 +789,6 @@ struct Solver<Element>::Work {
         store(now.stress, now.d_stress, solution);
         finish(load, by, solution);
         return solution;
-    }
-
-    // Of the stress-dependent layers: the strain at the end beyond that which its stress is reached with along a
-    // straight path from rest, over that of a displacement where it is largest, as roots of energy with the moduli
-    // there.
-    double kept_share(const PathState<Element>& end, const Eigen::VectorXd& largest_u,
-                      const Eigen::VectorXd& largest_modulus) const {
-        double kept = 0.0;
-        double all = 0.0;
-        for (int q = 0; q < points(); ++q) {
-            const int e = active[q / Element::gauss];
-            const int g = q % Element::gauss;
-            const LayerMaterial& layer = layer_of(e);
-            // The mean of 1/E over the path. Where little confines at rest it begins as one over the root of the share
-            // of the way: share = x^2.
-            double softness = 0.0;
-            for (const auto& [xi, weight] : three_points) {
-                const double x = (1.0 + xi) / 2.0;
-                const Stress total = initial[q] + x * x * end.stress.col(q);
-                softness += weight * x / layer.law->modulus(layer.parameters, mechanics::invariants<N>(total)).value;
-            }
-            const Stress strain = Element::strain(point(e, g), model->gather(e, end.u.data()));
-            const Stress beyond = strain - softness * (compliance(e, g) * end.stress.col(q));
-            const Stress largest = Element::strain(point(e, g), model->gather(e, largest_u.data()));
-            const double stiffness = point(e, g).weight * largest_modulus[q];
-            kept += stiffness * beyond.dot(unit(e, g) * beyond);
-            all += stiffness * largest.dot(unit(e, g) * largest);
-        }
-        return all > 0.0 ? std::sqrt(kept / all) : 0.0;
     }
 
     // A reading and its rates where linear layers answer to `by`.
