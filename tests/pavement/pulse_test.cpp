@@ -2,6 +2,7 @@
 // of slow loads and of little mass, energy, derivatives.
 #include "reference/layered_pulse.h"
 #include "support/differences.h"
+#include "support/motion.h"
 #include "support/sections.h"
 
 #include "fe/course.h"
@@ -236,13 +237,7 @@ TEST(Pulse, LeavesWithTheEnergyThatTheLoadBrought) {
     for (Layer& layer : c.layers) {
         layer.damping_time = 0.0;
     }
-    const auto after = [&](double until) {
-        c.loads[0].history = haversine_history(0.025, until);
-        const auto parts = parts_of<Axisymmetric>(c, 0);
-        fe::Solver<Element> solver(parts.model);
-        auto marched = solver.pulse(parts.layers, parts.load, pulse_of(c, 0), {}, {}, {});
-        return std::move(marched).value();
-    };
+    const auto after = [&](double until) { return marched_until<Axisymmetric>(c, haversine_history(0.025, until)); };
     const auto early = after(0.012);
     EXPECT_GT(early.work, 0.0);
     EXPECT_LT(early.absorbed, 1e-3 * early.work);

@@ -1,6 +1,7 @@
 // A section in motion in three dimensions: against superposed transform solutions of two circles, energy, derivatives.
 #include "reference/layered_pulse.h"
 #include "support/differences.h"
+#include "support/motion.h"
 #include "support/sections.h"
 
 #include "pavement/load_model.h"
@@ -91,13 +92,7 @@ TEST(SolidPulse, LeavesWithTheEnergyThatTheLoadBrought) {
         layer.damping_time = 0.0;
     }
     c.settings.time_step = 1e-3;
-    const auto after = [&](double until) {
-        c.loads[0].history = haversine_history(duration, until);
-        const auto parts = parts_of<Solid>(c, 0);
-        fe::Solver<fe::Hex20> solver(parts.model);
-        auto marched = solver.pulse(parts.layers, parts.load, pulse_of(c, 0), {}, {}, {});
-        return std::move(marched).value();
-    };
+    const auto after = [&](double until) { return marched_until<Solid>(c, haversine_history(duration, until)); };
     const auto early = after(0.012);
     EXPECT_GT(early.work, 0.0);
     EXPECT_LT(early.absorbed, 5e-3 * early.work);
