@@ -60,16 +60,33 @@ DiagnosedModel model_of(const DiagnoseResult& result, diagnose::Workbench& bench
     return m;
 }
 
+// The rows of the readings whose own errors are among the first explanations.
+std::vector<std::size_t> suspected_readings(const std::vector<study::Variant>& all, const Diagnosis& d,
+                                            std::size_t most) {
+    std::vector<std::size_t> rows;
+    for (std::size_t e = 0; e < std::min(most, d.to_compare().size()); ++e) {
+        for (const std::size_t member : d.to_compare()[e].fit.model.members) {
+            const auto& applied = all[member].applied;
+            const auto row = applied.reading ? static_cast<std::size_t>(*applied.reading) : 0;
+            if (applied.reading && std::find(rows.begin(), rows.end(), row) == rows.end()) {
+                rows.push_back(row);
+            }
+        }
+    }
+    return rows;
+}
+
 // Every explanation predicts what could be read; the best reading is the one whose least separation from the best
 // explanation is largest, in standard deviations of the reading and of what the fits leave open.
 std::vector<SeparatingReading> separating_readings(const study::Study& study, const std::vector<study::Variant>& all,
                                                    diagnose::Workbench& bench, const Diagnosis& d) {
-    const study::Study list = study::candidates(study);
+    constexpr std::size_t most = 6;
+    const std::vector<std::size_t> suspected = suspected_readings(all, d, most);
+    const study::Study list = study::candidates(study, suspected);
     struct Predicted {
         std::vector<double> values, variances;
     };
     std::vector<Predicted> predicted;
-    constexpr std::size_t most = 6;
     std::vector<std::size_t> compared;
     for (std::size_t e = 0; e < std::min(most, d.to_compare().size()); ++e) {
         const auto& model = d.to_compare()[e].fit.model;
@@ -125,8 +142,12 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
         data::Reading reading = list.readings[i];
         reading.noise.absolute = study::candidate_noise(list.model.sensors[i].quantity, predicted[0].values[i]);
         const double noise = reading.noise.absolute;
-        SeparatingReading s{
-            .reading = std::move(reading), .explanations = compared, .values = {}, .power = 1.0, .rate_now = 1.0};
+        SeparatingReading s{.reading = std::move(reading),
+                            .again = i + suspected.size() >= list.readings.size(),
+                            .explanations = compared,
+                            .values = {},
+                            .power = 1.0,
+                            .rate_now = 1.0};
         for (std::size_t e = 0; e < predicted.size(); ++e) {
             s.values.push_back(s.reading.in_unit(predicted[e].values[i]));
             if (e == 0) {

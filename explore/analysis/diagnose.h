@@ -29,10 +29,13 @@ struct DiagnosedModel {
 // One reading that would separate what the data leave ambiguous.
 struct SeparatingReading {
     data::Reading reading;                 // its noise: assumed
+    bool again = false;                    // the study has it: another instrument takes it once more
     std::vector<std::size_t> explanations; // of Diagnosis::to_compare()
     std::vector<double> values;            // predicted by each of them, in the reading's unit
     double power = 0.0;    // the rate of the right decision between the best explanation and its closest rival
     double rate_now = 0.0; // the same with the present readings
+
+    std::string words() const { return reading.words() + (again ? ", once more by another instrument" : ""); }
 };
 
 struct DiagnoseResult {

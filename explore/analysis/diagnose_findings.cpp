@@ -87,7 +87,7 @@ public:
             text.push_back(fmt::format(
                 "The most informative further reading: {} (to {} {}). It would raise the rate of the right decision "
                 "between the closest two from {} to {}.",
-                best.reading.words(), figure(best.reading.in_unit(best.reading.noise.absolute)), best.reading.unit.name,
+                best.words(), figure(best.reading.in_unit(best.reading.noise.absolute)), best.reading.unit.name,
                 percent(best.rate_now), percent(best.power)));
         }
         if (!telling.empty()) {

@@ -88,6 +88,8 @@ Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Can
              {"value", s.values[e]}});
     }
     Json json = measurement_json(s.reading);
+    json["reading"] = s.words();
+    json["again"] = s.again;
     json.update({{"power", s.power}, {"rate_now", s.rate_now}, {"predicted", predicted}});
     return json;
 }

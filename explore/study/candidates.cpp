@@ -68,7 +68,7 @@ std::vector<data::Reading> readings(const Study& study, const Load& load, bool d
 
 } // namespace
 
-Study candidates(const Study& study) {
+Study candidates(const Study& study, const std::vector<std::size_t>& again) {
     Study extended = study;
     extended.data.noise_common_relative = 0.0; // of what is measured; a candidate's errors are candidate_noise()
     extended.data.noise_correlation_length = 0.0;
@@ -83,12 +83,17 @@ Study candidates(const Study& study) {
     for (const Load& load : study.model.loads) {
         if (load.type == LoadType::plate) {
             Load second = load;
-            second.name = fmt::format("{} at {:g} times the pressure", load.name, raised);
+            // Names have no full stop.
+            second.name = fmt::format("{} at {:.0f} % of the pressure", load.name, 100.0 * raised);
             second.pressure *= raised;
             extended.model.loads.push_back(second);
             auto more = readings(study, second, true);
             std::move(more.begin(), more.end(), std::back_inserter(list));
         }
+    }
+    for (const std::size_t row : again) {
+        list.push_back(study.readings[row]);
+        list.back().sigma.reset();
     }
     extended = with_measurements(std::move(extended), std::move(list));
     for (pave::pavement::AppliedEffect& applied :

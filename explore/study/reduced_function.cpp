@@ -16,7 +16,7 @@ using namespace pave::pavement;
 using Json = nlohmann::json;
 
 // Of this layout of the file, and of the algorithm that builds.
-constexpr int format_version = 5;
+constexpr int format_version = 6;
 
 class ReducedFunction final : public problem::ForwardFunction {
 public:
@@ -110,15 +110,24 @@ std::string why_no_reduced_model(const Study& study) {
             }
         }
     }
+    // Of pulses the mesh may move.
+    bool moves = true;
+    for (std::size_t l = 0; l < loads.size(); ++l) {
+        moves = moves && (!loads[l] || study.model.loads[l].is_pulse());
+    }
+    const auto why_not = [&](const Parameter& p) {
+        return (p.changes_geometry() && !moves) || p.in_effect || p.in_correction
+                   ? fmt::format("{} changes more than materials, initial stress and the size of the load", p.path)
+                   : std::string();
+    };
     for (const Parameter& p : study.parameters) {
-        if (p.changes_geometry() || p.in_effect || p.in_correction) {
-            return fmt::format("{} changes more than materials, initial stress and the size of the load", p.path);
+        if (std::string why = why_not(p); !why.empty()) {
+            return why;
         }
     }
     for (const Tie& tie : study.model.ties) {
-        if (const Parameter p = find_parameter(study.model, tie.path, {});
-            p.changes_geometry() || p.in_effect || p.in_correction) {
-            return fmt::format("{} changes more than materials, initial stress and the size of the load", p.path);
+        if (std::string why = why_not(find_parameter(study.model, tie.path, {})); !why.empty()) {
+            return why;
         }
     }
     return {};

@@ -1,80 +1,13 @@
-#include "fe/boundary.h"
 #include "fe/deadline.h"
-#include "fe/memory.h"
-#include "fe/rates.h"
-#include "fe/solver_work.h"
+#include "fe/reduced_motion.h"
+#include "fe/whole_motion.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace pave::fe {
 namespace {
-
-// to += factor * values; empty values: zero.
-void add(double factor, const std::vector<double>& values, std::vector<double>& to) {
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        to[i] += factor * values[i];
-    }
-}
-
-// A matrix of few entries.
-Spring sparse(const Pattern& lower, const std::vector<double>& values) {
-    Spring matrix;
-    for (int j = 0; j < lower.size && !values.empty(); ++j) {
-        for (int k = lower.column_start[j]; k < lower.column_start[j + 1]; ++k) {
-            if (values[static_cast<std::size_t>(k)] != 0.0) {
-                matrix.entries.push_back({lower.row[k], j, k, values[static_cast<std::size_t>(k)]});
-            }
-        }
-    }
-    return matrix;
-}
-
-// Mass of every layer, or of one as if its unit weight were 1.
-template <class Work, class Element>
-std::vector<double> mass_of(const Work& w, const Model<Element>& model, const Variation* by) {
-    std::vector<double> mass(w.topology->lower.row.size(), 0.0);
-    for (int e = 0; e < model.elements(); ++e) {
-        if (by == nullptr) {
-            add_mass(model, e, w.layer_of(e).unit_weight / unit::gravity, mass);
-        } else if (by->layer == w.topology->layer[e]) {
-            add_mass(model, e, 1.0 / unit::gravity, mass);
-        }
-    }
-    return mass;
-}
-
-// By a variation; empty: none.
-template <class Work>
-std::vector<double> mass_rate(const Work& w, int k) {
-    const Variation& v = (*w.variations)[static_cast<std::size_t>(k)];
-    if (v.kind == Variation::Kind::unit_weight) {
-        return mass_of(w, *w.model, &v);
-    }
-    std::vector<double> rate;
-    if (const auto* motion = w.motion_of(k)) {
-        rate.assign(w.topology->lower.row.size(), 0.0);
-        for (const auto& [weight, there] : motion->beside) {
-            add(weight, mass_of(w, there, nullptr), rate);
-        }
-    }
-    return rate;
-}
-
-template <class Element, class Work>
-Sides sides_rate(const Work& w, int k) {
-    Sides rate = OpenSides<Element, Work>(w, *w.model).rates(k);
-    if (const auto* motion = w.motion_of(k)) {
-        rate.dashpots.resize(w.topology->lower.row.size(), 0.0);
-        rate.springs.resize(w.topology->lower.row.size(), 0.0);
-        for (const auto& [weight, there] : motion->beside) {
-            const Sides sides = OpenSides<Element, Work>(w, there).matrices();
-            add(weight, sides.dashpots, rate.dashpots);
-            add(weight, sides.springs, rate.springs);
-        }
-    }
-    return rate;
-}
 
 // Of the stress-dependent layers: the strain at the end beyond that which its stress is reached with along a straight
 // path from rest, over that of a displacement where it is largest, as roots of energy with the moduli there.
@@ -109,103 +42,38 @@ double kept_share(const Work& w, const PathState<Element>& end, const Eigen::Vec
     return all > 0.0 ? std::sqrt(kept / all) : 0.0;
 }
 
-} // namespace
-
 // A step of h from u, v and the stress there. At its middle the velocity is du/h and the acceleration
 // 2 (du/h - v)/h, so that twice the equation of motion there is
 //     (4/h^2 M + 2/h C + K) du = 2 f - 2 F + 4/h M v,
 // with f the mean load and F the internal forces before the step; K and C hold the moduli at the middle. What relaxes
 // has its K as the share of the change that it still feels half a step on, and its F as what is felt then of u.
-template <class Element>
-Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
-                                                 const Pulse& pulse, const std::vector<Functional<Element>>& readings,
-                                                 const std::vector<Variation>& variations,
-                                                 const SolverSettings& settings, const std::vector<double>& springs,
-                                                 const std::vector<Motion<Element>>& motions) {
+// motion: of all unknowns or of a subspace. path: its buffers. ended(i, now, by): after step i.
+template <class Element, class Space, class Work, class Ended>
+std::optional<Failure> march(const Work& w, Space& motion, LoadPath<PathState<Element>>& path, const Pulse& pulse,
+                             const std::vector<double>& factors, std::vector<Memory>& memories,
+                             const SolverSettings& settings, Marched<Element>& result, Ended ended) {
     using State = PathState<Element>;
-    using Kind = Variation::Kind;
-    Work& w = *work_;
-    SolverSettings exact = settings; // nothing brings back to equilibrium what adds up over the steps
-    exact.linear_tolerance = std::min(settings.linear_tolerance, 1e-6);
-    w.prepare(layers, variations, exact, springs, motions);
-    const Pattern& lower = w.topology->lower;
-    const int points = w.points();
+    const int points = motion.points();
     const int count = w.count();
-    const Eigen::Index unknowns = w.model->free_unknowns();
+    const Eigen::Index unknowns = motion.unknowns();
     const double h = pulse.step;
-    std::vector<Memory> memories = memories_of(layers, variations, unknowns);
-
-    // Of each layer: what K + 2/h C is of its stiffness, and F of that.
-    std::vector<double> factors;
-    factors.reserve(layers.size());
-    std::vector<double> shares(layers.size(), 1.0);
-    for (const LayerMaterial& layer : layers) {
-        factors.push_back(1.0 + 2.0 * layer.damping_time / h);
-    }
-    for (const Memory& m : memories) {
-        factors[m.layer] += m.share(h / 2.0) - 1.0;
-        shares[m.layer] = 0.0;
-    }
-
-    auto& path = w.path;
+    const Eigen::VectorXd& load = motion.load();
     path.set_zero(static_cast<int>(unknowns), points, count);
     State& now = path.now;
     State& change = path.slope[0];
     State& ahead = path.trial; // at the middle of the step
-    w.set_moduli(now.stress, now.d_stress);
-    const Sides sides = OpenSides<Element, Work>(w, *w.model).matrices();
-    const Spring dashpots = sparse(lower, sides.dashpots);
-    const std::vector<double> mass = mass_of(w, *w.model, nullptr);
-    std::vector<Spring> spring_rates;
-    std::vector<Spring> dashpot_rates;
-    std::vector<std::vector<double>> mass_rates;
-    for (int k = 0; k < count; ++k) {
-        const Sides rates = sides_rate<Element>(w, k);
-        spring_rates.push_back(sparse(lower, rates.springs));
-        dashpot_rates.push_back(sparse(lower, rates.dashpots));
-        mass_rates.push_back(mass_rate(w, k));
-    }
-
-    w.assemble_linear(shares);
-    add(1.0, sides.springs, w.linear);
-    const std::vector<double> lasting = w.linear; // F of what neither relaxes nor follows the stress
-    w.assemble_linear(factors);
-    add(1.0, sides.springs, w.linear);
-    add(2.0 / h, sides.dashpots, w.linear);
-    add(4.0 / (h * h), mass, w.linear);
-
-    Eigen::MatrixXd load_rate;
-    w.set_load_rates(load, load_rate);
     Eigen::VectorXd v = Eigen::VectorXd::Zero(unknowns);
     Rates dv = Rates::Zero(unknowns, count);
-    Rates rows(unknowns, count);
-    const auto of_layer = [&](std::size_t layer, double factor, const Eigen::Ref<const Eigen::VectorXd>& x,
-                              Eigen::Ref<Eigen::VectorXd> y) {
-        add_product(lower, w.held[layer].values, factor * w.prepared[layer].modulus, x, y);
-    };
-
-    const auto n = static_cast<Eigen::Index>(readings.size());
-    const std::size_t steps = pulse.means.size();
-    const auto largest =
-        static_cast<std::size_t>(std::max_element(pulse.means.begin(), pulse.means.end()) - pulse.means.begin());
-    Marched<Element> result;
-    result.course = Course(n, steps, count, false);
-    Course& course = result.course;
-
     const auto kinetic_energy = [&] {
         Eigen::VectorXd momentum = Eigen::VectorXd::Zero(unknowns);
-        add_product(lower, mass, 1.0, v, momentum);
+        motion.add_mass(1.0, v, momentum);
         return momentum.dot(v) / 2.0;
     };
     double most_work = 0.0;
-    double largest_stress = 0.0;
-    Eigen::VectorXd largest_u; // when it was reached
-    Eigen::VectorXd largest_modulus;
     const Deadline deadline(settings.time_limit);
-    bool has_matrix = false;
     std::vector<Eigen::VectorXd> felt(memories.size());
     std::vector<Eigen::MatrixXd> felt_rates(memories.size());
-    for (std::size_t i = 0; i < steps; ++i) {
+    for (std::size_t i = 0; i < pulse.means.size(); ++i) {
         if (deadline.has_passed()) {
             return Deadline::failure();
         }
@@ -214,47 +82,36 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
             // As in the step before.
             ahead.stress = now.stress + 0.5 * change.stress;
             ahead.d_stress = now.d_stress + 0.5 * change.d_stress;
-            w.set_moduli(ahead.stress, ahead.d_stress);
+            motion.set_moduli(ahead.stress, ahead.d_stress);
         }
-        if (points > 0 || !has_matrix) {
-            Eigen::VectorXd acting = w.modulus;
-            for (int q = 0; q < points; ++q) {
-                acting[q] *= factors[static_cast<std::size_t>(w.topology->layer[w.active[q / Element::gauss]])];
-            }
-            w.assemble(acting);
-            has_matrix = w.system.set_matrix(w.values);
-            if (!has_matrix) {
-                return stiffness_not_definite();
-            }
+        if (!motion.set_matrix()) {
+            return stiffness_not_definite();
         }
         Eigen::VectorXd& du = change.u;
         du = factor * load;
-        add_product(lower, lasting, -1.0, now.u, du);
-        w.subtract_force(now.stress, 1, 0, du);
+        motion.add_lasting(-1.0, now.u, du);
+        motion.subtract_force(now.stress, 1, 0, du);
         for (std::size_t m = 0; m < memories.size(); ++m) {
             felt[m] = memories[m].before(h / 2.0, now.u);
-            of_layer(memories[m].layer, -1.0, felt[m], du);
+            motion.add_layer(memories[m].layer, -1.0, felt[m], du);
         }
         du *= 2.0;
-        add_product(lower, mass, 4.0 / h, v, du);
-        if (!w.system.solve(du, {})) {
+        motion.add_mass(4.0 / h, v, du);
+        if (!motion.solve(du)) {
             return stiffness_not_definite();
         }
 
         Eigen::MatrixXd& right = change.du;
-        right = factor * load_rate;
+        right = factor * motion.load_rates();
         if (count > 0) {
-            rows.setZero();
-            add_product(lower, mass, Rates((2.0 / h) * dv), rows);
-            add_product(lower, lasting, Rates(-now.du), rows);
-            right += rows;
+            motion.add_history_rates(2.0 / h, dv, now.du, right);
         }
         for (int k = 0; k < count; ++k) {
             auto column = right.col(k);
-            w.subtract_force(now.d_stress, count, k, column);
-            w.subtract_force_motion(k, now.stress, column.data());
+            motion.subtract_force(now.d_stress, count, k, column);
+            motion.subtract_force_motion(k, now.stress, column);
             for (const Memory& m : memories) {
-                of_layer(m.layer, -1.0, m.before_rate(h / 2.0, now.u, now.du.col(k), k), column);
+                motion.add_layer(m.layer, -1.0, m.before_rate(h / 2.0, now.u, now.du.col(k), k), column);
             }
         }
         right *= 2.0;
@@ -274,42 +131,41 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
             for (const Eigen::VectorXd& x : by_layer) {
                 by.push_back(&x);
             }
+            const Eigen::VectorXd slowed = v - du / h;
             for (int k = 0; k < count; ++k) {
                 auto column = right.col(k);
-                const Variation& variation = variations[static_cast<std::size_t>(k)];
-                if (const auto& rate = mass_rates[static_cast<std::size_t>(k)]; !rate.empty()) {
-                    add_product(lower, rate, 4.0 / h, v - du / h, column);
-                }
-                spring_rates[static_cast<std::size_t>(k)].add_product(both.data(), -1.0, column.data());
-                dashpot_rates[static_cast<std::size_t>(k)].add_product(du.data(), -2.0 / h, column.data());
-                w.subtract_linear_rate(k, both, by, column.data());
+                const Variation& variation = (*w.variations)[static_cast<std::size_t>(k)];
+                motion.add_mass_rate(k, 4.0 / h, slowed, column);
+                motion.add_spring_rate(k, -1.0, both, column);
+                motion.add_dashpot_rate(k, -2.0 / h, du, column);
+                motion.subtract_linear_rate(k, both, by, column);
                 for (const Memory& m : memories) {
-                    of_layer(m.layer, -m.share_rate(h / 2.0, k), du, column);
+                    motion.add_layer(m.layer, -m.share_rate(h / 2.0, k), du, column);
                 }
-                if (variation.kind == Kind::damping && !w.prepared[variation.layer].stress_dependent) {
-                    of_layer(static_cast<std::size_t>(variation.layer), -2.0 / h, du, column);
+                if (variation.kind == Variation::Kind::damping && !w.prepared[variation.layer].stress_dependent) {
+                    motion.add_layer(static_cast<std::size_t>(variation.layer), -2.0 / h, du, column);
                 }
             }
         }
-        w.set_stress(du, change.stress, change.d_stress, right, factors);
+        motion.set_stress(du, change.stress, change.d_stress, right);
         for (int k = 0; k < count; ++k) {
-            const Variation& variation = variations[static_cast<std::size_t>(k)];
-            if (variation.kind == Kind::damping && w.prepared[variation.layer].stress_dependent) {
+            const Variation& variation = (*w.variations)[static_cast<std::size_t>(k)];
+            if (variation.kind == Variation::Kind::damping && w.prepared[variation.layer].stress_dependent) {
                 Eigen::VectorXd force = Eigen::VectorXd::Zero(unknowns);
-                w.subtract_force(change.stress, 1, 0, force, variation.layer);
+                motion.subtract_force(change.stress, 1, 0, force, variation.layer);
                 right.col(k) += 2.0 / h * force;
             }
         }
         if (count > 0) {
-            if (!w.system.solve(right, {})) {
+            if (!motion.solve(right)) {
                 return stiffness_not_definite();
             }
-            w.add_stress_rates(right, change.d_stress);
+            motion.add_stress_rates(right, change.d_stress);
         }
 
         result.work += factor * load.dot(du);
         Eigen::VectorXd resisting = Eigen::VectorXd::Zero(unknowns);
-        dashpots.add_product(du.data(), 1.0 / h, resisting.data());
+        motion.add_dashpots(1.0 / h, du, resisting);
         result.absorbed += resisting.dot(du);
         now.add(1.0, change);
         v = 2.0 / h * du - v;
@@ -324,7 +180,7 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
                                "(damping_time_ms), or the history a rise that takes longer"};
             }
         }
-        Felt by = w.felt_by_all(now.u, now.du);
+        Felt by = motion.felt_by_all(now);
         for (std::size_t m = 0; m < memories.size(); ++m) {
             memories[m].advance(h, du, right);
             felt[m] = memories[m].felt(now.u);
@@ -332,7 +188,68 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
             by.u[memories[m].layer] = &felt[m];
             by.du[memories[m].layer] = &felt_rates[m];
         }
-        w.read_all(readings, now, by, i, course);
+        motion.read_all(now, by, i, result.course);
+        ended(i, now, by);
+    }
+    result.kinetic = kinetic_energy();
+    return std::nullopt;
+}
+
+} // namespace
+
+template <class Element>
+Outcome<Marched<Element>>
+Solver<Element>::pulse(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load, const Pulse& pulse,
+                       const std::vector<Functional<Element>>& readings, const std::vector<Variation>& variations,
+                       const SolverSettings& settings, const std::vector<double>& springs,
+                       const std::vector<Motion<Element>>& motions, const Subspace* subspace) {
+    using State = PathState<Element>;
+    Work& w = *work_;
+    SolverSettings exact = settings; // nothing brings back to equilibrium what adds up over the steps
+    exact.linear_tolerance = std::min(settings.linear_tolerance, 1e-6);
+    w.prepare(layers, variations, exact, springs, motions);
+    const int points = w.points();
+    const int count = w.count();
+    const double h = pulse.step;
+    std::vector<Memory> memories =
+        memories_of(layers, variations, subspace != nullptr ? subspace->modes.cols() : w.model->free_unknowns());
+
+    // Of each layer: what K + 2/h C is of its stiffness, and F of that.
+    std::vector<double> factors;
+    factors.reserve(layers.size());
+    std::vector<double> shares(layers.size(), 1.0);
+    for (const LayerMaterial& layer : layers) {
+        factors.push_back(1.0 + 2.0 * layer.damping_time / h);
+    }
+    for (const Memory& m : memories) {
+        factors[m.layer] += m.share(h / 2.0) - 1.0;
+        shares[m.layer] = 0.0;
+    }
+    const std::size_t steps = pulse.means.size();
+    const auto largest =
+        static_cast<std::size_t>(std::max_element(pulse.means.begin(), pulse.means.end()) - pulse.means.begin());
+    Marched<Element> result;
+    result.course = Course(static_cast<Eigen::Index>(readings.size()), steps, count, false);
+    auto& path = w.path;
+    path.set_zero(static_cast<int>(w.model->free_unknowns()), points, count);
+    w.set_moduli(path.now.stress, path.now.d_stress);
+    if (subspace != nullptr) {
+        ReducedMotion<Element, Work> motion(w, *subspace, readings, load, factors, shares, h);
+        if (const auto failure = march<Element>(w, motion, path, pulse, factors, memories, settings, result,
+                                                [](std::size_t, const State&, const Felt&) {})) {
+            return *failure;
+        }
+        result.at_largest.statistics.load_steps = static_cast<int>(steps);
+        return result;
+    }
+    double largest_stress = 0.0;
+    Eigen::VectorXd largest_u; // when it was reached
+    Eigen::VectorXd largest_modulus;
+    WholeMotion<Element, Work> motion(w, readings, load, factors, shares, h);
+    const auto ended = [&](std::size_t i, const State& now, const Felt& by) {
+        if (on_march_) {
+            on_march_(now.u, w.modulus);
+        }
         double stress = 0.0; // of the stress-dependent layers, squared
         for (int q = 0; q < points; ++q) {
             stress +=
@@ -344,15 +261,17 @@ Outcome<Marched<Element>> Solver<Element>::pulse(const std::vector<LayerMaterial
             largest_modulus = w.modulus;
         }
         if (i == largest) {
-            result.at_largest = w.solution_at(now, by, factor * load);
+            result.at_largest = w.solution_at(now, by, pulse.means[i] * load);
         }
+    };
+    if (const auto failure = march<Element>(w, motion, path, pulse, factors, memories, settings, result, ended)) {
+        return *failure;
     }
-    result.kinetic = kinetic_energy();
     Statistics& statistics = result.at_largest.statistics;
     statistics.residual_relative = 0.0; // of motion: none is left
     constexpr double nothing = 0.05;    // of the largest load
     if (largest_stress > 0.0 && std::abs(pulse.means.back()) < nothing * pulse.means[largest]) {
-        statistics.kept_share = kept_share(w, now, largest_u, largest_modulus);
+        statistics.kept_share = kept_share(w, path.now, largest_u, largest_modulus);
     }
     statistics.load_steps = static_cast<int>(steps);
     statistics.factorizations = w.system.factorizations();
@@ -363,10 +282,11 @@ template Outcome<Marched<AxisymmetricQ8>>
 Solver<AxisymmetricQ8>::pulse(const std::vector<LayerMaterial>&, const Eigen::VectorXd&, const Pulse&,
                               const std::vector<Functional<AxisymmetricQ8>>&, const std::vector<Variation>&,
                               const SolverSettings&, const std::vector<double>&,
-                              const std::vector<Motion<AxisymmetricQ8>>&);
+                              const std::vector<Motion<AxisymmetricQ8>>&, const Subspace*);
 template Outcome<Marched<Hex20>> Solver<Hex20>::pulse(const std::vector<LayerMaterial>&, const Eigen::VectorXd&,
                                                       const Pulse&, const std::vector<Functional<Hex20>>&,
                                                       const std::vector<Variation>&, const SolverSettings&,
-                                                      const std::vector<double>&, const std::vector<Motion<Hex20>>&);
+                                                      const std::vector<double>&, const std::vector<Motion<Hex20>>&,
+                                                      const Subspace*);
 
 } // namespace pave::fe

@@ -18,6 +18,7 @@
 #include "fe/materials.h"
 #include "fe/model.h"
 #include "fe/sparse_solver.h"
+#include "fe/subspace.h"
 
 #include <functional>
 #include <limits>
@@ -109,6 +110,10 @@ struct InertialCourse {
     Course at_rest; // one instant, at a factor of 1 on the load
 };
 
+// What sees a march in time: the displacement at the end of a step, and the modulus in its middle at the Gauss points
+// of the stress-dependent elements, in the order of elements.
+using OnMarch = std::function<void(const Eigen::VectorXd& displacement, const Eigen::VectorXd& modulus)>;
+
 // Solves on one model; keeps its factors and buffers between calls (same input, same bits, whatever came before).
 // One object a thread. The model must outlive it.
 template <class Element>
@@ -151,18 +156,22 @@ public:
     // of the impedances rho cp and rho cs (Lysmer and Kuhlemeyer 1969) at the moduli before the load, beside springs
     // that stand for the section beyond (boundary.h). The implicit midpoint rule, second order and without damping of
     // its own, with the moduli at the middle of a step as the step before foretells them: one symmetric positive
-    // definite system a step, whatever its length. Derivatives are those of its steps.
+    // definite system a step, whatever its length. Derivatives are those of its steps. subspace: the motion is looked
+    // for in it, of a model without springs; the course alone is of it then.
     Outcome<Marched<Element>> pulse(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
                                     const Pulse& pulse, const std::vector<Functional<Element>>& readings,
                                     const std::vector<Variation>& variations, const SolverSettings& settings,
                                     const std::vector<double>& springs = {},
-                                    const std::vector<Motion<Element>>& motions = {});
+                                    const std::vector<Motion<Element>>& motions = {},
+                                    const Subspace* subspace = nullptr);
 
     // Called by `incremental` at the start of a stress-dependent load path and after every step, with the load factor,
     // the rate of the displacement by it and the modulus at the Gauss points of the stress-dependent elements, in the
     // order of elements.
     using OnStep = std::function<void(double load_factor, const Eigen::VectorXd& rate, const Eigen::VectorXd& modulus)>;
     void on_step(OnStep f) { on_step_ = std::move(f); }
+    // Called by `pulse` on all unknowns after every step.
+    void on_march(OnMarch f) { on_march_ = std::move(f); }
 
     // right := K^-1 right with the last stiffness of `incremental`, that of the section as it stands under the load.
     // False: it is not definite.
@@ -182,6 +191,7 @@ private:
     struct Work;
     std::unique_ptr<Work> work_;
     OnStep on_step_;
+    OnMarch on_march_;
 };
 
 } // namespace pave::fe

@@ -642,33 +642,38 @@ struct Solver<Element>::Work {
         }
     }
 
-    // modulus, and modulus_rate by every variation, at the points of the active elements where the load stress is this;
-    // C and its rates where it follows the stress.
+    // modulus, and modulus_rate by every variation, at number q of the points of the active elements where the load
+    // stress is this; C and its rates where it follows the stress. d_stress(k): its rate by variation k.
+    template <class StressRate>
+    void set_modulus(int q, const Stress& stress, const StressRate& d_stress) {
+        const int e = active[q / Element::gauss];
+        const LayerMaterial& layer = layer_of(e);
+        const Stress total = initial[q] + stress;
+        const auto at = mechanics::invariants<N>(total);
+        const auto m = layer.law->modulus(layer.parameters, at);
+        modulus[q] = m.value;
+        const auto whole_rate = [&](int k) {
+            return Stress(initial_rate[static_cast<std::size_t>(q) * count() + k] + d_stress(k));
+        };
+        if (prepared_of(e).turns_with_stress) {
+            turn(q, total, at, whole_rate);
+        }
+        if (count() > 0) {
+            const Stress gradient = modulus_gradient<N>(m, at, total);
+            for (int k = 0; k < count(); ++k) {
+                modulus_rate[static_cast<Eigen::Index>(q) * count() + k] =
+                    gradient.dot(whole_rate(k)) + explicit_modulus_rate(layer, topology->layer[e], at, m, k);
+            }
+        }
+    }
+    // The same at all of them.
     template <class Stresses>
     void set_moduli(const Stresses& stress, const Stresses& d_stress) {
         modulus.resize(points());
         modulus_rate.resize(static_cast<Eigen::Index>(points()) * count());
         for (int q = 0; q < points(); ++q) {
-            const int e = active[q / Element::gauss];
-            const LayerMaterial& layer = layer_of(e);
-            const Stress total = initial[q] + stress.col(q);
-            const auto at = mechanics::invariants<N>(total);
-            const auto m = layer.law->modulus(layer.parameters, at);
-            modulus[q] = m.value;
-            if (prepared_of(e).turns_with_stress) {
-                turn(q, total, at, [&](int k) {
-                    const Eigen::Index qk = static_cast<Eigen::Index>(q) * count() + k;
-                    return Stress(initial_rate[qk] + d_stress.col(qk));
-                });
-            }
-            if (count() > 0) {
-                const Stress gradient = modulus_gradient<N>(m, at, total);
-                for (int k = 0; k < count(); ++k) {
-                    const Eigen::Index qk = static_cast<Eigen::Index>(q) * count() + k;
-                    modulus_rate[qk] = gradient.dot(initial_rate[qk] + d_stress.col(qk)) +
-                                       explicit_modulus_rate(layer, topology->layer[e], at, m, k);
-                }
-            }
+            set_modulus(q, stress.col(q),
+                        [&](int k) { return d_stress.col(static_cast<Eigen::Index>(q) * count() + k); });
         }
     }
     // With these moduli: stress := that of the displacement u at the points of the active elements, d_stress := its

@@ -114,7 +114,8 @@ class LoadModelOf final : public LoadModel {
 public:
     using Element = typename Kind::Element;
 
-    LoadModelOf(const Case& nominal, int load, const LoadModels& others)
+    // subspace: of the pulse, if it is looked for in one.
+    LoadModelOf(const Case& nominal, int load, const LoadModels& others, std::optional<fe::Subspace> subspace = {})
         : load_(load),
           breaks_(Kind::breaks(nominal, load)),
           mesh_(affordable_mesh<Kind>(nominal, load)),
@@ -122,7 +123,8 @@ public:
           is_pulse_(nominal.loads[load].is_pulse()),
           model_(model_among(others)),
           incompressible_(incompressible_layers(nominal)),
-          path_of_(path_of_each(nominal)) {
+          path_of_(path_of_each(nominal)),
+          subspace_(std::move(subspace)) {
         if (!model_) {
             model_ = std::make_shared<fe::Model<Element>>(fe::make_model(mesh_, linear_layers(nominal), springs_));
         }
@@ -137,8 +139,13 @@ public:
         own->geometry = std::static_pointer_cast<Geometry>(shared);
         return own;
     }
-    int unknowns() const override { return model_->free_unknowns(); }
+    int unknowns() const override {
+        return subspace_ ? static_cast<int>(subspace_->modes.cols()) : model_->free_unknowns();
+    }
     const void* shared_model() const override { return model_.get(); }
+    void watch(Workspace& workspace, fe::OnMarch f) const override {
+        static_cast<Own&>(workspace).on_march = std::move(f);
+    }
 
     Outcome<Reading> run(const Case& values, const std::vector<fe::LayerMaterial>& layers,
                          const std::vector<fe::Variation>& variations, const std::vector<Neighbours>& moving,
@@ -197,6 +204,9 @@ public:
             return does_not_fit;
         }
         const Eigen::VectorXd force = load.pressure * load.factor * own.unit_load;
+        if (subspace_) {
+            return Failure{Status::failed, "a reduced model knows readings, not fields"};
+        }
         if (load.is_pulse()) {
             const auto marched = own.geometry->solver->pulse(layers, force, pulse_of(values, load_), {}, {},
                                                              values.settings.solver, spring_stiffness(values));
@@ -311,24 +321,33 @@ private:
                               const std::vector<std::vector<Observation<Element>>>& observation_rates, Own& own) const {
         Responses responses;
         if (values.loads[load_].is_pulse()) {
+            auto& solver = *own.geometry->solver;
             const auto march = [&](const fe::Pulse& pulse, const std::vector<fe::Functional<Element>>& readings,
                                    const std::vector<fe::Variation>& variations) {
-                return own.geometry->solver->pulse(layers, force, pulse, readings, variations, values.settings.solver,
-                                                   spring_stiffness(values), motions);
+                return solver.pulse(layers, force, pulse, readings, variations, values.settings.solver,
+                                    spring_stiffness(values), motions, subspace_ ? &*subspace_ : nullptr);
             };
             const fe::Pulse pulse = pulse_of(values, load_);
-            const auto coarse = march(coarser(pulse), functionals(values, own), {});
-            if (!coarse) {
-                return coarse.failure();
+            std::optional<fe::Course> coarse; // a reduced model is judged by the full one
+            if (!subspace_) {
+                auto outcome = march(coarser(pulse), functionals(values, own), {});
+                if (!outcome) {
+                    return outcome.failure();
+                }
+                coarse = std::move(std::move(outcome).value().course);
             }
+            solver.on_march(own.on_march);
             auto outcome = march(pulse, with_moved(values, observation_rates, own), by);
+            solver.on_march({});
             if (!outcome) {
                 return outcome.failure();
             }
             auto fine = std::move(outcome).value();
             add_moved(by, observation_rates.size(), fine.course);
             responses.statistics = fine.at_largest.statistics;
-            responses.statistics.time_error = time_error(values, fine.course, coarse->course);
+            if (coarse) {
+                responses.statistics.time_error = time_error(values, fine.course, *coarse);
+            }
             responses.moving = std::move(fine.course);
         } else if (values.relaxes()) {
             const fe::History history = fe::haversine(values.loads[load_].duration, relaxing_steps);
@@ -492,6 +511,7 @@ private:
         Eigen::VectorXd unit_load;   // pressure 1 Pa
         std::vector<Sensor> sensors; // of the observations
         std::vector<Observation<Element>> observations;
+        fe::OnMarch on_march;
 
         // d(unit_load)/d(pressure_shape): the pressure is linear in it.
         Eigen::VectorXd unit_load_rate(Load load) const {
@@ -599,6 +619,7 @@ private:
     std::shared_ptr<const fe::Model<Element>> model_; // nominal; loads on one mesh have one
     std::vector<bool> incompressible_;                // layers
     std::vector<int> path_of_;                        // path_of_each()
+    std::optional<fe::Subspace> subspace_;
 };
 
 } // namespace
@@ -708,6 +729,13 @@ std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, 
         return std::make_unique<LoadModelOf<Axisymmetric>>(nominal, number, others);
     }
     return std::make_unique<LoadModelOf<Solid>>(nominal, number, others);
+}
+
+std::unique_ptr<const LoadModel> make_pulse_model(const Case& nominal, int number, fe::Subspace subspace) {
+    if (nominal.loads[number].is_axisymmetric()) {
+        return std::make_unique<LoadModelOf<Axisymmetric>>(nominal, number, LoadModels{}, std::move(subspace));
+    }
+    return std::make_unique<LoadModelOf<Solid>>(nominal, number, LoadModels{}, std::move(subspace));
 }
 
 } // namespace pave::pavement

@@ -83,6 +83,8 @@ public:
     virtual int unknowns() const = 0;
     // The finite element model under it; loads with the same one use its memory in turn. None: there is none.
     virtual const void* shared_model() const { return nullptr; }
+    // Has f called along the pulses of runs with this workspace.
+    virtual void watch(Workspace&, fe::OnMarch) const {}
     // How deep a section can be read [m].
     virtual double reach(const Case& values) const { return values.depth(); }
 
@@ -112,6 +114,9 @@ std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int load, 
 // the load does not fit into the mesh.
 std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, int load,
                                                            const LoadModels& others = {});
+
+// The same of a load that is a pulse, its motion looked for in a subspace of that model.
+std::unique_ptr<const LoadModel> make_pulse_model(const Case& nominal, int load, fe::Subspace subspace);
 
 // The parts of such a model with the load vector at the load's own pressure, for tests and benchmarks that look inside.
 template <class Kind>

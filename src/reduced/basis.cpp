@@ -16,13 +16,15 @@ std::string why_not(const Case& c, int load) {
     if (own.settings.integration != Integration::incremental) {
         return "the law is integrated as a secant";
     }
-    if (own.relaxes()) {
+    const bool is_pulse = own.loads[static_cast<std::size_t>(load)].is_pulse();
+    if (own.relaxes() && !is_pulse) {
         return "a layer relaxes";
     }
     if (own.turns()) {
         return "the anisotropy of a layer follows the stress";
     }
-    if (std::none_of(own.layers.begin(), own.layers.end(), [](const Layer& l) { return l.law->stress_dependent(); })) {
+    if (!is_pulse &&
+        std::none_of(own.layers.begin(), own.layers.end(), [](const Layer& l) { return l.law->stress_dependent(); })) {
         return "no layer depends on stress: the full model is as fast";
     }
     for (const Layer& layer : own.layers) {
@@ -35,9 +37,6 @@ std::string why_not(const Case& c, int load) {
     }
     if (own.loads[static_cast<std::size_t>(load)].plate_stiffness) {
         return "the plate is stiff";
-    }
-    if (own.loads[static_cast<std::size_t>(load)].is_pulse()) {
-        return "the load is a pulse";
     }
     if (own.loads[static_cast<std::size_t>(load)].inertia) {
         return "inertia is modelled";

@@ -1,7 +1,8 @@
 #include "pavement/effects/effect.h"
 #include "reduced/calibration.h"
-#include "reduced/nonnegative.h"
+#include "reduced/cubature.h"
 #include "reduced/projection.h"
+#include "reduced/pulse_build.h"
 #include "reduced/reduced_load.h"
 
 #include <Eigen/Eigenvalues>
@@ -9,7 +10,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numeric>
-#include <random>
 
 namespace pave::reduced {
 namespace {
@@ -236,22 +236,8 @@ private:
             scale.segment(from, size).setConstant(1.0 / std::sqrt(gram.block(from, from, size, size).sum()));
             begin = end;
         }
-        gram = scale.asDiagonal() * gram * scale.asDiagonal();
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
-        const Eigen::VectorXd& values = eigen.eigenvalues(); // increasing
-        const double all = values.sum();
-        Eigen::Index modes = 0;
-        double left = all;
-        while (modes < std::min(most_modes(), values.size()) && left > mode_tolerance * all) {
-            left -= values[values.size() - 1 - modes];
-            ++modes;
-        }
-        Eigen::MatrixXd factors(values.size(), modes);
-        for (Eigen::Index i = 0; i < modes; ++i) {
-            const Eigen::Index from = values.size() - 1 - i;
-            factors.col(i) = scale.asDiagonal() * eigen.eigenvectors().col(from) / std::sqrt(values[from]);
-        }
-        basis.modes = snapshots * factors;
+        basis.modes = proper_modes(snapshots, gram, scale, most_modes(), mode_tolerance);
+        const Eigen::Index modes = basis.modes.cols();
         if (most_dual_modes() > 0) {
             add_dual_modes(metric, basis.modes);
             basis.coarse = static_cast<int>(modes);
@@ -297,113 +283,22 @@ private:
         modes.rightCols(duals) = added;
     }
 
-    // Points and weights that give the forces of the snapshots on the modes.
+    // Points and weights that give the forces of the snapshots on the modes. Forces of a snapshot are relative to the
+    // work of the load, and count as what happens over its step.
     void make_cubature(Basis& basis, const std::vector<std::pair<std::size_t, std::size_t>>& which) const {
-        std::mt19937_64 random(settings_.seed);
-        std::vector<std::pair<std::size_t, std::size_t>> taken = which;
-        std::shuffle(taken.begin(), taken.end(), random);
-        taken.resize(std::min<std::size_t>(taken.size(), most_force_snapshots));
-        Eigen::MatrixXd rates(model_.free_unknowns(), static_cast<Eigen::Index>(taken.size()));
-        for (std::size_t k = 0; k < taken.size(); ++k) {
-            rates.col(static_cast<Eigen::Index>(k)) = runs_[taken[k].first].rates[taken[k].second];
-        }
-        const Eigen::Index modes = basis.modes.cols();
-        const Eigen::Index forces = modes * static_cast<Eigen::Index>(taken.size());
-        // Random combinations of the forces keep their distances (Johnson and Lindenstrauss); the volume is kept as it
-        // is.
-        const auto rows = Eigen::Index{3} * most_points();
-        std::normal_distribution<double> normal;
-        Eigen::MatrixXd mix(rows, forces);
-        for (double& x : mix.reshaped()) {
-            x = normal(random) / std::sqrt(static_cast<double>(rows));
-        }
-        // Forces of a snapshot are relative to the work of the load, and count as what happens over its step.
-        for (std::size_t k = 0; k < taken.size(); ++k) {
-            const auto& run = runs_[taken[k].first];
+        std::vector<ForceSnapshot> forces;
+        for (const auto& [r, step] : which) {
+            const auto& run = runs_[r];
             double total = 0.0;
             for (std::size_t s = 0; s < run.rates.size(); ++s) {
                 total += run.lengths[s] * run.force.dot(run.rates[s]);
             }
-            const double work = run.force.dot(run.rates[taken[k].second]);
-            const double own = std::sqrt(run.lengths[taken[k].second] * work / total);
-            mix.middleCols(static_cast<Eigen::Index>(k) * modes, modes) *= own / std::sqrt(work);
+            const double work = run.force.dot(run.rates[step]);
+            const double own = std::sqrt(run.lengths[step] * work / total);
+            forces.push_back({&run.rates[step], &run.moduli[step], &run.layers, own / std::sqrt(work)});
         }
-        const auto points = static_cast<Eigen::Index>(active_.size()) * Element::gauss;
-        std::vector<std::vector<Eigen::Matrix<double, N, N>>> units(runs_.size());
-        for (std::size_t r = 0; r < runs_.size(); ++r) {
-            for (const auto& layer : runs_[r].layers) {
-                units[r].push_back(layer.template unit_stiffness<N>());
-            }
-        }
-        // All points make the forces that are wanted; some of them, drawn at random, are candidates for the cubature.
-        std::vector<Eigen::Index> candidates(static_cast<std::size_t>(points));
-        std::iota(candidates.begin(), candidates.end(), 0);
-        std::shuffle(candidates.begin(), candidates.end(), random);
-        candidates.resize(std::min<std::size_t>(candidates.size(), most_candidates));
-        std::vector<Eigen::Index> column_of(static_cast<std::size_t>(points), -1);
-        for (std::size_t j = 0; j < candidates.size(); ++j) {
-            column_of[static_cast<std::size_t>(candidates[j])] = static_cast<Eigen::Index>(j);
-        }
-        Eigen::MatrixXd columns(rows + 1, static_cast<Eigen::Index>(candidates.size()));
-        constexpr std::size_t parts = 32; // of the elements: sums in a fixed order, whoever makes them
-        std::vector<Eigen::VectorXd> force_of_part(parts, Eigen::VectorXd::Zero(forces));
-        std::vector<double> volume_of_part(parts, 0.0);
-        for_each_(parts, [&](std::size_t part) {
-            constexpr Eigen::Index together = 32;
-            Eigen::MatrixXd works(forces, together); // of candidates
-            std::vector<Eigen::Index> columns_of_works;
-            const auto mix_works = [&] {
-                const auto count = static_cast<Eigen::Index>(columns_of_works.size());
-                const Eigen::MatrixXd mixed = mix * works.leftCols(count);
-                for (Eigen::Index k = 0; k < count; ++k) {
-                    columns.col(columns_of_works[static_cast<std::size_t>(k)]).head(rows) = mixed.col(k);
-                }
-                columns_of_works.clear();
-            };
-            for (std::size_t a = part * active_.size() / parts; a < (part + 1) * active_.size() / parts; ++a) {
-                const auto layer =
-                    static_cast<std::size_t>(model_.topology->layer[static_cast<std::size_t>(active_[a])]);
-                for (int g = 0; g < Element::gauss; ++g) {
-                    const int q = active_[a] * Element::gauss + g;
-                    const auto at = static_cast<Eigen::Index>(a) * Element::gauss + g;
-                    const double weight = model_.points[static_cast<std::size_t>(q)].weight;
-                    const Strains of_modes = fe::strains(model_, q, basis.modes);
-                    Strains stress = fe::strains(model_, q, rates);
-                    for (std::size_t k = 0; k < taken.size(); ++k) {
-                        const auto& [run, step] = taken[k];
-                        const auto column = static_cast<Eigen::Index>(k);
-                        const Eigen::Matrix<double, N, 1> strain = stress.col(column);
-                        stress.col(column) = weight * runs_[run].moduli[step][at] * (units[run][layer] * strain);
-                    }
-                    const Eigen::MatrixXd work = of_modes.transpose() * stress; // modes x snapshots
-                    force_of_part[part] += work.reshaped();
-                    volume_of_part[part] += weight;
-                    if (const Eigen::Index j = column_of[static_cast<std::size_t>(at)]; j >= 0) {
-                        works.col(static_cast<Eigen::Index>(columns_of_works.size())) = work.reshaped();
-                        columns_of_works.push_back(j);
-                        columns(rows, j) = weight;
-                        if (columns_of_works.size() == together) {
-                            mix_works();
-                        }
-                    }
-                }
-            }
-            mix_works();
-        });
-        Eigen::VectorXd whole(rows + 1);
-        whole.head(rows) = mix * std::accumulate(force_of_part.begin() + 1, force_of_part.end(), force_of_part[0]);
-        whole[rows] = std::accumulate(volume_of_part.begin(), volume_of_part.end(), 0.0);
-        const double volume_counts = 0.05 * whole.head(rows).norm() / whole[rows]; // a little
-        columns.row(rows) *= volume_counts;
-        whole[rows] *= volume_counts;
-        const Eigen::VectorXd weights = nonnegative_least_squares(columns, whole, cubature_tolerance, most_points());
-        for (std::size_t j = 0; j < candidates.size(); ++j) {
-            if (const double weight = weights[static_cast<Eigen::Index>(j)]; weight > 0.0) {
-                const int q = active_[static_cast<std::size_t>(candidates[j] / Element::gauss)] * Element::gauss +
-                              static_cast<int>(candidates[j] % Element::gauss);
-                basis.points.push_back({q, weight * model_.points[static_cast<std::size_t>(q)].weight});
-            }
-        }
+        basis.points =
+            cubature(model_, active_, basis.modes, std::move(forces), most_points(), settings_.seed, for_each_);
     }
 
     // At the runs that the modes are from, then at the samples that the build has not seen (from `first`), where both
@@ -446,11 +341,7 @@ private:
         return true;
     }
 
-    static constexpr double mode_tolerance = 1e-8; // of the energy of snapshots and duals, that the modes leave out
-    static constexpr double cubature_tolerance = 3e-4;
     static constexpr Eigen::Index most_dual_fields = 240;
-    static constexpr std::size_t most_force_snapshots = 120;
-    static constexpr std::size_t most_candidates = 6000;
     // Deflections need fewer modes than what is read within a layer.
     bool reads_within() const {
         return std::any_of(own_.sensors.begin(), own_.sensors.end(),
@@ -481,6 +372,9 @@ Outcome<Basis> build(const Case& nominal, int load, std::span<const Case> sample
     BuildReport own;
     BuildReport& said = report != nullptr ? *report : own;
     said = {};
+    if (nominal.loads[static_cast<std::size_t>(load)].is_pulse()) {
+        return build_pulse(nominal, load, samples, settings, for_each, said);
+    }
     if (nominal.loads[static_cast<std::size_t>(load)].is_axisymmetric()) {
         return Builder<Axisymmetric>(nominal, load, samples, settings, for_each).build(said);
     }

@@ -4,6 +4,7 @@
 #include "fe/materials.h"
 #include "pavement/observation.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCore>
 #include <cmath>
 
@@ -42,6 +43,30 @@ Eigen::SparseMatrix<double> energy(const fe::Model<Element>& model, const std::v
     Eigen::SparseMatrix<double> k(model.free_unknowns(), model.free_unknowns());
     k.setFromTriplets(entries.begin(), entries.end());
     return k;
+}
+
+constexpr double mode_tolerance = 1e-8; // of the energy of snapshots (and duals), that modes leave out
+
+// Proper orthogonal decomposition: the fields with most of the energy of snapshots, each times its scale; a column a
+// field, of energy 1. gram: energies of the unscaled snapshots with each other.
+inline Eigen::MatrixXd proper_modes(const Eigen::MatrixXd& snapshots, Eigen::MatrixXd gram,
+                                    const Eigen::VectorXd& scale, Eigen::Index most, double tolerance) {
+    gram = scale.asDiagonal() * gram * scale.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+    const Eigen::VectorXd& values = eigen.eigenvalues(); // increasing
+    const double all = values.sum();
+    Eigen::Index modes = 0;
+    double left = all;
+    while (modes < std::min(most, values.size()) && left > tolerance * all) {
+        left -= values[values.size() - 1 - modes];
+        ++modes;
+    }
+    Eigen::MatrixXd factors(values.size(), modes);
+    for (Eigen::Index i = 0; i < modes; ++i) {
+        const Eigen::Index from = values.size() - 1 - i;
+        factors.col(i) = scale.asDiagonal() * eigen.eigenvectors().col(from) / std::sqrt(values[from]);
+    }
+    return snapshots * factors;
 }
 
 // What each observation reads, as forces, a column each: their work on a displacement is its reading (of a stress, with

@@ -148,10 +148,11 @@ void keep_few(Case& c) {
     });
 }
 
-// What else could be read: under both loads and under a drop that is half as heavy again.
+// What else could be read: under both loads and under a drop that is half as heavy again; the strains of the study once
+// more, by other gauges.
 Case with_further_readings(Case c) {
     Load heavier = c.loads[0];
-    heavier.name += " at 1.5 times the pressure";
+    heavier.name += " at 150 % of the pressure";
     heavier.pressure *= 1.5;
     c.loads.push_back(heavier);
     std::vector<Sensor> more;
@@ -169,6 +170,8 @@ Case with_further_readings(Case c) {
             more.push_back({load, Quantity::stress_zz, 0.0, 0.0, asphalt + base + gauge / 2.0, 0.0});
         }
     }
+    std::copy_if(c.sensors.begin(), c.sensors.end(), std::back_inserter(more),
+                 [](const Sensor& s) { return s.quantity == Quantity::strain_zz; });
     c.sensors.insert(c.sensors.end(), more.begin(), more.end()); // those that an effect names keep their numbers
     return c;
 }

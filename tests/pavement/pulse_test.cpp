@@ -344,7 +344,10 @@ TEST(Pulse, IsOverWithinTheTimeAllowed) {
     EXPECT_NE(found.failure().reason.find("time_limit_s"), std::string::npos);
 }
 
-TEST(Pulse, HasExactDerivatives) {
+namespace {
+
+// Every kind of layer and reading that a pulse has.
+Case of_all_kinds() {
     Case c = captif_in_motion();
     c.layers[0] = relaxing_asphalt(10e9, 0.5, 0.2, 1e-4);
     c.sensors = {
@@ -355,30 +358,78 @@ TEST(Pulse, HasExactDerivatives) {
             c.sensors.back().time = time;
         }
     }
+    return c;
+}
+const std::initializer_list<const char*> all_kinds = {"asphalt.modulus_MPa",
+                                                      "asphalt.tau1_s",
+                                                      "asphalt.damping_time_ms",
+                                                      "asphalt.density_kg_m3",
+                                                      "base.k1",
+                                                      "base.k2",
+                                                      "base.k3",
+                                                      "base.n",
+                                                      "base.density_kg_m3",
+                                                      "base.damping_time_ms",
+                                                      "subgrade.modulus_MPa",
+                                                      "subgrade.poisson",
+                                                      "subgrade.density_kg_m3",
+                                                      "subgrade.damping_time_ms",
+                                                      "fwd.pressure_kPa",
+                                                      "fwd.time_shift_ms",
+                                                      "asphalt.thickness_mm",
+                                                      "base.thickness_mm",
+                                                      "subgrade.thickness_mm",
+                                                      "fwd.radius_mm"};
+
+} // namespace
+
+TEST(Pulse, HasExactDerivatives) {
+    Case c = of_all_kinds();
     for (const bool half_space : {false, true}) {
         c.half_space = half_space;
         SCOPED_TRACE(half_space ? "half-space" : "rock");
-        expect_exact_derivatives(c,
-                                 {"asphalt.modulus_MPa",
-                                  "asphalt.tau1_s",
-                                  "asphalt.damping_time_ms",
-                                  "asphalt.density_kg_m3",
-                                  "base.k1",
-                                  "base.k2",
-                                  "base.k3",
-                                  "base.n",
-                                  "base.density_kg_m3",
-                                  "base.damping_time_ms",
-                                  "subgrade.modulus_MPa",
-                                  "subgrade.poisson",
-                                  "subgrade.density_kg_m3",
-                                  "subgrade.damping_time_ms",
-                                  "fwd.pressure_kPa",
-                                  "fwd.time_shift_ms",
-                                  "asphalt.thickness_mm",
-                                  "base.thickness_mm",
-                                  "subgrade.thickness_mm",
-                                  "fwd.radius_mm"},
-                                 2e-6);
+        expect_exact_derivatives(c, all_kinds, 2e-6);
+    }
+}
+
+// A subspace that is all of the space, with all Gauss points, changes nothing but rounding: another way to the same
+// numbers, and to their derivatives. The section read differs from the nominal one in its thicknesses too.
+TEST(Pulse, InASubspaceThatIsTheWholeSpaceIsItself) {
+    Case c = of_all_kinds();
+    c.settings.refine = 0.2;
+    c.settings.extent = 2.0;
+    for (const bool half_space : {false, true}) {
+        c.half_space = half_space;
+        SCOPED_TRACE(half_space ? "half-space" : "rock");
+        const auto parts = parts_of<Axisymmetric>(c, 0);
+        const Eigen::Index unknowns = parts.model.free_unknowns();
+        fe::Subspace all{Eigen::MatrixXd::Identity(unknowns, unknowns), {}};
+        for (int q = 0; q < parts.model.elements() * Element::gauss; ++q) {
+            if (c.layers[static_cast<std::size_t>(
+                             parts.model.topology->layer[static_cast<std::size_t>(q / Element::gauss)])]
+                    .law->stress_dependent()) {
+                all.points.push_back({q, 1.0});
+            }
+        }
+        Case moved = c;
+        moved.layers[1].thickness *= 1.1;
+        moved.layers[2].thickness *= 0.9;
+        std::vector<Parameter> by;
+        for (const char* path : all_kinds) {
+            by.push_back(find_parameter(c, path, {}));
+        }
+        const ForwardModel whole(c);
+        const ForwardModel reduced(c, {std::shared_ptr<const LoadModel>(make_pulse_model(c, 0, std::move(all)))});
+        const auto expected = whole.run(moved, by, *whole.make_workspace());
+        const auto found = reduced.run(moved, by, *reduced.make_workspace());
+        ASSERT_TRUE(expected && found);
+        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+            EXPECT_NEAR(found->values[i], expected->values[i], 1e-8 * std::abs(expected->values[i])) << i;
+        }
+        for (Eigen::Index k = 0; k < expected->jacobian.cols(); ++k) {
+            const auto column = expected->jacobian.col(k);
+            EXPECT_LT((found->jacobian.col(k) - column).cwiseAbs().maxCoeff(), 1e-6 * column.cwiseAbs().maxCoeff())
+                << by[static_cast<std::size_t>(k)].path;
+        }
     }
 }
