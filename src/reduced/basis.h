@@ -50,7 +50,8 @@ std::vector<Basis::Coordinate> coordinates_of(const std::vector<std::vector<fe::
 // As scales(), but smooth: the root of the sum of squares of a value and of a twentieth of all of the same quantity.
 std::vector<double> smooth_scales(const pavement::Case& c, int load, const std::vector<double>& values);
 
-// What errors are relative to: |value|, but at least a twentieth of the largest reading of the same quantity.
+// What errors are relative to: |value|, but at least a twentieth of the largest reading of the same quantity, and of
+// what has a time a quarter of the largest at its place.
 std::vector<double> scales(const pavement::Case& c, int load, const std::vector<double>& values);
 
 // Adds to the readings of a load what they are known to lack: of each sensor smooth_scales() times its correction, with

@@ -133,7 +133,7 @@ private:
     static constexpr std::size_t fields_a_run = 24;
     static constexpr std::size_t forces_a_run = 6;
     static constexpr Eigen::Index most_modes = 80;
-    static constexpr int most_points = 120;
+    static constexpr int most_points = 80;
 
     static double quantile(std::vector<double> values, double share) {
         std::sort(values.begin(), values.end());
@@ -154,14 +154,14 @@ private:
         const auto workspace = model.make_workspace();
         const std::size_t steps = steps_of(c, load_);
         const std::size_t every = std::max<std::size_t>(1, steps / fields_a_run);
-        const std::size_t every_force = every * std::max<std::size_t>(1, fields_a_run / forces_a_run);
+        const std::size_t every_force = std::min(steps, every * (fields_a_run / forces_a_run));
         std::size_t step = 0;
         if (with_path) {
             model.watch(*workspace, [&](const Eigen::VectorXd& displacement, const Eigen::VectorXd& modulus) {
                 ++step;
                 if (step % every == 0) {
                     motion.fields.push_back(displacement);
-                    if (step % every_force == 0 && modulus.size() > 0) {
+                    if (step % every_force == 0) {
                         motion.acting.push_back({displacement, modulus});
                     }
                 }
@@ -238,10 +238,8 @@ private:
         basis.modes = proper_modes(snapshots, snapshots.transpose() * Eigen::MatrixXd(metric_ * snapshots),
                                    Eigen::VectorXd::Ones(count), most_modes, mode_tolerance);
         basis.coarse = static_cast<int>(basis.modes.cols());
-        if (!active_.empty()) {
-            basis.points =
-                cubature(model_, active_, basis.modes, std::move(forces), most_points, settings_.seed, for_each_);
-        }
+        basis.points =
+            cubature(model_, active_, basis.modes, std::move(forces), most_points, settings_.seed, for_each_);
         return basis;
     }
 
