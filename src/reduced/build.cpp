@@ -44,13 +44,8 @@ public:
           for_each_(for_each),
           own_(with_effects(nominal, load)),
           mesh_(Kind::nominal_mesh(own_, load)),
-          model_(fe::make_model(mesh_, linear_layers(own_))) {
-        for (int e = 0; e < model_.elements(); ++e) {
-            if (own_.layers[static_cast<std::size_t>(model_.topology->layer[static_cast<std::size_t>(e)])]
-                    .law->stress_dependent()) {
-                active_.push_back(e);
-            }
-        }
+          model_(fe::make_model(mesh_, linear_layers(own_))),
+          active_(stress_dependent_elements(own_, model_)) {
         for (const Sensor& sensor : own_.sensors) {
             observations_.push_back(sensor.load == load
                                         ? observe(sensor, mesh_, model_, mesh_, incompressible_layers(own_))
@@ -111,17 +106,8 @@ private:
     static constexpr std::size_t first_runs = 12;
     static constexpr int runs_a_round = 8;
 
-    // The case as the load meets it; nothing: no material has these parameters.
-    std::optional<Case> as_met(const Case& values) const {
-        Case c = with_effects(values, load_);
-        const bool possible = std::all_of(c.layers.begin(), c.layers.end(), [](const Layer& layer) {
-            return layer.law->impossible(layer.parameters).empty();
-        });
-        return possible ? std::optional(std::move(c)) : std::nullopt;
-    }
-
     std::optional<Snapshots> full_run(const Case& values, bool with_path) const {
-        const auto possible = as_met(values);
+        const auto possible = as_met(values, load_);
         if (!possible) {
             return std::nullopt;
         }
@@ -194,7 +180,7 @@ private:
         return largest;
     }
     std::optional<LoadModel::Reading> read(const LoadModel& reduced, const Case& values) const {
-        const auto possible = as_met(values);
+        const auto possible = as_met(values, load_);
         if (!possible) {
             return std::nullopt;
         }
@@ -314,7 +300,7 @@ private:
             auto quick = read(*reduced, sample);
             if (full != nullptr && quick) {
                 at[k] = Comparison{.layers = full->layers,
-                                   .load = as_met(sample)->loads[static_cast<std::size_t>(load_)],
+                                   .load = as_met(sample, load_)->loads[static_cast<std::size_t>(load_)],
                                    .full = full->values,
                                    .quick = std::move(*quick)};
             }

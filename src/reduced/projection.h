@@ -2,13 +2,37 @@
 #pragma once
 
 #include "fe/materials.h"
+#include "pavement/effects/effect.h"
 #include "pavement/observation.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCore>
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace pave::reduced {
+
+// The case as a load meets it; nothing: no material has these parameters.
+inline std::optional<pavement::Case> as_met(const pavement::Case& values, int load) {
+    pavement::Case c = pavement::with_effects(values, load);
+    const bool possible = std::all_of(c.layers.begin(), c.layers.end(), [](const pavement::Layer& layer) {
+        return layer.law->impossible(layer.parameters).empty();
+    });
+    return possible ? std::optional(std::move(c)) : std::nullopt;
+}
+
+template <class Element>
+std::vector<int> stress_dependent_elements(const pavement::Case& c, const fe::Model<Element>& model) {
+    std::vector<int> elements;
+    for (int e = 0; e < model.elements(); ++e) {
+        const auto layer = static_cast<std::size_t>(model.topology->layer[static_cast<std::size_t>(e)]);
+        if (c.layers[layer].law->stress_dependent()) {
+            elements.push_back(e);
+        }
+    }
+    return elements;
+}
 
 // The stiffness of a section as a measure of displacement fields; modulus: of all that depends on stress [Pa].
 template <class Element>

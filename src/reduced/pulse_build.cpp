@@ -39,14 +39,8 @@ public:
           for_each_(for_each),
           own_(with_effects(nominal, load)),
           full_(make_finite_element_model(own_, load)),
-          model_(fe::make_model(Kind::nominal_mesh(own_, load), linear_layers(own_))) {
-        for (int e = 0; e < model_.elements(); ++e) {
-            if (own_.layers[static_cast<std::size_t>(model_.topology->layer[static_cast<std::size_t>(e)])]
-                    .law->stress_dependent()) {
-                active_.push_back(e);
-            }
-        }
-    }
+          model_(fe::make_model(Kind::nominal_mesh(own_, load), linear_layers(own_))),
+          active_(stress_dependent_elements(own_, model_)) {}
 
     Outcome<Basis> build(BuildReport& report) {
         const auto calibration = static_cast<std::size_t>(std::min(settings_.calibration, most_calibration));
@@ -142,13 +136,11 @@ private:
 
     // Nothing: no answer, or no material has these parameters.
     std::optional<Motion> run(const LoadModel& model, const Case& values, bool with_path) const {
-        const Case c = with_effects(values, load_);
-        const bool possible = std::all_of(c.layers.begin(), c.layers.end(), [](const Layer& layer) {
-            return layer.law->impossible(layer.parameters).empty();
-        });
-        if (!possible) {
+        const auto met = as_met(values, load_);
+        if (!met) {
             return std::nullopt;
         }
+        const Case& c = *met;
         Motion motion;
         motion.layers = materials_of(c);
         const auto workspace = model.make_workspace();

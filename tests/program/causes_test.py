@@ -90,6 +90,15 @@ if none["verdict"] == "unexplained":
     predicted = [p["explanation"] for p in none["next_measurement"]["predicted"]]
     check(len(predicted) > 1 and len(set(predicted)) == len(predicted), f"the next reading, by what comes nearest: {predicted}")
 
+# A reading that one explanation takes for wrong and the others do not: another instrument at its place would tell them apart, and is offered.
+SHALLOW = HEADER + "".join(f"p566,deflection,{x},0,0,0,1,mm,\n" for x in OFFSETS) + "".join(f"p566,strain_zz,0,0,{z},75,1,microstrain,\n" for z in (90, 165, 240))
+suspect = diagnose(made("suspect", 0.02, 5, layout=SHALLOW, readings=lambda cells: times(cells, 1.25) if cells[4] == "240" else cells))
+check("outlier" in suspect["causes"] and len(suspect["causes"]) > 1, f"one reading too large among few: {suspect['verdict']} {suspect['causes']}")
+again = [r for r in (suspect["next_measurement"], *suspect["further_measurements"]) if r["again"]]
+check(len(again) == 1 and again[0]["depth_mm"] == 240 and again[0]["reading"].endswith("once more by another instrument"), f"its place once more: {again}")
+predicted = {p["explanation"].split(" ")[0]: p["value"] for p in again[0]["predicted"]}
+check(min(v for e, v in predicted.items() if e != "outlier") > 1.05 * predicted["outlier"], f"where it was wrong it reads less: {predicted}")
+
 # It is less than the stated one.
 calm = diagnose(made("calm", 0.01, 3, readings=lambda cells: times(cells, sigma=2.5)))
 check(calm["verdict"] == "adequate" and any("scatter less" in s for s in calm["findings"]), f"overstated noise is said: {calm['findings']}")

@@ -84,8 +84,9 @@ check(found["gain"]["held_out_rmse_after"] < found["gain"]["held_out_rmse_before
 # What would tell more of it: of what is offered, strains in the layer say more than deflections far away.
 offered = [found["next_measurement"], *found["further_measurements"]]
 check(offered == sorted(offered, key=lambda r: -r["bits"]) and offered[0]["bits"] > 0.1, f"the most telling first: {offered[0]}")
-bits = {(r["quantity"], r["x_mm"]): r["bits"] for r in offered if "times" not in r["load"]}
+bits = {(r["quantity"], r["x_mm"]): r["bits"] for r in offered if "% of" not in r["load"]}
 check(max(b for (q, _), b in bits.items() if q == "strain_zz") > bits["deflection", 1800], f"bits: {bits}")
+check(all("." not in r["load"] for r in offered) and any("150 %" in r["load"] for r in offered), "a heavier drop has a name that a study takes")
 check(any("say most of where the model errs" in f for f in found["findings"]), "said in the findings")
 
 # The extended study holds it as a table.

@@ -62,7 +62,7 @@ columns = [rows[0].index(p["name"]) for p in one["parameters"]]
 logs = [[math.log(float(row[c])) for c in columns] for row in rows[1:]]
 mean = [sum(values) / len(logs) for values in zip(*logs)]
 covariance = [[sum((v[a] - mean[a]) * (v[b] - mean[b]) for v in logs) / len(logs) for b in range(2)] for a in range(2)]
-telling = next(r for r in one["next_measurement"] if r["reading"].startswith("deflection at") and "times" not in r["reading"])
+telling = next(r for r in one["next_measurement"] if r["reading"].startswith("deflection at") and "% of" not in r["reading"])
 offset = float(telling["reading"].split()[2])
 
 
