@@ -7,6 +7,7 @@
 #include "pavement/load_model.h"
 #include "pavement/pulse.h"
 
+#include <Eigen/QR>
 #include <gtest/gtest.h>
 
 using namespace test;
@@ -35,6 +36,29 @@ Case layered_section(bool half_space) {
     c.settings.extent = 8.0;
     c.settings.time_step = 5e-4;
     c.settings.refine = 1.2;
+    return c;
+}
+
+// Two rectangles on a base that follows the stress, a coarse mesh.
+Case on_a_base_that_follows_the_stress() {
+    Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4, .residual_stress = 20e3});
+    for (Layer& layer : c.layers) {
+        layer.damping_time = 5e-4;
+    }
+    c.loads = {moving_dual(Patch::rectangle)};
+    c.loads[0].history = haversine_history(duration, 0.03);
+    c.settings.refine = 0.35;
+    c.settings.time_step = 1e-3;
+    c.settings.extent = 4.0;
+    c.settings.solver.linear_tolerance = 1e-10;
+    c.sensors.clear();
+    for (const double time : {0.0082, 0.0213}) {
+        for (Sensor sensor : {deflection(0.17), deflection(0.9), strain_zz(0.2, 0.075, 0.17),
+                              Sensor{0, Quantity::stress_zz, 0.0, 0.0, 0.25, 0.0}}) {
+            sensor.time = time;
+            c.sensors.push_back(sensor);
+        }
+    }
     return c;
 }
 
@@ -121,30 +145,43 @@ TEST(SolidPulse, IsTheLoadAtRestWhenItIsSlow) {
 }
 
 TEST(SolidPulse, HasExactDerivatives) {
-    Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4, .residual_stress = 20e3});
-    for (Layer& layer : c.layers) {
-        layer.damping_time = 5e-4;
-    }
-    c.loads = {moving_dual(Patch::rectangle)};
-    c.loads[0].history = haversine_history(duration, 0.03);
-    c.settings.refine = 0.35;
-    c.settings.time_step = 1e-3;
-    c.settings.extent = 4.0;
-    c.settings.solver.linear_tolerance = 1e-10;
-    c.sensors.clear();
-    for (const double time : {0.0082, 0.0213}) {
-        for (Sensor sensor : {deflection(0.17), deflection(0.9), strain_zz(0.2, 0.075, 0.17),
-                              Sensor{0, Quantity::stress_zz, 0.0, 0.0, 0.25, 0.0}}) {
-            sensor.time = time;
-            c.sensors.push_back(sensor);
-        }
-    }
+    Case c = on_a_base_that_follows_the_stress();
     c.half_space = true;
     expect_exact_derivatives(c,
                              {"asphalt.modulus_MPa", "base.k1", "base.k2", "base.k3", "base.n", "base.density_kg_m3",
                               "base.damping_time_ms", "subgrade.modulus_MPa", "subgrade.density_kg_m3",
                               "dual.time_shift_ms", "dual.pressure_kPa", "base.thickness_mm"},
                              1e-5);
+}
+
+// The displacements that a motion takes span a subspace that it lies in: looked for there, with all Gauss points, it is
+// the same, though the subspace has 30 dimensions of some thousand.
+TEST(SolidPulse, InTheSubspaceOfItsOwnMotionIsItself) {
+    Case c = on_a_base_that_follows_the_stress();
+    const auto full = make_finite_element_model(c, 0);
+    const auto workspace = full->make_workspace();
+    std::vector<Eigen::VectorXd> fields;
+    full->watch(*workspace, [&](const Eigen::VectorXd& u, const Eigen::VectorXd&) { fields.push_back(u); });
+    const auto expected = full->run(c, materials_of(c), {}, {}, *workspace);
+    ASSERT_TRUE(expected);
+    Eigen::MatrixXd spanned(fields[0].size(), static_cast<Eigen::Index>(fields.size()));
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+        spanned.col(static_cast<Eigen::Index>(i)) = fields[i];
+    }
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(spanned);
+    fe::Subspace own{qr.householderQ() * Eigen::MatrixXd::Identity(spanned.rows(), spanned.cols()), {}};
+    const auto parts = parts_of<Solid>(c, 0);
+    for (int q = 0; q < parts.model.elements() * fe::Hex20::gauss; ++q) {
+        if (parts.model.topology->layer[static_cast<std::size_t>(q / fe::Hex20::gauss)] == 1) {
+            own.points.push_back({q, 1.0});
+        }
+    }
+    const auto reduced = make_pulse_model(c, 0, std::move(own));
+    const auto found = reduced->run(c, materials_of(c), {}, {}, *reduced->make_workspace());
+    ASSERT_TRUE(found);
+    for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+        EXPECT_NEAR(found->values[i], expected->values[i], 1e-6 * std::abs(expected->values[i])) << i;
+    }
 }
 
 // A wall at 2.5 m, far too near, changes deflections by 6 % of the largest; were its dashpots across and along
