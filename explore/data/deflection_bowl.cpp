@@ -183,6 +183,7 @@ private:
         }
         if (choice_.numbers.empty() && first_is_seating(drops, choice_.first_of_two_seats)) {
             result_.left_out.push_back({drops[0]->number, LeftOut::seating, {}});
+            seating_ = drops[0];
             drops.erase(drops.begin());
         }
         levels_ = levels_of(std::move(drops));
@@ -210,9 +211,17 @@ private:
                 chosen_ = i;
             }
         }
-        return std::abs(found / *target - 1.0) <= near_target
-                   ? ""
-                   : fmt::format("no drop near {:.0f} kPa: the nearest has {:.0f} kPa", *target, found);
+        const auto is_near = [&](double pressure) { return std::abs(pressure / *target - 1.0) <= near_target; };
+        if (is_near(found)) {
+            return {};
+        }
+        if (seating_ != nullptr && is_near(seating_->pressure_kPa)) {
+            return fmt::format(
+                "no drop near {:.0f} kPa but drop {}, which seats the plate (--drops {} takes it): of the "
+                "others the nearest has {:.0f} kPa",
+                *target, seating_->number, seating_->number, found);
+        }
+        return fmt::format("no drop near {:.0f} kPa: the nearest has {:.0f} kPa", *target, found);
     }
 
     static double pressure_of(const Level& level) {
@@ -414,6 +423,7 @@ private:
 
     const FwdStation& station_;
     const DropChoice& choice_;
+    const FwdDrop* seating_ = nullptr; // that was left out
     std::vector<Level> levels_;
     std::size_t chosen_ = 0;
     std::optional<std::size_t> main_; // of result_.levels

@@ -206,6 +206,10 @@ TEST(Drops, ASeatingDropIsLeftOut) {
         const FwdStation s = with_drops({{seating, 148}, {822, 114.5}, {820, 115.8}});
         EXPECT_EQ(left_out(s, LeftOut::seating), Numbers{1});
         EXPECT_EQ(main_bowl(s)->drops, (Numbers{2, 3}));
+        EXPECT_EQ(main_bowl(s, {.target_pressure_kPa = seating}).failure().reason,
+                  fmt::format("no drop near {:.0f} kPa but drop 1, which seats the plate (--drops 1 takes it): of the "
+                              "others the nearest has 821 kPa",
+                              seating));
     }
     // At the pressure of the test: 8 % more than three that agree.
     EXPECT_EQ(left_out(with_drops({{700, 540}, {700, 500}, {700, 502}}), LeftOut::seating), Numbers{1});
