@@ -19,17 +19,17 @@ Eigen::VectorXd difference(const std::vector<double>& a, const std::vector<doubl
 }
 
 // problem: its residuals in units of their noise, where that is stated.
-bool same_minimum(const Minimum& minimum, const run::Endpoint& end, const problem::Problem& problem) {
-    const Eigen::VectorXd d = difference(end.search.unit, minimum.unit);
+bool same_minimum(const run::Endpoint& known, const run::Endpoint& end, const problem::Problem& problem) {
+    const Eigen::VectorXd d = difference(end.search.unit, known.search.unit);
     if (d.lpNorm<Eigen::Infinity>() < 0.01) {
         return true;
     }
-    const double best = problem.misfit(minimum.evaluation);
+    const double best = problem.misfit(known.evaluation);
     const int free = std::max(1, problem.degrees_of_freedom(problem.space.axes.size()));
     const double noise = problem.noise_is_stated() ? 1.0 : best / std::sqrt(static_cast<double>(free));
-    const Eigen::VectorXd r = problem.residuals(end.evaluation) - problem.residuals(minimum.evaluation);
+    const Eigen::VectorXd r = problem.residuals(end.evaluation) - problem.residuals(known.evaluation);
     return problem.misfit(end.evaluation) - best < 0.1 * noise && r.norm() < noise &&
-           (problem.residual_jacobian(minimum.evaluation) * d).norm() < noise;
+           (problem.residual_jacobian(known.evaluation) * d).norm() < noise;
 }
 
 } // namespace
@@ -85,9 +85,17 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, con
     std::stable_sort(order.begin(), order.end(),
                      [](const auto* a, const auto* b) { return a->search.misfit < b->search.misfit; });
     std::vector<Minimum> minima;
+    std::vector<std::vector<const run::Endpoint*>> of; // each minimum: a valley that bends is followed from end to end
     for (const run::Endpoint* end : order) {
-        auto home = std::find_if(minima.begin(), minima.end(),
-                                 [&](const Minimum& m) { return same_minimum(m, *end, by_noise); });
+        const auto here = std::find_if(of.begin(), of.end(), [&](const auto& known) {
+            return std::any_of(known.begin(), known.end(),
+                               [&](const run::Endpoint* other) { return same_minimum(*other, *end, by_noise); });
+        });
+        auto home = minima.begin() + (here - of.begin());
+        if (here == of.end()) {
+            of.emplace_back();
+        }
+        of[static_cast<std::size_t>(home - minima.begin())].push_back(end);
         const auto& parameters = end->evaluation.parameters;
         if (home == minima.end()) {
             Minimum m;
