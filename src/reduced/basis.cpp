@@ -43,6 +43,17 @@ std::string why_not(const Case& c, int load) {
     return {};
 }
 
+bool reads_the_same(const std::vector<Sensor>& one, const std::vector<Sensor>& other) {
+    return std::equal(one.begin(), one.end(), other.begin(), other.end(), [](Sensor a, const Sensor& b) {
+        a.gain = b.gain;
+        return a == b;
+    });
+}
+
+Failure does_not_cover() {
+    return {Status::failed, "the reduced model does not cover a change of geometry or of places that are read"};
+}
+
 namespace {
 
 // A twentieth of the other readings; of what an instrument reads at other times, a quarter.

@@ -59,6 +59,10 @@ std::vector<double> scales(const pavement::Case& c, int load, const std::vector<
 void correct(const Basis& basis, const pavement::Case& values, int load, const std::vector<fe::LayerMaterial>& layers,
              const std::vector<fe::Variation>& variations, pavement::LoadModel::Reading& reading);
 
+// Whether these sensors read the same, gains aside, which are not part of a reading; and the failure where they do not.
+bool reads_the_same(const std::vector<pavement::Sensor>& one, const std::vector<pavement::Sensor>& other);
+Failure does_not_cover();
+
 // A basis as bytes of this machine's numbers, and back; nothing: they are not those of a basis.
 std::string packed(const Basis& basis);
 std::optional<Basis> unpacked(const std::string& bytes);

@@ -1,6 +1,7 @@
 #include "reduced/reduced_load.h"
 
 #include "reduced/projection.h"
+#include "reduced/reduced_pulse.h"
 
 #include "pavement/effects/effect.h"
 
@@ -8,24 +9,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <functional>
 
 namespace pave::reduced {
 
 using namespace pavement;
 
 namespace {
-
-const Failure does_not_cover{Status::failed,
-                             "the reduced model does not cover a change of geometry or of places that are read"};
-
-// Gains aside, which are not part of a reading.
-bool reads_the_same(const std::vector<Sensor>& one, const std::vector<Sensor>& other) {
-    return std::equal(one.begin(), one.end(), other.begin(), other.end(), [](Sensor a, const Sensor& b) {
-        a.gain = b.gain;
-        return a == b;
-    });
-}
 
 template <class Kind>
 class ReducedLoad final : public LoadModel {
@@ -200,7 +189,7 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
     if (!moving.empty() || Kind::breaks(values, load_) != breaks_ ||
         load.pressure_shape != nominal_.loads[static_cast<std::size_t>(load_)].pressure_shape ||
         !reads_the_same(values.sensors, nominal_.sensors)) {
-        return does_not_cover;
+        return does_not_cover();
     }
     Own& own = static_cast<Own&>(workspace);
     const auto points = static_cast<Eigen::Index>(points_.size());
@@ -476,66 +465,11 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
     return reading;
 }
 
-// A whole pulse in the subspace of a basis. What its readings err by is known of each sensor.
-class ReducedPulse final : public LoadModel {
-public:
-    ReducedPulse(const Case& nominal, int load, Basis basis)
-        : load_(load),
-          sensors_(nominal.sensors),
-          floor_(std::move(basis.floor)) {
-        const Case own = with_effects(nominal, load);
-        fe::Subspace subspace{std::move(basis.modes), {}};
-        const auto add_points = [&](const auto& model) {
-            for (const auto& p : basis.points) {
-                subspace.points.push_back({p.gauss, p.weight / model.points[static_cast<std::size_t>(p.gauss)].weight});
-            }
-        };
-        if (own.loads[static_cast<std::size_t>(load)].is_axisymmetric()) {
-            add_points(parts_of<Axisymmetric>(own, load).model);
-        } else {
-            add_points(parts_of<Solid>(own, load).model);
-        }
-        model_ = make_pulse_model(own, load, std::move(subspace));
-    }
-
-    std::unique_ptr<Workspace> make_workspace(Lent& lent) const override { return model_->make_workspace(lent); }
-    int unknowns() const override { return model_->unknowns(); }
-
-    Outcome<Reading> run(const Case& values, const std::vector<fe::LayerMaterial>& layers,
-                         const std::vector<fe::Variation>& variations, const std::vector<Neighbours>& moving,
-                         Workspace& workspace) const override {
-        if (!reads_the_same(values.sensors, sensors_)) {
-            return does_not_cover;
-        }
-        auto outcome = model_->run(values, layers, variations, moving, workspace);
-        if (!outcome) {
-            return outcome.failure();
-        }
-        Reading reading = std::move(outcome).value();
-        reading.errors.assign(sensors_.size(), 0.0);
-        if (!floor_.empty()) {
-            const auto scale = scales(values, load_, reading.values);
-            std::transform(floor_.begin(), floor_.end(), scale.begin(), reading.errors.begin(), std::multiplies<>());
-        }
-        return reading;
-    }
-    Outcome<Fields> fields(const Case& values, const std::vector<fe::LayerMaterial>& layers,
-                           Workspace& workspace) const override {
-        return model_->fields(values, layers, workspace);
-    }
-
-private:
-    int load_;
-    std::vector<Sensor> sensors_;
-    std::vector<double> floor_;
-    std::unique_ptr<const LoadModel> model_;
-};
-
 } // namespace
 
 std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int load, Basis basis) {
     if (nominal.loads[static_cast<std::size_t>(load)].is_pulse()) {
-        return std::make_unique<ReducedPulse>(nominal, load, std::move(basis));
+        return make_pulse(nominal, load, std::move(basis));
     }
     if (nominal.loads[static_cast<std::size_t>(load)].is_axisymmetric()) {
         return std::make_unique<ReducedLoad<Axisymmetric>>(nominal, load, std::move(basis));
