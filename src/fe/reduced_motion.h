@@ -81,17 +81,21 @@ public:
         right.noalias() += mass_factor * (mass_ * dv);
         right.noalias() -= lasting_ * du;
     }
-    void add_mass_rate(int k, double factor, const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> y) const {
+    template <class Vector>
+    void add_mass_rate(int k, double factor, const Eigen::VectorXd& x, Vector&& y) const {
         add(mass_rates_, k, factor, x, y);
     }
-    void add_spring_rate(int k, double factor, const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> y) const {
+    template <class Vector>
+    void add_spring_rate(int k, double factor, const Eigen::VectorXd& x, Vector&& y) const {
         add(spring_rates_, k, factor, x, y);
     }
-    void add_dashpot_rate(int k, double factor, const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> y) const {
+    template <class Vector>
+    void add_dashpot_rate(int k, double factor, const Eigen::VectorXd& x, Vector&& y) const {
         add(dashpot_rates_, k, factor, x, y);
     }
+    template <class Vector>
     void subtract_linear_rate(int k, const Eigen::VectorXd&, const std::vector<const Eigen::VectorXd*>& felt,
-                              Eigen::Ref<Eigen::VectorXd> right) const {
+                              Vector&& right) const {
         for (const auto& [layer, rate] : linear_rates_[static_cast<std::size_t>(k)]) {
             right.noalias() -= rate * *felt[layer];
         }
@@ -135,7 +139,8 @@ public:
         }
         force.noalias() -= strains_.topRows(N * cubature_).transpose() * weighed;
     }
-    void subtract_force_motion(int k, const Stresses& stress, Eigen::Ref<Eigen::VectorXd> right) const {
+    template <class Vector>
+    void subtract_force_motion(int k, const Stresses& stress, Vector&& right) const {
         if (w_.motion_of(k) != nullptr) {
             subtract_moved_force(k, stress, {}, right);
         }

@@ -152,20 +152,24 @@ public:
         right += rows_;
     }
     // Of the matrices themselves, by variation k.
-    void add_mass_rate(int k, double factor, const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> y) const {
+    template <class Vector>
+    void add_mass_rate(int k, double factor, const Eigen::VectorXd& x, Vector&& y) const {
         if (const auto& rate = mass_rates_[static_cast<std::size_t>(k)]; !rate.empty()) {
             add_product(lower_, rate, factor, x, y);
         }
     }
-    void add_spring_rate(int k, double factor, const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> y) const {
+    template <class Vector>
+    void add_spring_rate(int k, double factor, const Eigen::VectorXd& x, Vector&& y) const {
         spring_rates_[static_cast<std::size_t>(k)].add_product(x.data(), factor, y.data());
     }
-    void add_dashpot_rate(int k, double factor, const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> y) const {
+    template <class Vector>
+    void add_dashpot_rate(int k, double factor, const Eigen::VectorXd& x, Vector&& y) const {
         dashpot_rates_[static_cast<std::size_t>(k)].add_product(x.data(), factor, y.data());
     }
     // right -= d(stiffness of linear layers) by variation k, of what each layer feels.
+    template <class Vector>
     void subtract_linear_rate(int k, const Eigen::VectorXd& u, const std::vector<const Eigen::VectorXd*>& felt,
-                              Eigen::Ref<Eigen::VectorXd> right) const {
+                              Vector&& right) const {
         w_.subtract_linear_rate(k, u, felt, right.data());
     }
 
@@ -191,7 +195,8 @@ public:
                         Eigen::Ref<Eigen::VectorXd> force, int layer = -1) const {
         w_.subtract_force(stress, stride, offset, force, layer);
     }
-    void subtract_force_motion(int k, const Stresses& stress, Eigen::Ref<Eigen::VectorXd> right) const {
+    template <class Vector>
+    void subtract_force_motion(int k, const Stresses& stress, Vector&& right) const {
         w_.subtract_force_motion(k, stress, right.data());
     }
     void set_stress(const Eigen::VectorXd& u, Stresses& stress, Stresses& d_stress, Eigen::MatrixXd& right) const {

@@ -143,9 +143,7 @@ public:
         return subspace_ ? static_cast<int>(subspace_->modes.cols()) : model_->free_unknowns();
     }
     const void* shared_model() const override { return model_.get(); }
-    void watch(Workspace& workspace, fe::OnMarch f) const override {
-        static_cast<Own&>(workspace).on_march = std::move(f);
-    }
+    void watch(Workspace& workspace, const fe::OnMarch& f) const override { static_cast<Own&>(workspace).on_march = f; }
 
     Outcome<Reading> run(const Case& values, const std::vector<fe::LayerMaterial>& layers,
                          const std::vector<fe::Variation>& variations, const std::vector<Neighbours>& moving,

@@ -84,7 +84,7 @@ public:
     // The finite element model under it; loads with the same one use its memory in turn. None: there is none.
     virtual const void* shared_model() const { return nullptr; }
     // Has f called along the pulses of runs with this workspace.
-    virtual void watch(Workspace&, fe::OnMarch) const {}
+    virtual void watch(Workspace&, const fe::OnMarch&) const {}
     // How deep a section can be read [m].
     virtual double reach(const Case& values) const { return values.depth(); }
 

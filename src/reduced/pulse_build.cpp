@@ -94,6 +94,7 @@ public:
             return Failure{Status::failed, "the reduced model has no answer at the samples of the build"};
         }
         std::vector<double> largest;
+        largest.reserve(errors.size());
         for (const auto& of_run : errors) {
             largest.push_back(*std::max_element(of_run.begin(), of_run.end()));
         }
