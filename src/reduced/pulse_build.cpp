@@ -77,13 +77,9 @@ public:
             }
             auto unseen = take(more, true);
             const auto errors = errors_of(basis, unseen, next);
-            double largest = 0.0;
-            for (const auto& of_run : errors) {
-                largest = std::max(largest, *std::max_element(of_run.begin(), of_run.end()));
-            }
-
+            const auto largest = largest_of_each(errors);
             add(std::move(unseen));
-            if (largest < tolerance) {
+            if (std::all_of(largest.begin(), largest.end(), [](double error) { return error < tolerance; })) {
                 break;
             }
         }
@@ -93,12 +89,7 @@ public:
         if (errors.empty()) {
             return Failure{Status::failed, "the reduced model has no answer at the samples of the build"};
         }
-        std::vector<double> largest;
-        largest.reserve(errors.size());
-        for (const auto& of_run : errors) {
-            largest.push_back(*std::max_element(of_run.begin(), of_run.end()));
-        }
-        report.error_95 = quantile(largest, 0.95);
+        report.error_95 = quantile(largest_of_each(errors), 0.95);
         basis.factor.assign(own_.sensors.size(), 0.0);
         for (std::size_t i = 0; i < own_.sensors.size(); ++i) {
             std::vector<double> own(errors.size());
@@ -130,6 +121,12 @@ private:
     static constexpr Eigen::Index most_modes = 80;
     static constexpr int most_points = 80;
 
+    static std::vector<double> largest_of_each(const std::vector<std::vector<double>>& errors) {
+        std::vector<double> largest(errors.size());
+        std::transform(errors.begin(), errors.end(), largest.begin(),
+                       [](const auto& of_run) { return *std::max_element(of_run.begin(), of_run.end()); });
+        return largest;
+    }
     static double quantile(std::vector<double> values, double share) {
         std::sort(values.begin(), values.end());
         return values[static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size() - 1)))];
@@ -192,9 +189,7 @@ private:
     // The fields of a run to few, relative to the largest of their energies.
     void compress(Motion& motion) {
         if (metric_.size() == 0) {
-            constexpr double typical = 200e6; // Pa
-            metric_ =
-                energy(model_, motion.layers, motion.acting.empty() ? typical : motion.acting.front().modulus.mean());
+            metric_ = energy(model_, motion.layers, motion.acting.front().modulus.mean());
         }
         Eigen::MatrixXd fields(model_.free_unknowns(), static_cast<Eigen::Index>(motion.fields.size()));
         for (std::size_t i = 0; i < motion.fields.size(); ++i) {
