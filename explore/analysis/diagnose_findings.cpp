@@ -66,6 +66,9 @@ public:
     std::vector<std::string> all() const {
         std::vector<std::string> text;
         verdict(text);
+        if (std::string words = not_borne_out_words(); !words.empty()) {
+            text.push_back(std::move(words));
+        }
         wrong(text);
         if (after) {
             gain(text);
@@ -355,6 +358,25 @@ private:
                                        layout.groups[c.group].name, c.score > 0.0 ? "higher" : "lower",
                                        study.space.axes[c.axis].name, std::abs(c.score)));
         }
+    }
+
+    // Where readings that were left out speak against the extended model; "": they do not, or there is none.
+    std::string not_borne_out_words() const {
+        if (!result.is_extended()) {
+            return "";
+        }
+        constexpr double clearly = 1.05;
+        const auto is_worse = [](const auto& held) { return held && held->after > clearly * held->before; };
+        const bool is_worse_held_out =
+            before.held_out_rms && after->held_out_rms && *after->held_out_rms > clearly * *before.held_out_rms;
+        if (!is_worse(d.places) && !is_worse(d.loads) && !is_worse_held_out) {
+            return "";
+        }
+        const std::string words = members_words(candidates, d.extended->model.members);
+        return fmt::format("What is left out of the fit speaks against it: it is predicted worse with {0} than without "
+                           "(below). It follows these readings, not the road: more than one thing may differ from the "
+                           "study, its thicknesses and the places of the sensors among them. Do not rely on {0}.",
+                           words);
     }
 
     void gain(std::vector<std::string>& text) const {

@@ -236,6 +236,20 @@ TEST(FindingsOfADiagnosis, SayTheVerdictAndTheNoise) {
     EXPECT_EQ(text[0], "AMBIGUOUS: the model lacks something, and 2 explanations fit these data so alike that they "
                        "cannot be told apart: load-magnitude; plate-rigidity.");
     EXPECT_TRUE(says(text, "the stated noise explains so much with probability less than 1 in 10,000"));
+
+    result.before->parameters.assign(study.space.axes.size(), {});
+    result.after = result.before;
+    const std::string warning = "What is left out of the fit speaks against it";
+    result.diagnosis.places = diagnose::HeldOut{.before = 2.0, .after = 1.1, .readings = 5, .folds = {}};
+    EXPECT_FALSE(says(findings(result), warning));
+    result.diagnosis.places->after = 2.2;
+    EXPECT_TRUE(says(findings(result), warning));
+    result.diagnosis.places->after = 1.1;
+    result.before->held_out_rms = 0.8;
+    result.after->held_out_rms = 0.9;
+    EXPECT_TRUE(says(findings(result), warning));
+    result.diagnosis.verdict = diagnose::Verdict::unexplained; // which claims nothing
+    EXPECT_FALSE(says(findings(result), warning));
 }
 
 TEST(FindingsOfAComparison, NameTheLawThatTheDataPreferOrSayThatTheyDoNot) {
