@@ -18,21 +18,25 @@ Eigen::VectorXd difference(const std::vector<double>& a, const std::vector<doubl
     return d;
 }
 
-// problem: its residuals in units of their noise, where that is stated.
-bool same_minimum(const run::Endpoint& known, const run::Endpoint& end, const problem::Problem& problem) {
-    const Eigen::VectorXd d = difference(end.search.unit, known.search.unit);
-    if (d.lpNorm<Eigen::Infinity>() < 0.01) {
-        return true;
-    }
-    const double best = problem.misfit(known.evaluation);
-    const int free = std::max(1, problem.degrees_of_freedom(problem.space.axes.size()));
-    const double noise = problem.noise_is_stated() ? 1.0 : best / std::sqrt(static_cast<double>(free));
-    const Eigen::VectorXd r = problem.residuals(end.evaluation) - problem.residuals(known.evaluation);
-    return problem.misfit(end.evaluation) - best < 0.1 * noise && r.norm() < noise &&
-           (problem.residual_jacobian(known.evaluation) * d).norm() < noise;
+double noise_of_misfit(const run::Endpoint& lower, const problem::Problem& by_noise) {
+    const int free = std::max(1, by_noise.degrees_of_freedom(by_noise.space.axes.size()));
+    return by_noise.noise_is_stated() ? 1.0 : by_noise.misfit(lower.evaluation) / std::sqrt(static_cast<double>(free));
 }
 
 } // namespace
+
+bool fit_alike(const run::Endpoint& lower, const run::Endpoint& other, const problem::Problem& by_noise) {
+    const double noise = noise_of_misfit(lower, by_noise);
+    return by_noise.misfit(other.evaluation) - by_noise.misfit(lower.evaluation) < 0.1 * noise &&
+           (by_noise.residuals(other.evaluation) - by_noise.residuals(lower.evaluation)).norm() < noise;
+}
+
+bool are_one_minimum(const run::Endpoint& lower, const run::Endpoint& other, const problem::Problem& by_noise) {
+    const Eigen::VectorXd d = difference(other.search.unit, lower.search.unit);
+    return d.lpNorm<Eigen::Infinity>() < 0.01 ||
+           (fit_alike(lower, other, by_noise) &&
+            (by_noise.residual_jacobian(lower.evaluation) * d).norm() < noise_of_misfit(lower, by_noise));
+}
 
 bool is_at_bound(double unit) {
     return unit < at_bound || unit > 1.0 - at_bound;
@@ -89,7 +93,7 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, con
     for (const run::Endpoint* end : order) {
         const auto here = std::find_if(of.begin(), of.end(), [&](const auto& known) {
             return std::any_of(known.begin(), known.end(),
-                               [&](const run::Endpoint* other) { return same_minimum(*other, *end, by_noise); });
+                               [&](const run::Endpoint* other) { return are_one_minimum(*other, *end, by_noise); });
         });
         auto home = minima.begin() + (here - of.begin());
         if (here == of.end()) {

@@ -45,11 +45,16 @@ struct Minimum {
     std::optional<problem::Evaluation> alone{};
 };
 
-// Two ends are one minimum when they lie within 1 % of the box of each other, or when the misfit tells them apart by
-// less than its own noise: the misfit differs by less than a tenth of one noise level and the linearised residuals
-// between them by less than one. A flat valley is then one minimum whose members spread. Sorted by misfit. The noise is
-// the stated one; without, s with s2 = f^2 / (data - parameters) of the lower of the two. Ends that break a constraint
-// are none.
+// Whether two ends are one minimum by themselves: they lie within 1 % of the box of each other, or the misfit tells
+// them apart by less than its own noise: they fit alike (the misfit differs by less than a tenth of one noise level,
+// the residuals by less than one), and so do the linearised residuals between them. The noise is the stated one;
+// without, s with s2 = f^2 / (data - parameters) of the lower of the two. by_noise: residuals in units of it, where it
+// is stated; lower: the end with the lower misfit.
+bool fit_alike(const run::Endpoint& lower, const run::Endpoint& other, const problem::Problem& by_noise);
+bool are_one_minimum(const run::Endpoint& lower, const run::Endpoint& other, const problem::Problem& by_noise);
+
+// Ends that are one minimum with the next, one after the other, are one: a flat valley is one minimum whose members
+// spread. Sorted by misfit. Ends that break a constraint are none.
 std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem);
 
 // Stated noise whose chi2 is less probable than this does not explain the misfit: it is then taken larger.

@@ -133,6 +133,57 @@ TEST(Multistart, NamesTheDirectionTheDataDoNotSee) {
     EXPECT_TRUE(std::isinf(local.standard_error[0]));
 }
 
+// What is read fixes a function g of both parameters: a valley bends along p0 = 0.1 + 3 (p1 - 1/2)^2, and two solutions
+// p0 = 0.2 and p0 = 0.8 with the same readings have a ridge between them.
+TEST(Multistart, FollowsAValleyThatBendsAndLeavesApartWhatARidgeSeparates) {
+    class Read final : public problem::ForwardFunction {
+    public:
+        explicit Read(bool bends) : bends_(bends) {}
+        std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Workspace>(); }
+        pave::Outcome<problem::Prediction> evaluate(std::span<const double> p, bool with_jacobian,
+                                                    Workspace&) const override {
+            const double g = bends_ ? p[0] - 3.0 * std::pow(p[1] - 0.5, 2) : (p[0] - 0.2) * (p[0] - 0.8) + 0.1;
+            const double by_0 = bends_ ? 1.0 : 2.0 * p[0] - 1.0;
+            const double by_1 = bends_ ? -6.0 * (p[1] - 0.5) : 0.0;
+            problem::Prediction out;
+            for (const double c : {1.0, 2.0, 3.0}) {
+                out.responses.push_back(c * g);
+                if (with_jacobian) {
+                    out.jacobian.conservativeResize(static_cast<Eigen::Index>(out.responses.size()), 2);
+                    out.jacobian.bottomRows(1) << c * by_0, c * by_1;
+                }
+            }
+            return out;
+        }
+
+    private:
+        bool bends_;
+    };
+    std::vector<problem::Misfit::Term> terms;
+    for (const std::size_t i : {0U, 1U, 2U}) {
+        const double measured = 0.1 * static_cast<double>(i + 1);
+        terms.push_back({.response = i, .measured = measured, .scale = 0.01, .noise = {.absolute = 0.01}});
+    }
+    for (const bool bends : {true, false}) {
+        const problem::Problem problem{
+            {{{"a", 0, 1, problem::Scale::linear, 0, 0.5}, {"b", 0, 1, problem::Scale::linear, 0, 0.5}}},
+            std::make_shared<Read>(bends),
+            problem::Misfit(problem::MisfitKind::weighted, terms)};
+        run::Engine engine(problem, nullptr, 0, {.threads = 2, .show_progress = false});
+        const auto result = landscape::multistart(engine, problem, search::sobol(problem.space, 64, 1),
+                                                  {.starts = 4, .start_distance = 0.3});
+        ASSERT_TRUE(result);
+        ASSERT_EQ(result->ends.size(), 4U);
+        EXPECT_GT(landscape::distinct_minima(result->ends, problem).size(), 1U) << "the ends lie far apart";
+        EXPECT_EQ(result->minima.size(), bends ? 1U : 2U);
+        std::size_t members = 0;
+        for (const auto& m : result->minima) {
+            members += m.members.size();
+        }
+        EXPECT_EQ(members, 4U) << "searches between them are no starts";
+    }
+}
+
 // A straight line fitted without weights to readings of unequal noise: (X'X)^-1 X'SX (X'X)^-1 (White 1980,
 // Econometrica 48), and the same times chi2 / degrees of freedom where the noise does not explain what is left over.
 TEST(Minima, HaveTheErrorsThatTheStatedNoiseGivesThem) {
