@@ -26,9 +26,15 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
 
 // Two ends that fit alike, and may lie in one valley.
 struct Gap {
-    std::size_t minimum; // that may be one with the best
-    const run::Endpoint* from;
+    std::size_t minimum;       // that may be one with the best
+    const run::Endpoint* from; // of the lower misfit
     const run::Endpoint* to;
+
+    Gap(std::size_t of, const run::Endpoint& a, const run::Endpoint& b) : minimum(of), from(&a), to(&b) {
+        if (b.search.misfit < a.search.misfit) {
+            std::swap(from, to);
+        }
+    }
 
     double width() const { return distance(from->search.unit, to->search.unit); }
     std::vector<double> middle() const {
@@ -49,7 +55,7 @@ std::vector<Gap> gaps_of(const std::vector<run::Endpoint>& ends, const std::vect
         std::optional<Gap> nearest;
         for (const int a : minima[0].members) {
             for (const int b : minima[m].members) {
-                const Gap gap{m, &ends[static_cast<std::size_t>(a)], &ends[static_cast<std::size_t>(b)]};
+                const Gap gap(m, ends[static_cast<std::size_t>(a)], ends[static_cast<std::size_t>(b)]);
                 if ((!nearest || gap.width() < nearest->width()) && fit_alike(*gap.from, *gap.to, by_noise)) {
                     nearest = gap;
                 }
@@ -99,8 +105,7 @@ std::optional<std::set<std::size_t>> joined_with_best(run::Engine& engine, const
             constexpr double stays = 0.15; // of the gap
             const bool has_stayed = distance(starts[g], middle.search.unit) < stays * gaps[g].width();
             for (const run::Endpoint* side : {gaps[g].from, gaps[g].to}) {
-                const bool is_lower = side->search.misfit < middle.search.misfit;
-                const Gap half{gaps[g].minimum, is_lower ? side : &middle, is_lower ? &middle : side};
+                const Gap half(gaps[g].minimum, *side, middle);
                 if (are_one_minimum(*half.from, *half.to, by_noise)) {
                     continue;
                 }
