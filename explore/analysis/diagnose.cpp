@@ -269,14 +269,20 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     }
     const auto extended_study = [&](const Members& members) { return extended_by(result, members); };
     session.begin(study, "diagnose", settings);
-    diagnose::Workbench bench(
-        {.problem =
-             [&](const Members& members) {
-                 return study::make_noise_problem(extended_study(members), study::Scope::fitted);
-             },
-         .run = [&](const Members& members) { return session.begin(extended_study(members), "diagnose", settings); },
-         .store = session.store(),
-         .threads = session.options().threads});
+    const auto model_on = [&](const Members& members, diagnose::Mesh mesh) {
+        study::Study extended = extended_study(members);
+        return mesh == diagnose::Mesh::coarse ? on_coarser_mesh(std::move(extended)) : extended;
+    };
+    diagnose::Workbench bench({.problem =
+                                   [&](const Members& members, diagnose::Mesh mesh) {
+                                       return study::make_noise_problem(model_on(members, mesh), study::Scope::fitted);
+                                   },
+                               .run =
+                                   [&](const Members& members, diagnose::Mesh mesh) {
+                                       return session.begin(model_on(members, mesh), "diagnose", settings);
+                                   },
+                               .store = session.store(),
+                               .threads = session.options().threads});
     diagnose::DiagnosisTask task{.bench = bench,
                                  .candidates = result.candidates,
                                  .groups = result.layout.groups,

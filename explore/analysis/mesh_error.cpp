@@ -28,6 +28,17 @@ std::optional<study::Study> on_finer_mesh(const study::Study& study) {
     }
 }
 
+study::Study on_coarser_mesh(study::Study study) {
+    constexpr double coarser = 0.5;
+    constexpr double coarsest = 0.25; // that a study may ask for
+    double& refine = study.model.settings.refine;
+    refine = std::max(std::min(refine, coarsest), coarser * refine);
+    constexpr double longer = 4.0; // a fifth of a per cent of a reading at most, where it was looked at
+    study.model.settings.solver.path_tolerance *= longer;
+    study.hash += fmt::format(" on a mesh of refine {}", refine);
+    return study;
+}
+
 std::optional<MeshError> mesh_error(const study::Study& study, const problem::Problem& problem,
                                     const problem::Evaluation& answer, const std::vector<double>& unit, double noise) {
     const auto refined = noise > 0.0 ? on_finer_mesh(study) : std::nullopt;

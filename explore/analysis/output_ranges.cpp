@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 #include <optional>
+#include <set>
 #include <span>
 
 namespace explore::analysis {
@@ -32,27 +33,29 @@ using Eigen::VectorXd;
 constexpr double strengths_of_corrections[] = {0.05, 0.1, 0.2, 0.4, 0.8};
 constexpr double strengths_of_effects[] = {0.25, 0.5, 1.0, 2.0, 4.0};
 
-// What the model may lack: further coordinates, where they change nothing, and how far they may be from there: `reach`
-// times a strength times standard normal numbers. Its problem is made when it is needed: there are some sixty, with
-// meshes and eliminated stiffnesses of their own.
+// What the model may lack, a correction or an effect: further coordinates, where they change nothing, and how far they
+// may be from there: `reach` times a strength times standard normal numbers.
 struct Hypothesis {
     std::string name;
-    study::Study study;
+    std::vector<pave::pavement::Correction> corrections; // one, or
+    std::vector<study::Variant> effects;                 // one
     VectorXd none;
     MatrixXd reach;
     std::span<const double> strengths;
     bool is_of_readings = false; // an output is what is there, not what a sensor says
+    // On the coarse mesh, to the responses of the study's own where nothing is lacking; empty: no slopes are known.
+    diagnose::Shift shift{};
 };
 
 std::vector<Hypothesis> hypotheses_of(const study::Study& study) {
     std::vector<Hypothesis> list;
     for (const auto& correction : study::correction_channels(study)) {
         const auto size = static_cast<Index>(correction.factors.size());
-        study::Study corrected = study::with_free_corrections(study, {correction});
-        const problem::Axis axis = corrected.space.axes.back();
+        const problem::Axis axis = study::with_free_corrections(study, {correction}).space.axes.back();
         const MatrixXd factor = diagnose::prior_correlation(correction.factors.size()).llt().matrixL();
         list.push_back({.name = correction.name(),
-                        .study = std::move(corrected),
+                        .corrections = {correction},
+                        .effects = {},
                         .none = VectorXd::Constant(size, diagnose::no_correction),
                         .reach = factor / std::log(axis.high / axis.low),
                         .strengths = strengths_of_corrections,
@@ -60,7 +63,7 @@ std::vector<Hypothesis> hypotheses_of(const study::Study& study) {
     }
     const bool is_plane = std::all_of(study.model.loads.begin(), study.model.loads.end(),
                                       [](const auto& load) { return load.is_axisymmetric(); });
-    if (!is_plane) { // a run each: too long in three dimensions
+    if (!is_plane) { // too long in three dimensions
         return list;
     }
     for (const study::Variant& variant : study::variants(study, {})) {
@@ -68,12 +71,64 @@ std::vector<Hypothesis> hypotheses_of(const study::Study& study) {
         const double none = axis.unit(variant.applied.effect->null);
         list.push_back({.name = std::string(variant.applied.effect->name) +
                                 (variant.on.empty() ? "" : fmt::format(" ({})", variant.on)),
-                        .study = study::with_free_effects(study, {variant}),
+                        .corrections = {},
+                        .effects = {variant},
                         .none = VectorXd::Constant(1, none),
                         .reach = MatrixXd::Constant(1, 1, axis.unit(variant.applied.effect->typical) - none),
                         .strengths = strengths_of_effects});
     }
     return list;
+}
+
+using Batch = std::vector<std::size_t>; // of hypotheses, rising
+
+// With all of them free; their coordinates follow the parameters in this order, for corrections come first.
+problem::Problem problem_with(const study::Study& study, const std::vector<Hypothesis>& hypotheses,
+                              const Batch& batch) {
+    std::vector<pave::pavement::Correction> corrections;
+    std::vector<study::Variant> effects;
+    for (const std::size_t c : batch) {
+        corrections.insert(corrections.end(), hypotheses[c].corrections.begin(), hypotheses[c].corrections.end());
+        effects.insert(effects.end(), hypotheses[c].effects.begin(), hypotheses[c].effects.end());
+    }
+    return study::make_noise_problem(study::with_free_effects(study::with_free_corrections(study, corrections), effects),
+                                     study::Scope::everything);
+}
+
+// What one run can differentiate by: as many coordinates as a study may have parameters, an effect once. Those that
+// are too many alone are in none.
+std::vector<Batch> batches_of(const std::vector<Hypothesis>& hypotheses, Index parameters) {
+    struct Open {
+        Batch batch;
+        Index size;
+        std::set<const pave::pavement::Effect*> effects;
+    };
+    std::vector<Open> list;
+    for (std::size_t c = 0; c < hypotheses.size(); ++c) {
+        const Hypothesis& h = hypotheses[c];
+        const auto* effect = h.effects.empty() ? nullptr : h.effects[0].applied.effect;
+        const auto most = static_cast<Index>(study::most_parameters);
+        if (parameters + h.none.size() > most) {
+            continue;
+        }
+        auto at = std::find_if(list.begin(), list.end(), [&](const Open& open) {
+            return open.size + h.none.size() <= most && !open.effects.contains(effect);
+        });
+        if (at == list.end()) {
+            at = list.insert(at, {{}, parameters, {}});
+        }
+        at->batch.push_back(c);
+        at->size += h.none.size();
+        if (effect != nullptr) {
+            at->effects.insert(effect);
+        }
+    }
+    std::vector<Batch> batches;
+    batches.reserve(list.size());
+    for (Open& open : list) {
+        batches.push_back(std::move(open.batch));
+    }
+    return batches;
 }
 
 // e: of the problem at that point, with jacobian.
@@ -101,66 +156,71 @@ std::optional<Slopes> slopes_of(const problem::Problem& problem, const VectorXd&
     return is_finite ? std::optional(std::move(slopes)) : std::nullopt;
 }
 
+// On the coarse mesh. shift: taken from `best`, what the study's own mesh has at this point, where it is empty.
 std::optional<Slopes> slopes_at(const problem::Problem& problem, const VectorXd& at,
                                 const std::vector<std::size_t>& outputs, double noise,
-                                problem::ForwardFunction::Workspace& workspace) {
-    const problem::Evaluation e = problem.evaluate({at.data(), static_cast<std::size_t>(at.size())}, true, workspace);
-    return slopes_of(problem, at, e, outputs, noise);
+                                problem::ForwardFunction::Workspace& workspace, const problem::Evaluation& best,
+                                diagnose::Shift& shift) {
+    problem::Evaluation e = problem.evaluate({at.data(), static_cast<std::size_t>(at.size())}, true, workspace);
+    if (!e.converged()) {
+        return std::nullopt;
+    }
+    if (shift.empty()) {
+        shift = diagnose::shift_between(best, e);
+    }
+    return slopes_of(problem, at, diagnose::shifted(problem, std::move(e), shift), outputs, noise);
 }
 
-// Of the hypotheses that are corrections, which come first; how many they are. At no correction one run has the
-// derivatives of several, as many as a study may have parameters.
-std::size_t slopes_of_corrections(const study::Study& study, const VectorXd& answer,
-                                  const std::vector<Hypothesis>& hypotheses, const std::vector<std::size_t>& outputs,
-                                  double noise, std::vector<std::optional<Slopes>>& slopes) {
-    const auto channels = study::correction_channels(study);
+// Of every hypothesis of a batch, where nothing is lacking. study: on the coarse mesh.
+void differentiate(const study::Study& study, const VectorXd& answer, const problem::Evaluation& best,
+                   const std::vector<std::size_t>& outputs, double noise, const Batch& batch,
+                   std::vector<Hypothesis>& hypotheses, std::vector<std::optional<Slopes>>& slopes) {
     const Index n = answer.size();
-    for (std::size_t c = 0; c < channels.size();) {
-        const std::size_t first = c;
-        Index size = n;
-        do {
-            size += hypotheses[c].none.size();
-            ++c;
-        } while (c < channels.size() && size + hypotheses[c].none.size() <= static_cast<Index>(study::most_parameters));
-        if (size > static_cast<Index>(study::most_parameters)) {
-            continue; // this one alone is too many
-        }
-        VectorXd at = VectorXd::Constant(size, diagnose::no_correction);
-        at.head(n) = answer;
-        const problem::Problem problem = study::make_noise_problem(
-            study::with_free_corrections(study, {channels.begin() + static_cast<std::ptrdiff_t>(first),
-                                                 channels.begin() + static_cast<std::ptrdiff_t>(c)}),
-            study::Scope::everything);
-        const auto all = slopes_at(problem, at, outputs, noise, *problem.function->make_workspace());
-        Index column = n;
-        for (std::size_t own = first; all && own < c; ++own) {
-            const Index count = hypotheses[own].none.size();
+    Index size = n;
+    for (const std::size_t c : batch) {
+        size += hypotheses[c].none.size();
+    }
+    VectorXd at(size);
+    at.head(n) = answer;
+    Index column = n;
+    for (const std::size_t c : batch) {
+        at.segment(column, hypotheses[c].none.size()) = hypotheses[c].none;
+        column += hypotheses[c].none.size();
+    }
+    const problem::Problem problem = problem_with(study, hypotheses, batch);
+    diagnose::Shift shift;
+    const auto all = slopes_at(problem, at, outputs, noise, *problem.function->make_workspace(), best, shift);
+    column = n;
+    for (const std::size_t c : batch) {
+        const Index count = hypotheses[c].none.size();
+        if (all) {
             const auto part = [&](const MatrixXd& matrix) {
                 MatrixXd columns(matrix.rows(), n + count);
                 columns << matrix.leftCols(n), matrix.middleCols(column, count);
                 return columns;
             };
-            slopes[own] = Slopes{.at = part(all->at.transpose()).transpose(),
-                                 .residuals = all->residuals,
-                                 .rows = part(all->rows),
-                                 .outputs = all->outputs,
-                                 .output_rows = part(all->output_rows)};
-            column += count;
+            slopes[c] = Slopes{.at = part(all->at.transpose()).transpose(),
+                               .residuals = all->residuals,
+                               .rows = part(all->rows),
+                               .outputs = all->outputs,
+                               .output_rows = part(all->output_rows)};
+            hypotheses[c].shift = shift;
+        } else if (batch.size() > 1) { // one of them may be to blame
+            differentiate(study, answer, best, outputs, noise, {c}, hypotheses, slopes);
         }
+        column += count;
     }
-    return channels.size();
 }
 
 // From the answer to the hypothesis's own best point at the strength that says most, by Gauss and Newton's steps; the
 // slopes there.
-Slopes slopes_at_best(const Hypothesis& hypothesis, Slopes slopes, Index parameters,
+Slopes slopes_at_best(const problem::Problem& problem, Hypothesis& hypothesis, Slopes slopes, Index parameters, const problem::Evaluation& best,
                       const std::vector<std::size_t>& outputs, double noise) {
-    const problem::Problem problem = study::make_noise_problem(hypothesis.study, study::Scope::everything);
     const auto workspace = problem.function->make_workspace();
     constexpr int steps = 4;
     constexpr int halvings = 3;
     const auto most_said = [&](const Slopes& there) {
-        std::size_t best = 0;
+        std::size_t most = 0;
         double evidence = -INFINITY;
         for (std::size_t s = 0; s < hypothesis.strengths.size(); ++s) {
             const double now =
@@ -168,10 +228,10 @@ Slopes slopes_at_best(const Hypothesis& hypothesis, Slopes slopes, Index paramet
                     .log_evidence;
             if (now > evidence) {
                 evidence = now;
-                best = s;
+                most = s;
             }
         }
-        return best;
+        return most;
     };
     for (int step = 0; step < steps; ++step) {
         const MatrixXd reach = hypothesis.strengths[most_said(slopes)] * hypothesis.reach;
@@ -185,7 +245,7 @@ Slopes slopes_at_best(const Hypothesis& hypothesis, Slopes slopes, Index paramet
         double gained = 0.0;
         for (int halving = 0; halving < halvings && !(gained > 0.0); ++halving, move *= 0.5) {
             const VectorXd next = (slopes.at + move).cwiseMax(0.0).cwiseMin(1.0);
-            auto there = slopes_at(problem, next, outputs, noise, *workspace);
+            auto there = slopes_at(problem, next, outputs, noise, *workspace, best, hypothesis.shift);
             if (const double now = there ? sum(*there) : INFINITY; now < before) {
                 gained = before - now;
                 slopes = std::move(*there);
@@ -247,20 +307,13 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
         right_slopes->output_rows.col(static_cast<Index>(bound.axis)).setZero();
     }
     const Said right = diagnose::say(*right_slopes, n, VectorXd(0), MatrixXd(0, 0));
-    const std::vector<Hypothesis> hypotheses = hypotheses_of(study);
+    const study::Study coarse = on_coarser_mesh(study);
+    std::vector<Hypothesis> hypotheses = hypotheses_of(coarse);
     std::vector<std::optional<Slopes>> slopes(hypotheses.size());
     tbb::task_arena arena(run::concurrency(threads));
-    const std::size_t corrections = slopes_of_corrections(study, answer, hypotheses, outputs, noise, slopes);
-    run::for_each_index(arena, hypotheses.size() - corrections, [&](std::size_t i) {
-        const std::size_t c = corrections + i;
-        const Hypothesis& hypothesis = hypotheses[c];
-        if (n + hypothesis.none.size() > static_cast<Index>(study::most_parameters)) {
-            return;
-        }
-        VectorXd at(n + hypothesis.none.size());
-        at << answer, hypothesis.none;
-        const problem::Problem problem = study::make_noise_problem(hypothesis.study, study::Scope::everything);
-        slopes[c] = slopes_at(problem, at, outputs, noise, *problem.function->make_workspace());
+    const std::vector<Batch> batches = batches_of(hypotheses, n);
+    run::for_each_index(arena, batches.size(), [&](std::size_t i) {
+        differentiate(coarse, answer, best, outputs, noise, batches[i], hypotheses, slopes);
     });
     const auto said_by = [&](std::size_t c, std::size_t s) {
         const Hypothesis& hypothesis = hypotheses[c];
@@ -285,7 +338,8 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
     run::for_each_index(arena, std::min(leading, order.size()), [&](std::size_t i) {
         const std::size_t c = order[i].second;
         if (slopes[c] && order[0].first > without + far) {
-            slopes[c] = slopes_at_best(hypotheses[c], std::move(*slopes[c]), n, outputs, noise);
+            slopes[c] = slopes_at_best(problem_with(coarse, hypotheses, {c}), hypotheses[c], std::move(*slopes[c]), n, best,
+                                       outputs, noise);
         }
     });
     std::vector<Said> all;

@@ -48,6 +48,7 @@ constexpr int pair_number = 1000; // + 100 times the place in the beam
 constexpr int further_number = 300;
 constexpr int blind_number = 400;
 constexpr int baseline_number = 500;
+constexpr int minimum_number = 600;
 constexpr int fold_number = 5000;
 constexpr int bootstrap_number = 20'000;
 constexpr int search_number = 10'000'000; // + the point of the sample
@@ -150,14 +151,21 @@ private:
         multistart.starts = settings_.starts;
         multistart.search.enough = close_enough;
         multistart.first_kept = search_number;
-        auto result = bench_.use({}, [&](const problem::Problem& own, run::Engine& engine) {
-            if (!task_.explore) {
-                return landscape::multistart(engine, own, design, multistart);
-            }
-            auto explored = task_.explore(design);
-            return explored ? landscape::refine(engine, own, design, std::move(*explored), {}, multistart)
-                            : std::nullopt;
-        });
+        const auto search_all = [&] {
+            return bench_.use({}, Mesh::coarse, [&](const problem::Problem& own, run::Engine& engine) {
+                if (!task_.explore) {
+                    return landscape::multistart(engine, own, design, multistart);
+                }
+                auto explored = task_.explore(design);
+                return explored ? landscape::refine(engine, own, design, std::move(*explored), {}, multistart)
+                                : std::nullopt;
+            });
+        };
+        auto result = search_all();
+        if (result && result->minima.empty()) {
+            bench_.give_up_coarse();
+            result = search_all();
+        }
         if (!result) {
             return false;
         }
@@ -171,20 +179,36 @@ private:
                     {{}, design.points[i], result->explored[i], problem.residuals(result->explored[i]), 0.0});
             }
         }
-        d_.minima = std::move(result->minima);
-        const landscape::Minimum& best = d_.minima[0];
-        Model model{{}, best.unit, best.evaluation, problem.residuals(best.evaluation), 0.0};
-        model.sum = model.residuals.squaredNorm();
-        set_baseline(std::move(model));
+        // The leading ones on the study's own mesh.
+        constexpr std::size_t leading = 3;
+        d_.variance = variance_of(std::pow(result->minima[0].evaluation.misfit, 2));
+        for (std::size_t m = 0; m < std::min(leading, result->minima.size()); ++m) {
+            if (auto found = fit_from({}, minimum_number + static_cast<int>(m), result->minima[m].unit)) {
+                minima_.push_back(std::move(*found));
+            }
+        }
+        if (run::interrupted()) {
+            return false;
+        }
+        if (minima_.empty()) {
+            d_.failed = run::why_no_minimum(problem, {});
+            return true;
+        }
+        std::stable_sort(minima_.begin(), minima_.end(), [](const Model& a, const Model& b) { return a.sum < b.sum; });
+        set_baseline(minima_[0]);
         return true;
     }
 
+    // Of a residual, where so much is left of all of them.
+    double variance_of(double sum) const {
+        const auto baseline = bench_.problem({});
+        const double dof =
+            static_cast<double>(baseline->rows()) - static_cast<double>(baseline->space.axes.size());
+        return noise_is_stated_ ? 1.0 : std::max(sum / std::max(1.0, dof), 1e-24);
+    }
+
     void set_baseline(Model model) {
-        if (!noise_is_stated_) {
-            d_.variance = 1.0;
-            const double dof = static_cast<double>(model.residuals.size()) - static_cast<double>(model.unit.size());
-            d_.variance = std::max(model.sum / std::max(1.0, dof), 1e-24);
-        }
+        d_.variance = variance_of(model.sum);
         d_.baseline = judge(std::move(model));
     }
 
@@ -193,16 +217,27 @@ private:
         return diagnose::fit_from(bench_, members, number, start, d_.variance, target, settings);
     }
 
-    // A fit that is to get lower than what is found so far, and than this.
+    // A fit on the coarse mesh that is to get lower than what is found so far, and than this.
     std::optional<Model> fit_lower(const Members& members, int number, const std::vector<double>& start,
-                                   const std::optional<Model>& found, double worth) {
+                                   const Shift& shift, const std::optional<Model>& found, double worth) {
         constexpr double lower = 0.1; // chi2
         return fit_from(members, number, start, {},
-                        {.worth = found ? std::min(worth, found->sum - lower * d_.variance) : worth});
+                        {.worth = found ? std::min(worth, found->sum - lower * d_.variance) : worth,
+                         .on_coarse = &shift});
     }
 
-    // Fit of base with one candidate more: from the starts that the screening proposes, until one gets as low as
-    // predicted. worth: a sum of squares; nothing, where none gets as low.
+    // What was found on the coarse mesh, on the study's own.
+    std::optional<Model> confirm(const std::optional<Model>& found, int number, double worth = INFINITY) {
+        return found ? fit_from(found->members, number, found->unit, {}, {.worth = worth}) : std::nullopt;
+    }
+    // What the coarse mesh has to get below for that to be worth it: it errs by less than this [chi2].
+    double worth_confirming(double worth) const {
+        constexpr double error = 2.0;
+        return worth + error * d_.variance;
+    }
+
+    // Fit of base with one candidate more on the coarse mesh: from the starts that the screening proposes, until one
+    // gets as low as predicted. worth: a sum of squares; nothing, where none gets as low.
     std::optional<Model> fit_added(const Model& base, const Screened& screened, std::size_t candidate, int number,
                                    double worth = INFINITY) {
         const Members members = with_member(base.members, candidate);
@@ -216,8 +251,8 @@ private:
         starts.push_back(
             with_size(base.unit, size_index(bench_, members, candidate), task_.candidates[candidate].null));
         propose(1);
-        if (base.members.empty() && d_.minima.size() > 1) { // where the baseline has another minimum
-            starts.push_back(d_.minima[1].unit);
+        if (base.members.empty() && minima_.size() > 1) { // where the baseline has another minimum
+            starts.push_back(minima_[1].unit);
             starts.back().push_back(task_.candidates[candidate].typical);
         }
         std::optional<Model> best;
@@ -226,14 +261,16 @@ private:
             if (best && best->sum < screened.predicted + reached * d_.variance) {
                 break;
             }
-            keep_lower(best, fit_lower(members, number + static_cast<int>(s), starts[s], best, worth));
+            keep_lower(best,
+                       fit_lower(members, number + static_cast<int>(s), starts[s], screened.shift, best, worth));
         }
         return best;
     }
 
     // With one candidate more, whatever the screening says of it: from a typical size on both sides of none, and from
     // large ones. worth: as of fit_added().
-    std::optional<Model> fit_blindly(const Model& base, std::size_t added, double worth = INFINITY) {
+    std::optional<Model> fit_blindly(const Model& base, const Screening& screening, std::size_t added,
+                                     double worth = INFINITY) {
         const Members members = with_member(base.members, added);
         const std::size_t at = size_index(bench_, members, added);
         const Candidate& candidate = task_.candidates[added];
@@ -243,11 +280,12 @@ private:
         for (const double size : {candidate.typical, 2.0 * candidate.null - candidate.typical,
                                   candidate.null + large * (1.0 - candidate.null), (1.0 - large) * candidate.null}) {
             if (size > 0.0 && size < 1.0 && std::abs(size - candidate.null) > 1e-3) {
-                keep_lower(best, fit_lower(members, number, with_size(base.unit, at, size), best, worth));
+                keep_lower(best, fit_lower(members, number, with_size(base.unit, at, size),
+                                           screening.items[added].shift, best, worth_confirming(worth)));
             }
             ++number;
         }
-        return best;
+        return confirm(best, blind_number, worth);
     }
 
     // What a model has to get below to stand beside this one among the explanations, and more: a sum of squares.
@@ -272,7 +310,7 @@ private:
         std::vector<std::optional<Model>> models(untried.size());
         run::Progress progress("remaining fits", static_cast<std::int64_t>(untried.size()));
         run::for_each_index(arena_, untried.size(), [&](std::size_t i) {
-            models[i] = fit_blindly(d_.baseline.model, untried[i]->candidate, worth);
+            models[i] = fit_blindly(d_.baseline.model, d_.screening, untried[i]->candidate, worth);
             progress.add(1, true);
         });
         if (run::interrupted()) {
@@ -357,9 +395,23 @@ private:
         constexpr std::size_t variants_each = 2;
         const auto chosen = worth_fitting(d_.screening, all ? task_.candidates.size() : leading, variants_each, all);
         std::vector<std::optional<Model>> models(chosen.size());
-        run::Progress progress("fits", static_cast<std::int64_t>(chosen.size()));
+        run::Progress progress("fits", 2 * static_cast<std::int64_t>(chosen.size()));
         run::for_each_index(arena_, chosen.size(), [&](std::size_t i) {
             models[i] = fit_added(d_.baseline.model, d_.screening.items[chosen[i]], chosen[i], fit_number);
+            progress.add(1, true);
+        });
+        double lowest = d_.baseline.model.sum;
+        for (const auto& model : models) {
+            lowest = model ? std::min(lowest, model->sum) : lowest;
+        }
+        run::for_each_index(arena_, chosen.size(), [&](std::size_t i) {
+            // Those that gain nothing or are out of the question stay as the coarse mesh has them.
+            constexpr double far = 25.0; // chi2
+            constexpr double something = 2.0;
+            if (models[i] && models[i]->sum < std::min(lowest + far * d_.variance,
+                                                       d_.baseline.model.sum - something * d_.variance)) {
+                models[i] = confirm(models[i], fit_number);
+            }
             progress.add(1, true);
         });
         if (run::interrupted()) {
@@ -473,10 +525,14 @@ private:
         for (std::size_t e = 0; e < std::min(tried, d_.effects.size()) && d_.effects[e].fit; ++e) {
             const auto& unit = d_.effects[e].fit->model.unit;
             const std::vector<double> start(unit.begin(), unit.end() - 1);
-            auto found = fit_from({}, baseline_number + attempts_++, start);
             constexpr double lower = 0.5; // chi2
+            const double known = d_.baseline.model.sum;
+            const int number = baseline_number + attempts_++;
+            const auto found = confirm(fit_lower({}, number, start, d_.screening.base.shift, {},
+                                                 known - 0.5 * lower * d_.variance),
+                                       number);
             if (found && found->sum < d_.baseline.model.sum - lower * d_.variance) {
-                set_baseline(std::move(*found));
+                set_baseline(*found);
                 better = true;
             }
         }
@@ -496,7 +552,7 @@ private:
     // What each candidate could explain beside the model that stands at this place of the beam.
     std::optional<Screening> screen_seconds(const Model& base, std::size_t place, std::size_t scanned) {
         return screen(bench_, base, task_.candidates, d_.variance, !noise_is_stated_, task_.seed, scanned,
-                      pair_number + 100 * static_cast<int>(place));
+                      pair_number + 100 * static_cast<int>(place), &d_.screening);
     }
 
     // One candidate more on each of the best models, those that the screening proposes. of_first: the screening of the
@@ -517,7 +573,9 @@ private:
         const auto fit_seconds = [&](const std::vector<Job>& jobs) {
             const double below = worth();
             return fit_jobs("fits of pairs", jobs.size(), pairs, [&](std::size_t i) {
-                return fit_added(*jobs[i].base, *jobs[i].screened, jobs[i].candidate, jobs[i].number, below);
+                const Job& job = jobs[i];
+                return confirm(fit_added(*job.base, *job.screened, job.candidate, job.number, worth_confirming(below)),
+                               job.number, below);
             });
         };
         const auto add_jobs = [&](const Screening& screening, std::size_t b, std::vector<Job>& jobs) {
@@ -572,7 +630,7 @@ private:
         }
         const double below = worth();
         return fit_jobs("further pairs", list.size(), pairs,
-                        [&](std::size_t i) { return fit_blindly(first, list[i], below); });
+                        [&](std::size_t i) { return fit_blindly(first, of_first, list[i], below); });
     }
 
     // Adds what so many fits found to the pairs, best first. False: interrupted.
@@ -611,7 +669,7 @@ private:
     bool fit_alone(const Members& members) {
         for (EffectResult& effect : d_.effects) {
             if (!effect.fit && std::find(members.begin(), members.end(), effect.candidate) != members.end()) {
-                if (auto model = fit_blindly(d_.baseline.model, effect.candidate)) {
+                if (auto model = fit_blindly(d_.baseline.model, d_.screening, effect.candidate)) {
                     take_single(effect, std::move(*model));
                 }
             }
@@ -655,13 +713,17 @@ private:
         run::for_each_index(arena_, tried.size(), [&](std::size_t i) {
             EffectResult& effect = *tried[i];
             const Members members = effect.fit->model.members;
-            std::optional<Model> best = effect.fit->model;
+            const Shift& shift = d_.screening.items[effect.candidate].shift;
+            std::optional<Model> best;
             for (std::size_t s = 0; s < count; ++s) {
                 std::vector<double> start = points[s]->unit;
                 start.push_back(s == 0 ? effect.fit->model.unit.back() : task_.candidates[effect.candidate].typical);
-                keep_lower(best, fit_lower(members, further_number + static_cast<int>(s), start, best, INFINITY));
+                keep_lower(best, fit_lower(members, further_number + static_cast<int>(s), start, shift, best,
+                                           worth_confirming(effect.fit->model.sum)));
             }
-            effect.fit->model = std::move(*best);
+            std::optional<Model> lower = effect.fit->model;
+            keep_lower(lower, confirm(best, further_number, lower->sum));
+            effect.fit->model = std::move(*lower);
             progress.add(1, true);
         });
         if (run::interrupted()) {
@@ -736,8 +798,12 @@ private:
         constexpr double step = 0.1;
         with.push_back(candidate.null + step * (found - candidate.null));
         problem::Evaluation at_with;
-        bench_.chain(members, bootstrap_number + settings_.bootstrap,
-                     [&](const problem::Problem&, run::Chain& chain) { at_with = chain.at(with); });
+        bench_.chain(
+            members, bootstrap_number + settings_.bootstrap,
+            [&](const problem::Problem& problem, run::Chain& chain) {
+                at_with = shifted(problem, chain.at(with), screened.shift);
+            },
+            Mesh::coarse);
         if (run::interrupted()) {
             return false;
         }
@@ -753,10 +819,12 @@ private:
                 target.offset[i] += noise * random.normal(static_cast<std::uint64_t>(i));
             }
             const int number = bootstrap_number + static_cast<int>(b);
-            FitSettings settings = for_residuals(&base.evaluation, d_.variance);
+            FitSettings settings = for_residuals(&d_.screening.base.evaluation, d_.variance);
+            settings.on_coarse = &d_.screening.base.shift;
             settings.enough = 0.05 * d_.variance; // half of the change of chi2, whose mean gain is 1
             const auto without = fit_from({}, number, base.unit, target, settings);
             settings.at_start = &at_with;
+            settings.on_coarse = &screened.shift;
             const auto extended = fit_from(members, number, with, target, settings);
             return without && extended ? std::max(0.0, without->sum - extended->sum) / d_.variance : -1.0;
         };
@@ -960,7 +1028,8 @@ private:
     bool noise_is_stated_; // residuals are then in units of it
     tbb::task_arena arena_;
     Diagnosis d_;
-    std::vector<Model> explored_; // points of the sample: residuals, no derivatives
+    std::vector<Model> explored_; // points of the sample on the coarse mesh: residuals, no derivatives
+    std::vector<Model> minima_;   // of the baseline, lowest first
     std::vector<Judged> explanations_;
     std::vector<std::pair<std::size_t, Model>> singles_; // every fit of one effect, by its candidate
     int attempts_ = 0;

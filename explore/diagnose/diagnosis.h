@@ -26,7 +26,7 @@ struct DiagnosisTask {
     std::vector<Fold> loads;
     std::uint64_t seed = 1;
     std::vector<Channel> channels{}; // of corrections
-    // The sample by a quicker model of the baseline; empty: by the baseline's. Nothing: interrupted.
+    // The sample by a quicker model of the baseline; empty: on the coarse mesh. Nothing: interrupted.
     std::function<std::optional<std::vector<problem::Evaluation>>(const search::Design& sample)> explore = {};
     // What is known of corrections (those of its location); without: all.
     std::function<Says(const Diagnosis& diagnosis)> says_where = {};
@@ -141,7 +141,6 @@ struct Diagnosis {
     Verdict verdict = Verdict::adequate;
     std::string failed;                     // why there is none
     double variance = 1.0;                  // of one residual
-    std::vector<landscape::Minimum> minima; // of the baseline
     Judged baseline;
     std::vector<GroupTest> groups; // at the baseline
     std::vector<Constancy> constancy;

@@ -24,24 +24,44 @@ MatrixXd prior_correlation(std::size_t coefficients) {
     return c;
 }
 
+namespace {
+
+// Of the logarithm of a modulus: from what nobody would see to a factor of 4.5 as one standard deviation.
+constexpr double weakest = 0.02;
+constexpr double strongest = 1.5;
+constexpr int steps = 18;
+const double step_ratio = std::pow(strongest / weakest, 1.0 / steps);
+
+double grid_strength(Index i) {
+    return weakest * std::pow(step_ratio, i);
+}
+
+} // namespace
+
 ChannelEvidence::ChannelEvidence(const MatrixXd& change) {
     const MatrixXd factor = prior_correlation(static_cast<std::size_t>(change.cols())).llt().matrixL();
     const Eigen::JacobiSVD<MatrixXd> svd(change * factor, Eigen::ComputeThinU);
     directions_ = svd.matrixU();
     weights_ = svd.singularValues().cwiseAbs2();
+    shares_.resize(steps + 1, weights_.size());
+    log_determinants_.resize(steps + 1);
+    for (Index i = 0; i <= steps; ++i) {
+        const Eigen::ArrayXd more = std::pow(grid_strength(i), 2) * weights_.array();
+        shares_.row(i) = more / (1.0 + more);
+        log_determinants_[i] = more.log1p().sum();
+    }
+}
+
+double ChannelEvidence::log_ratio_of(double explained, double log_determinant, double rest, bool estimated, int free) {
+    const double likelihood = estimated ? -free * std::log1p(-std::min(explained / rest, 1.0 - 1e-12)) : explained;
+    return (likelihood - log_determinant) / 2.0;
 }
 
 double ChannelEvidence::log_ratio_of(const VectorXd& projected, double rest, double strength, bool estimated,
                                      int free) const {
-    double determinant = 0.0;
-    double explained = 0.0;
-    for (Index i = 0; i < weights_.size(); ++i) {
-        const double more = strength * strength * weights_[i];
-        determinant += std::log1p(more);
-        explained += projected[i] * projected[i] * more / (1.0 + more);
-    }
-    const double likelihood = estimated ? -free * std::log1p(-std::min(explained / rest, 1.0 - 1e-12)) : explained;
-    return (likelihood - determinant) / 2.0;
+    const Eigen::ArrayXd more = strength * strength * weights_.array();
+    const double explained = (projected.array().square() * more / (1.0 + more)).sum();
+    return log_ratio_of(explained, more.log1p().sum(), rest, estimated, free);
 }
 
 double ChannelEvidence::log_ratio(const VectorXd& z, double strength, bool estimated, int free) const {
@@ -51,27 +71,24 @@ double ChannelEvidence::log_ratio(const VectorXd& z, double strength, bool estim
 ChannelEvidence::Estimate ChannelEvidence::estimate(const VectorXd& z, bool estimated, int free) const {
     const VectorXd projected = directions_.transpose() * z;
     const double rest = z.squaredNorm();
-    // Of the logarithm of a modulus: from what nobody would see to a factor of 4.5 as one standard deviation.
-    constexpr double weakest = 0.02;
-    constexpr double strongest = 1.5;
-    constexpr int steps = 18;
-    const double ratio = std::pow(strongest / weakest, 1.0 / steps);
     Estimate best;
-    const auto look_at = [&](double strength) {
-        if (const double value = log_ratio_of(projected, rest, strength, estimated, free); value > best.log_ratio) {
+    const auto look_at = [&](double strength, double value) {
+        if (value > best.log_ratio) {
             best = {strength, value};
         }
     };
-    for (int i = 0; i <= steps; ++i) {
-        look_at(weakest * std::pow(ratio, i));
+    const VectorXd explained = shares_ * projected.cwiseAbs2();
+    for (Index i = 0; i <= steps; ++i) {
+        look_at(grid_strength(i), log_ratio_of(explained[i], log_determinants_[i], rest, estimated, free));
     }
     if (best.strength > 0.0) {
-        double step = ratio;
+        double step = step_ratio;
         for (int i = 0; i < 5; ++i) {
             step = std::sqrt(step);
             const double middle = best.strength;
-            look_at(middle / step);
-            look_at(std::min(strongest, middle * step));
+            for (const double strength : {middle / step, std::min(strongest, middle * step)}) {
+                look_at(strength, log_ratio_of(projected, rest, strength, estimated, free));
+            }
         }
     }
     return best;

@@ -35,8 +35,13 @@ public:
 private:
     double log_ratio_of(const Eigen::VectorXd& projected, double rest, double strength, bool estimated, int free) const;
 
+    static double log_ratio_of(double explained, double log_determinant, double rest, bool estimated, int free);
+
     Eigen::MatrixXd directions_; // orthonormal: eigenvectors of A C A'
     Eigen::VectorXd weights_;    // its eigenvalues
+    // At the strengths that an estimate looks at first:
+    Eigen::MatrixXd shares_; // of every weight, what it explains of what lies in its direction
+    Eigen::VectorXd log_determinants_;
 };
 
 // A channel that is in the model already.

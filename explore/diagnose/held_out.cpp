@@ -12,66 +12,91 @@ namespace {
 
 class LeftOut {
 public:
-    LeftOut(const DiagnosisTask& task, const Diagnosis& d, const std::vector<Model>& explored, const Fold& fold)
+    LeftOut(const DiagnosisTask& task, const Diagnosis& d, const std::vector<Model>& explored,
+            const OnCoarse& extended, const Fold& fold)
         : task_(task),
           d_(d),
           explored_(explored),
+          extended_(extended),
           target_(leaving_out(fold.terms, static_cast<std::size_t>(d.baseline.model.residuals.size()))) {}
 
-    // The baseline without these readings, from the best of what was explored; nothing: no answer.
+    // The baseline without these readings, from where it is with them and from the best of what was explored; nothing:
+    // no answer.
     std::optional<Model> before(int number) const {
+        const Model& known = d_.baseline.model;
+        const OnCoarse& base = d_.screening.base;
+        std::optional<Model> found =
+            fit({}, number, known.unit, target_, for_residuals(&base.evaluation, d_.variance), base.shift);
+        // Without these readings another minimum may be lower.
         const auto nearest = std::min_element(explored_.begin(), explored_.end(),
                                               [&](const Model& a, const Model& b) { return sum(a) < sum(b); });
-        std::optional<Model> found = fit({}, number, nearest->unit, target_, for_residuals(nullptr, d_.variance));
-        // Where that ended in a worse minimum than is known.
-        const Model& known = d_.baseline.model;
-        if (!found || found->sum > sum(known) + 0.1 * d_.variance) {
-            keep_lower(found, fit({}, number + 1, known.unit, target_, for_residuals(&known.evaluation, d_.variance)));
+        if (nearest != explored_.end()) {
+            keep_lower(found, fit({}, number + 1, nearest->unit, target_, below(found), base.shift));
         }
-        return found;
+        return confirmed(std::move(found), number, target_, known);
     }
 
-    // From there the extended model: from no effect, and from a typical one on the side that was found; corrections
-    // from none.
+    // The extended model, from where it is with them and from `before` with no effect and no correction.
     std::optional<Model> after(const Model& before, int number) const {
         const Model& best = d_.extended->model;
-        std::optional<Model> found;
-        const std::size_t own = before.unit.size();
         Target target = target_;
         if (d_.is_located()) {
             target.penalty = d_.location->pull.penalty;
             target.centre = d_.location->pull.centre;
         }
-        for (int s = 0; s < (d_.is_located() ? 1 : 2); ++s) {
-            std::vector<double> start = before.unit;
-            for (std::size_t m = 0; m < best.members.size(); ++m) {
-                if (best.members[m] >= task_.candidates.size()) {
-                    start.push_back(no_correction);
-                    continue;
-                }
-                const Candidate& candidate = task_.candidates[best.members[m]];
-                const double reach = std::abs(candidate.typical - candidate.null);
-                const double side = best.unit[own + m] > candidate.null ? 1.0 : -1.0;
-                start.push_back(std::clamp(candidate.null + (s == 0 ? 0.0 : side * reach), 0.0, 1.0));
-            }
-            constexpr double lower = 0.1; // chi2: the same is the same without an effect
-            FitSettings search = for_residuals(nullptr, d_.variance);
-            search.worth = found ? found->sum - lower * d_.variance : INFINITY;
-            keep_lower(found, fit(best.members, number + s, start, target, search));
+        std::optional<Model> found = fit(best.members, number, best.unit, target,
+                                         for_residuals(&extended_.evaluation, d_.variance), extended_.shift);
+        std::vector<double> none = before.unit;
+        for (const std::size_t m : best.members) {
+            none.push_back(m < task_.candidates.size() ? task_.candidates[m].null : no_correction);
         }
-        return found;
+        keep_lower(found, fit(best.members, number + 1, none, target, below(found), extended_.shift));
+        return confirmed(std::move(found), number, target, best);
     }
 
 private:
+    // A search that is given up where it leads to nothing lower.
+    FitSettings below(const std::optional<Model>& found) const {
+        constexpr double lower = 0.1; // chi2
+        FitSettings search = for_residuals(nullptr, d_.variance);
+        search.worth = found ? found->sum - lower * d_.variance : INFINITY;
+        return search;
+    }
+    // What was found on the coarse mesh, as the study's own has it; where the two part, the fit again on that one, from
+    // what is known with all readings.
+    std::optional<Model> confirmed(std::optional<Model> found, int number, const Target& target,
+                                   const Model& known) const {
+        if (!found) {
+            return found;
+        }
+        const double coarse = counted_sum(found->residuals, target);
+        std::optional<Model> own;
+        task_.bench.chain(found->members, number, [&](const problem::Problem& problem, run::Chain& chain) {
+            const auto e = chain.at(found->unit, false);
+            if (e.converged()) {
+                own = found;
+                own->residuals = problem.setting_apart(target.left_out).residuals(e);
+                own->sum += counted_sum(own->residuals, target) - coarse;
+            }
+        });
+        constexpr double alike = 1.0; // chi2
+        if (!own || std::abs(own->sum - found->sum) > alike * d_.variance) {
+            keep_lower(own, fit_from(task_.bench, known.members, number + 1, known.unit, d_.variance, target,
+                                     for_residuals(&known.evaluation, d_.variance)));
+        }
+        return own;
+    }
     double sum(const Model& point) const { return counted_sum(point.residuals, target_); }
     std::optional<Model> fit(const Members& members, int number, const std::vector<double>& start, const Target& target,
-                             const FitSettings& settings) const {
+                             FitSettings settings, const Shift& shift) const {
+        settings.on_coarse = &shift;
         return fit_from(task_.bench, members, number, start, d_.variance, target, settings);
     }
 
     const DiagnosisTask& task_;
     const Diagnosis& d_;
     const std::vector<Model>& explored_;
+    const OnCoarse& extended_;
     Target target_;
 };
 
@@ -90,11 +115,12 @@ std::optional<HeldOut> predict_left_out(const DiagnosisTask& task, const Diagnos
         double before = 0.0, after = 0.0;
         std::size_t count = 0;
     };
+    const OnCoarse extended = on_coarse(task.bench, d.extended->model, number);
     std::vector<Squares> squares(folds.size());
     tbb::task_arena arena(run::concurrency(task.bench.threads()));
     run::Progress progress("held out", static_cast<std::int64_t>(folds.size()));
     run::for_each_index(arena, folds.size(), [&](std::size_t f) {
-        const LeftOut left_out(task, d, explored, folds[f]);
+        const LeftOut left_out(task, d, explored, extended, folds[f]);
         const int own = number + 10 * static_cast<int>(f);
         const auto before = left_out.before(own);
         const auto after = before ? left_out.after(*before, own) : std::nullopt;

@@ -110,8 +110,8 @@ namespace {
 // What is computed of one candidate.
 struct Signature {
     std::string impossible;
+    Shift shift;                 // at its null value; empty: not computed
     VectorXd derivative;         // by the size at its null value; empty: none
-    VectorXd at_null;            // residuals; empty: not computed
     std::vector<double> sizes;   // unit coordinates
     std::vector<VectorXd> moved; // residuals there - residuals at null; empty: no answer
 };
@@ -142,36 +142,42 @@ std::vector<double> point_of(Workbench& bench, const Model& base, std::size_t ca
     return with_size(base.unit, size_index(bench, with_member(base.members, candidate), candidate), size);
 }
 
-// The derivative by the size, at its null value.
+// At its null value, where the residuals are those of the base: the shift and the derivative by the size.
 void differentiate(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates, std::size_t c,
                    int number, Signature& s) {
     const Members members = with_member(base.members, c);
-    bench.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
-        const auto e = chain.at(point_of(bench, base, c, candidates[c].null));
-        if (!e.converged()) {
-            s.impossible = e.reason;
-            return;
-        }
-        s.at_null = problem.residuals(e);
-        const auto at = static_cast<Index>(size_index(bench, members, c));
-        s.derivative = problem.residual_jacobian(e).col(at);
-    });
+    bench.chain(
+        members, number,
+        [&](const problem::Problem& problem, run::Chain& chain) {
+            const auto e = chain.at(point_of(bench, base, c, candidates[c].null));
+            if (!e.converged()) {
+                s.impossible = e.reason;
+                return;
+            }
+            s.shift = shift_between(base.evaluation, e);
+            const auto at = static_cast<Index>(size_index(bench, members, c));
+            s.derivative = problem.residual_jacobian(shifted(problem, e, s.shift)).col(at);
+        },
+        Mesh::coarse);
 }
 
 // The residuals at the sizes from this one of scan_of on, at most so many.
 void scan(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates, std::size_t c, int number,
           std::size_t from, std::size_t most, Signature& s) {
     const std::vector<double> sizes = scan_of(candidates[c]);
-    if (!s.impossible.empty() || s.at_null.size() == 0 || sizes.size() <= from) {
+    if (!s.impossible.empty() || s.shift.empty() || sizes.size() <= from) {
         return;
     }
-    bench.chain(with_member(base.members, c), number, [&](const problem::Problem& problem, run::Chain& chain) {
-        for (std::size_t i = from; i < std::min(sizes.size(), from + most); ++i) {
-            const auto e = chain.at(point_of(bench, base, c, sizes[i]), false);
-            s.sizes.push_back(sizes[i]);
-            s.moved.push_back(e.converged() ? problem.residuals(e) - s.at_null : VectorXd());
-        }
-    });
+    bench.chain(
+        with_member(base.members, c), number,
+        [&](const problem::Problem& problem, run::Chain& chain) {
+            for (std::size_t i = from; i < std::min(sizes.size(), from + most); ++i) {
+                const auto e = shifted(problem, chain.at(point_of(bench, base, c, sizes[i]), false), s.shift);
+                s.sizes.push_back(sizes[i]);
+                s.moved.push_back(e.converged() ? problem.residuals(e) - base.residuals : VectorXd());
+            }
+        },
+        Mesh::coarse);
 }
 
 // Least sum of squares that a change, of any size and on the sides that exist, leaves of the residuals.
@@ -189,10 +195,13 @@ int sense_of(const Candidate& candidate) {
 } // namespace
 
 std::optional<Screening> screen(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates,
-                                double variance, bool estimated, std::uint64_t seed, std::size_t scanned, int number) {
+                                double variance, bool estimated, std::uint64_t seed, std::size_t scanned, int number,
+                                const Screening* first) {
     const double noise = std::sqrt(variance);
     const auto own = bench.problem(base.members);
-    const Mimicry mimicry(own->residual_jacobian(base.evaluation) / noise, base.unit, base.residuals / noise);
+    Screening screening;
+    screening.base = on_coarse(bench, base, number + 3);
+    const Mimicry mimicry(own->residual_jacobian(screening.base.evaluation) / noise, base.unit, base.residuals / noise);
     const auto is_member = [&](std::size_t c) {
         return std::any_of(base.members.begin(), base.members.end(), [&](std::size_t m) {
             return candidates[m].effect == candidates[c].effect; // an effect once in a model
@@ -213,10 +222,13 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
                 // it.
                 s.derivative = own->change_by(*candidates[c].reading);
             } else {
-                if (base.members.empty()) {
+                if (first == nullptr) {
                     differentiate(bench, base, candidates, c, number, s);
                 } else { // one run fewer: the difference to the typical size does for a second effect
-                    s.at_null = base.residuals;
+                    s.shift = screening.base.shift;
+                    for (std::size_t i = 0; i < s.shift.size() && !first->items[c].shift.empty(); ++i) {
+                        s.shift[i] += first->items[c].shift[i] - first->base.shift[i];
+                    }
                 }
                 scan(bench, base, candidates, c, number + 1, 0, 1, s);
                 const int sense = sense_of(candidates[c]);
@@ -248,7 +260,6 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
     if (run::interrupted()) {
         return std::nullopt;
     }
-    Screening screening;
     screening.items.resize(candidates.size());
     std::vector<VectorXd> directions;
     std::vector<VectorXd> wholes; // before what parameters follow was taken out
@@ -262,6 +273,7 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
         Screened& item = screening.items[c];
         item.predicted = base.sum;
         item.impossible = s.impossible;
+        item.shift = s.shift.empty() ? screening.base.shift : s.shift; // a wrong reading moves no response
         if (!s.impossible.empty()) {
             continue;
         }

@@ -48,6 +48,7 @@ private:
 
 struct Screened {
     std::string impossible; // why it cannot be judged; empty: it can
+    Shift shift;            // of the model with it, at the null size
     // Of the residuals by the unit coordinate of the size, as far as no parameter follows it: the derivative at the
     // null size, or where that is none, and for a second effect, the difference to the typical one.
     Eigen::VectorXd change;
@@ -68,17 +69,19 @@ struct Screened {
 };
 
 struct Screening {
+    OnCoarse base;
     std::vector<Screened> items; // one a candidate; those among the base's members have no change
     double threshold = 0.0;      // what the largest |score| exceeds in 5 % of cases under noise alone
     double p_familywise = 1.0;   // of the largest score
     std::optional<Family> family;
 };
 
-// base: what the candidates are added to. variance: of a residual. scanned: so many candidates, those whose derivative
+// All on the coarse mesh. first: the screening of the baseline, where the base is not that. base: what the candidates are added to. variance: of a residual. scanned: so many candidates, those whose derivative
 // and typical size promise most, are computed at several sizes, where fits may start. number: of the first evaluation
 // that is kept; those up to number + 20 are its own. Nothing: interrupted.
 std::optional<Screening> screen(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates,
-                                double variance, bool estimated, std::uint64_t seed, std::size_t scanned, int number);
+                                double variance, bool estimated, std::uint64_t seed, std::size_t scanned, int number,
+                                const Screening* first = nullptr);
 
 // The members of a model with one candidate more, in increasing order.
 Members with_member(Members members, std::size_t candidate);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace explore::diagnose {
 
@@ -94,41 +95,41 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
     return best;
 }
 
-std::shared_ptr<const problem::Problem> Workbench::problem(const Members& members) {
+std::shared_ptr<const problem::Problem> Workbench::problem(const Members& members, Mesh asked) {
+    const Mesh mesh = has_coarse_ ? asked : Mesh::study;
     std::shared_ptr<const problem::Problem> dropped; // destroyed without the lock, before another one is made
     {
         const std::scoped_lock lock(mutex_);
-        if (members.empty() && baseline_) {
-            return baseline_;
+        if (members.empty() && baselines_[mesh]) {
+            return baselines_[mesh];
         }
-        if (const auto found = problems_.find(members); found != problems_.end()) {
+        if (const auto found = problems_.find({mesh, members}); found != problems_.end()) {
             if (auto kept = found->second.lock()) {
                 return kept;
             }
         }
-        dropped = std::move(recent_);
-        recent_.reset();
+        dropped = std::move(recent_[mesh]);
+        recent_[mesh].reset();
     }
     dropped.reset();
-    auto made = std::make_shared<const problem::Problem>(making_.problem(members));
+    auto made = std::make_shared<const problem::Problem>(making_.problem(members, mesh));
     const std::scoped_lock lock(mutex_);
     if (members.empty()) {
-        baseline_ = std::move(made);
-        return baseline_;
+        return baselines_[mesh] = std::move(made);
     }
-    problems_[members] = made;
-    recent_ = made;
+    problems_[{mesh, members}] = made;
+    recent_[mesh] = made;
     return made;
 }
 
-Workbench::Counted::Counted(Workbench& bench, const problem::Problem& problem, const Members& members)
+Workbench::Counted::Counted(Workbench& bench, const problem::Problem& problem, const Key& key)
     : bench(bench),
       engine(problem, bench.making_.store,
              [&] {
                  const std::scoped_lock lock(bench.mutex_);
-                 const auto [run, is_new] = bench.runs_.try_emplace(members, 0);
+                 const auto [run, is_new] = bench.runs_.try_emplace(key, 0);
                  if (is_new) {
-                     run->second = bench.making_.run(members);
+                     run->second = bench.making_.run(key.second, key.first);
                  }
                  return run->second;
              }(),
@@ -143,19 +144,76 @@ Workbench::Counted::~Counted() {
 }
 
 bool Workbench::chain(const Members& members, int start,
-                      const std::function<void(const problem::Problem&, run::Chain&)>& body) {
-    return use(members, [&](const problem::Problem& problem, run::Engine& engine) {
+                      const std::function<void(const problem::Problem&, run::Chain&)>& body, Mesh mesh) {
+    return use(members, mesh, [&](const problem::Problem& problem, run::Engine& engine) {
         return engine.chains("", start, 1, [&](std::size_t, run::Chain& chain) { body(problem, chain); });
     });
 }
+
+Shift shift_between(const problem::Evaluation& own, const problem::Evaluation& coarse) {
+    Shift shift(own.responses.size());
+    std::transform(own.responses.begin(), own.responses.end(), coarse.responses.begin(), shift.begin(), std::minus<>());
+    return shift;
+}
+
+problem::Evaluation shifted(const problem::Problem& problem, problem::Evaluation coarse, const Shift& shift) {
+    if (coarse.converged()) {
+        std::transform(coarse.responses.begin(), coarse.responses.end(), shift.begin(), coarse.responses.begin(),
+                       std::plus<>());
+        coarse.misfit = problem.misfit(coarse);
+    }
+    return coarse;
+}
+
+OnCoarse on_coarse(Workbench& bench, const Model& model, int number) {
+    problem::Evaluation coarse;
+    bench.chain(
+        model.members, number, [&](const problem::Problem&, run::Chain& chain) { coarse = chain.at(model.unit); },
+        Mesh::coarse);
+    if (!coarse.converged()) {
+        bench.give_up_coarse();
+        return {model.evaluation, Shift(model.evaluation.responses.size(), 0.0)};
+    }
+    Shift shift = shift_between(model.evaluation, coarse);
+    return {shifted(*bench.problem(model.members), std::move(coarse), shift), std::move(shift)};
+}
+
+namespace {
+
+class ShiftedChain final : public run::Chain {
+public:
+    ShiftedChain(const problem::Problem& problem, run::Chain& coarse, const Shift& shift)
+        : problem_(problem),
+          coarse_(coarse),
+          shift_(shift) {}
+    problem::Evaluation at(std::span<const double> unit, bool with_jacobian) override {
+        return shifted(problem_, coarse_.at(unit, with_jacobian), shift_);
+    }
+
+private:
+    const problem::Problem& problem_;
+    run::Chain& coarse_;
+    const Shift& shift_;
+};
+
+} // namespace
 
 std::optional<Model> fit_from(Workbench& bench, const Members& members, int number, const std::vector<double>& start,
                               double variance, const Target& target, FitSettings settings) {
     std::optional<Model> found;
     settings.enough = std::max(settings.enough, close_enough * variance);
-    bench.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
+    const auto search = [&](const problem::Problem& problem, run::Chain& chain) {
         found = fit(chain, problem, members, start, target, settings);
-    });
+    };
+    if (settings.on_coarse == nullptr) {
+        bench.chain(members, number, search);
+    } else {
+        const auto search_shifted = [&](const problem::Problem& problem, run::Chain& chain) {
+            ShiftedChain shifted_chain(problem, chain, *settings.on_coarse);
+            search(problem, shifted_chain);
+        };
+        bench.chain(members, number, search_shifted, Mesh::coarse);
+    }
     return found;
 }
 

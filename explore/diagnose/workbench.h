@@ -3,6 +3,7 @@
 
 #include "run/engine.h"
 
+#include <atomic>
 #include <map>
 #include <mutex>
 
@@ -61,49 +62,64 @@ struct Model {
     double sum = 0.0;               // of squares of those that count, and of what pulls at the parameters
 };
 
+// What a model is computed on. The coarse mesh is several times quicker. What its responses lack is taken from a point
+// where both are known and added to them elsewhere (an additive bridge between models of two fidelities: Alexandrov and
+// Lewis 2001): its error is then that of changes, a few per cent of them. It proposes; what an answer rests on is
+// computed on the study's own mesh.
+enum class Mesh { study, coarse };
+using Shift = std::vector<double>; // of responses
+// own, coarse: of one point.
+Shift shift_between(const problem::Evaluation& own, const problem::Evaluation& coarse);
+problem::Evaluation shifted(const problem::Problem& problem, problem::Evaluation coarse, const Shift& shift);
+
 struct FitSettings {
     double enough = 0.0;                           // optimise::SearchSettings
     double secant_below = 0.0;                     // the same; > 0: derivatives are saved
     const problem::Evaluation* at_start = nullptr; // with jacobian; computed if nullptr
     // A sum of squares: a search that leads to nothing lower is given up.
     double worth = std::numeric_limits<double>::infinity();
+    const Shift* on_coarse = nullptr; // the fit is on the coarse mesh with this shift; nullptr: on the study's own
 };
 
 // Least squares from a point; nothing: no answer there, or it was given up.
 std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, const Members& members,
                          const std::vector<double>& start, const Target& target, const FitSettings& settings);
 
-// Makes problems and engines of models. Those of the baseline are kept, of the others the one used last: a diagnosis
-// makes hundreds, each with meshes and eliminated stiffnesses of its own. All functions may be called from any thread.
+// Makes problems and engines of models. Those of the baseline are kept, of the others, on each mesh, the one used last: a
+// diagnosis makes hundreds, each with meshes and eliminated stiffnesses of its own. All functions may be called from any thread.
 class Workbench {
 public:
     struct Making {
-        std::function<problem::Problem(const Members&)> problem;
-        std::function<int(const Members&)> run; // of the store, for the evaluations of a model
+        std::function<problem::Problem(const Members&, Mesh)> problem;
+        std::function<int(const Members&, Mesh)> run; // of the store, for the evaluations of a model
         run::Store* store = nullptr;
         int threads = 0;
     };
     explicit Workbench(Making making) : making_(std::move(making)) {}
 
-    std::shared_ptr<const problem::Problem> problem(const Members& members);
+    std::shared_ptr<const problem::Problem> problem(const Members& members, Mesh mesh = Mesh::study);
 
     // body(problem, engine); what the engine computed is counted.
     template <class Body>
-    auto use(const Members& members, const Body& body) {
-        const auto own = problem(members);
-        Counted engine(*this, *own, members);
+    auto use(const Members& members, Mesh mesh, const Body& body) {
+        const auto own = problem(members, mesh);
+        Counted engine(*this, *own, {has_coarse_ ? mesh : Mesh::study, members});
         return body(*own, engine.engine);
     }
     // One chain of evaluations, kept under this start number. False: interrupted.
     bool chain(const Members& members, int start,
-               const std::function<void(const problem::Problem&, run::Chain&)>& body);
+               const std::function<void(const problem::Problem&, run::Chain&)>& body, Mesh mesh = Mesh::study);
+
+    // Where the coarse mesh has no answer: the study's own in its place from here on.
+    void give_up_coarse() { has_coarse_ = false; }
 
     run::Tally tally() const;
     int threads() const { return making_.threads; }
 
 private:
+    using Key = std::pair<Mesh, Members>;
     struct Counted {
-        Counted(Workbench& bench, const problem::Problem& problem, const Members& members);
+        Counted(Workbench& bench, const problem::Problem& problem, const Key& key);
         ~Counted();
         Counted(const Counted&) = delete;
         Counted& operator=(const Counted&) = delete;
@@ -113,12 +129,22 @@ private:
 
     Making making_;
     mutable std::mutex mutex_;
-    std::shared_ptr<const problem::Problem> baseline_;
-    std::map<Members, std::weak_ptr<const problem::Problem>> problems_; // in use somewhere, or recent
-    std::shared_ptr<const problem::Problem> recent_; // but the baseline: a model is asked for again when it was fitted
-    std::map<Members, int> runs_;
+    std::map<Mesh, std::shared_ptr<const problem::Problem>> baselines_;
+    std::map<Key, std::weak_ptr<const problem::Problem>> problems_; // in use somewhere, or recent
+    // But the baseline: a model is asked for again when it was fitted.
+    std::map<Mesh, std::shared_ptr<const problem::Problem>> recent_;
+    std::map<Key, int> runs_;
+    std::atomic<bool> has_coarse_ = true;
     run::Tally tally_;
 };
+
+// A model on the coarse mesh.
+struct OnCoarse {
+    problem::Evaluation evaluation; // shifted, with jacobian
+    Shift shift;
+};
+// Of a fitted model at its point. number: of the evaluation that is kept.
+OnCoarse on_coarse(Workbench& bench, const Model& model, int number);
 
 // fit() in a chain of its own, kept under this number, as exact as a diagnosis needs; nothing: interrupted, too.
 // variance: of a residual.

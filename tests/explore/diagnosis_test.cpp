@@ -29,6 +29,7 @@ struct World {
     MatrixXd signatures;
     VectorXd data;
     bool noise_is_stated = true;
+    double coarse_error = 0.0; // share of every response and of every derivative; 1: the coarse mesh has no answer
 
     World(std::uint64_t seed, Index candidates) {
         const pave::RandomStream random(seed, 0);
@@ -44,7 +45,7 @@ struct World {
                VectorXd::NullaryExpr(readings, [&] { return random.normal(next++); });
     }
 
-    problem::Problem problem(const Members& members) const {
+    problem::Problem problem(const Members& members, diagnose::Mesh mesh = diagnose::Mesh::study) const {
         problem::ParameterSpace space;
         MatrixXd matrix(readings, parameters + static_cast<Index>(members.size()));
         matrix.leftCols(parameters) = a;
@@ -60,16 +61,28 @@ struct World {
             terms.push_back(
                 {static_cast<std::size_t>(i), data[i], 1.0, 1.0, {.absolute = noise_is_stated ? 1.0 : 0.0}});
         }
-        test::Formula linear([matrix](const VectorXd& x, VectorXd& responses, MatrixXd& jacobian) {
-            responses = matrix * x;
-            jacobian = matrix;
-        });
+        VectorXd constant = VectorXd::Zero(readings);
+        const double error = mesh == diagnose::Mesh::coarse ? coarse_error : 0.0;
+        if (error > 0.0) {
+            const pave::RandomStream random(99, 1);
+            std::uint64_t next = 0;
+            const auto wrong = [&](double value) { return value * (1.0 + error * random.normal(next++)); };
+            matrix = matrix.unaryExpr(wrong).eval();
+            constant = data.unaryExpr(wrong) - data;
+        }
+        test::Formula linear(
+            [matrix, constant](const VectorXd& x, VectorXd& responses, MatrixXd& jacobian) {
+                responses = constant + matrix * x;
+                jacobian = matrix;
+            },
+            error < 1.0 ? 0.0 : 1.0);
         return {space, std::make_shared<test::Formula>(std::move(linear)), {problem::MisfitKind::weighted, terms}};
     }
 
     diagnose::Workbench bench() const {
-        return diagnose::Workbench({.problem = [this](const Members& members) { return problem(members); },
-                                    .run = [](const Members&) { return 0; },
+        return diagnose::Workbench({.problem = [this](const Members& members,
+                                                      diagnose::Mesh mesh) { return problem(members, mesh); },
+                                    .run = [](const Members&, diagnose::Mesh) { return 0; },
                                     .store = nullptr,
                                     .threads = 0});
     }
@@ -264,4 +277,59 @@ TEST(Diagnosis, WhatNoCandidateExplainsIsLeftUnexplained) {
         named += world.diagnose(seed).verdict == Verdict::cause_named;
     }
     EXPECT_LE(named, 4);
+}
+
+TEST(Workbench, TheShiftMakesTheCoarseMeshOneWithTheOtherWhereItIsTaken) {
+    World world(3, 4);
+    world.coarse_error = 0.05;
+    auto bench = world.bench();
+    const auto base = baseline(bench);
+    const auto coarse = diagnose::on_coarse(bench, base, 7);
+    const auto own = bench.problem({});
+    EXPECT_LT((own->residuals(coarse.evaluation) - base.residuals).norm(), 1e-10);
+    EXPECT_GT(VectorXd::Map(coarse.shift.data(), readings).norm(), 1.0);
+    // Elsewhere it errs as the derivatives do.
+    const std::vector<double> there{0.6, 0.5, 0.3};
+    const problem::Problem on_coarse_mesh = world.problem({}, diagnose::Mesh::coarse);
+    const auto shifted = diagnose::shifted(
+        on_coarse_mesh, on_coarse_mesh.evaluate(there, false, *on_coarse_mesh.function->make_workspace()), coarse.shift);
+    const VectorXd moved = VectorXd::Map(there.data(), parameters) - VectorXd::Map(base.unit.data(), parameters);
+    const VectorXd error = own->residuals(shifted) - (world.a * VectorXd::Map(there.data(), parameters) - world.data);
+    const MatrixXd wrong = on_coarse_mesh.residual_jacobian(coarse.evaluation) - world.a;
+    EXPECT_LT((error - wrong * moved).norm(), 1e-9);
+    EXPECT_GT(error.norm(), 0.1);
+}
+
+TEST(Diagnosis, WhatStandsIsOfTheStudysMeshHoweverTheCoarseOneErrs) {
+    constexpr int trials = 20;
+    int same = 0;
+    for (int t = 0; t < trials; ++t) {
+        const auto seed = static_cast<std::uint64_t>(t) + 1300;
+        World world(seed, 12);
+        world.data += 0.6 * world.signatures.col(4);
+        const auto exact = world.diagnose(seed);
+        world.coarse_error = 0.05;
+        const auto found = world.diagnose(seed);
+        same += found.verdict == exact.verdict && found.causes == exact.causes;
+        EXPECT_NEAR(found.baseline.chi2, exact.baseline.chi2, 0.02);
+        ASSERT_TRUE(found.extended && exact.extended && found.places && exact.places);
+        EXPECT_NEAR(found.extended->chi2, exact.extended->chi2, 0.02);
+        EXPECT_NEAR(found.places->before / exact.places->before, 1.0, 0.02);
+        EXPECT_NEAR(found.places->after / exact.places->after, 1.0, 0.02);
+        const auto own = world.problem(found.extended->model.members);
+        const auto there = own.evaluate(found.extended->model.unit, false, *own.function->make_workspace());
+        EXPECT_EQ(found.extended->model.evaluation.responses, there.responses);
+    }
+    EXPECT_GE(same, trials - 1); // some of these are near the border between two verdicts
+}
+
+TEST(Diagnosis, TakesTheStudysMeshWhereTheCoarseOneHasNoAnswer) {
+    World world(1400, 12);
+    world.data += 0.6 * world.signatures.col(4);
+    const auto exact = world.diagnose(3);
+    world.coarse_error = 1.0;
+    const auto found = world.diagnose(3);
+    EXPECT_EQ(found.verdict, exact.verdict);
+    EXPECT_EQ(found.causes, exact.causes);
+    EXPECT_NEAR(found.extended->chi2, exact.extended->chi2, 1e-6);
 }
