@@ -158,9 +158,7 @@ std::string accused_reading(const FitResult& result) {
         double own = 1.0 - local.leverage[i];
         double pull = r[i];
         if (by_noise.noise_is_correlated()) {
-            Eigen::VectorXd shift = Eigen::VectorXd::Zero(r.size());
-            shift.head(static_cast<Eigen::Index>(by_noise.readings())) =
-                by_noise.change_by(static_cast<std::size_t>(i)).normalized();
+            const Eigen::VectorXd shift = by_noise.change_by(static_cast<std::size_t>(i)).normalized();
             own = 1.0 - (followed.transpose() * shift).squaredNorm();
             pull = shift.dot(r);
         }

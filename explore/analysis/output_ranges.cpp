@@ -95,8 +95,12 @@ problem::Problem problem_with(const study::Study& study, const std::vector<Hypot
                                      study::Scope::everything);
 }
 
+bool is_error_of_reading(const Hypothesis& hypothesis) {
+    return !hypothesis.effects.empty() && hypothesis.effects[0].applied.effect->is_error_of_reading;
+}
+
 // What one run can differentiate by: as many coordinates as a study may have parameters, an effect once. Those that
-// are too many alone are in none.
+// are too many alone are in none, nor are errors of readings, which take no run.
 std::vector<Batch> batches_of(const std::vector<Hypothesis>& hypotheses, Index parameters) {
     struct Open {
         Batch batch;
@@ -108,7 +112,7 @@ std::vector<Batch> batches_of(const std::vector<Hypothesis>& hypotheses, Index p
         const Hypothesis& h = hypotheses[c];
         const auto* effect = h.effects.empty() ? nullptr : h.effects[0].applied.effect;
         const auto most = static_cast<Index>(study::most_parameters);
-        if (parameters + h.none.size() > most) {
+        if (parameters + h.none.size() > most || is_error_of_reading(h)) {
             continue;
         }
         auto at = std::find_if(list.begin(), list.end(), [&](const Open& open) {
@@ -212,6 +216,33 @@ void differentiate(const study::Study& study, const VectorXd& answer, const prob
     }
 }
 
+// Of the errors of single readings: an output is what is there, whatever a sensor says.
+void differentiate_errors(const study::Study& study, const VectorXd& answer, const problem::Evaluation& best,
+                          const std::vector<std::size_t>& outputs, double noise, std::vector<Hypothesis>& hypotheses,
+                          std::vector<std::optional<Slopes>>& slopes) {
+    const problem::Problem problem = problem_with(study, hypotheses, {});
+    diagnose::Shift shift;
+    const auto plain = slopes_at(problem, answer, outputs, noise, *problem.function->make_workspace(), best, shift);
+    for (std::size_t c = 0; plain && c < hypotheses.size(); ++c) {
+        Hypothesis& h = hypotheses[c];
+        for (std::size_t i = 0; is_error_of_reading(h) && i < problem.readings(); ++i) {
+            if (problem.response_of(i) == static_cast<std::size_t>(*h.effects[0].applied.reading)) {
+                const Index n = answer.size();
+                Slopes own = *plain;
+                own.at.conservativeResize(n + 1);
+                own.at[n] = h.none[0];
+                own.rows.conservativeResize(Eigen::NoChange, n + 1);
+                own.rows.col(n) = problem.change_by_gain(i, best) *
+                                  study::size_axis(*h.effects[0].applied.effect).d_physical(h.none[0]) / noise;
+                own.output_rows.conservativeResize(Eigen::NoChange, n + 1);
+                own.output_rows.col(n).setZero();
+                slopes[c] = std::move(own);
+                h.shift = shift;
+            }
+        }
+    }
+}
+
 // From the answer to the hypothesis's own best point at the strength that says most, by Gauss and Newton's steps; the
 // slopes there.
 Slopes slopes_at_best(const problem::Problem& problem, Hypothesis& hypothesis, Slopes slopes, Index parameters, const problem::Evaluation& best,
@@ -311,6 +342,7 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
     std::vector<Hypothesis> hypotheses = hypotheses_of(coarse);
     std::vector<std::optional<Slopes>> slopes(hypotheses.size());
     tbb::task_arena arena(run::concurrency(threads));
+    differentiate_errors(coarse, answer, best, outputs, noise, hypotheses, slopes);
     const std::vector<Batch> batches = batches_of(hypotheses, n);
     run::for_each_index(arena, batches.size(), [&](std::size_t i) {
         differentiate(coarse, answer, best, outputs, noise, batches[i], hypotheses, slopes);

@@ -179,14 +179,23 @@ private:
                     {{}, design.points[i], result->explored[i], problem.residuals(result->explored[i]), 0.0});
             }
         }
-        // The leading ones on the study's own mesh.
+        // The leading ones on the study's own mesh, and whether points of the sample lead lower there.
         constexpr std::size_t leading = 3;
+        constexpr int from_sample = 2;
+        constexpr double lower = 0.5; // chi2
         d_.variance = variance_of(std::pow(result->minima[0].evaluation.misfit, 2));
+        std::vector<std::vector<double>> starts;
         for (std::size_t m = 0; m < std::min(leading, result->minima.size()); ++m) {
-            if (auto found = fit_from({}, minimum_number + static_cast<int>(m), result->minima[m].unit)) {
-                minima_.push_back(std::move(*found));
-            }
+            starts.push_back(result->minima[m].unit);
         }
+        fit_minima(starts, minimum_number, INFINITY);
+        starts.clear();
+        for (const std::size_t i :
+             run::distinct_starts(design, result->explored, from_sample, multistart.start_distance)) {
+            starts.push_back(design.points[i]);
+        }
+        fit_minima(starts, minimum_number + static_cast<int>(leading),
+                   minima_.empty() ? INFINITY : minima_[0].sum - lower * d_.variance);
         if (run::interrupted()) {
             return false;
         }
@@ -194,9 +203,22 @@ private:
             d_.failed = run::why_no_minimum(problem, {});
             return true;
         }
-        std::stable_sort(minima_.begin(), minima_.end(), [](const Model& a, const Model& b) { return a.sum < b.sum; });
         set_baseline(minima_[0]);
         return true;
+    }
+
+    // Adds to the minima of the baseline what searches from these points find.
+    void fit_minima(const std::vector<std::vector<double>>& starts, int number, double worth) {
+        std::vector<std::optional<Model>> found(starts.size());
+        run::for_each_index(arena_, starts.size(), [&](std::size_t s) {
+            found[s] = fit_from({}, number + static_cast<int>(s), starts[s], {}, {.worth = worth});
+        });
+        for (auto& model : found) {
+            if (model) {
+                minima_.push_back(std::move(*model));
+            }
+        }
+        std::stable_sort(minima_.begin(), minima_.end(), [](const Model& a, const Model& b) { return a.sum < b.sum; });
     }
 
     // Of a residual, where so much is left of all of them.
@@ -217,13 +239,16 @@ private:
         return diagnose::fit_from(bench_, members, number, start, d_.variance, target, settings);
     }
 
-    // A fit on the coarse mesh that is to get lower than what is found so far, and than this.
+    // A fit on the coarse mesh that is to get lower than what is found so far, and than this. is_proposal: what it finds
+    // is fitted again, and needs no derivatives.
     std::optional<Model> fit_lower(const Members& members, int number, const std::vector<double>& start,
-                                   const Shift& shift, const std::optional<Model>& found, double worth) {
+                                   const Shift& shift, const std::optional<Model>& found, double worth,
+                                   bool is_proposal = true) {
         constexpr double lower = 0.1; // chi2
-        return fit_from(members, number, start, {},
-                        {.worth = found ? std::min(worth, found->sum - lower * d_.variance) : worth,
-                         .on_coarse = &shift});
+        FitSettings settings = is_proposal ? for_residuals(nullptr, d_.variance) : FitSettings{};
+        settings.worth = found ? std::min(worth, found->sum - lower * d_.variance) : worth;
+        settings.on_coarse = &shift;
+        return fit_from(members, number, start, {}, settings);
     }
 
     // What was found on the coarse mesh, on the study's own.
@@ -237,9 +262,10 @@ private:
     }
 
     // Fit of base with one candidate more on the coarse mesh: from the starts that the screening proposes, until one
-    // gets as low as predicted. worth: a sum of squares; nothing, where none gets as low.
+    // gets as low as predicted. worth: a sum of squares; nothing, where none gets as low. is_proposal: as of
+    // fit_lower().
     std::optional<Model> fit_added(const Model& base, const Screened& screened, std::size_t candidate, int number,
-                                   double worth = INFINITY) {
+                                   double worth, bool is_proposal) {
         const Members members = with_member(base.members, candidate);
         std::vector<std::vector<double>> starts;
         const auto propose = [&](std::size_t i) {
@@ -262,7 +288,8 @@ private:
                 break;
             }
             keep_lower(best,
-                       fit_lower(members, number + static_cast<int>(s), starts[s], screened.shift, best, worth));
+                       fit_lower(members, number + static_cast<int>(s), starts[s], screened.shift, best, worth,
+                                 is_proposal));
         }
         return best;
     }
@@ -397,7 +424,8 @@ private:
         std::vector<std::optional<Model>> models(chosen.size());
         run::Progress progress("fits", 2 * static_cast<std::int64_t>(chosen.size()));
         run::for_each_index(arena_, chosen.size(), [&](std::size_t i) {
-            models[i] = fit_added(d_.baseline.model, d_.screening.items[chosen[i]], chosen[i], fit_number);
+            models[i] = fit_added(d_.baseline.model, d_.screening.items[chosen[i]], chosen[i], fit_number, INFINITY,
+                                  false); // some stay
             progress.add(1, true);
         });
         double lowest = d_.baseline.model.sum;
@@ -528,9 +556,10 @@ private:
             constexpr double lower = 0.5; // chi2
             const double known = d_.baseline.model.sum;
             const int number = baseline_number + attempts_++;
-            const auto found = confirm(fit_lower({}, number, start, d_.screening.base.shift, {},
-                                                 known - 0.5 * lower * d_.variance),
-                                       number);
+            auto found = fit_lower({}, number, start, d_.screening.base.shift, {}, INFINITY);
+            if (found && found->sum < known - 0.5 * lower * d_.variance) {
+                found = confirm(found, number);
+            }
             if (found && found->sum < d_.baseline.model.sum - lower * d_.variance) {
                 set_baseline(*found);
                 better = true;
@@ -574,8 +603,9 @@ private:
             const double below = worth();
             return fit_jobs("fits of pairs", jobs.size(), pairs, [&](std::size_t i) {
                 const Job& job = jobs[i];
-                return confirm(fit_added(*job.base, *job.screened, job.candidate, job.number, worth_confirming(below)),
-                               job.number, below);
+                return confirm(
+                    fit_added(*job.base, *job.screened, job.candidate, job.number, worth_confirming(below), true),
+                    job.number, below);
             });
         };
         const auto add_jobs = [&](const Screening& screening, std::size_t b, std::vector<Job>& jobs) {

@@ -62,29 +62,33 @@ private:
         search.worth = found ? found->sum - lower * d_.variance : INFINITY;
         return search;
     }
-    // What was found on the coarse mesh, as the study's own has it; where the two part, the fit again on that one, from
-    // what is known with all readings.
+    // What was found on the coarse mesh, as the study's own has it; where the two part, fitted on from there on that one
+    // by the derivatives of what is known with all readings.
     std::optional<Model> confirmed(std::optional<Model> found, int number, const Target& target,
                                    const Model& known) const {
         if (!found) {
             return found;
         }
-        const double coarse = counted_sum(found->residuals, target);
-        std::optional<Model> own;
+        problem::Evaluation there;
+        Eigen::VectorXd residuals;
         task_.bench.chain(found->members, number, [&](const problem::Problem& problem, run::Chain& chain) {
-            const auto e = chain.at(found->unit, false);
-            if (e.converged()) {
-                own = found;
-                own->residuals = problem.setting_apart(target.left_out).residuals(e);
-                own->sum += counted_sum(own->residuals, target) - coarse;
+            there = chain.at(found->unit, false);
+            if (there.converged()) {
+                residuals = problem.setting_apart(target.left_out).residuals(there);
             }
         });
-        constexpr double alike = 1.0; // chi2
-        if (!own || std::abs(own->sum - found->sum) > alike * d_.variance) {
-            keep_lower(own, fit_from(task_.bench, known.members, number + 1, known.unit, d_.variance, target,
-                                     for_residuals(&known.evaluation, d_.variance)));
+        if (!there.converged()) {
+            return std::nullopt;
         }
-        return own;
+        const double apart = counted_sum(residuals, target) - counted_sum(found->residuals, target);
+        constexpr double alike = 1.0; // chi2
+        if (std::abs(apart) > alike * d_.variance) {
+            there.jacobian = known.evaluation.jacobian;
+            return fit_from(task_.bench, found->members, number + 1, found->unit, d_.variance, target,
+                            for_residuals(&there, d_.variance));
+        }
+        found->residuals = std::move(residuals);
+        return found;
     }
     double sum(const Model& point) const { return counted_sum(point.residuals, target_); }
     std::optional<Model> fit(const Members& members, int number, const std::vector<double>& start, const Target& target,

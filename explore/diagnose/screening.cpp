@@ -161,23 +161,40 @@ void differentiate(Workbench& bench, const Model& base, const std::vector<Candid
         Mesh::coarse);
 }
 
-// The residuals at the sizes from this one of scan_of on, at most so many.
-void scan(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates, std::size_t c, int number,
-          std::size_t from, std::size_t most, Signature& s) {
-    const std::vector<double> sizes = scan_of(candidates[c]);
-    if (!s.impossible.empty() || s.shift.empty() || sizes.size() <= from) {
+// The residuals at these sizes.
+void scan(Workbench& bench, const Model& base, std::size_t c, int number, const std::vector<double>& sizes,
+          Signature& s) {
+    if (!s.impossible.empty() || s.shift.empty() || sizes.empty()) {
         return;
     }
     bench.chain(
         with_member(base.members, c), number,
         [&](const problem::Problem& problem, run::Chain& chain) {
-            for (std::size_t i = from; i < std::min(sizes.size(), from + most); ++i) {
-                const auto e = shifted(problem, chain.at(point_of(bench, base, c, sizes[i]), false), s.shift);
-                s.sizes.push_back(sizes[i]);
+            for (const double size : sizes) {
+                const auto e = shifted(problem, chain.at(point_of(bench, base, c, size), false), s.shift);
+                s.sizes.push_back(size);
                 s.moved.push_back(e.converged() ? problem.residuals(e) - base.residuals : VectorXd());
             }
         },
         Mesh::coarse);
+}
+
+// The further sizes of scan_of: where the derivative foretells what the typical size does, those on the side that the
+// data want.
+std::vector<double> further_sizes(const Candidate& candidate, const Signature& s, const Mimicry& mimicry,
+                                  const VectorXd& residuals) {
+    std::vector<double> sizes = scan_of(candidate);
+    sizes.erase(sizes.begin());
+    if (s.derivative.size() == 0 || s.moved.empty() || s.moved[0].size() == 0) {
+        return sizes;
+    }
+    const VectorXd foretold = s.derivative * (candidate.typical - candidate.null);
+    constexpr double straight = 0.5;
+    if ((s.moved[0] - foretold).norm() < straight * s.moved[0].norm()) {
+        const double wanted = -mimicry.beyond(s.derivative).dot(residuals);
+        std::erase_if(sizes, [&](double size) { return (size - candidate.null) * wanted < 0.0; });
+    }
+    return sizes;
 }
 
 // Least sum of squares that a change, of any size and on the sides that exist, leaves of the residuals.
@@ -230,7 +247,9 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
                         s.shift[i] += first->items[c].shift[i] - first->base.shift[i];
                     }
                 }
-                scan(bench, base, candidates, c, number + 1, 0, 1, s);
+                if (const auto sizes = scan_of(candidates[c]); !sizes.empty()) {
+                    scan(bench, base, c, number + 1, {sizes[0]}, s);
+                }
                 const int sense = sense_of(candidates[c]);
                 if (s.derivative.size() > 0) {
                     least[c] = least_sum(mimicry, base.residuals, s.derivative, sense);
@@ -253,8 +272,8 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
         std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return least[a] < least[b]; });
         order.resize(std::min(order.size(), scanned));
         run::for_each_index(arena, order.size(), [&](std::size_t i) {
-            constexpr std::size_t all = 100;
-            scan(bench, base, candidates, order[i], number + 2, 1, all, signatures[order[i]]);
+            Signature& s = signatures[order[i]];
+            scan(bench, base, order[i], number + 2, further_sizes(candidates[order[i]], s, mimicry, base.residuals), s);
         });
     }
     if (run::interrupted()) {

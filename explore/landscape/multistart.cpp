@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <functional>
 #include <numeric>
 #include <set>
 
@@ -20,8 +19,7 @@ constexpr int first_of_also = 100'000'000;
 constexpr int first_between = 200'000'000;
 
 double distance(const std::vector<double>& a, const std::vector<double>& b) {
-    return std::sqrt(std::transform_reduce(a.begin(), a.end(), b.begin(), 0.0, std::plus<>(),
-                                           [](double x, double y) { return (x - y) * (x - y); }));
+    return std::sqrt(search::squared_distance(a, b));
 }
 
 // Two ends that fit alike, and may lie in one valley.

@@ -234,7 +234,10 @@ Problem Problem::of_readings() const {
 }
 
 Eigen::VectorXd Problem::change_by(std::size_t i) const {
-    return misfit_.whitened(Eigen::VectorXd::Unit(static_cast<Eigen::Index>(readings()), static_cast<Eigen::Index>(i)));
+    const auto count = static_cast<Eigen::Index>(readings());
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rows()));
+    change.head(count) = misfit_.whitened(Eigen::VectorXd::Unit(count, static_cast<Eigen::Index>(i)));
+    return change;
 }
 
 Eigen::VectorXd Problem::change_by_gain(std::size_t i, const Evaluation& evaluation) const {

@@ -86,10 +86,10 @@ public:
     Eigen::VectorXd standard_residuals(const Evaluation& evaluation) const {
         return misfit_.standard_residuals(evaluation.responses);
     }
-    // d(residuals of readings)/d(single residual i), the noise of the others fixed: how an error of that reading alone
-    // shows.
+    // d(residuals)/d(single residual i), a value each row, the noise of the others fixed: how an error of that reading
+    // alone shows.
     Eigen::VectorXd change_by(std::size_t i) const;
-    // d(residuals of readings)/d(ln of the model's value of reading i): how a gain of that sensor shows.
+    // d(residuals)/d(ln of the model's value of reading i): how a gain of that sensor shows.
     Eigen::VectorXd change_by_gain(std::size_t i, const Evaluation& evaluation) const;
     // The same question where these rows (1 each; a prior's means nothing) have noise of their own, correlated with
     // none: then the residuals of the others say nothing of them.

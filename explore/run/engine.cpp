@@ -297,12 +297,7 @@ std::vector<std::size_t> distinct_starts(const search::Design& design, const std
     std::vector<std::size_t> taken;
     for (const std::size_t i : order) {
         const bool far = std::all_of(taken.begin(), taken.end(), [&](std::size_t j) {
-            double d2 = 0.0;
-            for (std::size_t k = 0; k < design.points[i].size(); ++k) {
-                const double d = design.points[i][k] - design.points[j][k];
-                d2 += d * d;
-            }
-            return d2 >= distance * distance;
+            return search::squared_distance(design.points[i], design.points[j]) >= distance * distance;
         });
         if (far && static_cast<int>(taken.size()) < count) {
             taken.push_back(i);

@@ -5,9 +5,11 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 #include <gsl/gsl_qrng.h>
 #include <limits>
 #include <memory>
+#include <numeric>
 
 namespace explore::search {
 namespace {
@@ -40,6 +42,11 @@ std::int64_t full_grid_size(const problem::ParameterSpace& space, int points_per
         }
     }
     return size;
+}
+
+double squared_distance(std::span<const double> a, std::span<const double> b) {
+    return std::transform_reduce(a.begin(), a.end(), b.begin(), 0.0, std::plus<>(),
+                                 [](double x, double y) { return (x - y) * (x - y); });
 }
 
 Design full_grid(const problem::ParameterSpace& space, int points_per_axis) {

@@ -4,6 +4,7 @@
 #include "problem/parameter_space.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace explore::search {
@@ -17,6 +18,9 @@ struct Design {
 
     const std::string& run_name() const { return family.empty() ? name : family; }
 };
+
+// Of two points of the unit cube.
+double squared_distance(std::span<const double> a, std::span<const double> b);
 
 // Every combination of axis.points (or `points_per_axis` when positive) equally spaced values of each axis, the last
 // axis fastest. An axis with one point is held at its start value.

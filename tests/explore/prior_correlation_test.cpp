@@ -91,3 +91,15 @@ TEST(PriorCorrelation, DensityIsThatOfTheBivariateNormal) {
                 std::log(2.0 * std::numbers::pi * 0.03 * 0.02 * std::sqrt(1.0 - 0.8 * 0.8));
     EXPECT_NEAR(problem.log_density(e), expected, 1e-9); // the box is 10 standard deviations away
 }
+
+TEST(PriorCorrelation, AWrongReadingLeavesTheRowsOfPriorsAlone) {
+    const problem::Problem problem = linear_problem();
+    const auto e = problem.evaluate(std::vector<double>(3, 0.5), false, *problem.function->make_workspace());
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+        auto wrong = e;
+        wrong.responses[i] += sigma;
+        const VectorXd change = problem.change_by(i);
+        ASSERT_EQ(change.size(), static_cast<Index>(problem.rows()));
+        EXPECT_LT((problem.residuals(wrong) - problem.residuals(e) - change).norm(), 1e-12);
+    }
+}
