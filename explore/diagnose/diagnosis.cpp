@@ -161,50 +161,57 @@ private:
                                 : std::nullopt;
             });
         };
-        auto result = search_all();
-        if (result && result->minima.empty()) {
-            bench_.give_up_coarse();
+        std::optional<landscape::MultistartResult> result;
+        while (minima_.empty()) {
             result = search_all();
-        }
-        if (!result) {
-            return false;
-        }
-        if (result->minima.empty()) {
-            d_.failed = run::why_no_minimum(problem, result->explored);
-            return true;
+            if (!result) {
+                return false;
+            }
+            if (!result->minima.empty()) {
+                fit_leading_minima(design, *result, multistart.start_distance);
+            }
+            if (run::interrupted()) {
+                return false;
+            }
+            if (minima_.empty() && !bench_.has_coarse()) {
+                d_.failed = run::why_no_minimum(problem, result->explored);
+                return true;
+            }
+            if (minima_.empty()) {
+                bench_.give_up_coarse();
+            }
         }
         for (std::size_t i = 0; i < result->explored.size(); ++i) {
             if (result->explored[i].converged()) {
-                explored_.push_back(
-                    {{}, design.points[i], result->explored[i], problem.residuals(result->explored[i]), 0.0});
+                explored_.push_back({{},
+                                     design.points[i],
+                                     result->explored[i],
+                                     problem.residuals(result->explored[i]),
+                                     0.0,
+                                     Mesh::coarse});
             }
         }
-        // The leading ones on the study's own mesh, and whether points of the sample lead lower there.
+        set_baseline(minima_[0]);
+        return true;
+    }
+
+    // The leading minima of the coarse mesh on the study's own, and whether points of the sample lead lower there.
+    void fit_leading_minima(const search::Design& design, const landscape::MultistartResult& coarse, double distance) {
         constexpr std::size_t leading = 3;
         constexpr int from_sample = 2;
         constexpr double lower = 0.5; // chi2
-        d_.variance = variance_of(std::pow(result->minima[0].evaluation.misfit, 2));
+        d_.variance = variance_of(std::pow(coarse.minima[0].evaluation.misfit, 2));
         std::vector<std::vector<double>> starts;
-        for (std::size_t m = 0; m < std::min(leading, result->minima.size()); ++m) {
-            starts.push_back(result->minima[m].unit);
+        for (std::size_t m = 0; m < std::min(leading, coarse.minima.size()); ++m) {
+            starts.push_back(coarse.minima[m].unit);
         }
         fit_minima(starts, minimum_number, INFINITY);
         starts.clear();
-        for (const std::size_t i :
-             run::distinct_starts(design, result->explored, from_sample, multistart.start_distance)) {
+        for (const std::size_t i : run::distinct_starts(design, coarse.explored, from_sample, distance)) {
             starts.push_back(design.points[i]);
         }
         fit_minima(starts, minimum_number + static_cast<int>(leading),
                    minima_.empty() ? INFINITY : minima_[0].sum - lower * d_.variance);
-        if (run::interrupted()) {
-            return false;
-        }
-        if (minima_.empty()) {
-            d_.failed = run::why_no_minimum(problem, {});
-            return true;
-        }
-        set_baseline(minima_[0]);
-        return true;
     }
 
     // Adds to the minima of the baseline what searches from these points find.
@@ -973,6 +980,15 @@ private:
         return names(a) == names(b);
     }
 
+    // What is an explanation is fitted on the study's own mesh.
+    void settle(Judged& explanation) {
+        if (explanation.model.mesh == Mesh::coarse) {
+            if (auto own = confirm(explanation.model, fit_number)) {
+                explanation = judge(std::move(*own));
+            }
+        }
+    }
+
     bool decide() {
         // One score among many stood out, but the fits do not bear it out.
         if (!contradicted(d_.baseline, 1.0) && d_.p_evidence >= level_family) {
@@ -983,6 +999,7 @@ private:
             d_.verdict = Verdict::unexplained;
             return true;
         }
+        settle(explanations_[0]);
         const Judged& best = explanations_[0];
         const bool is_pair = best.model.members.size() > 1;
         set_confounding();
@@ -1004,7 +1021,8 @@ private:
             const bool is_alike =
                 !is_pair && is_confounded(other->model.members[0]) && !(is_rejected && behind > 2.0 * margin);
             if ((behind < margin && (!is_rejected || d_.leaves_more_than_noise)) || is_alike) {
-                d_.explanations.push_back({*other, behind});
+                settle(*other);
+                d_.explanations.push_back({*other, criterion(*other) - criterion(best)});
             }
         }
         const bool enough = d_.p_evidence < level_evidence && !d_.leaves_more_than_noise && !best.ends_range();

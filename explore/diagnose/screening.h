@@ -76,9 +76,10 @@ struct Screening {
     std::optional<Family> family;
 };
 
-// All on the coarse mesh. first: the screening of the baseline, where the base is not that. base: what the candidates are added to. variance: of a residual. scanned: so many candidates, those whose derivative
-// and typical size promise most, are computed at several sizes, where fits may start. number: of the first evaluation
-// that is kept; those up to number + 20 are its own. Nothing: interrupted.
+// All on the coarse mesh. base: what the candidates are added to. variance: of a residual. scanned: so many candidates,
+// those whose derivative and typical size promise most, are computed at several sizes, where fits may start. number: of
+// the first evaluation that is kept; those up to number + 20 are its own. first: the screening of the baseline, where
+// the base is another model. Nothing: interrupted.
 std::optional<Screening> screen(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates,
                                 double variance, bool estimated, std::uint64_t seed, std::size_t scanned, int number,
                                 const Screening* first = nullptr);

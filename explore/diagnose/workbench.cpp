@@ -76,7 +76,7 @@ std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, con
             }
         }
         if (const double sum = sample.residuals.squaredNorm(); sum < best.sum) {
-            best = {members, {unit.begin(), unit.end()}, std::move(e), std::move(residuals), sum};
+            best = {members, {unit.begin(), unit.end()}, std::move(e), std::move(residuals), sum, Mesh::study};
         }
         return optimise::Answer::computed;
     };
@@ -213,6 +213,9 @@ std::optional<Model> fit_from(Workbench& bench, const Members& members, int numb
             search(problem, shifted_chain);
         };
         bench.chain(members, number, search_shifted, Mesh::coarse);
+        if (found) {
+            found->mesh = Mesh::coarse;
+        }
     }
     return found;
 }

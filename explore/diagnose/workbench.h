@@ -53,15 +53,6 @@ Target leaving_out(const std::vector<std::size_t>& terms, std::size_t residuals)
 // The sum of the squares of those that count.
 double counted_sum(const Eigen::VectorXd& residuals, const Target& target);
 
-// A fitted model.
-struct Model {
-    Members members;
-    std::vector<double> unit;
-    problem::Evaluation evaluation; // with jacobian, unless derivatives were saved
-    Eigen::VectorXd residuals;      // those that were fitted, and those left out
-    double sum = 0.0;               // of squares of those that count, and of what pulls at the parameters
-};
-
 // What a model is computed on. The coarse mesh is several times quicker. What its responses lack is taken from a point
 // where both are known and added to them elsewhere (an additive bridge between models of two fidelities: Alexandrov and
 // Lewis 2001): its error is then that of changes, a few per cent of them. It proposes; what an answer rests on is
@@ -71,6 +62,16 @@ using Shift = std::vector<double>; // of responses
 // own, coarse: of one point.
 Shift shift_between(const problem::Evaluation& own, const problem::Evaluation& coarse);
 problem::Evaluation shifted(const problem::Problem& problem, problem::Evaluation coarse, const Shift& shift);
+
+// A fitted model.
+struct Model {
+    Members members;
+    std::vector<double> unit;
+    problem::Evaluation evaluation; // with jacobian, unless derivatives were saved
+    Eigen::VectorXd residuals;      // those that were fitted, and those left out
+    double sum = 0.0;               // of squares of those that count, and of what pulls at the parameters
+    Mesh mesh = Mesh::study;
+};
 
 struct FitSettings {
     double enough = 0.0;                           // optimise::SearchSettings
@@ -85,8 +86,9 @@ struct FitSettings {
 std::optional<Model> fit(run::Chain& chain, const problem::Problem& problem, const Members& members,
                          const std::vector<double>& start, const Target& target, const FitSettings& settings);
 
-// Makes problems and engines of models. Those of the baseline are kept, of the others, on each mesh, the one used last: a
-// diagnosis makes hundreds, each with meshes and eliminated stiffnesses of its own. All functions may be called from any thread.
+// Makes problems and engines of models. Those of the baseline are kept, of the others, on each mesh, the one used last:
+// a diagnosis makes hundreds, each with meshes and eliminated stiffnesses of its own. All functions may be called from
+// any thread.
 class Workbench {
 public:
     struct Making {
@@ -112,6 +114,7 @@ public:
 
     // Where the coarse mesh has no answer: the study's own in its place from here on.
     void give_up_coarse() { has_coarse_ = false; }
+    bool has_coarse() const { return has_coarse_; }
 
     run::Tally tally() const;
     int threads() const { return making_.threads; }
