@@ -6,6 +6,7 @@
 #include "analysis/diagnose.h"
 #include "analysis/fit.h"
 #include "analysis/map.h"
+#include "analysis/mesh_error.h"
 #include "analysis/sensitivity.h"
 #include "base/text.h"
 #include "landscape/uniqueness.h"
@@ -32,9 +33,8 @@ struct Timing {
     double with_derivatives = 0.0; // 0: nothing to differentiate by
     double fitted_forward = 0.0;   // of the loads that are fitted
     double fitted_with_derivatives = 0.0;
-    double diagnosed_forward = 0.0; // the same with an effect, as diagnose computes it
+    double diagnosed_forward = 0.0; // the same on the coarse mesh with an effect, as diagnose computes most
     double diagnosed_with_derivatives = 0.0;
-    double diagnosed_further = 0.0; // of the runs where the model is not adequate
 };
 
 // The median, after a run that makes the buffers.
@@ -63,10 +63,8 @@ pave::Outcome<double> seconds_of(const pave::pavement::ForwardModel& model,
 }
 
 // Linear layers cost nothing beside the effects, by finite elements, that diagnose adds to them: the mean over variants
-// at the sizes seen in practice, as many as two seconds allow and one at least. Further runs are with
-// derivatives by an effect more.
-void measure_variants(const study::Study& study, const std::vector<bool>& fitted, Timing& timing) {
-    const study::Study diagnosed = as_diagnosed(study);
+// at the sizes seen in practice, as many as two seconds allow and one at least.
+void measure_variants(const study::Study& diagnosed, const std::vector<bool>& fitted, Timing& timing) {
     double forward = 0.0;
     double with_derivatives = 0.0;
     int count = 0;
@@ -90,7 +88,6 @@ void measure_variants(const study::Study& study, const std::vector<bool>& fitted
     if (count > 0) {
         timing.diagnosed_forward = forward / count;
         timing.diagnosed_with_derivatives = with_derivatives / count;
-        timing.diagnosed_further = timing.diagnosed_with_derivatives;
     }
 }
 
@@ -118,11 +115,12 @@ pave::Outcome<Timing> measure(const study::Study& study) {
             timing.fitted_forward = seconds(of_fit, {});
             timing.fitted_with_derivatives = seconds(of_fit, study.parameters);
         }
-        timing.diagnosed_forward = timing.fitted_forward;
-        timing.diagnosed_with_derivatives = timing.fitted_with_derivatives;
-        timing.diagnosed_further = timing.fitted_forward;
+        const study::Study diagnosed = on_coarser_mesh(as_diagnosed(study));
+        const pave::pavement::ForwardModel coarse(diagnosed.model, fitted);
+        timing.diagnosed_forward = seconds(coarse, {});
+        timing.diagnosed_with_derivatives = seconds(coarse, diagnosed.parameters);
         if (!failure && count > 0 && study::stress_dependent_layers(study).empty()) {
-            measure_variants(study, fitted, timing);
+            measure_variants(diagnosed, fitted, timing);
         }
     }
     if (failure) {
@@ -169,16 +167,18 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
                                 searches, 2 * walk, pave::counted(ranges, "quantity", "quantities")),
                     shared(unique)});
     const auto candidates = static_cast<int>(study::variants(as_diagnosed(study), {}).size());
-    constexpr int screening = 6; // runs of a variant
+    constexpr int screening = 5; // runs of a variant
     constexpr int fitted = 30;   // variants at most, where there are many readings
     constexpr int single = 9;    // runs with derivatives of a fit
     constexpr int further = 1000;
+    constexpr int own = 60; // with derivatives, on the study's own mesh
     list.push_back(
         {"diagnose",
-         fmt::format("{} variants of effects and {} fits; where the model is not adequate as many as {} more",
-                     candidates, std::min(candidates, fitted), further),
-         shared(screening * candidates * timing.diagnosed_forward + further * timing.diagnosed_further +
-                single * std::min(candidates, fitted) * timing.diagnosed_with_derivatives)});
+         fmt::format("{} variants of effects and {} fits on a coarse mesh, where the model is not adequate as many as "
+                     "{} runs more, and {} with derivatives on the study's own",
+                     candidates, std::min(candidates, fitted), further, own),
+         shared(screening * candidates * timing.diagnosed_forward + further * timing.diagnosed_with_derivatives +
+                single * std::min(candidates, fitted) * timing.diagnosed_with_derivatives + own * with)});
     const SensitivityOptions sensitivity;
     const int runs = sensitivity.samples * (count + 2) + sensitivity.points * count;
     list.push_back(

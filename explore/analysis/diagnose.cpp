@@ -273,16 +273,15 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
         study::Study extended = extended_study(members);
         return mesh == diagnose::Mesh::coarse ? on_coarser_mesh(std::move(extended)) : extended;
     };
-    diagnose::Workbench bench({.problem =
-                                   [&](const Members& members, diagnose::Mesh mesh) {
-                                       return study::make_noise_problem(model_on(members, mesh), study::Scope::fitted);
-                                   },
-                               .run =
-                                   [&](const Members& members, diagnose::Mesh mesh) {
-                                       return session.begin(model_on(members, mesh), "diagnose", settings);
-                                   },
-                               .store = session.store(),
-                               .threads = session.options().threads});
+    diagnose::Workbench bench(
+        {.problem =
+             [&](const Members& members, diagnose::Mesh mesh) {
+                 return study::make_noise_problem(model_on(members, mesh), study::Scope::fitted);
+             },
+         .run = [&](const Members& members,
+                    diagnose::Mesh mesh) { return session.begin(model_on(members, mesh), "diagnose", settings); },
+         .store = session.store(),
+         .threads = session.options().threads});
     diagnose::DiagnosisTask task{.bench = bench,
                                  .candidates = result.candidates,
                                  .groups = result.layout.groups,

@@ -91,8 +91,8 @@ problem::Problem problem_with(const study::Study& study, const std::vector<Hypot
         corrections.insert(corrections.end(), hypotheses[c].corrections.begin(), hypotheses[c].corrections.end());
         effects.insert(effects.end(), hypotheses[c].effects.begin(), hypotheses[c].effects.end());
     }
-    return study::make_noise_problem(study::with_free_effects(study::with_free_corrections(study, corrections), effects),
-                                     study::Scope::everything);
+    return study::make_noise_problem(
+        study::with_free_effects(study::with_free_corrections(study, corrections), effects), study::Scope::everything);
 }
 
 bool is_error_of_reading(const Hypothesis& hypothesis) {
@@ -245,8 +245,8 @@ void differentiate_errors(const study::Study& study, const VectorXd& answer, con
 
 // From the answer to the hypothesis's own best point at the strength that says most, by Gauss and Newton's steps; the
 // slopes there.
-Slopes slopes_at_best(const problem::Problem& problem, Hypothesis& hypothesis, Slopes slopes, Index parameters, const problem::Evaluation& best,
-                      const std::vector<std::size_t>& outputs, double noise) {
+Slopes slopes_at_best(const problem::Problem& problem, Hypothesis& hypothesis, Slopes slopes, Index parameters,
+                      const problem::Evaluation& best, const std::vector<std::size_t>& outputs, double noise) {
     const auto workspace = problem.function->make_workspace();
     constexpr int steps = 4;
     constexpr int halvings = 3;
@@ -370,8 +370,8 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
     run::for_each_index(arena, std::min(leading, order.size()), [&](std::size_t i) {
         const std::size_t c = order[i].second;
         if (slopes[c] && order[0].first > without + far) {
-            slopes[c] = slopes_at_best(problem_with(coarse, hypotheses, {c}), hypotheses[c], std::move(*slopes[c]), n, best,
-                                       outputs, noise);
+            slopes[c] = slopes_at_best(problem_with(coarse, hypotheses, {c}), hypotheses[c], std::move(*slopes[c]), n,
+                                       best, outputs, noise);
         }
     });
     std::vector<Said> all;

@@ -210,8 +210,8 @@ private:
                 VectorXd change = VectorXd::Zero(static_cast<Index>(task.problem.rows()));
                 for (std::size_t row = 0; row < task.problem.readings(); ++row) {
                     if (x_mm(task.study, static_cast<int>(task.problem.response_of(row))) == offset) {
-                        change += by_step[static_cast<Index>(row)] / step_mm *
-                                                       (effect.high - effect.low) * task.problem.change_by(row);
+                        change += by_step[static_cast<Index>(row)] / step_mm * (effect.high - effect.low) *
+                                  task.problem.change_by(row);
                     }
                 }
                 lack.change = {std::move(change)};

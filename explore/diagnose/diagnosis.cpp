@@ -1,6 +1,7 @@
 #include "diagnose/diagnosis.h"
 
 #include "base/random.h"
+#include "diagnose/candidate_fits.h"
 #include "diagnose/held_out.h"
 #include "diagnose/location.h"
 #include "run/parallel.h"
@@ -60,7 +61,8 @@ public:
           bench_(task.bench),
           settings_(settings),
           noise_is_stated_(task.bench.problem({})->noise_is_stated()),
-          arena_(run::concurrency(task.bench.threads())) {}
+          arena_(run::concurrency(task.bench.threads())),
+          fits_(task.bench, task_.candidates, d_.variance) {}
 
     // False: interrupted.
     bool run() {
@@ -231,8 +233,7 @@ private:
     // Of a residual, where so much is left of all of them.
     double variance_of(double sum) const {
         const auto baseline = bench_.problem({});
-        const double dof =
-            static_cast<double>(baseline->rows()) - static_cast<double>(baseline->space.axes.size());
+        const double dof = static_cast<double>(baseline->rows()) - static_cast<double>(baseline->space.axes.size());
         return noise_is_stated_ ? 1.0 : std::max(sum / std::max(1.0, dof), 1e-24);
     }
 
@@ -244,82 +245,6 @@ private:
     std::optional<Model> fit_from(const Members& members, int number, const std::vector<double>& start,
                                   const Target& target = {}, const FitSettings& settings = {}) {
         return diagnose::fit_from(bench_, members, number, start, d_.variance, target, settings);
-    }
-
-    // A fit on the coarse mesh that is to get lower than what is found so far, and than this. is_proposal: what it finds
-    // is fitted again, and needs no derivatives.
-    std::optional<Model> fit_lower(const Members& members, int number, const std::vector<double>& start,
-                                   const Shift& shift, const std::optional<Model>& found, double worth,
-                                   bool is_proposal = true) {
-        constexpr double lower = 0.1; // chi2
-        FitSettings settings = is_proposal ? for_residuals(nullptr, d_.variance) : FitSettings{};
-        settings.worth = found ? std::min(worth, found->sum - lower * d_.variance) : worth;
-        settings.on_coarse = &shift;
-        return fit_from(members, number, start, {}, settings);
-    }
-
-    // What was found on the coarse mesh, on the study's own.
-    std::optional<Model> confirm(const std::optional<Model>& found, int number, double worth = INFINITY) {
-        return found ? fit_from(found->members, number, found->unit, {}, {.worth = worth}) : std::nullopt;
-    }
-    // What the coarse mesh has to get below for that to be worth it: it errs by less than this [chi2].
-    double worth_confirming(double worth) const {
-        constexpr double error = 2.0;
-        return worth + error * d_.variance;
-    }
-
-    // Fit of base with one candidate more on the coarse mesh: from the starts that the screening proposes, until one
-    // gets as low as predicted. worth: a sum of squares; nothing, where none gets as low. is_proposal: as of
-    // fit_lower().
-    std::optional<Model> fit_added(const Model& base, const Screened& screened, std::size_t candidate, int number,
-                                   double worth, bool is_proposal) {
-        const Members members = with_member(base.members, candidate);
-        std::vector<std::vector<double>> starts;
-        const auto propose = [&](std::size_t i) {
-            if (i < screened.starts.size()) {
-                starts.push_back(screened.starts[i].unit);
-            }
-        };
-        propose(0);
-        starts.push_back(
-            with_size(base.unit, size_index(bench_, members, candidate), task_.candidates[candidate].null));
-        propose(1);
-        if (base.members.empty() && minima_.size() > 1) { // where the baseline has another minimum
-            starts.push_back(minima_[1].unit);
-            starts.back().push_back(task_.candidates[candidate].typical);
-        }
-        std::optional<Model> best;
-        constexpr double reached = 4.0; // chi2
-        for (std::size_t s = 0; s < starts.size(); ++s) {
-            if (best && best->sum < screened.predicted + reached * d_.variance) {
-                break;
-            }
-            keep_lower(best,
-                       fit_lower(members, number + static_cast<int>(s), starts[s], screened.shift, best, worth,
-                                 is_proposal));
-        }
-        return best;
-    }
-
-    // With one candidate more, whatever the screening says of it: from a typical size on both sides of none, and from
-    // large ones. worth: as of fit_added().
-    std::optional<Model> fit_blindly(const Model& base, const Screening& screening, std::size_t added,
-                                     double worth = INFINITY) {
-        const Members members = with_member(base.members, added);
-        const std::size_t at = size_index(bench_, members, added);
-        const Candidate& candidate = task_.candidates[added];
-        constexpr double large = 0.6; // of the way to the end of the range
-        std::optional<Model> best;
-        int number = blind_number;
-        for (const double size : {candidate.typical, 2.0 * candidate.null - candidate.typical,
-                                  candidate.null + large * (1.0 - candidate.null), (1.0 - large) * candidate.null}) {
-            if (size > 0.0 && size < 1.0 && std::abs(size - candidate.null) > 1e-3) {
-                keep_lower(best, fit_lower(members, number, with_size(base.unit, at, size),
-                                           screening.items[added].shift, best, worth_confirming(worth)));
-            }
-            ++number;
-        }
-        return confirm(best, blind_number, worth);
     }
 
     // What a model has to get below to stand beside this one among the explanations, and more: a sum of squares.
@@ -344,7 +269,7 @@ private:
         std::vector<std::optional<Model>> models(untried.size());
         run::Progress progress("remaining fits", static_cast<std::int64_t>(untried.size()));
         run::for_each_index(arena_, untried.size(), [&](std::size_t i) {
-            models[i] = fit_blindly(d_.baseline.model, d_.screening, untried[i]->candidate, worth);
+            models[i] = fits_.blindly(d_.baseline.model, d_.screening, untried[i]->candidate, blind_number, worth);
             progress.add(1, true);
         });
         if (run::interrupted()) {
@@ -429,10 +354,12 @@ private:
         constexpr std::size_t variants_each = 2;
         const auto chosen = worth_fitting(d_.screening, all ? task_.candidates.size() : leading, variants_each, all);
         std::vector<std::optional<Model>> models(chosen.size());
+        const Model* other = minima_.size() > 1 ? &minima_[1] : nullptr;
         run::Progress progress("fits", 2 * static_cast<std::int64_t>(chosen.size()));
         run::for_each_index(arena_, chosen.size(), [&](std::size_t i) {
-            models[i] = fit_added(d_.baseline.model, d_.screening.items[chosen[i]], chosen[i], fit_number, INFINITY,
-                                  false); // some stay
+            models[i] =
+                fits_.added(d_.baseline.model, other, d_.screening.items[chosen[i]], chosen[i], fit_number, INFINITY,
+                            false); // some stay
             progress.add(1, true);
         });
         double lowest = d_.baseline.model.sum;
@@ -445,7 +372,7 @@ private:
             constexpr double something = 2.0;
             if (models[i] && models[i]->sum < std::min(lowest + far * d_.variance,
                                                        d_.baseline.model.sum - something * d_.variance)) {
-                models[i] = confirm(models[i], fit_number);
+                models[i] = fits_.confirm(models[i], fit_number);
             }
             progress.add(1, true);
         });
@@ -563,9 +490,9 @@ private:
             constexpr double lower = 0.5; // chi2
             const double known = d_.baseline.model.sum;
             const int number = baseline_number + attempts_++;
-            auto found = fit_lower({}, number, start, d_.screening.base.shift, {}, INFINITY);
+            auto found = fits_.lower({}, number, start, d_.screening.base.shift, {}, INFINITY, true);
             if (found && found->sum < known - 0.5 * lower * d_.variance) {
-                found = confirm(found, number);
+                found = fits_.confirm(found, number);
             }
             if (found && found->sum < d_.baseline.model.sum - lower * d_.variance) {
                 set_baseline(*found);
@@ -610,9 +537,9 @@ private:
             const double below = worth();
             return fit_jobs("fits of pairs", jobs.size(), pairs, [&](std::size_t i) {
                 const Job& job = jobs[i];
-                return confirm(
-                    fit_added(*job.base, *job.screened, job.candidate, job.number, worth_confirming(below), true),
-                    job.number, below);
+                return fits_.confirm(fits_.added(*job.base, nullptr, *job.screened, job.candidate, job.number,
+                                                 fits_.worth_confirming(below), true),
+                                     job.number, below);
             });
         };
         const auto add_jobs = [&](const Screening& screening, std::size_t b, std::vector<Job>& jobs) {
@@ -667,7 +594,7 @@ private:
         }
         const double below = worth();
         return fit_jobs("further pairs", list.size(), pairs,
-                        [&](std::size_t i) { return fit_blindly(first, of_first, list[i], below); });
+                        [&](std::size_t i) { return fits_.blindly(first, of_first, list[i], blind_number, below); });
     }
 
     // Adds what so many fits found to the pairs, best first. False: interrupted.
@@ -706,7 +633,8 @@ private:
     bool fit_alone(const Members& members) {
         for (EffectResult& effect : d_.effects) {
             if (!effect.fit && std::find(members.begin(), members.end(), effect.candidate) != members.end()) {
-                if (auto model = fit_blindly(d_.baseline.model, d_.screening, effect.candidate)) {
+                if (auto model =
+                        fits_.blindly(d_.baseline.model, d_.screening, effect.candidate, blind_number, INFINITY)) {
                     take_single(effect, std::move(*model));
                 }
             }
@@ -755,11 +683,11 @@ private:
             for (std::size_t s = 0; s < count; ++s) {
                 std::vector<double> start = points[s]->unit;
                 start.push_back(s == 0 ? effect.fit->model.unit.back() : task_.candidates[effect.candidate].typical);
-                keep_lower(best, fit_lower(members, further_number + static_cast<int>(s), start, shift, best,
-                                           worth_confirming(effect.fit->model.sum)));
+                keep_lower(best, fits_.lower(members, further_number + static_cast<int>(s), start, shift, best,
+                                             fits_.worth_confirming(effect.fit->model.sum), true));
             }
             std::optional<Model> lower = effect.fit->model;
-            keep_lower(lower, confirm(best, further_number, lower->sum));
+            keep_lower(lower, fits_.confirm(best, further_number, lower->sum));
             effect.fit->model = std::move(*lower);
             progress.add(1, true);
         });
@@ -983,7 +911,7 @@ private:
     // What is an explanation is fitted on the study's own mesh.
     void settle(Judged& explanation) {
         if (explanation.model.mesh == Mesh::coarse) {
-            if (auto own = confirm(explanation.model, fit_number)) {
+            if (auto own = fits_.confirm(explanation.model, fit_number)) {
                 explanation = judge(std::move(*own));
             }
         }
@@ -1076,6 +1004,7 @@ private:
     bool noise_is_stated_; // residuals are then in units of it
     tbb::task_arena arena_;
     Diagnosis d_;
+    CandidateFits fits_;
     std::vector<Model> explored_; // points of the sample on the coarse mesh: residuals, no derivatives
     std::vector<Model> minima_;   // of the baseline, lowest first
     std::vector<Judged> explanations_;

@@ -139,8 +139,8 @@ inline constexpr std::string_view verdict_names[] = {"adequate", "cause-named", 
 
 struct Diagnosis {
     Verdict verdict = Verdict::adequate;
-    std::string failed;                     // why there is none
-    double variance = 1.0;                  // of one residual
+    std::string failed;    // why there is none
+    double variance = 1.0; // of one residual
     Judged baseline;
     std::vector<GroupTest> groups; // at the baseline
     std::vector<Constancy> constancy;

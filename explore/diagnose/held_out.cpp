@@ -12,8 +12,8 @@ namespace {
 
 class LeftOut {
 public:
-    LeftOut(const DiagnosisTask& task, const Diagnosis& d, const std::vector<Model>& explored,
-            const OnCoarse& extended, const Fold& fold)
+    LeftOut(const DiagnosisTask& task, const Diagnosis& d, const std::vector<Model>& explored, const OnCoarse& extended,
+            const Fold& fold)
         : task_(task),
           d_(d),
           explored_(explored),
@@ -62,8 +62,8 @@ private:
         search.worth = found ? found->sum - lower * d_.variance : INFINITY;
         return search;
     }
-    // What was found on the coarse mesh, as the study's own has it; where the two part, fitted on from there on that one
-    // by the derivatives of what is known with all readings.
+    // What was found on the coarse mesh, as the study's own has it; where the two part, fitted on from there on that
+    // one by the derivatives of what is known with all readings.
     std::optional<Model> confirmed(std::optional<Model> found, int number, const Target& target,
                                    const Model& known) const {
         if (!found) {

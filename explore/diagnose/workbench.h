@@ -109,8 +109,8 @@ public:
         return body(*own, engine.engine);
     }
     // One chain of evaluations, kept under this start number. False: interrupted.
-    bool chain(const Members& members, int start,
-               const std::function<void(const problem::Problem&, run::Chain&)>& body, Mesh mesh = Mesh::study);
+    bool chain(const Members& members, int start, const std::function<void(const problem::Problem&, run::Chain&)>& body,
+               Mesh mesh = Mesh::study);
 
     // Where the coarse mesh has no answer: the study's own in its place from here on.
     void give_up_coarse() { has_coarse_ = false; }

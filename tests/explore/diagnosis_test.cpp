@@ -80,11 +80,11 @@ struct World {
     }
 
     diagnose::Workbench bench() const {
-        return diagnose::Workbench({.problem = [this](const Members& members,
-                                                      diagnose::Mesh mesh) { return problem(members, mesh); },
-                                    .run = [](const Members&, diagnose::Mesh) { return 0; },
-                                    .store = nullptr,
-                                    .threads = 0});
+        return diagnose::Workbench(
+            {.problem = [this](const Members& members, diagnose::Mesh mesh) { return problem(members, mesh); },
+             .run = [](const Members&, diagnose::Mesh) { return 0; },
+             .store = nullptr,
+             .threads = 0});
     }
 
     std::vector<diagnose::Candidate> candidates() const {
@@ -292,7 +292,8 @@ TEST(Workbench, TheShiftMakesTheCoarseMeshOneWithTheOtherWhereItIsTaken) {
     const std::vector<double> there{0.6, 0.5, 0.3};
     const problem::Problem on_coarse_mesh = world.problem({}, diagnose::Mesh::coarse);
     const auto shifted = diagnose::shifted(
-        on_coarse_mesh, on_coarse_mesh.evaluate(there, false, *on_coarse_mesh.function->make_workspace()), coarse.shift);
+        on_coarse_mesh, on_coarse_mesh.evaluate(there, false, *on_coarse_mesh.function->make_workspace()),
+        coarse.shift);
     const VectorXd moved = VectorXd::Map(there.data(), parameters) - VectorXd::Map(base.unit.data(), parameters);
     const VectorXd error = own->residuals(shifted) - (world.a * VectorXd::Map(there.data(), parameters) - world.data);
     const MatrixXd wrong = on_coarse_mesh.residual_jacobian(coarse.evaluation) - world.a;

@@ -74,10 +74,11 @@ struct World {
     }
 
     diagnose::Diagnosis diagnose(diagnose::Says says = diagnose::Says::at_places) const {
-        diagnose::Workbench bench({.problem = [this](const Members& members, diagnose::Mesh) { return problem(members); },
-                                   .run = [](const Members&, diagnose::Mesh) { return 0; },
-                                   .store = nullptr,
-                                   .threads = 0});
+        diagnose::Workbench bench(
+            {.problem = [this](const Members& members, diagnose::Mesh) { return problem(members); },
+             .run = [](const Members&, diagnose::Mesh) { return 0; },
+             .store = nullptr,
+             .threads = 0});
         diagnose::DiagnosisTask task{.bench = bench, .candidates = {}, .groups = {}, .places = {}, .loads = {}};
         for (std::size_t j = 0; j < candidates; ++j) {
             task.candidates.push_back(
