@@ -87,7 +87,7 @@ private:
     }
 
     Mimicry mimicry() const {
-        const MatrixXd jacobian = problem_->residual_jacobian(slopes_) / noise_;
+        const MatrixXd jacobian = problem_->residual_jacobian(model_.evaluation) / noise_;
         const auto followed = static_cast<std::ptrdiff_t>(followed_);
         return {jacobian.leftCols(followed),
                 {model_.unit.begin(), model_.unit.begin() + followed},
@@ -128,11 +128,9 @@ private:
         return std::log(axis.high / axis.low);
     }
 
-    // Fills changes_ on the coarse mesh: residuals in standard deviations by the coefficients of every channel, at the
-    // model. False: interrupted.
+    // Fills changes_: residuals in standard deviations by the coefficients of every channel, at the model. On the
+    // study's own mesh: what is accepted rests on them. False: interrupted.
     bool differentiate() {
-        const int number = slope_number + static_cast<int>(accepted_.size());
-        slopes_ = on_coarse(task_.bench, model_, number).evaluation;
         changes_.assign(task_.channels.size(), MatrixXd::Zero(model_.residuals.size(), 0));
         std::vector<std::vector<std::size_t>> batches; // of few coefficients each: runs side by side
         constexpr std::size_t most = 12;
@@ -140,7 +138,7 @@ private:
         for (std::size_t c = 0; c < task_.channels.size(); ++c) {
             const std::size_t count = task_.channels[c].count;
             if (is_accepted(c)) {
-                changes_[c] = changes_by(*problem_, model_.members, slopes_, c);
+                changes_[c] = changes_by(*problem_, model_.members, model_.evaluation, c);
                 continue;
             }
             if (taken + count > most) {
@@ -151,18 +149,17 @@ private:
             taken += count;
         }
         run::Progress progress("corrections", static_cast<std::int64_t>(batches.size()));
+        const int number = slope_number + static_cast<int>(accepted_.size());
         run::for_each_index(arena_, batches.size(), [&](std::size_t b) {
             const Members members = members_with(batches[b]);
-            const auto change = [&](const problem::Problem& problem, run::Chain& chain) {
-                const auto coarse = chain.at(point_in(members));
-                if (coarse.converged()) {
-                    const auto evaluation = shifted(problem, coarse, shift_between(model_.evaluation, coarse));
-                    for (const std::size_t c : batches[b]) {
+            task_.bench.chain(members, number, [&](const problem::Problem& problem, run::Chain& chain) {
+                const auto evaluation = chain.at(point_in(members));
+                for (const std::size_t c : batches[b]) {
+                    if (evaluation.converged()) {
                         changes_[c] = changes_by(problem, members, evaluation, c);
                     }
                 }
-            };
-            task_.bench.chain(members, number, change, Mesh::coarse);
+            });
             progress.add(1, true);
         });
         return !run::interrupted();
@@ -274,7 +271,6 @@ private:
                 break;
             }
             model_ = std::move(*found);
-            slopes_ = model_.evaluation;
             problem_ = corrected;
             start = model_.unit;
             for (const Accepted& a : accepted_) {
@@ -384,7 +380,6 @@ private:
     std::shared_ptr<const problem::Problem> problem_; // of the model
     tbb::task_arena arena_;
     std::vector<Accepted> accepted_;
-    problem::Evaluation slopes_;    // of the model, with the jacobian of the mesh that changes_ are of
     std::vector<MatrixXd> changes_; // of every channel, at the model
     Location location_;
     bool is_done_ = false;
