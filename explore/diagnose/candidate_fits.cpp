@@ -1,5 +1,6 @@
 #include "diagnose/candidate_fits.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace explore::diagnose {
