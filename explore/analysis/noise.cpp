@@ -66,8 +66,8 @@ constexpr NoiseParts highest = {0.5, 0.5, 100.0, 1e5};
 struct Fit {
     NoiseParts p{};
     double score = INFINITY; // -2 ln likelihood, but for a constant
-    MatrixXd information;    // on the logarithms of the parts that are there
-    std::vector<int> there;
+    MatrixXd information{};  // on the logarithms of the parts that are there
+    std::vector<int> there{};
 };
 
 // Nothing where the covariance of a group is not positive definite.

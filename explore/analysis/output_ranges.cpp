@@ -43,8 +43,6 @@ struct Hypothesis {
     MatrixXd reach;
     std::span<const double> strengths;
     bool is_of_readings = false; // an output is what is there, not what a sensor says
-    // On the coarse mesh, to the responses of the study's own where nothing is lacking; empty: no slopes are known.
-    diagnose::Shift shift{};
 };
 
 std::vector<Hypothesis> hypotheses_of(const study::Study& study) {
@@ -160,25 +158,24 @@ std::optional<Slopes> slopes_of(const problem::Problem& problem, const VectorXd&
     return is_finite ? std::optional(std::move(slopes)) : std::nullopt;
 }
 
-// On the coarse mesh. shift: taken from `best`, what the study's own mesh has at this point, where it is empty.
-std::optional<Slopes> slopes_at(const problem::Problem& problem, const VectorXd& at,
-                                const std::vector<std::size_t>& outputs, double noise,
-                                problem::ForwardFunction::Workspace& workspace, const problem::Evaluation& best,
-                                diagnose::Shift& shift) {
-    problem::Evaluation e = problem.evaluate({at.data(), static_cast<std::size_t>(at.size())}, true, workspace);
-    if (!e.converged()) {
-        return std::nullopt;
-    }
-    if (shift.empty()) {
-        shift = diagnose::shift_between(best, e);
-    }
-    return slopes_of(problem, at, diagnose::shifted(problem, std::move(e), shift), outputs, noise);
-}
+// What slopes are taken on: the coarse mesh, or the study's own where that has no answer.
+struct Sloped {
+    const study::Study& study;
+    diagnose::Shift shift; // to the responses of the study's own at the answer, where nothing is lacking
+    const std::vector<std::size_t>& outputs;
+    double noise;
 
-// Of every hypothesis of a batch, where nothing is lacking. study: on the coarse mesh.
-void differentiate(const study::Study& study, const VectorXd& answer, const problem::Evaluation& best,
-                   const std::vector<std::size_t>& outputs, double noise, const Batch& batch,
-                   std::vector<Hypothesis>& hypotheses, std::vector<std::optional<Slopes>>& slopes) {
+    std::optional<Slopes> at(const problem::Problem& problem, const VectorXd& point,
+                             problem::ForwardFunction::Workspace& workspace) const {
+        problem::Evaluation e =
+            problem.evaluate({point.data(), static_cast<std::size_t>(point.size())}, true, workspace);
+        return slopes_of(problem, point, diagnose::shifted(problem, std::move(e), shift), outputs, noise);
+    }
+};
+
+// Of every hypothesis of a batch, where nothing is lacking.
+void differentiate(const Sloped& sloped, const VectorXd& answer, const std::vector<Hypothesis>& hypotheses,
+                   const Batch& batch, std::vector<std::optional<Slopes>>& slopes) {
     const Index n = answer.size();
     Index size = n;
     for (const std::size_t c : batch) {
@@ -191,9 +188,8 @@ void differentiate(const study::Study& study, const VectorXd& answer, const prob
         at.segment(column, hypotheses[c].none.size()) = hypotheses[c].none;
         column += hypotheses[c].none.size();
     }
-    const problem::Problem problem = problem_with(study, hypotheses, batch);
-    diagnose::Shift shift;
-    const auto all = slopes_at(problem, at, outputs, noise, *problem.function->make_workspace(), best, shift);
+    const problem::Problem problem = problem_with(sloped.study, hypotheses, batch);
+    const auto all = sloped.at(problem, at, *problem.function->make_workspace());
     column = n;
     for (const std::size_t c : batch) {
         const Index count = hypotheses[c].none.size();
@@ -208,27 +204,24 @@ void differentiate(const study::Study& study, const VectorXd& answer, const prob
                                .rows = part(all->rows),
                                .outputs = all->outputs,
                                .output_rows = part(all->output_rows)};
-            hypotheses[c].shift = shift;
         } else if (batch.size() > 1) { // one of them may be to blame
-            differentiate(study, answer, best, outputs, noise, {c}, hypotheses, slopes);
+            differentiate(sloped, answer, hypotheses, {c}, slopes);
         }
         column += count;
     }
 }
 
-// Of the errors of single readings: an output is what is there, whatever a sensor says.
-void differentiate_errors(const study::Study& study, const VectorXd& answer, const problem::Evaluation& best,
-                          const std::vector<std::size_t>& outputs, double noise, std::vector<Hypothesis>& hypotheses,
+// Of the errors of single readings: an output is what is there, whatever a sensor says. plain: of the study where
+// nothing is lacking, `best` what it computes there.
+void differentiate_errors(const problem::Problem& problem, const Slopes& plain, const problem::Evaluation& best,
+                          double noise, const std::vector<Hypothesis>& hypotheses,
                           std::vector<std::optional<Slopes>>& slopes) {
-    const problem::Problem problem = problem_with(study, hypotheses, {});
-    diagnose::Shift shift;
-    const auto plain = slopes_at(problem, answer, outputs, noise, *problem.function->make_workspace(), best, shift);
-    for (std::size_t c = 0; plain && c < hypotheses.size(); ++c) {
-        Hypothesis& h = hypotheses[c];
+    const Index n = plain.at.size();
+    for (std::size_t c = 0; c < hypotheses.size(); ++c) {
+        const Hypothesis& h = hypotheses[c];
         for (std::size_t i = 0; is_error_of_reading(h) && i < problem.readings(); ++i) {
             if (problem.response_of(i) == static_cast<std::size_t>(*h.effects[0].applied.reading)) {
-                const Index n = answer.size();
-                Slopes own = *plain;
+                Slopes own = plain;
                 own.at.conservativeResize(n + 1);
                 own.at[n] = h.none[0];
                 own.rows.conservativeResize(Eigen::NoChange, n + 1);
@@ -237,7 +230,6 @@ void differentiate_errors(const study::Study& study, const VectorXd& answer, con
                 own.output_rows.conservativeResize(Eigen::NoChange, n + 1);
                 own.output_rows.col(n).setZero();
                 slopes[c] = std::move(own);
-                h.shift = shift;
             }
         }
     }
@@ -245,8 +237,8 @@ void differentiate_errors(const study::Study& study, const VectorXd& answer, con
 
 // From the answer to the hypothesis's own best point at the strength that says most, by Gauss and Newton's steps; the
 // slopes there.
-Slopes slopes_at_best(const problem::Problem& problem, Hypothesis& hypothesis, Slopes slopes, Index parameters,
-                      const problem::Evaluation& best, const std::vector<std::size_t>& outputs, double noise) {
+Slopes slopes_at_best(const Sloped& sloped, const problem::Problem& problem, const Hypothesis& hypothesis,
+                      Slopes slopes, Index parameters) {
     const auto workspace = problem.function->make_workspace();
     constexpr int steps = 4;
     constexpr int halvings = 3;
@@ -276,7 +268,7 @@ Slopes slopes_at_best(const problem::Problem& problem, Hypothesis& hypothesis, S
         double gained = 0.0;
         for (int halving = 0; halving < halvings && !(gained > 0.0); ++halving, move *= 0.5) {
             const VectorXd next = (slopes.at + move).cwiseMax(0.0).cwiseMin(1.0);
-            auto there = slopes_at(problem, next, outputs, noise, *workspace, best, hypothesis.shift);
+            auto there = sloped.at(problem, next, *workspace);
             if (const double now = there ? sum(*there) : INFINITY; now < before) {
                 gained = before - now;
                 slopes = std::move(*there);
@@ -333,20 +325,25 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
     if (!right_slopes || outputs.empty()) {
         return {};
     }
+    const Slopes unbounded = *right_slopes;
     for (const landscape::BoundMet& bound : landscape::bounds_met(unit)) { // the model as it is gives way no further
         right_slopes->rows.col(static_cast<Index>(bound.axis)).setZero();
         right_slopes->output_rows.col(static_cast<Index>(bound.axis)).setZero();
     }
     const Said right = diagnose::say(*right_slopes, n, VectorXd(0), MatrixXd(0, 0));
     const study::Study coarse = on_coarser_mesh(study);
-    std::vector<Hypothesis> hypotheses = hypotheses_of(coarse);
+    const problem::Problem coarse_plain = study::make_noise_problem(coarse, study::Scope::everything);
+    const problem::Evaluation on_coarse = coarse_plain.evaluate(unit, false, *coarse_plain.function->make_workspace());
+    const bool has_coarse = on_coarse.converged();
+    const Sloped sloped{has_coarse ? coarse : study, diagnose::shift_between(best, has_coarse ? on_coarse : best),
+                        outputs, noise};
+    const std::vector<Hypothesis> hypotheses = hypotheses_of(sloped.study);
     std::vector<std::optional<Slopes>> slopes(hypotheses.size());
     tbb::task_arena arena(run::concurrency(threads));
-    differentiate_errors(coarse, answer, best, outputs, noise, hypotheses, slopes);
+    differentiate_errors(plain, unbounded, best, noise, hypotheses, slopes);
     const std::vector<Batch> batches = batches_of(hypotheses, n);
-    run::for_each_index(arena, batches.size(), [&](std::size_t i) {
-        differentiate(coarse, answer, best, outputs, noise, batches[i], hypotheses, slopes);
-    });
+    run::for_each_index(arena, batches.size(),
+                        [&](std::size_t i) { differentiate(sloped, answer, hypotheses, batches[i], slopes); });
     const auto said_by = [&](std::size_t c, std::size_t s) {
         const Hypothesis& hypothesis = hypotheses[c];
         Slopes own = *slopes[c];
@@ -370,8 +367,8 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
     run::for_each_index(arena, std::min(leading, order.size()), [&](std::size_t i) {
         const std::size_t c = order[i].second;
         if (slopes[c] && order[0].first > without + far) {
-            slopes[c] = slopes_at_best(problem_with(coarse, hypotheses, {c}), hypotheses[c], std::move(*slopes[c]), n,
-                                       best, outputs, noise);
+            slopes[c] = slopes_at_best(sloped, problem_with(sloped.study, hypotheses, {c}), hypotheses[c],
+                                       std::move(*slopes[c]), n);
         }
     });
     std::vector<Said> all;

@@ -256,9 +256,9 @@ private:
         }
         for (std::size_t i = 0; i < along.size(); ++i) {
             // Not a number: not placed; negative: behind the plate.
-            const double x = along[i].value_or(NAN);
+            const double x_of = along[i].value_or(NAN);
             const double y_of = i < across.size() ? across[i].value_or(0.0) : 0.0;
-            offsets_mm_.push_back(to_mm * std::copysign(std::hypot(x, y_of), x));
+            offsets_mm_.push_back(to_mm * std::copysign(std::hypot(x_of, y_of), x_of));
         }
     }
     // Of the longest drop; 0: there is none.

@@ -34,7 +34,7 @@ std::vector<std::string> row_at(std::string_view text, std::size_t& at, char sep
 }
 
 struct Header {
-    std::vector<std::string> cells;
+    std::vector<std::string> cells{};
     std::size_t begin = 0, end = 0; // in the text
     std::size_t above = 0;          // lines before it that hold something
     char separator = ',';
@@ -156,7 +156,9 @@ std::optional<FwdTable> fwd_table(std::string_view text, const std::string& file
     if (!header) {
         return std::nullopt;
     }
-    FwdTable table{.separator = header->separator, .above = header->above};
+    FwdTable table;
+    table.separator = header->separator;
+    table.above = header->above;
     table.lines.push_back(1 + static_cast<int>(std::count(
                                   text.begin(), text.begin() + static_cast<std::ptrdiff_t>(header->begin), '\n')));
     for (std::string& cell : header->cells) {

@@ -19,7 +19,8 @@ std::optional<double> reading_at(const FwdDrop& drop, double offset_mm) {
 }
 
 std::optional<RepeatedDrops> repeats_of(const std::vector<const FwdDrop*>& drops, const DeflectionBowl& bowl) {
-    RepeatedDrops group{.drops = static_cast<int>(drops.size())};
+    RepeatedDrops group;
+    group.drops = static_cast<int>(drops.size());
     std::vector<std::vector<double>> readings; // of a sensor, one a drop
     for (const BowlReading& sensor : bowl.readings) {
         std::vector<double> values;

@@ -1,16 +1,15 @@
 #include "diagnose/diagnosis.h"
 
-#include "base/random.h"
 #include "diagnose/candidate_fits.h"
 #include "diagnose/held_out.h"
 #include "diagnose/location.h"
+#include "diagnose/simulated_data.h"
 #include "run/parallel.h"
 #include "run/progress.h"
 
 #include <algorithm>
 #include <cmath>
 #include <gsl/gsl_cdf.h>
-#include <numeric>
 #include <set>
 
 namespace explore::diagnose {
@@ -32,10 +31,9 @@ constexpr double level_overstated = 0.01;
 constexpr double level_rejected = 0.0005;
 // Below this the fit may be a local minimum: it is searched for another.
 constexpr double level_doubtful = 0.05;
-// A cause is named when so much evidence is due to chance this rarely, and the next explanation fits this much worse:
-// whatever the distance between two explanations, the true one falls so far behind in less than 1 % of cases,
-// Phi(-sqrt(margin)).
-constexpr double level_evidence = 0.01;
+// A cause is named when so much evidence is due to chance as rarely as level_evidence, and the next explanation fits
+// this much worse: whatever the distance between two explanations, the true one falls so far behind in less than 1 % of
+// cases, Phi(-sqrt(margin)).
 constexpr double margin = 6.0;
 constexpr double least_rate = 0.95; // of telling two effects apart
 constexpr std::size_t scanned = 30; // candidates computed at several sizes
@@ -185,12 +183,7 @@ private:
         }
         for (std::size_t i = 0; i < result->explored.size(); ++i) {
             if (result->explored[i].converged()) {
-                explored_.push_back({{},
-                                     design.points[i],
-                                     result->explored[i],
-                                     problem.residuals(result->explored[i]),
-                                     0.0,
-                                     Mesh::coarse});
+                explored_.push_back({design.points[i], problem.residuals(result->explored[i])});
             }
         }
         set_baseline(minima_[0]);
@@ -658,16 +651,17 @@ private:
     // The leading effects again, from points of the sample: a fit may have ended in a local minimum. False:
     // interrupted.
     bool search_further() {
-        std::vector<const Model*> points;
-        for (const Model& point : explored_) {
+        std::vector<const Explored*> points;
+        for (const Explored& point : explored_) {
             points.push_back(&point);
         }
         constexpr std::size_t leading = 6;
         constexpr std::size_t starts = 2;
         const std::size_t count = std::min(starts, points.size());
-        std::partial_sort(
-            points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), points.end(),
-            [](const Model* a, const Model* b) { return a->residuals.squaredNorm() < b->residuals.squaredNorm(); });
+        std::partial_sort(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), points.end(),
+                          [](const Explored* a, const Explored* b) {
+                              return a->residuals.squaredNorm() < b->residuals.squaredNorm();
+                          });
         std::vector<EffectResult*> tried;
         for (EffectResult& effect : d_.effects) {
             if (effect.fit && tried.size() < leading) {
@@ -745,116 +739,12 @@ private:
         return true;
     }
 
-    // Simulated data without the effects of the best explanation, fitted without and with its first effect. False:
-    // interrupted.
+    // False: interrupted.
     bool weigh_evidence() {
-        if (explanations_.empty()) {
-            return true;
-        }
-        // The single effect that explains most.
-        const EffectResult& leading = d_.effects[0];
-        const Members& members = leading.fit->model.members;
-        const Model& base = d_.baseline.model;
-        const Screened& screened = d_.screening.items[leading.candidate];
-        const double noise = std::sqrt(d_.variance);
-        std::vector<double> with = base.unit;
-        const Candidate& candidate = task_.candidates[leading.candidate];
-        const double found = leading.fit->model.unit.back();
-        constexpr double step = 0.1;
-        with.push_back(candidate.null + step * (found - candidate.null));
-        problem::Evaluation at_with;
-        bench_.chain(
-            members, bootstrap_number + settings_.bootstrap,
-            [&](const problem::Problem& problem, run::Chain& chain) {
-                at_with = shifted(problem, chain.at(with), screened.shift);
-            },
-            Mesh::coarse);
-        if (run::interrupted()) {
-            return false;
-        }
-        // What the effect gains where it is not there; negative: not computed.
-        const auto gain_by_chance = [&](std::size_t b) {
-            if (!at_with.converged()) {
-                return -1.0;
-            }
-            const pave::RandomStream random(task_.seed, 100 + b);
-            Target target;
-            target.offset = -base.residuals;
-            for (Index i = 0; i < target.offset.size(); ++i) {
-                target.offset[i] += noise * random.normal(static_cast<std::uint64_t>(i));
-            }
-            const int number = bootstrap_number + static_cast<int>(b);
-            FitSettings settings = for_residuals(&d_.screening.base.evaluation, d_.variance);
-            settings.on_coarse = &d_.screening.base.shift;
-            settings.enough = 0.05 * d_.variance; // half of the change of chi2, whose mean gain is 1
-            const auto without = fit_from({}, number, base.unit, target, settings);
-            settings.at_start = &at_with;
-            settings.on_coarse = &screened.shift;
-            const auto extended = fit_from(members, number, with, target, settings);
-            return without && extended ? std::max(0.0, without->sum - extended->sum) / d_.variance : -1.0;
-        };
-        // A few first: where they leave no doubt, the rest is saved.
-        constexpr int few = 10;
-        run::Progress progress("simulated data", settings_.bootstrap);
-        std::vector<double> gains;
-        int tried = 0;
-        while (tried < settings_.bootstrap) {
-            const int more = tried == 0 ? std::min(few, settings_.bootstrap) : settings_.bootstrap - tried;
-            std::vector<double> drawn(static_cast<std::size_t>(more));
-            run::for_each_index(arena_, drawn.size(), [&](std::size_t i) {
-                drawn[i] = gain_by_chance(static_cast<std::size_t>(tried) + i);
-                progress.add(1, true);
-            });
-            if (run::interrupted()) {
-                return false;
-            }
-            tried += more;
-            std::copy_if(drawn.begin(), drawn.end(), std::back_inserter(gains),
-                         [](double gain) { return gain >= 0.0; });
-            if (tried == few && !leave_doubt(gains, screened, leading.gain)) {
-                break;
-            }
-        }
-        d_.bootstrap = static_cast<int>(gains.size());
-        d_.bootstrap_above = static_cast<int>(
-            std::count_if(gains.begin(), gains.end(), [&](double gain) { return gain >= leading.gain; }));
-        d_.bartlett = bartlett_of(gains, screened, 0.0);
-        if (d_.screening.family) {
-            d_.p_evidence = p_of_gain(leading.gain, d_.bartlett);
-        }
-        return true;
-    }
-
-    // Mean gain by chance, so many of its standard errors more, in units of what linear theory expects; at least 1.
-    static double bartlett_of(const std::vector<double>& gains, const Screened& screened, double errors) {
-        if (gains.size() < 2) {
-            return 1.0;
-        }
-        const auto n = static_cast<double>(gains.size());
-        const double mean = std::accumulate(gains.begin(), gains.end(), 0.0) / n;
-        double squares = 0.0;
-        for (const double gain : gains) {
-            squares += std::pow(gain - mean, 2);
-        }
-        const double expected = screened.sense == 0 ? 1.0 : 0.5;
-        return std::max(1.0, (mean + errors * std::sqrt(squares / (n * (n - 1.0)))) / expected);
-    }
-
-    // Of a gain of the best of all effects, family-wise. Noise that was stated too small makes gains as much too large
-    // as it makes what is left over.
-    double p_of_gain(double gain, double bartlett) const {
-        const double excess = std::pow(noise_factor_of(explanations_[0]), 2);
-        return d_.screening.family->p_value(std::sqrt(std::max(0.0, gain / (bartlett * excess))));
-    }
-
-    // Whether more simulated data could turn what these few say of the evidence.
-    bool leave_doubt(const std::vector<double>& gains, const Screened& screened, double gain) const {
-        constexpr double errors = 4.0; // standard errors of the mean that more data may move it by
-        const bool was_reached =
-            std::any_of(gains.begin(), gains.end(), [&](double by_chance) { return by_chance >= gain; });
-        constexpr std::size_t least = 5;
-        return was_reached || gains.size() < least || !d_.screening.family ||
-               p_of_gain(gain, bartlett_of(gains, screened, errors)) > 0.1 * level_evidence;
+        return explanations_.empty() || diagnose::weigh_evidence(task_, d_,
+                                                                 {.simulations = settings_.bootstrap,
+                                                                  .noise_factor = noise_factor_of(explanations_[0]),
+                                                                  .number = bootstrap_number});
     }
 
     // What a model changes in the residuals, beyond what the parameters follow: length 1; empty: nothing.
@@ -1005,8 +895,8 @@ private:
     tbb::task_arena arena_;
     Diagnosis d_;
     CandidateFits fits_;
-    std::vector<Model> explored_; // points of the sample on the coarse mesh: residuals, no derivatives
-    std::vector<Model> minima_;   // of the baseline, lowest first
+    std::vector<Explored> explored_;
+    std::vector<Model> minima_; // of the baseline, lowest first
     std::vector<Judged> explanations_;
     std::vector<std::pair<std::size_t, Model>> singles_; // every fit of one effect, by its candidate
     int attempts_ = 0;

@@ -12,8 +12,8 @@ namespace {
 
 class LeftOut {
 public:
-    LeftOut(const DiagnosisTask& task, const Diagnosis& d, const std::vector<Model>& explored, const OnCoarse& extended,
-            const Fold& fold)
+    LeftOut(const DiagnosisTask& task, const Diagnosis& d, const std::vector<Explored>& explored,
+            const OnCoarse& extended, const Fold& fold)
         : task_(task),
           d_(d),
           explored_(explored),
@@ -29,7 +29,7 @@ public:
             fit({}, number, known.unit, target_, for_residuals(&base.evaluation, d_.variance), base.shift);
         // Without these readings another minimum may be lower.
         const auto nearest = std::min_element(explored_.begin(), explored_.end(),
-                                              [&](const Model& a, const Model& b) { return sum(a) < sum(b); });
+                                              [&](const Explored& a, const Explored& b) { return sum(a) < sum(b); });
         if (nearest != explored_.end()) {
             keep_lower(found, fit({}, number + 1, nearest->unit, target_, below(found), base.shift));
         }
@@ -90,7 +90,7 @@ private:
         found->residuals = std::move(residuals);
         return found;
     }
-    double sum(const Model& point) const { return counted_sum(point.residuals, target_); }
+    double sum(const Explored& point) const { return counted_sum(point.residuals, target_); }
     std::optional<Model> fit(const Members& members, int number, const std::vector<double>& start, const Target& target,
                              FitSettings settings, const Shift& shift) const {
         settings.on_coarse = &shift;
@@ -99,7 +99,7 @@ private:
 
     const DiagnosisTask& task_;
     const Diagnosis& d_;
-    const std::vector<Model>& explored_;
+    const std::vector<Explored>& explored_;
     const OnCoarse& extended_;
     Target target_;
 };
@@ -107,7 +107,7 @@ private:
 } // namespace
 
 std::optional<HeldOut> predict_left_out(const DiagnosisTask& task, const Diagnosis& d,
-                                        const std::vector<Model>& explored, const std::vector<Fold>& folds,
+                                        const std::vector<Explored>& explored, const std::vector<Fold>& folds,
                                         int number) {
     std::set<std::size_t> wrong;
     for (const std::size_t c : d.extended->model.members) {

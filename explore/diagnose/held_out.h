@@ -5,11 +5,17 @@
 
 namespace explore::diagnose {
 
+// A point of the baseline's sample.
+struct Explored {
+    std::vector<double> unit;
+    Eigen::VectorXd residuals; // on the coarse mesh
+};
+
 // Every fold is left out once and predicted by the baseline and by the extended model of the diagnosis, both fitted to
-// the rest from points that know nothing of the fold. explored: points of the baseline's sample, with residuals. A
-// reading that an effect declares wrong is nobody's to predict. number: of the first evaluation that is kept; 10 a
-// fold. Nothing: no reading is left to predict, or interrupted.
+// the rest from points that know nothing of the fold. A reading that an effect declares wrong is nobody's to predict.
+// number: of the first evaluation that is kept; 10 a fold. Nothing: no reading is left to predict, or interrupted.
 std::optional<HeldOut> predict_left_out(const DiagnosisTask& task, const Diagnosis& d,
-                                        const std::vector<Model>& explored, const std::vector<Fold>& folds, int number);
+                                        const std::vector<Explored>& explored, const std::vector<Fold>& folds,
+                                        int number);
 
 } // namespace explore::diagnose

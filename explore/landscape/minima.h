@@ -35,11 +35,11 @@ struct Confirmation {
 struct Minimum {
     problem::Evaluation evaluation; // of the best member, with jacobian
     std::vector<double> unit;       // its unit coordinates
-    std::vector<int> members;       // numbers of the starts that ended here, best first
-    std::vector<BoundMet> on_bound;
-    std::vector<double> lowest, highest;  // of each parameter over the members, physical
-    bool converged = false;               // the search of the best member met a tolerance
-    std::optional<Confirmation> second{}; // nothing: no second method was asked
+    std::vector<int> members{};     // numbers of the starts that ended here, best first
+    std::vector<BoundMet> on_bound{};
+    std::vector<double> lowest{}, highest{}; // of each parameter over the members, physical
+    bool converged = false;                  // the search of the best member met a tolerance
+    std::optional<Confirmation> second{};    // nothing: no second method was asked
     // Where the readings lead from here by themselves, with jacobian (landscape/readings_alone.h); nothing: neither a
     // prior nor a constraint holds the answer.
     std::optional<problem::Evaluation> alone{};

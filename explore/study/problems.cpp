@@ -56,7 +56,7 @@ problem::Problem problem_of(const Study& study, const std::vector<bool>& loads, 
         throw pave::Error({.file = study.file, .key = "parameters"}, "this command needs parameters to change", {},
                           "at least one [[parameters]]");
     }
-    if (study.space.dimension() > most_parameters) {
+    if (study.space.axes.size() > most_parameters) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "too many parameters",
                           fmt::format("{}", study.space.dimension()), fmt::format("at most {}", most_parameters));
     }

@@ -75,7 +75,8 @@ Layer read_layer(const toml::table& table, const std::string& file, std::optiona
 
 void read_output(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[[outputs]]");
-    data::Reading output{.output = reader.text(keys::output_name)};
+    data::Reading output;
+    output.output = reader.text(keys::output_name);
     reader.rename("output \"" + output.output + "\"");
     Sensor sensor;
     output.load = reader.text(keys::output_load);
@@ -430,8 +431,8 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
     read_prior_correlations(reader.tables("prior_correlations"), study);
     for (const auto* constraint : reader.tables("constraints")) {
         TableReader r(*constraint, file, "[[constraints]]");
-        const std::string text = r.text(keys::constraint_that);
-        study.constraints.push_back(read_constraint(study, text, r.place(keys::constraint_that)));
+        const std::string that = r.text(keys::constraint_that);
+        study.constraints.push_back(read_constraint(study, that, r.place(keys::constraint_that)));
         r.done();
     }
     reader.done();
