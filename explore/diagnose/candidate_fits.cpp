@@ -53,23 +53,30 @@ double CandidateFits::worth_confirming(double worth) const {
     return worth + error * variance_;
 }
 
-std::optional<Model> CandidateFits::blindly(const Model& base, const Screening& screening, std::size_t candidate,
-                                            int number, double worth) const {
+std::optional<Model> CandidateFits::from_all_sides(const Model& base, const Screened& screened, std::size_t candidate,
+                                                   int number, std::optional<Model> found, double worth,
+                                                   bool is_proposal) const {
     const Members members = with_member(base.members, candidate);
     const std::size_t at = size_index(bench_, members, candidate);
     const Candidate& added = candidates_[candidate];
     constexpr double large = 0.6; // of the way to the end of the range
-    std::optional<Model> best;
     int start = number;
     for (const double size : {added.typical, 2.0 * added.null - added.typical, added.null + large * (1.0 - added.null),
                               (1.0 - large) * added.null}) {
         if (size > 0.0 && size < 1.0 && std::abs(size - added.null) > 1e-3) {
-            keep_lower(best, lower(members, start, with_size(base.unit, at, size), screening.items[candidate].shift,
-                                   best, worth_confirming(worth), true));
+            keep_lower(found, lower(members, start, with_size(base.unit, at, size), screened.shift, found, worth,
+                                    is_proposal));
         }
         ++start;
     }
-    return confirm(best, number, worth);
+    return found;
+}
+
+std::optional<Model> CandidateFits::blindly(const Model& base, const Screening& screening, std::size_t candidate,
+                                            int number, double worth) const {
+    return confirm(
+        from_all_sides(base, screening.items[candidate], candidate, number, {}, worth_confirming(worth), true), number,
+        worth);
 }
 
 } // namespace explore::diagnose

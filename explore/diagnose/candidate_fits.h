@@ -27,8 +27,11 @@ public:
     std::optional<Model> confirm(const std::optional<Model>& found, int number, double worth = INFINITY) const;
     // What a fit on the coarse mesh has to get below for it to be worth that on the study's own: it errs by less.
     double worth_confirming(double worth) const;
-    // On both, base with one candidate more, whatever the screening says of it: from a typical size on both sides of
-    // none, and from large ones.
+    // On the coarse mesh, base with one candidate more, whatever the screening says of it: from a typical size on both
+    // sides of none, and from large ones; the lowest of them and of what was found before.
+    std::optional<Model> from_all_sides(const Model& base, const Screened& screened, std::size_t candidate, int number,
+                                        std::optional<Model> found, double worth, bool is_proposal) const;
+    // That and then on the study's own.
     std::optional<Model> blindly(const Model& base, const Screening& screening, std::size_t candidate, int number,
                                  double worth) const;
 

@@ -350,9 +350,15 @@ private:
         const Model* other = minima_.size() > 1 ? &minima_[1] : nullptr;
         run::Progress progress("fits", 2 * static_cast<std::int64_t>(chosen.size()));
         run::for_each_index(arena_, chosen.size(), [&](std::size_t i) {
-            models[i] =
-                fits_.added(d_.baseline.model, other, d_.screening.items[chosen[i]], chosen[i], fit_number, INFINITY,
-                            false); // some stay
+            const Model& base = d_.baseline.model;
+            const Screened& screened = d_.screening.items[chosen[i]];
+            models[i] = fits_.added(base, other, screened, chosen[i], fit_number, INFINITY, false); // some stay
+            constexpr double reached = 4.0;                                                         // chi2
+            const bool is_reached = models[i] && models[i]->sum < screened.predicted + reached * d_.variance;
+            if (all && !is_reached && !task_.candidates[chosen[i]].reading) {
+                models[i] = fits_.from_all_sides(base, screened, chosen[i], blind_number, std::move(models[i]),
+                                                 INFINITY, false);
+            }
             progress.add(1, true);
         });
         double lowest = d_.baseline.model.sum;

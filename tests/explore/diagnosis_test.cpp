@@ -195,6 +195,61 @@ TEST(Screening, ScoreIsTheRootOfWhatAFitGains) {
     }
 }
 
+// An effect that changes v by g(z) = z's cubic with its only root at -0.67 and a hollow at 0.27, between which |g| has
+// a ridge at -0.32: from none (z = 0) searches and slopes lead into the hollow.
+TEST(Diagnosis, LooksOnBothSidesOfAnEffectWhereReadingsAreFew) {
+    constexpr Index few = 12;
+    const VectorXd along = VectorXd::Constant(few, 10.0);
+    VectorXd v(few);
+    for (Index i = 0; i < few; ++i) {
+        v[i] = (i % 2 == 0 ? 1.0 : -1.0) / std::sqrt(static_cast<double>(few)); // along none of the parameter
+    }
+    const pave::RandomStream random(7, 0);
+    const VectorXd noise =
+        VectorXd::NullaryExpr(few, [&](Index i) { return random.normal(static_cast<std::uint64_t>(i)); });
+    const VectorXd data = 0.4 * along + noise;
+    diagnose::Workbench bench(
+        {.problem = [&](const Members& members, diagnose::Mesh) -> problem::Problem {
+             problem::ParameterSpace space;
+             space.axes.push_back({"p", 0.0, 1.0});
+             if (!members.empty()) {
+                 space.axes.push_back({"size", -1.0, 1.0});
+             }
+             std::vector<problem::Misfit::Term> terms;
+             for (Index i = 0; i < few; ++i) {
+                 terms.push_back({static_cast<std::size_t>(i), data[i], 1.0, 1.0, {.absolute = 1.0}});
+             }
+             const bool has_effect = !members.empty();
+             test::Formula formula([=](const VectorXd& x, VectorXd& responses, MatrixXd& jacobian) {
+                 const double z = has_effect ? x[1] : 0.0;
+                 const double hollow = (z - 0.3) * (z - 0.3) + 0.05;
+                 responses = x[0] * along + 200.0 * (z + 0.67) * hollow * v;
+                 jacobian.resize(few, x.size());
+                 jacobian.col(0) = along;
+                 if (has_effect) {
+                     jacobian.col(1) = 200.0 * (hollow + 2.0 * (z + 0.67) * (z - 0.3)) * v;
+                 }
+             });
+             return {
+                 space, std::make_shared<test::Formula>(std::move(formula)), {problem::MisfitKind::weighted, terms}};
+         },
+         .run = [](const Members&, diagnose::Mesh) { return 0; },
+         .store = nullptr,
+         .threads = 0});
+    const diagnose::DiagnosisTask task{
+        .bench = bench,
+        .candidates = {{.effect = "e", .on = "", .null = 0.5, .typical = 0.55, .reading = {}, .layer = ""}},
+        .groups = {},
+        .places = {},
+        .loads = {}};
+    const auto d = diagnose::diagnose(task, {.explore = 8, .starts = 1, .bootstrap = 5});
+    ASSERT_TRUE(d.has_value());
+    EXPECT_GT(d->baseline.chi2, 300.0); // (200 * 0.67 * 0.14)^2 = 352 and noise
+    ASSERT_TRUE(d->effects[0].fit.has_value());
+    EXPECT_LT(d->effects[0].fit->chi2, 30.0); // in the hollow (200 * 0.943 * 0.0507)^2 = 91 more
+    EXPECT_NEAR(d->effects[0].size.value, -0.67, 0.05);
+}
+
 TEST(Diagnosis, FindsWhatIsHiddenInLinearModels) {
     constexpr int trials = 60;
     constexpr Index candidates = 12;
