@@ -32,15 +32,16 @@ std::optional<Model> CandidateFits::added(const Model& base, const Model* other,
         starts.push_back(with_size(other->unit, at, candidates_[candidate].typical));
     }
     std::optional<Model> best;
-    constexpr double reached = 4.0; // chi2
-    for (std::size_t s = 0; s < starts.size(); ++s) {
-        if (best && best->sum < screened.predicted + reached * variance_) {
-            break;
-        }
+    for (std::size_t s = 0; s < starts.size() && !reaches(best, screened); ++s) {
         keep_lower(best,
                    lower(members, number + static_cast<int>(s), starts[s], screened.shift, best, worth, is_proposal));
     }
     return best;
+}
+
+bool CandidateFits::reaches(const std::optional<Model>& found, const Screened& screened) const {
+    constexpr double near = 4.0; // chi2
+    return found && found->sum < screened.predicted + near * variance_;
 }
 
 std::optional<Model> CandidateFits::confirm(const std::optional<Model>& found, int number, double worth) const {

@@ -23,6 +23,8 @@ public:
     // low as predicted. other: a further minimum of the base, or nullptr.
     std::optional<Model> added(const Model& base, const Model* other, const Screened& screened, std::size_t candidate,
                                int number, double worth, bool is_proposal) const;
+    // Whether a fit gets about as low as the screening promises.
+    bool reaches(const std::optional<Model>& found, const Screened& screened) const;
     // What was found on the coarse mesh, on the study's own.
     std::optional<Model> confirm(const std::optional<Model>& found, int number, double worth = INFINITY) const;
     // What a fit on the coarse mesh has to get below for it to be worth that on the study's own: it errs by less.

@@ -353,9 +353,7 @@ private:
             const Model& base = d_.baseline.model;
             const Screened& screened = d_.screening.items[chosen[i]];
             models[i] = fits_.added(base, other, screened, chosen[i], fit_number, INFINITY, false); // some stay
-            constexpr double reached = 4.0;                                                         // chi2
-            const bool is_reached = models[i] && models[i]->sum < screened.predicted + reached * d_.variance;
-            if (all && !is_reached && !task_.candidates[chosen[i]].reading) {
+            if (all && !fits_.reaches(models[i], screened) && !task_.candidates[chosen[i]].reading) {
                 models[i] = fits_.from_all_sides(base, screened, chosen[i], blind_number, std::move(models[i]),
                                                  INFINITY, false);
             }
