@@ -1,5 +1,6 @@
 // The Python module: studies, their forward model and their misfit as functions of NumPy arrays, and the analyses of
 // the command line as dictionaries equal to its JSON.
+#include "pavement/forward.h"
 #include "report/compare.h"
 #include "report/diagnose.h"
 #include "report/fit.h"

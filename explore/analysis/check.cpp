@@ -12,6 +12,7 @@
 #include "landscape/uniqueness.h"
 #include "material/catalog.h"
 #include "pavement/effects/effect.h"
+#include "pavement/forward.h"
 #include "run/parallel.h"
 #include "study/laws.h"
 #include "study/variants.h"

@@ -1,6 +1,7 @@
 #include "analysis/curves.h"
 
 #include "base/units.h"
+#include "pavement/forward.h"
 #include "study/pavement_function.h"
 #include "study/readings.h"
 

@@ -3,7 +3,9 @@
 #include "base/error.h"
 #include "landscape/multistart.h"
 #include "landscape/pair_profile.h"
+#include "pavement/forward.h"
 #include "run/parallel.h"
+#include "study/reduced_function.h"
 
 #include <algorithm>
 #include <chrono>

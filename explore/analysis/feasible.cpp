@@ -57,7 +57,7 @@ void refuse_contradictions(const study::Study& study) {
         for (std::size_t i = 0; i < problem.limits.size(); ++i) {
             constexpr double slightly = 0.1;
             if (std::abs(beyond[static_cast<Eigen::Index>(i)]) > slightly) {
-                unmet.push_back("\"" + problem.limits[i]->text() + "\"");
+                unmet.push_back(fmt::format("\"{}\"", problem.limits[i]->text()));
                 line = lines[i];
             }
         }

@@ -5,6 +5,7 @@
 #include "landscape/goodness.h"
 #include "landscape/smooth.h"
 #include "study/problems.h"
+#include "study/reduced_function.h"
 
 #include <algorithm>
 #include <chrono>

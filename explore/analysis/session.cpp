@@ -7,6 +7,7 @@
 #include "run/parallel.h"
 #include "run/progress.h"
 #include "search/design.h"
+#include "study/reduced_function.h"
 
 #include <filesystem>
 #include <fmt/format.h>

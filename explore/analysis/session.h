@@ -1,8 +1,9 @@
 // A session of a run: its folder and store, the threads, the seed, and which model answers. Made once a command.
 #pragma once
 
+#include "reduced/build_settings.h"
 #include "run/engine.h"
-#include "study/reduced_function.h"
+#include "study/problems.h"
 
 namespace explore::analysis {
 

@@ -5,6 +5,7 @@
 #include "run/progress.h"
 #include "study/laws.h"
 #include "study/network.h"
+#include "study/reduced_function.h"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "pavement/forward.h"
 #include "problem/student.h"
 #include "study/readings.h"
 

@@ -1,6 +1,8 @@
 // A forward run at a study's own values as JSON and as a page of the terminal.
 #pragma once
 
+#include "base/outcome.h"
+#include "pavement/forward.h"
 #include "report/json.h"
 
 namespace explore::report {

@@ -1,4 +1,5 @@
-// A line on the terminal while long work goes on: done, rate, time left. Silent when standard error is not a terminal.
+// A line on the terminal while long work goes on: done, rate, time left. Where standard error is no terminal, a line a
+// minute.
 #pragma once
 
 #include <chrono>
@@ -27,6 +28,7 @@ public:
 
 private:
     void draw(bool last);
+    std::string figures(double seconds, bool last) const; // "3400/8000  12.3 runs/s, 2 min 05 s left"
 
     std::mutex mutex_;
     std::string what_;
@@ -36,6 +38,7 @@ private:
     std::int64_t done_ = 0;
     std::int64_t computed_ = 0;
     bool visible_;
+    bool on_terminal_;
     std::chrono::steady_clock::time_point start_;
     std::chrono::steady_clock::time_point drawn_;
 };

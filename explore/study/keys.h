@@ -2,7 +2,7 @@
 // (pavement/parameter.h, material/law.h): where it is read from, and what docs/keys.md is made of.
 #pragma once
 
-#include "fe/solver.h"
+#include "fe/settings.h"
 #include "problem/misfit.h"
 
 #include <optional>

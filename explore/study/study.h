@@ -4,7 +4,7 @@
 
 #include "data/csv.h"
 #include "data/reading.h"
-#include "pavement/forward.h"
+#include "pavement/parameter.h"
 #include "problem/misfit.h"
 #include "problem/parameter_space.h"
 

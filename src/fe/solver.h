@@ -17,6 +17,7 @@
 #include "fe/functional.h"
 #include "fe/materials.h"
 #include "fe/model.h"
+#include "fe/settings.h"
 #include "fe/sparse_solver.h"
 #include "fe/subspace.h"
 
@@ -25,17 +26,6 @@
 #include <memory>
 
 namespace pave::fe {
-
-struct SolverSettings {
-    // incremental: error of one step in stress and strain, in energy, relative to what is reached.
-    double path_tolerance = 2e-3;
-    // secant: unbalanced force relative to the load.
-    double equilibrium_tolerance = 1e-9;
-    // Error of an iterative solution of one linear system in the energy norm, relative to the solution (3D): well below
-    // what the path tolerance leaves. What adds up along a load path is brought back to equilibrium at its end.
-    double linear_tolerance = 1e-4;
-    double time_limit = std::numeric_limits<double>::infinity(); // s, of a load path: beyond it fails
-};
 
 // Rates of all that the positions of the nodes enter, when the mesh moves with one parameter.
 template <class Element>

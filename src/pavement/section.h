@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/expression.h"
-#include "fe/solver.h"
-#include "material/law.h"
+#include "fe/materials.h"
+#include "fe/settings.h"
 #include "pavement/correction.h"
 
 #include <optional>

@@ -10,26 +10,13 @@
 #include "fe/load_path.h"
 #include "pavement/load_model.h"
 #include "reduced/basis.h"
+#include "reduced/build_settings.h"
 
 #include <functional>
 #include <span>
 #include <string>
 
 namespace pave::reduced {
-
-struct BuildSettings {
-    double tolerance = 2e-3; // of readings, at the samples of the build
-    int most_runs = 280;     // of the full model, in all
-    int calibration = 90;    // of them, to learn what the estimates are worth
-    std::uint64_t seed = 1;
-};
-
-struct BuildReport {
-    int full_runs = 0;
-    int modes = 0;
-    int points = 0;
-    double error_95 = 0.0; // at the calibration samples
-};
 
 // Calls body(i) for i in [0, n), in any order or at once.
 using ForEach = std::function<void(std::size_t n, const std::function<void(std::size_t)>& body)>;

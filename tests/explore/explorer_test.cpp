@@ -2,6 +2,8 @@
 // curves against the forward model asked by hand.
 #include "analysis/explore.h"
 
+#include "pavement/forward.h"
+
 #include <cmath>
 #include <gtest/gtest.h>
 

@@ -2,6 +2,7 @@
 // A plane case and a solid one; five derivatives: of four numbers of the base and the modulus of the subgrade. And a
 // bowl of four linear layers by the layered engine, with the derivatives by its four moduli.
 // usage: benchmarks [OPTIONS OF GOOGLE BENCHMARK], from the top of the repository
+#include "pavement/forward.h"
 #include "run/blas.h"
 #include "study/problems.h"
 

@@ -3,6 +3,7 @@
 // turn. usage: pulse [RUNS], from the top of the repository
 #include "base/random.h"
 #include "material/catalog.h"
+#include "pavement/forward.h"
 #include "reduced/reduced_load.h"
 #include "study/problems.h"
 

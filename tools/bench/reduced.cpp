@@ -1,6 +1,7 @@
 // The reduced model against the full one, on points of a study's box that it was not built from.
 // usage: reduced STUDY [POINTS [REFINE [LOAD]]]        LOAD: only what is read under that load
 // Builds and compares on all cores; times are of the first points, one at a time.
+#include "pavement/forward.h"
 #include "reduced/reduced_load.h"
 #include "search/design.h"
 #include "study/pavement_function.h"

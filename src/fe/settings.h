@@ -1,0 +1,19 @@
+// How exactly the solvers work.
+#pragma once
+
+#include <limits>
+
+namespace pave::fe {
+
+struct SolverSettings {
+    // incremental: error of one step in stress and strain, in energy, relative to what is reached.
+    double path_tolerance = 2e-3;
+    // secant: unbalanced force relative to the load.
+    double equilibrium_tolerance = 1e-9;
+    // Error of an iterative solution of one linear system in the energy norm, relative to the solution (3D): well below
+    // what the path tolerance leaves. What adds up along a load path is brought back to equilibrium at its end.
+    double linear_tolerance = 1e-4;
+    double time_limit = std::numeric_limits<double>::infinity(); // s, of a load path: beyond it fails
+};
+
+} // namespace pave::fe
