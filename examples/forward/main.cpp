@@ -1,6 +1,5 @@
 // The responses of a study from another program: forward_example STUDY
 #include <cstdio>
-#include <pavement/forward.h>
 #include <study/study.h>
 
 int main(int, char** argv) {

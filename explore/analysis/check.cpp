@@ -29,7 +29,7 @@ double processor_seconds() {
 }
 
 // Seconds of a run at the study's own values.
-struct Timing {
+struct RunTimes {
     double forward = 0.0;
     double with_derivatives = 0.0; // 0: nothing to differentiate by
     double fitted_forward = 0.0;   // of the loads that are fitted
@@ -65,7 +65,7 @@ pave::Outcome<double> seconds_of(const pave::pavement::ForwardModel& model,
 
 // Linear layers cost nothing beside the effects, by finite elements, that diagnose adds to them: the mean over variants
 // at the sizes seen in practice, as many as two seconds allow and one at least.
-void measure_variants(const study::Study& diagnosed, const std::vector<bool>& fitted, Timing& timing) {
+void measure_variants(const study::Study& diagnosed, const std::vector<bool>& fitted, RunTimes& timing) {
     double forward = 0.0;
     double with_derivatives = 0.0;
     int count = 0;
@@ -92,7 +92,7 @@ void measure_variants(const study::Study& diagnosed, const std::vector<bool>& fi
     }
 }
 
-pave::Outcome<Timing> measure(const study::Study& study) {
+pave::Outcome<RunTimes> measure(const study::Study& study) {
     std::optional<pave::Failure> failure;
     const auto seconds = [&](const pave::pavement::ForwardModel& model,
                              const std::vector<pave::pavement::Parameter>& parameters) {
@@ -103,7 +103,7 @@ pave::Outcome<Timing> measure(const study::Study& study) {
         return found ? *found : 0.0;
     };
     const pave::pavement::ForwardModel model(study.model);
-    Timing timing;
+    RunTimes timing;
     timing.forward = seconds(model, {});
     if (!study.parameters.empty()) {
         timing.with_derivatives = seconds(model, study.parameters);
@@ -130,7 +130,27 @@ pave::Outcome<Timing> measure(const study::Study& study) {
     return timing;
 }
 
-std::vector<Estimate> estimates(const study::Study& study, const Timing& timing, int threads) {
+RunTimes foreseen(const study::Study& study) {
+    using pave::pavement::ForwardModel;
+    const auto times_of = [](const study::Study& s, const std::vector<bool>& loads, double& plain,
+                             double& differentiated) {
+        const ForwardModel::Cost cost = ForwardModel(s.model, loads).cost();
+        plain = cost.seconds;
+        differentiated = cost.seconds + cost.derivative * static_cast<double>(s.parameters.size());
+    };
+    RunTimes timing;
+    times_of(study, {}, timing.forward, timing.with_derivatives);
+    if (!study.parameters.empty()) {
+        const std::vector<bool> fitted = study::fitted_loads(study);
+        times_of(study, fitted, timing.fitted_forward, timing.fitted_with_derivatives);
+        study::Study diagnosed = on_coarser_mesh(as_diagnosed(study));
+        diagnosed.model.settings.layered = false; // effects are added to finite elements
+        times_of(diagnosed, fitted, timing.diagnosed_forward, timing.diagnosed_with_derivatives);
+    }
+    return timing;
+}
+
+std::vector<Estimate> estimates(const study::Study& study, const RunTimes& timing, int threads) {
     std::vector<Estimate> list{{"forward", "1", timing.forward}};
     if (study.parameters.empty()) {
         return list;
@@ -144,29 +164,24 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
     const bool is_grid = grid > 0 && grid <= search::most_grid_points;
     const auto points = static_cast<double>(is_grid ? grid : map_points);
     list.push_back({grid > 0 && !is_grid ? "map --design sobol" : "map",
-                    fmt::format("{:.0f}{}", points,
-                                is_grid    ? ", the full grid"
-                                : grid > 0 ? ", a Sobol sample: the full grid has too many points"
-                                           : ", a Sobol sample"),
-                    shared(points * timing.forward)});
+                    fmt::format("{:.0f}{}", points, is_grid ? " (full grid)" : ""), shared(points * timing.forward)});
     // What the searches and walks below take was counted on studies of two to five parameters; it varies twofold.
     constexpr int steps = 15; // of a search, on a deflection bowl
     const double with = timing.fitted_with_derivatives;
     const int starts = landscape::MultistartSettings{}.starts;
-    list.push_back({"fit", fmt::format("{}, then {} searches of some {} with derivatives", fit_points, starts, steps),
+    list.push_back({"fit", fmt::format("{}, then {} with derivatives", fit_points, starts * steps),
                     shared(fit_points * timing.fitted_forward + starts * steps * with)});
     const auto count = static_cast<int>(study.space.axes.size());
     const landscape::UniquenessSettings settings;
     const int searches = settings.verify + 2 * count;
     constexpr int walk = 30; // runs from the best fit to one end of a range
-    const std::size_t ranges = study.space.axes.size() + study.outputs().size();
     const auto outputs = static_cast<int>(study.outputs().size());
     const double unique =
         (settings.explore + steps * searches + 2 * walk * count) * with + 2 * walk * outputs * timing.with_derivatives;
-    list.push_back({"unique",
-                    fmt::format("{} and {} searches with derivatives, then some {} a range of {}", settings.explore,
-                                searches, 2 * walk, pave::counted(ranges, "quantity", "quantities")),
-                    shared(unique)});
+    list.push_back(
+        {"unique",
+         fmt::format("{} with derivatives", settings.explore + steps * searches + 2 * walk * (count + outputs)),
+         shared(unique)});
     const auto candidates = static_cast<int>(study::variants(as_diagnosed(study), {}).size());
     constexpr int screening = 5; // runs of a variant
     constexpr int fitted = 30;   // variants at most, where there are many readings
@@ -175,24 +190,21 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
     constexpr int own = 60; // with derivatives, on the study's own mesh
     list.push_back(
         {"diagnose",
-         fmt::format("{} variants of effects and {} fits on a coarse mesh, where the model is not adequate as many as "
-                     "{} runs more, and {} with derivatives on the study's own",
-                     candidates, std::min(candidates, fitted), further, own),
+         fmt::format("{} coarse, {} with derivatives", screening * candidates,
+                     further + single * std::min(candidates, fitted) + own),
          shared(screening * candidates * timing.diagnosed_forward + further * timing.diagnosed_with_derivatives +
                 single * std::min(candidates, fitted) * timing.diagnosed_with_derivatives + own * with)});
     const SensitivityOptions sensitivity;
     const int runs = sensitivity.samples * (count + 2) + sensitivity.points * count;
-    list.push_back(
-        {"sensitivity", fmt::format("{}, a sample of the box and curves", runs), shared(runs * timing.forward)});
+    list.push_back({"sensitivity", fmt::format("{}", runs), shared(runs * timing.forward)});
     if (study::stress_dependent_layers(study).size() == 1) {
         const std::size_t laws = pave::material::laws().size();
-        list.push_back({"compare", fmt::format("what unique takes, for each of {} laws", laws),
-                        shared(static_cast<double>(laws) * unique)});
+        list.push_back(
+            {"compare", fmt::format("{} times those of unique", laws), shared(static_cast<double>(laws) * unique)});
     }
     if (study.model.loads.size() == 1 && study.model.loads[0].type == pave::pavement::LoadType::plate) {
         constexpr int station_starts = 4;
-        list.push_back({"survey, a station of one drop",
-                        fmt::format("{} searches of some {} with derivatives", station_starts, steps),
+        list.push_back({"survey, a station of one drop", fmt::format("{} with derivatives", station_starts * steps),
                         shared(station_starts * steps * with)});
     }
     return list;
@@ -200,11 +212,14 @@ std::vector<Estimate> estimates(const study::Study& study, const Timing& timing,
 
 } // namespace
 
-pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int threads) {
+pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int threads, Timing by) {
     if (!study.parameters.empty() && !study.groups_fitted().empty()) {
         study::make_problem(study);
         refuse_contradictions(study);
         study::make_noise_problem(study, study::Scope::fitted);
+    }
+    if (by == Timing::sizes) {
+        return estimates(study, foreseen(study), threads);
     }
     const auto timing = measure(study);
     if (!timing) {

@@ -1,7 +1,6 @@
 // What would run on a study, and for how long.
 #pragma once
 
-#include "base/outcome.h"
 #include "study/problems.h"
 
 namespace explore::analysis {
@@ -9,13 +8,19 @@ namespace explore::analysis {
 // What a command takes.
 struct Estimate {
     std::string command;
-    std::string runs; // in words
+    std::string runs; // "256, then 120 with derivatives"
     double seconds = 0.0;
 };
 
-// From runs made now at the study's own values, for so many threads. Failure: no answer there. Throws pave::Error for
-// what every command that fits would complain of.
-pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int threads);
+// What a run is told to take by.
+enum class Timing {
+    sizes, // of the meshes: at once, within a factor of a few
+    runs   // made now at the study's own values
+};
+
+// For so many threads. Failure: runs were made, and there is no answer. Throws pave::Error for what every command that
+// fits would complain of.
+pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int threads, Timing timing);
 
 // What is said of readings that no pavement has: a deflection above 20 mm or as far upwards as 2 mm, a strain above 5
 // %, a stress above 10 MPa.

@@ -3,7 +3,7 @@
 
 #include "reduced/build_settings.h"
 #include "run/engine.h"
-#include "study/problems.h"
+#include "study/study.h"
 
 namespace explore::analysis {
 

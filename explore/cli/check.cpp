@@ -36,7 +36,13 @@ void print_study(const study::Study& study) {
     fmt::print("  {}\n", counted(study.outputs().size(), "output", "outputs"));
 }
 
-int check_study(const CommonOptions& options) {
+struct Options {
+    CommonOptions common;
+    bool time = false; // by runs
+};
+
+int check_study(const Options& chosen) {
+    const CommonOptions& options = chosen.common;
     const study::Study study = study::load_study(options.study);
     const int threads = run::usable_threads(options.threads);
     // Said before it is known whether the study is sound: not on standard output.
@@ -46,10 +52,12 @@ int check_study(const CommonOptions& options) {
     }
     const auto cost = analysis::affordable_cost(study, threads);
     if (cost.memory > 0.0) {
-        fmt::print(stderr, "it asks for some {:.1f} GB a thread and {} a run; runs are timed ...\n", cost.memory / giga,
-                   run::duration_words(cost.seconds));
+        fmt::print(stderr, "it asks for some {:.1f} GB a thread and {} a run{}\n", cost.memory / giga,
+                   run::duration_words(cost.seconds), chosen.time ? "; runs are timed ..." : "");
+    } else if (chosen.time) {
+        fmt::print(stderr, "runs are timed ...\n");
     }
-    const auto list = analysis::check(study, threads);
+    const auto list = analysis::check(study, threads, chosen.time ? analysis::Timing::runs : analysis::Timing::sizes);
     if (!list) {
         return hand_over_failure(options,
                                  {{"status", std::string(to_string(list.status()))}, {"reason", list.failure().reason}},
@@ -66,7 +74,7 @@ int check_study(const CommonOptions& options) {
             groups.push_back({{"group", group.name}, {"readings", group.rows.size()}, {"held_out", group.held_out}});
         }
         fmt::print("{}\n",
-                   report::json_text({{"status", "converged"},
+                   report::json_text({{"status", chosen.time ? "converged" : "read"},
                                       {"readings", study.measured().size()},
                                       {"groups", groups},
                                       {"parameters", study.parameters.size()},
@@ -74,6 +82,7 @@ int check_study(const CommonOptions& options) {
                                       {"doubtful", analysis::doubtful_readings(study)},
                                       {"noise_keys", analysis::noise_key_words(study)},
                                       {"threads", threads},
+                                      {"timed", chosen.time},
                                       {"estimate", {{"memory_GB", cost.memory / giga}, {"seconds", cost.seconds}}},
                                       {"commands", commands}}));
         return done;
@@ -85,8 +94,9 @@ int check_study(const CommonOptions& options) {
     if (const std::string words = analysis::noise_key_words(study); !words.empty()) {
         fmt::print("  {}\n", words);
     }
-    fmt::print("\n  Time on {}, from runs made just now at the study's own values\n",
-               counted(static_cast<std::size_t>(threads), "thread", "threads"));
+    fmt::print("\n  Time on {}, {}\n", counted(static_cast<std::size_t>(threads), "thread", "threads"),
+               chosen.time ? "from runs made just now at the study's own values"
+                           : "estimated from sizes alone (--time runs the model)");
     report::Table table({"command", "runs", "time"});
     for (const analysis::Estimate& e : *list) {
         table.add({e.command, e.runs,
@@ -99,12 +109,15 @@ int check_study(const CommonOptions& options) {
 } // namespace
 
 void add_check(CLI::App& app, Action& action) {
-    auto* command = app.add_subcommand("check", "checks a whole study: what would run, and for how long");
-    auto options = std::make_shared<CommonOptions>();
-    command->add_option("STUDY", options->study, "study file (TOML)")->required();
-    command->add_option("--threads", options->threads, "number of threads that the times are for (default: one a core)")
+    auto* command = app.add_subcommand("check", "checks a whole study, and says what each command would take");
+    auto options = std::make_shared<Options>();
+    command->add_option("STUDY", options->common.study, "study file (TOML)")->required();
+    command
+        ->add_option("--threads", options->common.threads,
+                     "number of threads that the times are for (default: one a core)")
         ->check(CLI::Range(1, 4096));
-    command->add_flag("--json", options->json, "print one JSON object and nothing else");
+    command->add_flag("--time", options->time, "run the model at the study's own values to time it");
+    command->add_flag("--json", options->common.json, "print one JSON object and nothing else");
     command->footer("Example: pavescape check grids/captif-p1-fwd.toml");
     command->callback([=, &action] { action = [=] { return check_study(*options); }; });
 }

@@ -6,12 +6,12 @@
 namespace explore::cli {
 namespace {
 
-struct CompareArguments {
+struct Options {
     CommonOptions common;
     analysis::CompareOptions compare;
 };
 
-int compare(const CompareArguments& options) {
+int compare(const Options& options) {
     const study::Study study = study::load_study(options.common.study);
     analysis::Session session(options.common.run(study));
     const auto result = analysis::compare(session, study, options.compare);
@@ -31,7 +31,7 @@ int compare(const CompareArguments& options) {
 void add_compare(CLI::App& app, Action& action) {
     auto* command =
         app.add_subcommand("compare", "the same data, another law in the same layer: which do they prefer?");
-    auto options = std::make_shared<CompareArguments>();
+    auto options = std::make_shared<Options>();
     add_common(*command, options->common);
     command->add_option("--layer", options->compare.layer,
                         "the layer in question (default: the one whose law depends on stress)");

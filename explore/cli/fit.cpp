@@ -5,12 +5,12 @@
 namespace explore::cli {
 namespace {
 
-struct FitArguments {
+struct Options {
     CommonOptions common;
     analysis::FitOptions fit;
 };
 
-int fit(const FitArguments& options) {
+int fit(const Options& options) {
     const study::Study study = study::load_study(options.common.study);
     analysis::Session session(options.common.run(study));
     const auto result = analysis::fit(session, study, options.fit);
@@ -29,7 +29,7 @@ int fit(const FitArguments& options) {
 
 void add_fit(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("fit", "explore, then refine the best starts: the main job");
-    auto options = std::make_shared<FitArguments>();
+    auto options = std::make_shared<Options>();
     add_common(*command, options->common);
     add_model(*command, options->fit.model);
     std::vector<std::string> names;

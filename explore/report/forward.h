@@ -1,7 +1,6 @@
 // A forward run at a study's own values as JSON and as a page of the terminal.
 #pragma once
 
-#include "base/outcome.h"
 #include "pavement/forward.h"
 #include "report/json.h"
 

@@ -5,7 +5,6 @@
 #include "data/fwd.h"
 #include "material/catalog.h"
 #include "pavement/effects/catalog.h"
-#include "pavement/forward.h"
 #include "pavement/tie.h"
 #include "study/constraints.h"
 #include "study/corrections.h"

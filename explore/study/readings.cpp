@@ -3,7 +3,6 @@
 #include "base/units.h"
 #include "data/hash.h"
 #include "data/history.h"
-#include "pavement/forward.h"
 
 #include <algorithm>
 #include <cmath>

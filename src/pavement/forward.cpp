@@ -200,13 +200,27 @@ ForwardModel::Cost ForwardModel::cost() const {
     Cost cost;
     std::set<const void*> counted;
     for (std::size_t l = 0; l < models_.size(); ++l) {
-        if (models_[l] && !nominal_.loads[l].is_axisymmetric()) {
-            if (counted.insert(models_[l]->shared_model()).second) {
-                cost.memory += solid_memory(models_[l]->unknowns());
-            }
-            const auto steps = nominal_.loads[l].is_pulse() ? steps_of(nominal_, static_cast<int>(l)) : 0;
-            cost.seconds += solid_seconds(models_[l]->unknowns(), steps);
+        if (!models_[l]) {
+            continue;
         }
+        const int unknowns = models_[l]->unknowns();
+        const auto steps = nominal_.loads[l].is_pulse() ? steps_of(nominal_, static_cast<int>(l)) : 0;
+        double seconds = layered_seconds;
+        double share = 1.0; // of a derivative
+        if (!nominal_.loads[l].is_axisymmetric()) {
+            if (counted.insert(models_[l]->shared_model()).second) {
+                cost.memory += solid_memory(unknowns);
+            }
+            seconds = solid_seconds(unknowns, steps);
+            share = solid_derivative;
+        } else if (unknowns > 0) {
+            const std::vector<bool> linear = linear_layers(nominal_);
+            seconds = axisymmetric_seconds(
+                unknowns, std::all_of(linear.begin(), linear.end(), [](bool is_linear) { return is_linear; }), steps);
+            share = axisymmetric_derivative;
+        }
+        cost.seconds += seconds;
+        cost.derivative += share * seconds;
     }
     return cost;
 }

@@ -55,12 +55,12 @@ public:
     const Case& nominal() const { return nominal_; }
     // Unknowns of the finite element model of each load, 0 where nothing is read.
     std::vector<int> unknowns() const;
-    // What a workspace holds once every load was run [bytes], and a run takes [s]: estimates from the unknowns. Of the
-    // three-dimensional models, whose factors grow as their number to the power 4/3 (nested dissection, George 1973),
-    // by constants measured on sections under dual wheels; all else is small beside them.
+    // What a run takes, from the sizes of its meshes; a machine may differ from these estimates by a factor of two.
     struct Cost {
-        double memory = 0.0;
+        double memory = 0.0; // bytes of a workspace once every load was run, of three-dimensional models: all else is
+                             // small beside them
         double seconds = 0.0;
+        double derivative = 0.0; // s, what each derivative adds
     };
     Cost cost() const;
 

@@ -1,6 +1,6 @@
 """Blind trials of `pavescape diagnose`: a generator hides effects in data, the program looks for them, this script judges.
 
-usage: trials.py PROGRAM GENERATOR [--one N] [--none N] [--two N] [--removed N] [--power N] [--outside N] [--first SEED] [--jobs J]
+usage: trials.py --program PROGRAM --generator GENERATOR [--one N] [--none N] [--two N] [--removed N] [--power N] [--outside N] [--first SEED] [--jobs J]
                  [--out FOLDER] [--keep] [--page DOCS] [--correlated [--independent]]
 
 one:     an effect of 8 to 20 standard deviations; none: nothing hidden; two: two effects at once; removed: as `one`, but
@@ -19,7 +19,7 @@ import subprocess
 import sys
 import time
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "shared"))
 from svg import svg
 
 KINDS = ("one", "none", "two", "removed", "power", "outside")
@@ -253,8 +253,8 @@ def write_page(docs, results):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
-    parser.add_argument("generator")
+    parser.add_argument("--program", required=True)
+    parser.add_argument("--generator", required=True)
     for kind in KINDS:
         parser.add_argument(f"--{kind}", type=int, default=0)
     parser.add_argument("--first", type=int, default=1)

@@ -1,30 +1,54 @@
-"""Blind trials of `pavescape diagnose` on a fixed subset: cases whose truth only the judge reads (tests/blind).
-
-python3 tests/program/blind_test.py PROGRAM GENERATOR [COUNT of each kind, else six cases]
-"""
+"""`pavescape diagnose` on data in which a generator has hidden something (tests/blind): only the judge reads what. --count: cases of each kind for the rates."""
 import argparse
-import pathlib
 import sys
-import tempfile
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "blind"))
-import trials
+import pytest
 
+from support import *
+
+sys.path.insert(0, str(ROOT / "tests" / "blind"))
+import trials  # noqa: E402
+
+GENERATOR = BUILD / "tests" / "blind_generator"
 FIRST = 1001
-counts = dict(one=3, none=1, two=1, removed=1)
-if len(sys.argv) > 3:
-    counts = dict.fromkeys(counts, int(sys.argv[3]))
-with tempfile.TemporaryDirectory(prefix="pavescape-blind-") as out:
-    results = trials.run_all(argparse.Namespace(program=sys.argv[1], generator=sys.argv[2], **counts, power=0, outside=0, correlated=False, independent=False, first=FIRST, jobs=2,
-                                                out=out, keep=False))
-failed = False
-for r in results:
-    if r["verdict"] == "failed":
-        print(f"{r['kind']} {r['seed']}: {r['error']}")
-        failed = True
-# Of so few, one may go wrong by chance, and of the two pairs one.
-for name, (count, total) in trials.rates(results).items():
-    wrong = count if name == "wrong name alone" else total - count
-    print(f"{name}: {trials.share(count, total)}")
-    failed = failed or wrong > 1
-sys.exit(1 if failed else 0)
+folder = workspace()
+
+
+def options(**counts):
+    nothing = dict.fromkeys(trials.KINDS, 0)
+    return argparse.Namespace(program=PROGRAM, generator=GENERATOR, **nothing | counts, correlated=False, independent=False, first=FIRST, jobs=2, out=folder,
+                              keep=False)
+
+
+def judged(kind, seed):
+    result = trials.trial(options(), kind, seed)
+    assert result["verdict"] != "failed", result["error"]
+    print(f"{kind} {seed}: hidden {result['names'] or 'nothing'}: {result['verdict']} {result['causes']}")
+    return result
+
+
+@pytest.mark.parametrize("seed", (FIRST, FIRST + 1))
+def test_a_hidden_effect_is_found(seed):
+    found = judged("one", seed)
+    assert found["names"][0] in found["causes"], f"{found['names']} is hidden: {found['verdict']} {found['causes']}"
+
+
+def test_nothing_hidden_is_adequate():
+    assert judged("none", FIRST)["verdict"] == "adequate"
+
+
+def test_an_effect_outside_the_catalogue_is_taken_for_no_other():
+    found = judged("removed", FIRST)
+    assert found["verdict"] != "cause-named", f"{found['names']} is out of the catalogue: {found['causes']}"
+
+
+@pytest.mark.long
+def test_rates():
+    counts = dict.fromkeys(("one", "none", "two", "removed"), COUNT) if COUNT else dict(one=3, none=1, two=1, removed=1)
+    results = trials.run_all(options(**counts))
+    assert not any(r["verdict"] == "failed" for r in results), [r["error"] for r in results if r["verdict"] == "failed"]
+    # Of so few, one may go wrong by chance, and of the two pairs one.
+    for name, (count, total) in trials.rates(results).items():
+        wrong = count if name == "wrong name alone" else total - count
+        print(f"{name}: {trials.share(count, total)}")
+        assert wrong <= 1, f"{name}: {trials.share(count, total)}"

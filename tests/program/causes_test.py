@@ -2,6 +2,8 @@
 the data do not bear, nothing left out that was not tried."""
 import json
 
+import pytest
+
 from support import *
 
 folder = workspace()
@@ -31,83 +33,105 @@ def times(cells, value=1.0, sigma=1.0):
 
 def diagnose(study):
     done = run("diagnose", study, "--json", "--out", study.parent / "run", "--explore", 16, "--starts", 2, "--bootstrap", 4)
-    check(done.returncode == 0, f"diagnose {study.parent.name}: {done.stderr}")
+    assert done.returncode == 0, f"diagnose {study.parent.name}: {done.stderr}"
     found = json.loads(done.stdout)
     if any("biased" in s for s in found["findings"]):
-        check(found["extended"]["p_value"] >= 0.05, f"no bias by a model that is rejected: {found['findings']}")
+        assert found["extended"]["p_value"] >= 0.05, f"no bias by a model that is rejected: {found['findings']}"
     print(f"{study.parent.name}: {found['verdict']} {found['causes']}")
     return found
 
 
-# Fifteen readings and three parameters that follow much of them: every effect is fitted, and the true one is among those that explain the data.
-few = diagnose(made("few", 0.01, 1, "weak-subgrade-top=0.7"))
-check(few["verdict"] in ("cause-named", "ambiguous") and "weak-subgrade-top" in few["causes"], f"a soft top is not lost: {few['causes']}")
-untried = [c["effect"] for c in few["candidates"] if c["size"] is None and c["score_z"] is not None]
-check(not untried, f"every effect that changes a reading is fitted: {untried}")
+@pytest.fixture(scope="module")
+def few():
+    # Fifteen readings and three parameters that follow much of them: every effect is fitted, and the true one is among those that explain the data.
+    return diagnose(made("few", 0.01, 1, "weak-subgrade-top=0.7"))
 
-# Models that were tried are let go: a diagnosis takes no more memory than a fit of the same study; and six drops not more than one.
-if not sanitizer():
+
+def test_of_few_readings_the_true_cause_is_not_lost(few):
+    assert few["verdict"] in ("cause-named", "ambiguous") and "weak-subgrade-top" in few["causes"], f"a soft top is not lost: {few['causes']}"
+    untried = [c["effect"] for c in few["candidates"] if c["size"] is None and c["score_z"] is not None]
+    assert not untried, f"every effect that changes a reading is fitted: {untried}"
+
+
+@pytest.mark.skipif(sanitizer() is not None, reason="a sanitizer keeps memory of its own")
+@pytest.mark.usefixtures("few")
+def test_models_that_were_tried_are_let_go():
+    # A diagnosis takes no more memory than a fit of the same study; and six drops not more than one.
     study = folder / "few" / "small.toml"
     options = ("--threads", 1, "--explore", 8, "--starts", 1)
     fit, found = peak_MB("fit", study, "--out", folder / "fit", *options), peak_MB("diagnose", study, "--out", folder / "again", *options, "--bootstrap", 1)
-    check(found < fit + 12, f"memory of a diagnosis: {found:.0f} MB, of a fit: {fit:.0f} MB")
+    assert found < fit + 12, f"memory of a diagnosis: {found:.0f} MB, of a fit: {fit:.0f} MB"
     drop = LOADS.split("[[loads]]")[1]
     drops = [drop.replace("400", str(400 + 80 * k)) for k in range(6)]
     one, six = (peak_MB("forward", "--jacobian", write_study(
         folder / f"drops-{count}", DROPS.replace(LOADS, "".join("[[loads]]" + d for d in drops[:count])).replace("refine = 0.25", "refine = 1"),
         HEADER + "".join(f"p{400 + 80 * k},deflection,{x},0,0,0,1,mm,\n" for k in range(count) for x in OFFSETS))) for count in (1, 6))
-    check(six < one + 10, f"memory of six drops: {six:.0f} MB, of one: {one:.0f} MB")
+    assert six < one + 10, f"memory of six drops: {six:.0f} MB, of one: {one:.0f} MB"
 
-# A soft top thicker than the catalogue's 200 mm, far beyond noise.
-WHOLE = '[[layers]]\nname = "subgrade"\nthickness_mm = 1210'
-TOP = '[[layers]]\nname = "top"\nthickness_mm = 450\ndensity_kg_m3 = 1900\nk0 = 0.5\nlaw = "linear"\nmodulus_MPa = 22.5\npoisson = 0.40\n\n'
-thick = diagnose(made("thick", 0.01, 1, truth=DROPS.replace(WHOLE, TOP + WHOLE.replace("1210", "760"))))
-check("weak-subgrade-top" in thick["causes"], f"a soft top of another thickness is not lost: {thick['verdict']} {thick['causes']}")
 
-# A stiff top is the same effect with a size below 0: said which way and how much, and that its range ends there; the extended study runs.
-stiff = diagnose(made("stiff", 0.01, 2, "weak-subgrade-top=-0.9"))
-words = next((s for s in stiff["findings"] if "weak-subgrade-top = -1.000" in s), "")
-check("end of its range" in words and "the top 200 mm of the subgrade have 2.7 times the stated modulus" in words, f"exp(1) times as stiff, at the end: {stiff['findings']}")
-for command in ("check", "forward"):
-    done = run(command, folder / "stiff" / "run" / "extended.toml")
-    check(done.returncode == 0, f"{command} of the extended study: {done.stderr}")
+def test_a_soft_top_of_another_thickness_is_not_lost():
+    # A soft top thicker than the catalogue's 200 mm, far beyond noise.
+    WHOLE = '[[layers]]\nname = "subgrade"\nthickness_mm = 1210'
+    TOP = '[[layers]]\nname = "top"\nthickness_mm = 450\ndensity_kg_m3 = 1900\nk0 = 0.5\nlaw = "linear"\nmodulus_MPa = 22.5\npoisson = 0.40\n\n'
+    thick = diagnose(made("thick", 0.01, 1, truth=DROPS.replace(WHOLE, TOP + WHOLE.replace("1210", "760"))))
+    assert "weak-subgrade-top" in thick["causes"], f"a soft top of another thickness is not lost: {thick['verdict']} {thick['causes']}"
 
-# The noise is twice the stated one: no name, and what would be needed stands beside what comes nearest.
-loud = diagnose(made("loud", 0.02, 14, readings=lambda cells: times(cells, sigma=0.5)))
-check(loud["verdict"] != "cause-named", f"noise is no cause: {loud['findings'][0]}")
-check(any("times what is stated" in s for s in loud["findings"]), f"by how much the noise would have to be larger: {loud['findings']}")
-# Among explanations of which none fits, none is called one.
-none = diagnose(made("none", 0.02, 12, readings=lambda cells: times(cells, sigma=0.5)))
-fits = max([e.get("p_value", 0) for e in none["explanations"]] + [none["extended"]["p_value"]])
-check(fits < 0.05, f"nothing explains these: {fits}")
-check(not any("explanations fit these data so alike" in s for s in none["findings"]), f"and none is said to: {none['findings'][0]}")
-check(any("comes nearest" in s for s in none["findings"]), f"but what comes nearest: {none['findings']}")
-if none["verdict"] == "unexplained":
-    check(any("they are no answer" in s for s in none["findings"]), f"ranges of what does not explain the data are marked: {none['findings']}")
-    check("models that do not explain these data" in (folder / "none" / "run" / "diagnose.txt").read_text(), "on the page too")
-    words = next((s for s in none["findings"] if "misses most" in s), "")
-    check("mm under p" in words and ("too high" in words or "too low" in words), f"place, load and sign of what is left: {words}")
-    predicted = [p["explanation"] for p in none["next_measurement"]["predicted"]]
-    check(len(predicted) > 1 and len(set(predicted)) == len(predicted), f"the next reading, by what comes nearest: {predicted}")
 
-# A reading that one explanation takes for wrong and the others do not: another instrument at its place would tell them apart, and is offered.
-SHALLOW = HEADER + "".join(f"p566,deflection,{x},0,0,0,1,mm,\n" for x in OFFSETS) + "".join(f"p566,strain_zz,0,0,{z},75,1,microstrain,\n" for z in (90, 165, 240))
-suspect = diagnose(made("suspect", 0.02, 5, layout=SHALLOW, readings=lambda cells: times(cells, 1.25) if cells[4] == "240" else cells))
-check("outlier" in suspect["causes"] and len(suspect["causes"]) > 1, f"one reading too large among few: {suspect['verdict']} {suspect['causes']}")
-again = [r for r in (suspect["next_measurement"], *suspect["further_measurements"]) if r["again"]]
-check(len(again) == 1 and again[0]["depth_mm"] == 240 and again[0]["reading"].endswith("once more by another instrument"), f"its place once more: {again}")
-predicted = {p["explanation"].split(" ")[0]: p["value"] for p in again[0]["predicted"]}
-check(min(v for e, v in predicted.items() if e != "outlier") > 1.05 * predicted["outlier"], f"where it was wrong it reads less: {predicted}")
+def test_a_stiff_top_at_the_end_of_its_range_is_said():
+    # A stiff top is the same effect with a size below 0: said which way and how much, and that its range ends there; the extended study runs.
+    stiff = diagnose(made("stiff", 0.01, 2, "weak-subgrade-top=-0.9"))
+    words = next((s for s in stiff["findings"] if "weak-subgrade-top = -1.000" in s), "")
+    assert "end of its range" in words and "the top 200 mm of the subgrade have 2.7 times the stated modulus" in words, \
+        f"exp(1) times as stiff, at the end: {stiff['findings']}"
+    for command in ("check", "forward"):
+        done = run(command, folder / "stiff" / "run" / "extended.toml")
+        assert done.returncode == 0, f"{command} of the extended study: {done.stderr}"
 
-# It is less than the stated one.
-calm = diagnose(made("calm", 0.01, 3, readings=lambda cells: times(cells, sigma=2.5)))
-check(calm["verdict"] == "adequate" and any("scatter less" in s for s in calm["findings"]), f"overstated noise is said: {calm['findings']}")
 
-# Gauges that read 2.06 times as much, where the range of a gain ends at 2: not named alone.
-GAUGES = HEADER + "".join(f"p566,deflection,{x},0,0,0,1,mm,\n" for x in OFFSETS) + "".join(
-    f"p566,strain_zz,0,0,{z},75,1,microstrain,\n" for z in (90, 165, 240, 340, 420, 500))
-gain = diagnose(made("gain", 0.03, 3, layout=GAUGES, readings=lambda cells: times(cells, 2.06, 2.06) if cells[1] == "strain_zz" else cells))
-at_end = next(c for c in gain["candidates"] if c["effect"] == "sensor-gain")
-check(at_end["size"] == 2, f"the range of the size ends at 2: {at_end['size']}")
-check(gain["verdict"] != "cause-named", f"no name alone at the end of its range: {gain['findings'][0]}")
-finish()
+def test_noise_of_twice_its_size_is_no_cause():
+    # The noise is twice the stated one: no name, and what would be needed stands beside what comes nearest.
+    loud = diagnose(made("loud", 0.02, 14, readings=lambda cells: times(cells, sigma=0.5)))
+    assert loud["verdict"] != "cause-named", f"noise is no cause: {loud['findings'][0]}"
+    assert any("times what is stated" in s for s in loud["findings"]), f"by how much the noise would have to be larger: {loud['findings']}"
+
+
+def test_of_explanations_none_of_which_fits_none_is_called_one():
+    none = diagnose(made("none", 0.02, 12, readings=lambda cells: times(cells, sigma=0.5)))
+    fits = max([e.get("p_value", 0) for e in none["explanations"]] + [none["extended"]["p_value"]])
+    assert fits < 0.05, f"nothing explains these: {fits}"
+    assert not any("explanations fit these data so alike" in s for s in none["findings"]), f"and none is said to: {none['findings'][0]}"
+    assert any("comes nearest" in s for s in none["findings"]), f"but what comes nearest: {none['findings']}"
+    if none["verdict"] == "unexplained":
+        assert any("they are no answer" in s for s in none["findings"]), f"ranges of what does not explain the data are marked: {none['findings']}"
+        assert "models that do not explain these data" in (folder / "none" / "run" / "diagnose.txt").read_text(), "on the page too"
+        words = next((s for s in none["findings"] if "misses most" in s), "")
+        assert "mm under p" in words and ("too high" in words or "too low" in words), f"place, load and sign of what is left: {words}"
+        predicted = [p["explanation"] for p in none["next_measurement"]["predicted"]]
+        assert len(predicted) > 1 and len(set(predicted)) == len(predicted), f"the next reading, by what comes nearest: {predicted}"
+
+
+def test_a_suspect_reading_is_asked_for_once_more():
+    # A reading that one explanation takes for wrong and the others do not: another instrument at its place would tell them apart, and is offered.
+    SHALLOW = HEADER + "".join(f"p566,deflection,{x},0,0,0,1,mm,\n" for x in OFFSETS) + "".join(f"p566,strain_zz,0,0,{z},75,1,microstrain,\n" for z in (90, 165, 240))
+    suspect = diagnose(made("suspect", 0.02, 5, layout=SHALLOW, readings=lambda cells: times(cells, 1.25) if cells[4] == "240" else cells))
+    assert "outlier" in suspect["causes"] and len(suspect["causes"]) > 1, f"one reading too large among few: {suspect['verdict']} {suspect['causes']}"
+    again = [r for r in (suspect["next_measurement"], *suspect["further_measurements"]) if r["again"]]
+    assert len(again) == 1 and again[0]["depth_mm"] == 240 and again[0]["reading"].endswith("once more by another instrument"), f"its place once more: {again}"
+    predicted = {p["explanation"].split(" ")[0]: p["value"] for p in again[0]["predicted"]}
+    assert min(v for e, v in predicted.items() if e != "outlier") > 1.05 * predicted["outlier"], f"where it was wrong it reads less: {predicted}"
+
+
+def test_overstated_noise_is_said():
+    # It is less than the stated one.
+    calm = diagnose(made("calm", 0.01, 3, readings=lambda cells: times(cells, sigma=2.5)))
+    assert calm["verdict"] == "adequate" and any("scatter less" in s for s in calm["findings"]), f"overstated noise is said: {calm['findings']}"
+
+
+def test_no_name_alone_at_the_end_of_its_range():
+    # Gauges that read 2.06 times as much, where the range of a gain ends at 2: not named alone.
+    GAUGES = HEADER + "".join(f"p566,deflection,{x},0,0,0,1,mm,\n" for x in OFFSETS) + "".join(
+        f"p566,strain_zz,0,0,{z},75,1,microstrain,\n" for z in (90, 165, 240, 340, 420, 500))
+    gain = diagnose(made("gain", 0.03, 3, layout=GAUGES, readings=lambda cells: times(cells, 2.06, 2.06) if cells[1] == "strain_zz" else cells))
+    at_end = next(c for c in gain["candidates"] if c["effect"] == "sensor-gain")
+    assert at_end["size"] == 2, f"the range of the size ends at 2: {at_end['size']}"
+    assert gain["verdict"] != "cause-named", f"no name alone at the end of its range: {gain['findings'][0]}"

@@ -5,26 +5,29 @@
 import json
 import re
 
+import pytest
+
 from support import *
 
-studies = sorted((ROOT / "grids").glob("*.toml"))
-check(len(studies) > 0, "there are studies")
-for study in studies:
+STUDIES = sorted((ROOT / "grids").glob("*.toml"))
+
+
+def test_there_are_studies():
+    assert STUDIES
+
+
+@pytest.mark.parametrize("study", STUDIES, ids=lambda study: study.stem)
+def test_a_study_gives_what_it_says(study):
     done = run("forward", study, "--json")
-    check(done.returncode == 0, f"{study.name}: {done.stderr}")
-    if done.returncode != 0:
-        continue
+    assert done.returncode == 0, f"{study.name}: {done.stderr}"
     values = [r["value"] for r in json.loads(done.stdout)["responses"]]
     tests = re.findall(r"^# test: (.*)$", study.read_text(), re.M)
-    check(tests, f"{study.name} says what it must give")
+    assert tests, f"{study.name} says what it must give"
     for line in tests:
         match = re.fullmatch(r"forward (\d+)-(\d+) = ([-\d. e]+) within ([\d.]+) %", line)
-        check(match, f"{study.name}: '{line}' is not understood")
-        if match:
-            first, last = int(match[1]), int(match[2])
-            wanted = [float(v) for v in match[3].split()]
-            check(len(wanted) == last - first + 1, f"{study.name}: '{line}' names as many rows as values")
-            for value, want in zip(values[first - 1:last], wanted):
-                check(abs(value / want - 1) <= float(match[4]) / 100, f"{study.name}: {value}, not {want}")
-    print(study.name, "ok")
-finish()
+        assert match, f"{study.name}: '{line}' is not understood"
+        first, last = int(match[1]), int(match[2])
+        wanted = [float(v) for v in match[3].split()]
+        assert len(wanted) == last - first + 1, f"{study.name}: '{line}' names as many rows as values"
+        for value, want in zip(values[first - 1:last], wanted):
+            assert abs(value / want - 1) <= float(match[4]) / 100, f"{study.name}: {value}, not {want}"

@@ -3,60 +3,79 @@ import json
 import os
 import re
 
+import pytest
+
 from support import *
 
-BUILD = pathlib.Path(PROGRAM).resolve().parents[1]
 folder = workspace()
-# How the program was compiled, as whoever links its library compiles.
-compiled = dict(re.findall(r"^(CMAKE_CXX_COMPILER|CMAKE_CXX_FLAGS):\w+=(.*)$", (BUILD / "CMakeCache.txt").read_text(), re.M))
 study = ROOT / "grids" / "captif-p1-fwd.toml"
 noisy = write_study(folder, STUDY.replace('misfit = "log"', 'misfit = "log"\nnoise_relative = 0.05'))
-forward = [r["value"] for r in json.loads(run("forward", study, "--json").stdout)["responses"]]
+
+
+@pytest.fixture(scope="module")
+def forward():
+    return [r["value"] for r in json.loads(run("forward", study, "--json").stdout)["responses"]]
 
 
 def command(*arguments, **options):
     done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True, timeout=3600, **options)
-    check(done.returncode == 0, f"{arguments[0]} {arguments[1]}: {done.stdout[-1500:]}{done.stderr[-1500:]}")
+    assert done.returncode == 0, f"{arguments[0]} {arguments[1]}: {done.stdout[-1500:]}{done.stderr[-1500:]}"
     return done.stdout
 
 
-# Installed, and called from another project.
-prefix = folder / "usr"
-command("cmake", "--install", BUILD, "--prefix", prefix)
-example = folder / "example"
-command("cmake", "-S", ROOT / "examples" / "forward", "-B", example, f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release", "-GNinja",
-        *(f"-D{key}={value}" for key, value in compiled.items()))
-command("cmake", "--build", example)
-values = [float(line) for line in command(example / "forward_example", study).split()]
-check(values == forward, f"ten lines of C++ give the bits of the program: {values} {forward}")
-lines = [line for line in (ROOT / "examples" / "forward" / "main.cpp").read_text().splitlines() if line.strip() not in ("", "{", "}") and not line.startswith(("//", "#"))]
-check(len(lines) <= 10, f"in ten lines: {len(lines)}")
-check(command(prefix / "bin" / "pavescape", "--version") == run("--version").stdout, "the installed program runs")
+@pytest.fixture(scope="module")
+def prefix():
+    # Installed, and called from another project.
+    prefix = folder / "usr"
+    command("cmake", "--install", BUILD, "--prefix", prefix)
+    return prefix
 
-pages = prefix / "share" / "man" / "man1"
-for page, word in (("pavescape.1", "diagnose"), ("pavescape-fit.1", "--starts"), ("pavescape-forward.1", "--vtu")):
-    text = (pages / page).read_text().replace("\\-", "-") if (pages / page).exists() else ""
-    check(word in text and text.lstrip().startswith((".TH", ".\\\"")), f"{page} tells of {word}")
-    name = page.removesuffix(".1")
-    check(f'.TH {name.upper()} "1"' in text and f"\n{name} - " in text and '"Pavescape ' in text, f"{page} has its title")
 
-completion = prefix / "share" / "bash-completion" / "completions" / "pavescape"
-ask = ('source {0}; COMP_WORDS=({1} {2}); COMP_CWORD={3}; _pavescape; printf "%s\\n" "${{COMPREPLY[@]}}"')
-for words, place, *wanted in (("dia", 1, "diagnose"), ("fit --sta", 2, "--starts"), ("fit --model a", 3, "auto"), ("plot run --format p", 4, "pdf", "png"),
-                             ("plot run res", 3, "residuals"), ("plot run back", 3, "back-calculation"), ("fit --starts 3", 3)):
-    offered = command("bash", "-c", ask.format(completion, PROGRAM, words, place)).split()
-    check(sorted(offered) == wanted, f"completion of '{words}': {offered}")
+def test_ten_lines_of_cpp_call_the_library(forward, prefix):
+    # As the program was compiled.
+    compiled = dict(re.findall(r"^(CMAKE_CXX_COMPILER|CMAKE_CXX_FLAGS):\w+=(.*)$", (BUILD / "CMakeCache.txt").read_text(), re.M))
+    example = folder / "example"
+    command("cmake", "-S", ROOT / "examples" / "forward", "-B", example, f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release", "-GNinja",
+            *(f"-D{key}={value}" for key, value in compiled.items()))
+    command("cmake", "--build", example)
+    values = [float(line) for line in command(example / "forward_example", study).split()]
+    assert values == forward, f"ten lines of C++ give the bits of the program: {values} {forward}"
+    lines = [line for line in (ROOT / "examples" / "forward" / "main.cpp").read_text().splitlines() if line.strip() not in ("", "{", "}") and not line.startswith(("//", "#"))]
+    assert len(lines) <= 10, f"in ten lines: {len(lines)}"
 
-# The Debian package.
-command("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", folder / "package", cwd=BUILD)
-packages = list((folder / "package").glob("*.deb"))
-check(len(packages) == 1, f"one package: {packages}")
-if packages:
+
+def test_the_installed_program_runs(prefix):
+    assert command(prefix / "bin" / "pavescape", "--version") == run("--version").stdout, "the installed program runs"
+
+
+def test_manual_pages(prefix):
+    pages = prefix / "share" / "man" / "man1"
+    for page, word in (("pavescape.1", "diagnose"), ("pavescape-fit.1", "--starts"), ("pavescape-forward.1", "--vtu")):
+        text = (pages / page).read_text().replace("\\-", "-") if (pages / page).exists() else ""
+        assert word in text and text.lstrip().startswith((".TH", ".\\\"")), f"{page} tells of {word}"
+        name = page.removesuffix(".1")
+        assert f'.TH {name.upper()} "1"' in text and f"\n{name} - " in text and '"Pavescape ' in text, f"{page} has its title"
+
+
+def test_completion(prefix):
+    completion = prefix / "share" / "bash-completion" / "completions" / "pavescape"
+    ask = ('source {0}; COMP_WORDS=({1} {2}); COMP_CWORD={3}; _pavescape; printf "%s\\n" "${{COMPREPLY[@]}}"')
+    for words, place, *wanted in (("dia", 1, "diagnose"), ("fit --sta", 2, "--starts"), ("fit --model a", 3, "auto"), ("plot run --format p", 4, "pdf", "png"),
+                                 ("plot run res", 3, "residuals"), ("plot run back", 3, "back-calculation"), ("fit --starts 3", 3)):
+        offered = command("bash", "-c", ask.format(completion, PROGRAM, words, place)).split()
+        assert sorted(offered) == wanted, f"completion of '{words}': {offered}"
+
+
+def test_the_debian_package():
+    command("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", folder / "package", cwd=BUILD)
+    packages = list((folder / "package").glob("*.deb"))
+    assert len(packages) == 1, f"one package: {packages}"
     contents = command("dpkg-deb", "--contents", packages[0])
     for path in ("./usr/bin/pavescape\n", "./usr/share/man/man1/pavescape.1", "completions/pavescape\n", "dist-packages/pavescape",
                  "doc/pavescape/docs/commands.md", "share/pavescape/grids/captif-p1-fwd.toml"):
-        check(path in contents, f"the package holds {path.strip()}")
-    check("libtbb" in command("dpkg-deb", "--field", packages[0], "Depends"), "the package names what it needs")
+        assert path in contents, f"the package holds {path.strip()}"
+    assert "libtbb" in command("dpkg-deb", "--field", packages[0], "Depends"), "the package names what it needs"
+
 
 # Python.
 ROAD = ROOT / "grids" / "road-example.csv"
@@ -103,38 +122,54 @@ print(json.dumps({"forward": own.tolist(), "parameters": study.parameters, "meas
                   "length": error(ValueError, lambda: study.forward(there[:-1])), "range": error(pavescape.NoAnswer, lambda: study.forward(-there)),
                   "file": error(ValueError, lambda: pavescape.Study("nothing.toml")), "units": [r["unit"] for r in study.responses]}))
 """
+
+
 environment = {**leaks_of_others(), "PYTHONPATH": str(BUILD / "python")}
-found = {}
-if sanitizer() == "thread":
-    print("skipped: Python's interpreter is not made for the thread sanitizer")
-else:
-    if sanitizer() == "address":  # before everything else, with what throws
-        first = (command("g++", f"-print-file-name={library}").strip() for library in ("libasan.so", "libstdc++.so"))
-        environment["LD_PRELOAD"] = " ".join(first)
-    found = json.loads(command("/usr/bin/python3", "-c", script, study, folder / "python", noisy, folder / "small.csv", ROAD, env=environment) or "{}")
-if found:
-    check(found["forward"] == forward, "Python gives the bits of the program")
-    check(found["again"], "with and without derivatives the responses are the same")
-    check(found["jacobian"] < 1e-5 and found["residual_jacobian"] < 1e-5, f"derivatives against differences: {found['jacobian']} {found['residual_jacobian']}")
-    check(found["length"] and "parameters" in found["length"] and found["range"] and "invalid" in found["range"] and found["file"], "errors are Python's")
+if sanitizer() == "address":  # before everything else, with what throws
+    environment["LD_PRELOAD"] = " ".join(command("g++", f"-print-file-name={library}").strip() for library in ("libasan.so", "libstdc++.so"))
+python = pytest.mark.skipif(sanitizer() == "thread", reason="Python's interpreter is not made for the thread sanitizer")
+
+
+@pytest.fixture(scope="module")
+def found():
+    """What the script answers."""
+    return json.loads(command("/usr/bin/python3", "-c", script, study, folder / "python", noisy, folder / "small.csv", ROAD, env=environment))
+
+
+@python
+def test_python_gives_the_bits_of_the_program(found, forward):
+    assert found["forward"] == forward, "Python gives the bits of the program"
+    assert found["again"], "with and without derivatives the responses are the same"
+    assert found["jacobian"] < 1e-5 and found["residual_jacobian"] < 1e-5, f"derivatives against differences: {found['jacobian']} {found['residual_jacobian']}"
+    assert found["length"] and "parameters" in found["length"] and found["range"] and "invalid" in found["range"] and found["file"], "errors are Python's"
+
+
+@python
+def test_commands_in_python_are_the_programs_to_the_last_bit(found):
     same = json.loads(run("fit", study, "--starts", 3, "--explore", 48, "--out", folder / "fit", "--json").stdout)
-    check(abs(found["fit"] - same["best"]["misfit"]) < 1e-12 and found["minima"] == len(same["minima"]), "fit is the command fit")
+    assert abs(found["fit"] - same["best"]["misfit"]) < 1e-12 and found["minima"] == len(same["minima"]), "fit is the command fit"
     for name, options in (("fit", ("--starts", 3, "--explore", 48)), ("unique", ("--explore", 24, "--verify", 4)),
                           ("diagnose", ("--explore", 16, "--starts", 2, "--bootstrap", 4)), ("map", ("--design", "sobol", "--points", 20)),
                           ("sample", ("--samples", 400)), ("compare", ("--laws", "uzan,k-theta", "--explore", 8, "--verify", 2)),
                           ("sensitivity", ("--samples", 4)), ("survey", ())):
         printed = run(name, ROAD if name == "survey" else noisy, *options, "--out", folder / "program" / name, "--json").stdout.replace(str(folder / "program"), str(folder / "python"))
-        check(lasting(json.loads(printed)) == lasting(found["answers"][name]), f"{name} in Python is the program's to the last bit")
-        check((folder / "python" / name / f"{name}.json").exists(), f"{name} in Python keeps its result")
-    check(found["lowest"] == found["answers"]["map"]["lowest"][0]["misfit"] and found["shape"] == [20, 2], f"the points of a map as arrays: {found['shape']}")
-    check(found["draws"][0] == [400, 2] and found["draws"][1] == [400, 1] and found["draws"][2] == [400], f"the draws as arrays: {found['draws']}")
+        assert lasting(json.loads(printed)) == lasting(found["answers"][name]), f"{name} in Python is the program's to the last bit"
+        assert (folder / "python" / name / f"{name}.json").exists(), f"{name} in Python keeps its result"
+
+
+@python
+def test_points_and_draws_are_arrays(found):
+    assert found["lowest"] == found["answers"]["map"]["lowest"][0]["misfit"] and found["shape"] == [20, 2], f"the points of a map as arrays: {found['shape']}"
+    assert found["draws"][0] == [400, 2] and found["draws"][1] == [400, 1] and found["draws"][2] == [400], f"the draws as arrays: {found['draws']}"
     told = found["answers"]["sample"]["parameters"][0]["mean"]
-    check(told is None or abs(found["mean"] / told - 1) < 1e-9, f"their mean is the one in the JSON: {found['mean']} {told}")
-    check(found["in_memory"], "a study in memory is the one in the file")
-    check(found["unknown"] and "full" in found["unknown"], "an unknown model is a message with what is allowed")
-    check(abs(found["fitted"] - found["fit"]) < 1e-9 * found["fit"], "the norm of the residuals is the misfit")
+    assert told is None or abs(found["mean"] / told - 1) < 1e-9, f"their mean is the one in the JSON: {found['mean']} {told}"
+    assert found["in_memory"], "a study in memory is the one in the file"
+    assert found["unknown"] and "full" in found["unknown"], "an unknown model is a message with what is allowed"
+    assert abs(found["fitted"] - found["fit"]) < 1e-9 * found["fit"], "the norm of the residuals is the misfit"
+
+
+@python
+def test_scipy_with_exact_derivatives_finds_as_good_a_fit(found):
     inverted = command("/usr/bin/python3", ROOT / "examples" / "invert.py", study, env=environment)
     misfit = float(inverted.split("misfit ")[1].split()[0])
-    check(misfit < 1.001 * found["fit"] + 0.02, f"scipy with exact derivatives finds as good a fit: {misfit} {found['fit']}")
-
-finish()
+    assert misfit < 1.001 * found["fit"] + 0.02, f"scipy with exact derivatives finds as good a fit: {misfit} {found['fit']}"

@@ -4,6 +4,8 @@ import json
 import math
 import random
 
+import pytest
+
 from support import *
 
 folder = workspace()
@@ -34,29 +36,42 @@ for station in range(STATIONS):
 road = folder / "road.csv"
 road.write_text("\n".join(rows) + "\n")
 
-done = run("noise", road, "--json")
-check(done.returncode == 0 and done.stderr == "", done.stderr)
-told = json.loads(done.stdout)
-check((told["stations"], told["drops"]) == (STATIONS, STATIONS * DROPS), "every drop counts")
-for key, truth in (("relative", RELATIVE), ("common_relative", COMMON), ("correlation_mm", CORRELATION_MM)):
-    part = told["noise"][key]
-    # Within twice its 95 % range, on the logarithm.
-    half = math.log(part["high"] / part["low"]) / 2
-    check(abs(math.log(part["value"] / truth)) < 2 * half, f"{key} is {truth}: {part}")
-total = math.hypot(RELATIVE, COMMON)
-check(all(abs(s["scatter"] / total - 1) < 4 / math.sqrt(2 * STATIONS * (DROPS - 1)) for s in told["sensors"]), "scatter of each sensor")
-same = run("noise", road, "--json")
-check(same.stdout == done.stdout, "the same bits again")
-page = run("noise", road)
-check(page.returncode == 0 and told["block"] in page.stdout, "the page ends with what goes into a study")
 
-study = STUDY.replace('misfit = "log"', 'misfit = "weighted"\n' + told["block"])
-pasted = run("check", write_study(folder, study))
-check(pasted.returncode == 0, f"a study takes it: {pasted.stderr}")
+@pytest.fixture(scope="module")
+def told_of_road():
+    done = run("noise", road, "--json")
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    told = json.loads(done.stdout)
+    return done, told
 
-single = folder / "single.csv"
-single.write_text("\n".join(rows[:1] + rows[1::DROPS]) + "\n")
-refused = run("noise", single)
-check(refused.returncode == 2 and refused.stdout == "" and "no drop is repeated" in refused.stderr, refused.stderr)
-check(run("noise", folder / "missing.csv").returncode == 2, "a file that is not there")
-finish()
+
+def test_the_noise_that_the_drops_have_is_found(told_of_road):
+    _, told = told_of_road
+    assert (told["stations"], told["drops"]) == (STATIONS, STATIONS * DROPS), "every drop counts"
+    for key, truth in (("relative", RELATIVE), ("common_relative", COMMON), ("correlation_mm", CORRELATION_MM)):
+        part = told["noise"][key]
+        # Within twice its 95 % range, on the logarithm.
+        half = math.log(part["high"] / part["low"]) / 2
+        assert abs(math.log(part["value"] / truth)) < 2 * half, f"{key} is {truth}: {part}"
+    total = math.hypot(RELATIVE, COMMON)
+    assert all(abs(s["scatter"] / total - 1) < 4 / math.sqrt(2 * STATIONS * (DROPS - 1)) for s in told["sensors"]), "scatter of each sensor"
+
+
+def test_the_block_goes_into_a_study_as_it_stands(told_of_road):
+    done, told = told_of_road
+    same = run("noise", road, "--json")
+    assert same.stdout == done.stdout, "the same bits again"
+    page = run("noise", road)
+    assert page.returncode == 0 and told["block"] in page.stdout, "the page ends with what goes into a study"
+
+    study = STUDY.replace('misfit = "log"', 'misfit = "weighted"\n' + told["block"])
+    pasted = run("check", write_study(folder, study))
+    assert pasted.returncode == 0, f"a study takes it: {pasted.stderr}"
+
+
+def test_a_road_without_repeated_drops_is_refused():
+    single = folder / "single.csv"
+    single.write_text("\n".join(rows[:1] + rows[1::DROPS]) + "\n")
+    refused = run("noise", single)
+    assert refused.returncode == 2 and refused.stdout == "" and "no drop is repeated" in refused.stderr, refused.stderr
+    assert run("noise", folder / "missing.csv").returncode == 2, "a file that is not there"

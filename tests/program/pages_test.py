@@ -1,23 +1,19 @@
 """The page of every kind of run in headless Chromium, 1400 and 400 px wide and printed on A4: no table is cut off, nothing is printed as
 [object, nothing is on the console, every chart is drawn."""
+import functools
+
+import pytest
+
 from browser import CHROMIUM, Browser
 from support import *
 
 folder = workspace()
-if CHROMIUM is None:
-    check(False, "chromium is needed to open the pages")
-    finish()
 SIGMAS = [0.04, 20.0, 0.01, 0.00004]
 lines = DATA.strip().splitlines()
 data = "\n".join(lines[:2] + [line + str(sigma) for line, sigma in zip(lines[2:], SIGMAS)]) + "\n"
 study = write_study(folder / "s", STUDY.replace('misfit = "log"', 'misfit = "weighted"'), data)
 # Linear layers: quick enough for what needs many runs.
 linear = folder / "linear.toml"
-check(run("new", linear).returncode == 0, "new")
-text = linear.read_text()
-base = text[text.index('law = "uzan"'):text.index("poisson_12")]
-text = text.replace(base, 'law = "linear"\nmodulus_MPa = 300\n').replace("poisson_12 = 0.35\npoisson_31 = 0.35", "poisson = 0.35")
-linear.write_text(text.replace("base.k1", "base.modulus_MPa").replace("min = 200\nmax = 8000", "min = 50\nmax = 2000"))
 RUNS = {
     "fit": ("fit", linear, "--explore", 32, "--starts", 4),
     "map": ("map", linear, "--design", "sobol", "--points", 64),
@@ -35,52 +31,85 @@ CLIPPED = """[...document.querySelectorAll("main *")].filter((e) => !e.closest("
     return (e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0 && getComputedStyle(e).display !== "inline" && !["TBODY", "THEAD", "TR"].includes(e.tagName))
         || e.getBoundingClientRect().right > document.documentElement.clientWidth + 1;
 }).map((e) => e.tagName + "." + e.className + ": " + e.textContent.slice(0, 60))"""
-browser = Browser(folder / "profile")
-for name, arguments in RUNS.items():
+
+
+@pytest.fixture(scope="module", autouse=True)
+def linear_study():
+    assert run("new", linear).returncode == 0, "new"
+    text = linear.read_text()
+    base = text[text.index('law = "uzan"'):text.index("poisson_12")]
+    text = text.replace(base, 'law = "linear"\nmodulus_MPa = 300\n').replace("poisson_12 = 0.35\npoisson_31 = 0.35", "poisson = 0.35")
+    linear.write_text(text.replace("base.k1", "base.modulus_MPa").replace("min = 200\nmax = 8000", "min = 50\nmax = 2000"))
+
+
+@pytest.fixture(scope="module")
+def browser():
+    assert CHROMIUM, "chromium is needed to open the pages"
+    browser = Browser(folder / "profile")
+    yield browser
+    browser.close()
+
+
+@functools.cache
+def reported(name):
+    """The folder of a run and its page."""
     out = folder / name
-    done = run(*arguments, "--out", out)
-    check(done.returncode in (0, 1) and (out / f"{name}.json").exists(), f"{name} runs: {done.returncode} {done.stderr[-300:]}")
+    done = run(*RUNS[name], "--out", out)
+    assert done.returncode in (0, 1) and (out / f"{name}.json").exists(), f"{name} runs: {done.returncode} {done.stderr[-300:]}"
     made = run("report", out)
-    check(made.returncode == 0, f"report of {name}: {made.stderr}")
+    assert made.returncode == 0, f"report of {name}: {made.stderr}"
+    return out
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_page_is_whole_at_every_width(browser, name):
+    out = reported(name)
     for width, media in ((1400, "screen"), (400, "screen"), (718, "print")):  # 718 px: A4 less margins of 1 cm
         browser.console.clear()
         browser.resize(width, 900)
         browser.call("Emulation.setEmulatedMedia", media=media)
         browser.open((out / "report.html").as_uri())
-        check(browser.wait("[...document.querySelectorAll('.chart')].every((c) => c.querySelector('svg.main-svg'))", 60), f"{name}: every chart is drawn")
-        check(browser.evaluate("document.documentElement.dataset.failures") is None, f"{name}: {browser.evaluate('document.documentElement.dataset.failures')}")
-        check(browser.console == [], f"{name}, {width} px: the console: {browser.console}")
-        check(browser.evaluate("document.querySelectorAll('h2').length") > 0, f"{name} has a part")
-        check("[object" not in browser.evaluate("document.body.innerText"), f"{name}: no object is printed as such")
+        assert browser.wait("[...document.querySelectorAll('.chart')].every((c) => c.querySelector('svg.main-svg'))", 60), f"{name}: every chart is drawn"
+        assert browser.evaluate("document.documentElement.dataset.failures") is None, f"{name}: {browser.evaluate('document.documentElement.dataset.failures')}"
+        assert browser.console == [], f"{name}, {width} px: the console: {browser.console}"
+        assert browser.evaluate("document.querySelectorAll('h2').length") > 0, f"{name} has a part"
+        assert "[object" not in browser.evaluate("document.body.innerText"), f"{name}: no object is printed as such"
         clipped = browser.evaluate(CLIPPED)
-        check(clipped == [], f"{name}, {width} px on {media}: cut off: {clipped[:4]}")
-        check(browser.evaluate("document.documentElement.scrollWidth <= document.documentElement.clientWidth"), f"{name}: no wider than {width} px on {media}")
+        assert clipped == [], f"{name}, {width} px on {media}: cut off: {clipped[:4]}"
+        assert browser.evaluate("document.documentElement.scrollWidth <= document.documentElement.clientWidth"), f"{name}: no wider than {width} px on {media}"
     browser.call("Emulation.setEmulatedMedia", media="screen")
     if os.environ.get("PAVESCAPE_SHOTS"):
         for width in (1400, 400):
             browser.resize(width, 900)
             time.sleep(1)
             browser.screenshot(pathlib.Path(os.environ["PAVESCAPE_SHOTS"]) / f"{name}-{width}.png")
-# The page of `unique`: its first sentence once; whole pairs below the diagonal and profiles on it; no figure of minima where there is one.
-unique = json.loads((folder / "unique" / "unique.json").read_text())
-browser.resize(1400, 900)
-browser.open((folder / "unique" / "report.html").as_uri())
-check(browser.wait("document.querySelector('[data-chart=landscape] svg.main-svg') !== null", 60), "the landscape is drawn")
-check(browser.evaluate("document.body.innerText").count(unique["findings"][0]) == 1, "the verdict is said once")
-traces = browser.evaluate("document.querySelector('[data-chart=landscape]').data.map((t) => [t.type, t.coloraxis || '', t.name || '', (t.x || []).length])")
-check(sum(t[0] == "contour" and t[1] == "coloraxis" for t in traces) == 3, f"three pairs of three parameters: {traces}")
-shown = browser.evaluate("""document.querySelector('[data-chart=landscape]').data.filter((t) => t.type === 'scatter' && t.mode === 'lines' && t.x.length > 50)
+
+
+def test_the_page_of_unique(browser):
+    out = reported("unique")
+    # The page of `unique`: its first sentence once; whole pairs below the diagonal and profiles on it; no figure of minima where there is one.
+    unique = json.loads((out / "unique.json").read_text())
+    browser.resize(1400, 900)
+    browser.open((out / "report.html").as_uri())
+    assert browser.wait("document.querySelector('[data-chart=landscape] svg.main-svg') !== null", 60), "the landscape is drawn"
+    assert browser.evaluate("document.body.innerText").count(unique["findings"][0]) == 1, "the verdict is said once"
+    traces = browser.evaluate("document.querySelector('[data-chart=landscape]').data.map((t) => [t.type, t.coloraxis || '', t.name || '', (t.x || []).length])")
+    assert sum(t[0] == "contour" and t[1] == "coloraxis" for t in traces) == 3, f"three pairs of three parameters: {traces}"
+    shown = browser.evaluate("""document.querySelector('[data-chart=landscape]').data.filter((t) => t.type === 'scatter' && t.mode === 'lines' && t.x.length > 50)
     .map((t) => [Math.min(...t.x), Math.max(...t.x), Math.min(...t.y)])""")
-check(len(shown) == 3 and all(abs(s[0] / p["min"] - 1) < 1e-6 and abs(s[1] / p["max"] - 1) < 1e-6 for s, p in zip(shown, unique["parameters"])), f"a profile of each over its range: {shown}")
-check(len(unique["minima"]) > 1 or browser.evaluate("document.querySelector('[data-chart=passes]')") is None, "no passes of one minimum")
-sample = json.loads((folder / "sample" / "sample.json").read_text())
-browser.open((folder / "sample" / "report.html").as_uri())
-cells = browser.evaluate("[...document.querySelectorAll('table')].map((t) => [...t.querySelectorAll('tr')].map((r) => [...r.children].map((c) => c.textContent)))")
-marginals = next(t for t in cells if "R-hat" in t[0])
-for quantity in sample["parameters"] + sample["outputs"]:
-    row = next((r for r in marginals if r[0].startswith(quantity["name"])), None)
-    check(row is not None and abs(float(row[1]) / quantity["mean"] - 1) < 1e-3 and abs(float(row[5]) / quantity["q975"] - 1) < 1e-3, f"{quantity['name']}: {row}")
-counts = browser.evaluate("document.querySelector('[data-chart=corner]').data.filter((t) => t.mode === 'markers').map((t) => t.x.length)")
-check(counts == [len(sample["draws"])] * 3, f"every pair of three parameters holds all draws: {counts}")
-browser.close()
-finish()
+    assert len(shown) == 3 and all(abs(s[0] / p["min"] - 1) < 1e-6 and abs(s[1] / p["max"] - 1) < 1e-6 for s, p in zip(shown, unique["parameters"])), \
+        f"a profile of each over its range: {shown}"
+    assert len(unique["minima"]) > 1 or browser.evaluate("document.querySelector('[data-chart=passes]')") is None, "no passes of one minimum"
+
+
+def test_the_page_of_sample(browser):
+    out = reported("sample")
+    sample = json.loads((out / "sample.json").read_text())
+    browser.open((out / "report.html").as_uri())
+    cells = browser.evaluate("[...document.querySelectorAll('table')].map((t) => [...t.querySelectorAll('tr')].map((r) => [...r.children].map((c) => c.textContent)))")
+    marginals = next(t for t in cells if "R-hat" in t[0])
+    for quantity in sample["parameters"] + sample["outputs"]:
+        row = next((r for r in marginals if r[0].startswith(quantity["name"])), None)
+        assert row is not None and abs(float(row[1]) / quantity["mean"] - 1) < 1e-3 and abs(float(row[5]) / quantity["q975"] - 1) < 1e-3, f"{quantity['name']}: {row}"
+    counts = browser.evaluate("document.querySelector('[data-chart=corner]').data.filter((t) => t.mode === 'markers').map((t) => t.x.length)")
+    assert counts == [len(sample["draws"])] * 3, f"every pair of three parameters holds all draws: {counts}"

@@ -1,14 +1,12 @@
 """Studies of random numbers, sensible and not: `check` takes a study or refuses it with one message, and what it takes no command
-ever refuses or crashes on. usage: random_studies_test.py PROGRAM [STUDIES [SEED]]"""
+ever refuses or crashes on. --count: how many studies are taken in the second tier."""
 import random
 import re
 
+import pytest
+
 from support import *
 
-STUDIES = int(sys.argv[2]) if len(sys.argv) > 2 else 15
-seed = int(sys.argv[3]) if len(sys.argv) > 3 else random.SystemRandom().randrange(10**6)
-random.seed(seed)
-print(f"seed {seed}")
 folder = workspace()
 LAWS = {"linear": {"modulus_MPa": 100, "poisson": 0.3},
         "uzan": {"k1": 2000, "k2": 0.5, "k3": -0.3, "n": 0.5, "poisson_12": 0.35, "poisson_31": 0.35},
@@ -55,31 +53,43 @@ def tried(*command):
         return None
 
 
-taken = refused = slow = 0
-while taken < STUDIES and refused < 40 * STUDIES:
-    text = study()
-    file = write_study(folder, text)
-    done = tried("check", file)
-    if done is None:
-        slow += 1
-        continue
-    check(done.returncode in (0, 1, 2), f"check ends with {done.returncode}:\n{done.stderr}\n{text}")
-    if done.returncode == 2:
-        refused += 1
-        message = done.stderr.strip()
-        check(len(message.splitlines()) == 1 and "small.toml" in message or "small.csv" in message, f"one message that names the file: {message}")
-        continue
-    taken += 1
-    for command in (["forward"], ["map", "--design", "sobol", "--points", 6], ["fit", "--explore", 6, "--starts", 2],
-                    ["sensitivity", "--samples", 0], ["twin", "--noise", 0.02]):
-        out = [] if command[0] == "forward" else ["--out", folder / "out"]
-        done = tried(command[0], file, *command[1:], *out)
+def no_command_refuses_what_check_takes(studies):
+    seed = random.SystemRandom().randrange(10**6)
+    random.seed(seed)
+    print(f"seed {seed}")
+    taken = refused = slow = 0
+    while taken < studies and refused < 40 * studies:
+        text = study()
+        file = write_study(folder, text)
+        done = tried("check", file)
         if done is None:
             slow += 1
             continue
-        check(done.returncode in (0, 1), f"what check takes, {command[0]} ends with {done.returncode}: {done.stderr}\n{text}")
-        check(done.returncode == 0 or done.stderr.strip() or done.stdout.strip(), f"{command[0]} says why it has no answer")
-    shutil.rmtree(folder / "out", ignore_errors=True)
-print(f"{taken} studies taken, {refused} refused, {slow} commands too slow to wait for")
-check(taken == STUDIES, "studies that check takes")
-finish()
+        assert done.returncode in (0, 1, 2), f"check ends with {done.returncode}:\n{done.stderr}\n{text}"
+        if done.returncode == 2:
+            refused += 1
+            message = done.stderr.strip()
+            assert len(message.splitlines()) == 1 and "small.toml" in message or "small.csv" in message, f"one message that names the file: {message}"
+            continue
+        taken += 1
+        for command in (["forward"], ["map", "--design", "sobol", "--points", 6], ["fit", "--explore", 6, "--starts", 2],
+                        ["sensitivity", "--samples", 0], ["twin", "--noise", 0.02]):
+            out = [] if command[0] == "forward" else ["--out", folder / "out"]
+            done = tried(command[0], file, *command[1:], *out)
+            if done is None:
+                slow += 1
+                continue
+            assert done.returncode in (0, 1), f"what check takes, {command[0]} ends with {done.returncode}: {done.stderr}\n{text}"
+            assert done.returncode == 0 or done.stderr.strip() or done.stdout.strip(), f"{command[0]} says why it has no answer"
+        shutil.rmtree(folder / "out", ignore_errors=True)
+    print(f"{taken} studies taken, {refused} refused, {slow} commands too slow to wait for")
+    assert taken == studies, "studies that check takes"
+
+
+def test_what_check_takes_no_command_refuses():
+    no_command_refuses_what_check_takes(5)
+
+
+@pytest.mark.long
+def test_what_check_takes_no_command_refuses_of_many():
+    no_command_refuses_what_check_takes(COUNT or 40)

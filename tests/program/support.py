@@ -1,4 +1,5 @@
-"""What the tests of the program share: a small study, running the program, checking."""
+"""What the tests of the program share: the program and how it is run, small studies, cases of one helper."""
+import atexit
 import json
 import os
 import pathlib
@@ -6,13 +7,16 @@ import select
 import shutil
 import sqlite3
 import subprocess
-import sys
 import tempfile
 import time
 
-PROGRAM = sys.argv[1]
+import pytest
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-failures = []
+# Options of conftest.py.
+PROGRAM = str(pathlib.Path(os.environ.get("PAVESCAPE", ROOT / "build/release/explore/pavescape")).resolve())
+COUNT = int(os.environ["PAVESCAPE_COUNT"]) if "PAVESCAPE_COUNT" in os.environ else None
+BUILD = pathlib.Path(PROGRAM).parents[1]  # whose tests/ holds what else is run: generators of blind data, a clock that jumps
 
 
 def run(*arguments, **options):
@@ -20,20 +24,18 @@ def run(*arguments, **options):
     return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=3600, **options)
 
 
-def check(condition, message):
-    if not condition:
-        failures.append(message)
-        print("FAILED:", message)
+def case(label, *arguments, **options):
+    """A call of a helper whose first argument is a label: one of `cases`."""
+    return pytest.param((label, *arguments), options, id=label)
 
 
-def finish():
-    print(f"{'no' if not failures else len(failures)} failures")
-    sys.exit(1 if failures else 0)
+def cases(*calls):
+    """A test of (arguments, options) for each call, named by its label."""
+    return pytest.mark.parametrize("arguments, options", calls)
 
 
 def workspace():
     """A temporary folder, removed at exit."""
-    import atexit
     folder = pathlib.Path(tempfile.mkdtemp(prefix="pavescape-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return folder
@@ -61,7 +63,7 @@ def counted(out):
     """(finished evaluations of a run folder, evaluations that some process computed)"""
     database = sqlite3.connect(f"file:{out / 'run.sqlite'}?mode=ro", uri=True, timeout=10)
     try:
-        check(database.execute("PRAGMA integrity_check").fetchone()[0] == "ok", f"{out.name}: the store is sound")
+        assert database.execute("PRAGMA integrity_check").fetchone()[0] == "ok", f"{out.name}: the store is sound"
         return (database.execute("SELECT count(*) FROM evaluation").fetchone()[0],
                 database.execute("SELECT total(evaluations) FROM session").fetchone()[0])
     finally:
@@ -105,7 +107,7 @@ def peak_MB(*arguments):
     process = subprocess.Popen([PROGRAM, *map(str, arguments)], stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
-    check(process.returncode == 0, f"{arguments[0]}: exit status {process.returncode}")
+    assert process.returncode == 0, f"{arguments[0]}: exit status {process.returncode}"
     return usage.ru_maxrss / 1024
 
 
@@ -117,6 +119,11 @@ def lasting(value):
     if isinstance(value, dict):
         return {k: lasting(v) for k, v in value.items() if k not in OF_THE_PROCESS}
     return [lasting(v) for v in value] if isinstance(value, list) else value
+
+
+def without_run(result):
+    """A result but for the folder of its run."""
+    return {key: value for key, value in result.items() if key != "run"}
 
 
 def result(out, name):

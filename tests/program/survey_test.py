@@ -7,6 +7,8 @@ import re
 import signal
 import time
 
+import pytest
+
 from support import *
 
 folder = workspace()
@@ -21,139 +23,175 @@ def bowl(k1, subgrade, pressure):
     text = SECTION
     for old, new in (("k1 = 2000", f"k1 = {k1}"), ("modulus_MPa = 45", f"modulus_MPa = {subgrade}"),
                      ("pressure_kPa = 600", f"pressure_kPa = {pressure}")):
-        check(text.count(old) == 1, f"the section holds '{old}' once")
+        assert text.count(old) == 1, f"the section holds '{old}' once"
         text = text.replace(old, new)
     for offset in OFFSETS:
         text += f'[[outputs]]\nname = "D{offset}"\nload = "fwd"\nquantity = "deflection"\nx_mm = {offset}\n'
     done = run("forward", write_study(folder, text, None, "truth"), "--json")
-    check(done.returncode == 0, f"forward: {done.stderr}")
+    assert done.returncode == 0, f"forward: {done.stderr}"
     return [1e3 * r["value"] for r in json.loads(done.stdout)["responses"]]
 
 
-# The last stations first: the report goes along the road.
-truth = {"C": (4000, 60, 560), "B": (800, 200, 580), "A": (2500, 45, 600)}
-rows = []
-for name, (k1, subgrade, pressure) in truth.items():
-    deflections = bowl(k1, subgrade, pressure)
-    rows.append([name, 100 * "ABC".index(name), 1, 150, pressure, *deflections])
-rows.append(["nonsense", 50, 1, 150, 600, 500, 300, 200, 250, 100, 50])
-road = folder / "road.csv"
-road.write_text("# made by forward\n" + HEADER + "\n" + "\n".join(",".join(map(str, row)) for row in rows) + "\n")
+@pytest.fixture(scope="module")
+def made():
+    # The last stations first: the report goes along the road.
+    truth = {"C": (4000, 60, 560), "B": (800, 200, 580), "A": (2500, 45, 600)}
+    rows = []
+    for name, (k1, subgrade, pressure) in truth.items():
+        deflections = bowl(k1, subgrade, pressure)
+        rows.append([name, 100 * "ABC".index(name), 1, 150, pressure, *deflections])
+    rows.append(["nonsense", 50, 1, 150, 600, 500, 300, 200, 250, 100, 50])
+    road = folder / "road.csv"
+    road.write_text("# made by forward\n" + HEADER + "\n" + "\n".join(",".join(map(str, row)) for row in rows) + "\n")
+    return truth, rows, road
+
+
 study = write_study(folder, SURVEY, None, "survey")
 
 
 def call(*arguments):
     done = run("survey", *arguments, "--json")
-    check(done.returncode == 0, f"survey: {done.stderr}")
-    check(done.stderr == "", f"survey: standard error is silent when piped: {done.stderr}")
+    assert done.returncode == 0, f"survey: {done.stderr}"
+    assert done.stderr == "", f"survey: standard error is silent when piped: {done.stderr}"
     return json.loads(done.stdout)
 
 
-# Without a study: ratios alone.
-result = call(road, "--out", folder / "ratios")
-stations = {s["station"]: s for s in result["stations"]}
-check(list(stations) == ["A", "nonsense", "B", "C"], "stations stand along the road")
-check(result["counts"] == {"stations": 4, "rejected": 1, "pass": 2, "fail": 1, "fitted": 0, "doubtful": 0, "no_fit": 0, "failed": 0}, f"counts: {result['counts']}")
-check(stations["nonsense"]["status"] == "rejected" and "rises from 200 um at 300 mm" in stations["nonsense"]["reason"],
-      "nonsense has its reason")
-for row in rows[:3]:
-    s = stations[row[0]]
-    interpolated = (row[6] * row[7]) ** 0.5  # half way between 200 and 300 mm on a logarithmic scale
-    check(abs(s["deflection_ratio"] - interpolated / row[5]) < 1e-12, f"{row[0]}: the ratio")
-    check(s["D250_is_interpolated"] and s["pass"] == (interpolated / row[5] >= 0.6), f"{row[0]}: the verdict")
-    check(abs(s["D0_um_at_common_pressure"] - row[5] * 580 / row[4]) < 1e-9, f"{row[0]}: D0 at the median pressure")
-    check("fit" not in s, f"{row[0]}: nothing was fitted")
-check(not stations["B"]["pass"], "the weak station fails")
-check("D250/D0" in result["deflection_ratio"]["definition"] and result["deflection_ratio"]["limit"] == 0.6, "the definition is said")
-check(not (folder / "ratios" / "run.sqlite").exists(), "no store without a computation")
-check("--study" not in run("survey", road, "--out", folder / "ratios").stdout, "a table for people")
+def test_without_a_study_ratios_alone(made):
+    _, rows, road = made
+    result = call(road, "--out", folder / "ratios")
+    stations = {s["station"]: s for s in result["stations"]}
+    assert list(stations) == ["A", "nonsense", "B", "C"], "stations stand along the road"
+    assert result["counts"] == {"stations": 4, "rejected": 1, "pass": 2, "fail": 1, "fitted": 0, "doubtful": 0, "no_fit": 0, "failed": 0}, f"counts: {result['counts']}"
+    assert stations["nonsense"]["status"] == "rejected" and "rises from 200 um at 300 mm" in stations["nonsense"]["reason"], "nonsense has its reason"
+    for row in rows[:3]:
+        s = stations[row[0]]
+        interpolated = (row[6] * row[7]) ** 0.5  # half way between 200 and 300 mm on a logarithmic scale
+        assert abs(s["deflection_ratio"] - interpolated / row[5]) < 1e-12, f"{row[0]}: the ratio"
+        assert s["D250_is_interpolated"] and s["pass"] == (interpolated / row[5] >= 0.6), f"{row[0]}: the verdict"
+        assert abs(s["D0_um_at_common_pressure"] - row[5] * 580 / row[4]) < 1e-9, f"{row[0]}: D0 at the median pressure"
+        assert "fit" not in s, f"{row[0]}: nothing was fitted"
+    assert not stations["B"]["pass"], "the weak station fails"
+    assert "D250/D0" in result["deflection_ratio"]["definition"] and result["deflection_ratio"]["limit"] == 0.6, "the definition is said"
+    assert not (folder / "ratios" / "run.sqlite").exists(), "no store without a computation"
+    assert "--study" not in run("survey", road, "--out", folder / "ratios").stdout, "a table for people"
 
-# With a study: the moduli come back, with the same bits for one and two threads.
-results = {}
-for threads in (1, 2):
-    out = folder / f"threads-{threads}"
-    results[threads] = call(road, "--study", study, "--threads", threads, "--out", out)
-    check(json.loads((out / "survey.json").read_text()) == results[threads], "the same in the folder of the run")
-    results[threads].pop("run")
-check(results[1] == results[2], "one and two threads differ")
-table = (folder / "threads-1" / "survey.csv").read_text()
-check(table == (folder / "threads-2" / "survey.csv").read_text(), "the tables of one and two threads differ")
-check(results[1]["counts"]["fitted"] == 3 and results[1]["counts"]["failed"] == 0, "every sound station is fitted")
-for s in results[1]["stations"]:
-    if s["station"] == "nonsense":
-        check("fit" not in s, "nonsense is not fitted")
-        continue
-    fit = s["fit"]
-    k1, subgrade, _ = truth[s["station"]]
-    # The same model and no noise: what is left is the tolerance of the search.
-    check(abs(fit["parameters"]["base.k1"] / k1 - 1) < 1e-4, f"{s['station']}: k1 {fit['parameters']['base.k1']}, not {k1}")
-    check(abs(fit["parameters"]["subgrade.modulus_MPa"] / subgrade - 1) < 1e-4, f"{s['station']}: subgrade {fit['parameters']}")
-    check(fit["status"] == "converged" and fit["rms_percent"] < 0.01 and fit["on_bound"] == [], f"{s['station']}: {fit}")
-    relative = [r["model_um"] / r["measured_um"] - 1 for r in s["readings"]]
-    rms = 100 * (sum(d * d for d in relative) / len(relative)) ** 0.5
-    check(abs(rms - fit["rms_percent"]) < 1e-9, f"{s['station']}: the root mean square")
-cells = list(csv.DictReader(io.StringIO(table)))
-check([c["station"] for c in cells] == ["A", "nonsense", "B", "C"], "the table: one line a station")
-check([c["verdict"] for c in cells] == ["pass", "", "fail", "pass"], "the table: verdicts")
-for c, s in zip(cells, results[1]["stations"]):
-    check(None not in c and None not in c.values(), f"the table: {c['station']} has as many cells as the header")
-    check(c["base.k1"] == ("" if "fit" not in s else repr(s["fit"]["parameters"]["base.k1"])), "the table: the bits of the JSON")
-text = run("survey", road, "--study", study, "--out", folder / "threads-1").stdout
-for words in ("D250/D0", "Austroads", "~0.", "pass", "fail", "rejected: the deflection rises", "base.k1", "RMS %", "Along the road", "0 runs"):
-    check(words in text, f"'{words}' in the report")
-check("\x1b" not in text, "no terminal codes when piped")
 
-# A bound between the truth and the data is named.
-bounded = write_study(folder, SURVEY.replace("max = 300\n", "max = 170\n"), None, "bounded")
-result = call(road, "--study", bounded, "--out", folder / "bounded")
-bounds = {s["station"]: s["fit"]["on_bound"] for s in result["stations"] if "fit" in s}
-check(bounds["B"] == ["subgrade.modulus_MPa at its upper bound"] and bounds["C"] == [], f"bounds: {bounds}")
-far_off = write_study(folder, SURVEY.replace("max = 300\n", "max = 60\n"), None, "far-off")
-station = {s["station"]: s for s in call(road, "--study", far_off, "--out", folder / "far-off")["stations"]}["B"]
-check(station["status"] == "no-fit" and "RMS" in station["reason"] and "attempt" in station, f"a third of the stiffness is no fit: {station['reason']}")
+@pytest.fixture(scope="module")
+def surveyed(made):
+    _, _, road = made
+    # With a study: the moduli come back, with the same bits for one and two threads.
+    results = {}
+    for threads in (1, 2):
+        out = folder / f"threads-{threads}"
+        results[threads] = call(road, "--study", study, "--threads", threads, "--out", out)
+        assert json.loads((out / "survey.json").read_text()) == results[threads], "the same in the folder of the run"
+    assert without_run(results[1]) == without_run(results[2]), "one and two threads differ"
+    table = (folder / "threads-1" / "survey.csv").read_text()
+    assert table == (folder / "threads-2" / "survey.csv").read_text(), "the tables of one and two threads differ"
+    return results, table
 
-# A model that cannot be: no back-calculation, and it is said.
-stiff = write_study(folder, SURVEY.replace("min = 20\nmax = 300\n", "min = 2000\nmax = 3000\n"), None, "stiff")
-done = run("survey", road, "--study", stiff, "--out", folder / "stiff", "--json")
-check(done.returncode == 1, f"nothing back-calculated: exit status {done.returncode}")
-result = json.loads(done.stdout)
-check(result["counts"]["fitted"] == 0 and result["counts"]["no_fit"] == 3, f"no fit: {result['counts']}")
-check(all(s["reason"] and "fit" not in s and s["parameters"] == {} for s in result["stations"]), "no parameters of what is no fit")
 
-# Several load levels tell k2 of a stress-dependent base, and are fitted together unless one is asked for.
-text = [HEADER]
-for drop, pressure in enumerate((300, 600, 900), 1):
-    text.append(",".join(map(str, ["A", 0, drop, 150, pressure, *bowl(2500, 45, pressure)])))
-levels = folder / "levels.csv"
-levels.write_text("\n".join(text) + "\n")
-result = call(levels, "--study", study, "--out", folder / "levels")
-station = result["stations"][0]
-check(station["drops_used"] == [1, 2, 3] and len(station["levels"]) == 3 and result["fits_all_levels"], f"all levels: {station['drops_used']}")
-# Within the path tolerance: the levels lie on one path here, and were made each on its own.
-check(abs(station["parameters"]["base.k1"]["value"] / 2500 - 1) < 1e-3, f"k1 of all levels: {station['parameters']}")
-station = call(levels, "--study", study, "--target-load", "42kN", "--out", folder / "level")["stations"][0]
-check(station["drops_used"] == [2] and station["drops_left_out"] == [1, 3], f"42 kN on this plate are 594 kPa: {station['drops_used']}")
-check(any("drops 1, 3 left out" in r for r in station["remarks"]), f"what is left out is said: {station['remarks']}")
-station = call(levels, "--drops", "1,2", "--out", folder / "drops")["stations"][0]
-check(station["drops_used"] == [2] and station["drops_left_out"] == [1, 3], f"drops 1 and 2, the higher of them: {station['drops_used']}")
-check(station["normalised"]["pressure_kPa"] == 600, "normalised to the median pressure")
-station = call(levels, "--normalise", "566kPa", "--out", folder / "normalised")["stations"][0]
-check(abs(station["normalised"]["D0_um"] / (station["D0_um"] * 566 / 900) - 1) < 1e-12, "in proportion to the pressure")
+def test_the_moduli_come_back(made, surveyed):
+    truth, _, _ = made
+    results, _ = surveyed
+    assert results[1]["counts"]["fitted"] == 3 and results[1]["counts"]["failed"] == 0, "every sound station is fitted"
+    for s in results[1]["stations"]:
+        if s["station"] == "nonsense":
+            assert "fit" not in s, "nonsense is not fitted"
+            continue
+        fit = s["fit"]
+        k1, subgrade, _ = truth[s["station"]]
+        # The same model and no noise: what is left is the tolerance of the search.
+        assert abs(fit["parameters"]["base.k1"] / k1 - 1) < 1e-4, f"{s['station']}: k1 {fit['parameters']['base.k1']}, not {k1}"
+        assert abs(fit["parameters"]["subgrade.modulus_MPa"] / subgrade - 1) < 1e-4, f"{s['station']}: subgrade {fit['parameters']}"
+        assert fit["status"] == "converged" and fit["rms_percent"] < 0.01 and fit["on_bound"] == [], f"{s['station']}: {fit}"
+        relative = [r["model_um"] / r["measured_um"] - 1 for r in s["readings"]]
+        rms = 100 * (sum(d * d for d in relative) / len(relative)) ** 0.5
+        assert abs(rms - fit["rms_percent"]) < 1e-9, f"{s['station']}: the root mean square"
 
-# Parameters have ranges around their values.
-for s in results[1]["stations"]:
-    for name, p in s["parameters"].items():
-        check(p["low"] < p["value"] < p["high"] and p["determined"], f"{s['station']}, {name}: {p}")
 
-# A folder holds one road.
-twin = folder / "elsewhere" / "road.csv"
-twin.parent.mkdir()
-twin.write_text(road.read_text().replace("500,300", "510,300"))
-done = run("survey", twin, "--out", folder / "ratios")
-check(done.returncode == 2 and "another road" in done.stderr, f"another road into the same folder: {done.returncode} {done.stderr}")
-done = run("survey", road, cwd=folder)
-check(done.returncode == 0 and (folder / "output" / "road" / "survey.json").exists(), "results go under the name of the file")
-check(run("survey", road, cwd=folder).returncode == 0, "the same road again")
+def test_the_table_has_the_bits_of_the_json(surveyed):
+    results, table = surveyed
+    cells = list(csv.DictReader(io.StringIO(table)))
+    assert [c["station"] for c in cells] == ["A", "nonsense", "B", "C"], "the table: one line a station"
+    assert [c["verdict"] for c in cells] == ["pass", "", "fail", "pass"], "the table: verdicts"
+    for c, s in zip(cells, results[1]["stations"]):
+        assert None not in c and None not in c.values(), f"the table: {c['station']} has as many cells as the header"
+        assert c["base.k1"] == ("" if "fit" not in s else repr(s["fit"]["parameters"]["base.k1"])), "the table: the bits of the JSON"
+
+
+@pytest.mark.usefixtures("surveyed")
+def test_the_report_in_words(made):
+    _, _, road = made
+    text = run("survey", road, "--study", study, "--out", folder / "threads-1").stdout
+    for words in ("D250/D0", "Austroads", "~0.", "pass", "fail", "rejected: the deflection rises", "base.k1", "RMS %", "Along the road", "0 runs"):
+        assert words in text, f"'{words}' in the report"
+    assert "\x1b" not in text, "no terminal codes when piped"
+
+
+def test_a_bound_between_truth_and_data_is_named(made):
+    _, _, road = made
+    bounded = write_study(folder, SURVEY.replace("max = 300\n", "max = 170\n"), None, "bounded")
+    result = call(road, "--study", bounded, "--out", folder / "bounded")
+    bounds = {s["station"]: s["fit"]["on_bound"] for s in result["stations"] if "fit" in s}
+    assert bounds["B"] == ["subgrade.modulus_MPa at its upper bound"] and bounds["C"] == [], f"bounds: {bounds}"
+    far_off = write_study(folder, SURVEY.replace("max = 300\n", "max = 60\n"), None, "far-off")
+    station = {s["station"]: s for s in call(road, "--study", far_off, "--out", folder / "far-off")["stations"]}["B"]
+    assert station["status"] == "no-fit" and "RMS" in station["reason"] and "attempt" in station, f"a third of the stiffness is no fit: {station['reason']}"
+
+
+def test_a_model_that_cannot_be_is_said(made):
+    _, _, road = made
+    # A model that cannot be: no back-calculation, and it is said.
+    stiff = write_study(folder, SURVEY.replace("min = 20\nmax = 300\n", "min = 2000\nmax = 3000\n"), None, "stiff")
+    done = run("survey", road, "--study", stiff, "--out", folder / "stiff", "--json")
+    assert done.returncode == 1, f"nothing back-calculated: exit status {done.returncode}"
+    result = json.loads(done.stdout)
+    assert result["counts"]["fitted"] == 0 and result["counts"]["no_fit"] == 3, f"no fit: {result['counts']}"
+    assert all(s["reason"] and "fit" not in s and s["parameters"] == {} for s in result["stations"]), "no parameters of what is no fit"
+
+
+def test_several_load_levels():
+    # Several load levels tell k2 of a stress-dependent base, and are fitted together unless one is asked for.
+    text = [HEADER]
+    for drop, pressure in enumerate((300, 600, 900), 1):
+        text.append(",".join(map(str, ["A", 0, drop, 150, pressure, *bowl(2500, 45, pressure)])))
+    levels = folder / "levels.csv"
+    levels.write_text("\n".join(text) + "\n")
+    result = call(levels, "--study", study, "--out", folder / "levels")
+    station = result["stations"][0]
+    assert station["drops_used"] == [1, 2, 3] and len(station["levels"]) == 3 and result["fits_all_levels"], f"all levels: {station['drops_used']}"
+    # Within the path tolerance: the levels lie on one path here, and were made each on its own.
+    assert abs(station["parameters"]["base.k1"]["value"] / 2500 - 1) < 1e-3, f"k1 of all levels: {station['parameters']}"
+    station = call(levels, "--study", study, "--target-load", "42kN", "--out", folder / "level")["stations"][0]
+    assert station["drops_used"] == [2] and station["drops_left_out"] == [1, 3], f"42 kN on this plate are 594 kPa: {station['drops_used']}"
+    assert any("drops 1, 3 left out" in r for r in station["remarks"]), f"what is left out is said: {station['remarks']}"
+    station = call(levels, "--drops", "1,2", "--out", folder / "drops")["stations"][0]
+    assert station["drops_used"] == [2] and station["drops_left_out"] == [1, 3], f"drops 1 and 2, the higher of them: {station['drops_used']}"
+    assert station["normalised"]["pressure_kPa"] == 600, "normalised to the median pressure"
+    station = call(levels, "--normalise", "566kPa", "--out", folder / "normalised")["stations"][0]
+    assert abs(station["normalised"]["D0_um"] / (station["D0_um"] * 566 / 900) - 1) < 1e-12, "in proportion to the pressure"
+
+
+def test_parameters_have_ranges_around_their_values(surveyed):
+    results, _ = surveyed
+    for s in results[1]["stations"]:
+        for name, p in s["parameters"].items():
+            assert p["low"] < p["value"] < p["high"] and p["determined"], f"{s['station']}, {name}: {p}"
+
+
+def test_a_folder_holds_one_road(made):
+    _, _, road = made
+    twin = folder / "elsewhere" / "road.csv"
+    twin.parent.mkdir()
+    twin.write_text(road.read_text().replace("500,300", "510,300"))
+    assert run("survey", road, "--out", folder / "one-road").returncode == 0
+    done = run("survey", twin, "--out", folder / "one-road")
+    assert done.returncode == 2 and "another road" in done.stderr, f"another road into the same folder: {done.returncode} {done.stderr}"
+    done = run("survey", road, cwd=folder)
+    assert done.returncode == 0 and (folder / "output" / "road" / "survey.json").exists(), "results go under the name of the file"
+    assert run("survey", road, cwd=folder).returncode == 0, "the same road again"
+
 
 # The bowl of a half-space (of layers of 1214, 197.4 and 70.8 MPa, by an independent multilayer program): the floor of the study
 # is said to carry the answer, without it the moduli come out.
@@ -173,15 +211,24 @@ def layered(bottom):
     return folder / f"{bottom}.toml"
 
 
-on_floor = call(folder / "endless.csv", "--study", layered("rigid"), "--out", folder / "on-floor")
-said = [f for f in on_floor["findings"] if "hangs on the floor at 5.000 m" in f]
-subgrade = re.search(r"subgrade.modulus_MPa ([0-9.]+) instead of", said[0]) if said else None
-check(subgrade and abs(float(subgrade[1]) / 70.8 - 1) < 0.01, f"the floor carries the answer: {on_floor['findings']}")
-endless = call(folder / "endless.csv", "--study", layered("half-space"), "--out", folder / "endless")
-for name, modulus in (("asphalt", 1214), ("base", 197.4), ("subgrade", 70.8)):
-    found = endless["stations"][0]["parameters"][f"{name}.modulus_MPa"]["value"]
-    check(abs(found / modulus - 1) < 0.01, f"{name} of a half-space: {found}")
-check(not any("hangs on the floor" in f for f in endless["findings"]), "no floor, no finding of it")
+def test_the_floor_that_carries_the_answer_is_said():
+    on_floor = call(folder / "endless.csv", "--study", layered("rigid"), "--out", folder / "on-floor")
+    said = [f for f in on_floor["findings"] if "hangs on the floor at 5.000 m" in f]
+    subgrade = re.search(r"subgrade.modulus_MPa ([0-9.]+) instead of", said[0]) if said else None
+    assert subgrade and abs(float(subgrade[1]) / 70.8 - 1) < 0.01, f"the floor carries the answer: {on_floor['findings']}"
+
+
+@pytest.fixture(scope="module")
+def endless():
+    return call(folder / "endless.csv", "--study", layered("half-space"), "--out", folder / "endless")
+
+
+def test_moduli_of_a_half_space_come_out(endless):
+    for name, modulus in (("asphalt", 1214), ("base", 197.4), ("subgrade", 70.8)):
+        found = endless["stations"][0]["parameters"][f"{name}.modulus_MPa"]["value"]
+        assert abs(found / modulus - 1) < 0.01, f"{name} of a half-space: {found}"
+    assert not any("hangs on the floor" in f for f in endless["findings"]), "no floor, no finding of it"
+
 
 # [[outputs]] of every station: the value is the forward run's at the best fit; with one parameter the range is what the ends of
 # the parameter's own range give, to first order. Outputs may be under the plate or another load.
@@ -210,77 +257,94 @@ depth_mm = 760
 def outputs_at(modulus):
     (folder / "at.toml").write_text(text.replace("modulus_MPa = 60", f"modulus_MPa = {modulus!r}"))
     done = run("forward", folder / "at.toml", "--json")
-    check(done.returncode == 0, f"forward: {done.stderr}")
+    assert done.returncode == 0, f"forward: {done.stderr}"
     return [r["value"] for r in json.loads(done.stdout)["responses"]]
 
 
-station = call(folder / "endless.csv", "--study", folder / "outputs.toml", "--out", folder / "outputs")["stations"][0]
-modulus = station["parameters"]["subgrade.modulus_MPa"]
-best, below, above = (outputs_at(modulus[end]) for end in ("value", "low", "high"))
-check(list(station["outputs"]) == ["base strain", "subgrade strain"], f"outputs: {station['outputs']}")
-for k, output in enumerate(station["outputs"].values()):
-    check(abs(output["value"] / best[k] - 1) < 1e-6 and output["determined"], f"the output at the best fit: {output}, not {best[k]}")
-    half, expected = (output["high"] - output["low"]) / 2, abs(below[k] - above[k]) / 2
-    check(abs(half / expected - 1) < 0.02 and expected > 1e-4 * abs(best[k]), f"the range of {output}: half {half}, not {expected}")
-cells = list(csv.DictReader(io.StringIO((folder / "outputs" / "survey.csv").read_text())))[0]
-check(float(cells["base strain [microstrain]"]) == station["outputs"]["base strain"]["value"], f"the table: {list(cells)}")
-again = run("survey", folder / "endless.csv", "--study", folder / "outputs.toml", "--out", folder / "outputs").stdout
-check("base strain" in again and "0 runs" in again, "outputs in the text, and kept")
-check("outputs" not in open(folder / "endless" / "survey.csv").read() and endless["stations"][0]["outputs"] == {}, "none without [[outputs]]")
+def test_outputs_of_every_station(endless):
+    station = call(folder / "endless.csv", "--study", folder / "outputs.toml", "--out", folder / "outputs")["stations"][0]
+    modulus = station["parameters"]["subgrade.modulus_MPa"]
+    best, below, above = (outputs_at(modulus[end]) for end in ("value", "low", "high"))
+    assert list(station["outputs"]) == ["base strain", "subgrade strain"], f"outputs: {station['outputs']}"
+    for k, output in enumerate(station["outputs"].values()):
+        assert abs(output["value"] / best[k] - 1) < 1e-6 and output["determined"], f"the output at the best fit: {output}, not {best[k]}"
+        half, expected = (output["high"] - output["low"]) / 2, abs(below[k] - above[k]) / 2
+        assert abs(half / expected - 1) < 0.02 and expected > 1e-4 * abs(best[k]), f"the range of {output}: half {half}, not {expected}"
+    cells = list(csv.DictReader(io.StringIO((folder / "outputs" / "survey.csv").read_text())))[0]
+    assert float(cells["base strain [microstrain]"]) == station["outputs"]["base strain"]["value"], f"the table: {list(cells)}"
+    again = run("survey", folder / "endless.csv", "--study", folder / "outputs.toml", "--out", folder / "outputs").stdout
+    assert "base strain" in again and "0 runs" in again, "outputs in the text, and kept"
+    assert "outputs" not in open(folder / "endless" / "survey.csv").read() and endless["stations"][0]["outputs"] == {}, "none without [[outputs]]"
 
-# Two files of one road: runs of their own where they lie over each other, one road where one follows the other.
-for name, lines in (("first", "1,0,{0}|2,100,{0}"), ("second", "1,0,{0}|2,100,{0}"), ("onwards", "3,200,{0}|4,300,{0}")):
-    drops = [line.format("150,50,500,400,330,180,110") for line in lines.split("|")]
+
+def part(name, lines, force=50):
+    """A file of stations with one bowl."""
+    drops = [line.format(f"150,{force},500,400,330,180,110") for line in lines.split("|")]
     (folder / f"{name}.csv").write_text("station,chainage_m,radius_mm,load_kN,D0_um,D200_um,D300_um,D600_um,D900_um\n" + "\n".join(drops) + "\n")
-both = call(folder / "first.csv", folder / "second.csv", "--out", folder / "two-runs")
-check([s["profile"] for s in both["stations"]] == ["first", "first", "second", "second"], f"two runs: {[s['profile'] for s in both['stations']]}")
-both = call(folder / "first.csv", folder / "onwards.csv", "--out", folder / "on")
-check([s["profile"] for s in both["stations"]] == [""] * 4, "one road of two files")
-(folder / "slip.csv").write_text((folder / "first.csv").read_text().replace(",50,", ",5.1,"))
-slip = call(folder / "slip.csv", "--out", folder / "slip")
-check(any("tonnes" in f and "2 of 2 stations" in f for f in slip["findings"]), f"a slip is a finding: {slip['findings']}")
+    return folder / f"{name}.csv"
 
-# Positions make a map, temperatures the asphalt's.
-places = folder / "places.csv"
-places.write_text("station,chainage_m,radius_mm,load_kN,D0_um,D200_um,D300_um,latitude,longitude,time,surface_C,air_C,crew\n"
-                  "A,0,150,50,500,400,330,48.97,2.58,13:15,25,15,us\nB,9,150,50,500,400,330,,,,95,,us\n")
-result = call(places, "--asphalt-thickness", 200, "--air-before", 15, "--out", folder / "places")
-map_of = json.loads((folder / "places" / "survey.geojson").read_text())
-check([f["geometry"]["coordinates"] for f in map_of["features"]] == [[2.58, 48.97]], f"a map: {map_of}")
-check(abs(result["stations"][0]["asphalt_C"] - 20.774) < 0.001, "BELLS3 at half of 200 mm: see survey_analysis_test")
-check(result["stations"][1]["asphalt_C"] is None, "no temperature without a surface")
-check(any("Fahrenheit" in r for r in result["stations"][1]["remarks"]), f"95 C: {result['stations'][1]['remarks']}")
-check(any("crew" in f for f in result["findings"]), f"columns that are not used are named: {result['findings']}")
 
-# Cut off and continued: the same result, and what was computed is not computed again.
-out = folder / "interrupted"
-for least in (100, 262):  # while exploring, while searching
-    process = subprocess.Popen([PROGRAM, "survey", road, "--study", study, "--out", out], stdout=subprocess.DEVNULL,
-                               stderr=subprocess.PIPE, text=True)
-    while evaluations(out) < least and process.poll() is None:
-        time.sleep(0.01)
-    process.send_signal(signal.SIGINT)
-    message = process.communicate()[1]
-    check(process.returncode == 130, f"interrupted: exit status {process.returncode}")
-    check("kept" in message, f"the interrupt says what is kept: {message}")
-    check(not (out / "survey.json").exists(), "no result of half a road")
-result = call(road, "--study", study, "--out", out)
-result.pop("run")
-check(result == results[1], "the interrupted and continued survey differs")
+def test_two_files_of_one_road():
+    # Runs of their own where they lie over each other, one road where one follows the other.
+    first, second, onwards = part("first", "1,0,{0}|2,100,{0}"), part("second", "1,0,{0}|2,100,{0}"), part("onwards", "3,200,{0}|4,300,{0}")
+    both = call(first, second, "--out", folder / "two-runs")
+    assert [s["profile"] for s in both["stations"]] == ["first", "first", "second", "second"], f"two runs: {[s['profile'] for s in both['stations']]}"
+    both = call(first, onwards, "--out", folder / "on")
+    assert [s["profile"] for s in both["stations"]] == [""] * 4, "one road of two files"
 
-# A station whose model has no answer is said, and the others are fitted.
-far = folder / "far.csv"
-far.write_text(HEADER + ",D3500_um\n" + "\n".join(",".join(map(str, row)) + ("," if row[0] == "A" else ",1") for row in rows[1:3]) + "\n")
-result = call(far, "--study", study, "--out", folder / "far")
-stations = {s["station"]: s for s in result["stations"]}
-check(stations["B"]["status"] == "failed" and "outside the mesh" in stations["B"]["reason"], f"B: {stations['B']}")
-check(stations["A"]["status"] == "ok" and "fit" in stations["A"], "A is fitted all the same")
-impossible = write_study(folder, SURVEY.replace('"base.k1"\nmin = 300\nmax = 10000', '"base.n"\nmin = 3.5\nmax = 4.5'), None, "impossible")
-done = run("survey", road, "--study", impossible, "--out", folder / "impossible", "--json")
-check(done.returncode == 1, f"no station has an answer: exit status {done.returncode}")
-reasons = [s["reason"] for s in json.loads(done.stdout)["stations"] if s["status"] == "failed"]
-check(len(reasons) == 3 and all("not one explored point has an answer" in r and "must be positive" in r for r in reasons), f"reasons: {reasons}")
-check(run("survey", far, road, "--out", folder / "both").stdout.startswith("6 stations"), "several files make one road")
+
+def test_a_slip_is_a_finding():
+    slip = call(part("slip", "1,0,{0}|2,100,{0}", force=5.1), "--out", folder / "slip")
+    assert any("tonnes" in f and "2 of 2 stations" in f for f in slip["findings"]), f"a slip is a finding: {slip['findings']}"
+
+
+def test_positions_make_a_map_and_temperatures_the_asphalts():
+    places = folder / "places.csv"
+    places.write_text("station,chainage_m,radius_mm,load_kN,D0_um,D200_um,D300_um,latitude,longitude,time,surface_C,air_C,crew\n"
+                      "A,0,150,50,500,400,330,48.97,2.58,13:15,25,15,us\nB,9,150,50,500,400,330,,,,95,,us\n")
+    result = call(places, "--asphalt-thickness", 200, "--air-before", 15, "--out", folder / "places")
+    map_of = json.loads((folder / "places" / "survey.geojson").read_text())
+    assert [f["geometry"]["coordinates"] for f in map_of["features"]] == [[2.58, 48.97]], f"a map: {map_of}"
+    assert abs(result["stations"][0]["asphalt_C"] - 20.774) < 0.001, "BELLS3 at half of 200 mm: see survey_analysis_test"
+    assert result["stations"][1]["asphalt_C"] is None, "no temperature without a surface"
+    assert any("Fahrenheit" in r for r in result["stations"][1]["remarks"]), f"95 C: {result['stations'][1]['remarks']}"
+    assert any("crew" in f for f in result["findings"]), f"columns that are not used are named: {result['findings']}"
+
+
+def test_a_survey_that_is_cut_off_continues(made, surveyed):
+    _, _, road = made
+    results, _ = surveyed
+    # Cut off and continued: the same result, and what was computed is not computed again.
+    out = folder / "interrupted"
+    for least in (100, 262):  # while exploring, while searching
+        process = subprocess.Popen([PROGRAM, "survey", road, "--study", study, "--out", out], stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.PIPE, text=True)
+        while evaluations(out) < least and process.poll() is None:
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        message = process.communicate()[1]
+        assert process.returncode == 130, f"interrupted: exit status {process.returncode}"
+        assert "kept" in message, f"the interrupt says what is kept: {message}"
+        assert not (out / "survey.json").exists(), "no result of half a road"
+    result = call(road, "--study", study, "--out", out)
+    assert without_run(result) == without_run(results[1]), "the interrupted and continued survey differs"
+
+
+def test_a_station_without_an_answer_stops_no_other(made):
+    _, rows, road = made
+    # A station whose model has no answer is said, and the others are fitted.
+    far = folder / "far.csv"
+    far.write_text(HEADER + ",D3500_um\n" + "\n".join(",".join(map(str, row)) + ("," if row[0] == "A" else ",1") for row in rows[1:3]) + "\n")
+    result = call(far, "--study", study, "--out", folder / "far")
+    stations = {s["station"]: s for s in result["stations"]}
+    assert stations["B"]["status"] == "failed" and "outside the mesh" in stations["B"]["reason"], f"B: {stations['B']}"
+    assert stations["A"]["status"] == "ok" and "fit" in stations["A"], "A is fitted all the same"
+    impossible = write_study(folder, SURVEY.replace('"base.k1"\nmin = 300\nmax = 10000', '"base.n"\nmin = 3.5\nmax = 4.5'), None, "impossible")
+    done = run("survey", road, "--study", impossible, "--out", folder / "impossible", "--json")
+    assert done.returncode == 1, f"no station has an answer: exit status {done.returncode}"
+    reasons = [s["reason"] for s in json.loads(done.stdout)["stations"] if s["status"] == "failed"]
+    assert len(reasons) == 3 and all("not one explored point has an answer" in r and "must be positive" in r for r in reasons), f"reasons: {reasons}"
+    assert run("survey", far, road, "--out", folder / "both").stdout.startswith("6 stations"), "several files make one road"
 
 
 # Wrong input: one message, exit status 2, nothing written.
@@ -288,11 +352,11 @@ def expect(label, words, *arguments):
     done = run("survey", *arguments, "--out", folder / "wrong")
     message = done.stderr.strip()
     print(f"{label}\n    {message.replace(str(folder), '...')}")
-    check(done.returncode == 2, f"{label}: exit status {done.returncode}")
-    check(len(message.splitlines()) == 1 and done.stdout == "", f"{label}: one message")
-    check(not (folder / "wrong").exists(), f"{label}: something was written")
+    assert done.returncode == 2, f"{label}: exit status {done.returncode}"
+    assert len(message.splitlines()) == 1 and done.stdout == "", f"{label}: one message"
+    assert not (folder / "wrong").exists(), f"{label}: something was written"
     for word in words:
-        check(word in message, f"{label}: '{word}' is missing")
+        assert word in message, f"{label}: '{word}' is missing"
 
 
 def file(name, text):
@@ -300,24 +364,34 @@ def file(name, text):
     return folder / name
 
 
-expect("no such file", ["nowhere.csv", "FWD file"], folder / "nowhere.csv")
-expect("another format", ["known format", "chainage_m"], study)
-done = run("survey", road, "--target-load", "heavy", "--out", folder / "wrong")
-check(done.returncode == 2 and "heavy is no load" in done.stderr, f"no load: {done.returncode} {done.stderr}")
-expect("columns without a table's name", ["no such column", "Kraft"], road, "--columns", "load_kN = Kraft")
-expect("no plate", ["plate", "0 loads"], road, "--study",
-       write_study(folder, SURVEY.replace('type = "plate"\nradius_mm = 150', 'type = "wheel"\npatch = "circle"\nforce_kN = 40'), None, "wheel"))
-expect("a free load", ["fwd.pressure_kPa", "measured"], road, "--study",
-       write_study(folder, SURVEY.replace('"base.k1"\nmin = 300', '"fwd.pressure_kPa"\nmin = 300'), None, "free-load"))
-expect("no parameters", ["parameters"], road, "--study", write_study(folder, SURVEY[:SURVEY.index("[[parameters]]")], None, "fixed"))
-letters = run("survey", file("letters.csv", HEADER + "\nA,0,1,150,600,many,1,1,1,1,1\nB,9,1,150,600,500,many,300,200,150,100\n"),
-                        "--out", folder / "letters", "--json")
-stations = json.loads(letters.stdout)["stations"]
-check([s["status"] for s in stations] == ["rejected", "ok"], "words cost readings, not the file")
-check('line 3, D200_um: "many" is not a number' in stations[1]["remarks"], f"the word is remarked: {stations[1]['remarks']}")
-check(run("survey").returncode == 2, "no file")
-only = file("only.csv", HEADER + "\n" + ",".join(map(str, rows[3])) + "\n")
-check(run("survey", only, "--out", folder / "only").returncode == 1, "nothing but nonsense: exit status 1")
-check("Example:" in run("survey", "--help").stdout, "survey --help holds an example")
+def test_wrong_input_is_one_message(made):
+    _, _, road = made
+    expect("no such file", ["nowhere.csv", "FWD file"], folder / "nowhere.csv")
+    expect("another format", ["known format", "chainage_m"], study)
+    done = run("survey", road, "--target-load", "heavy", "--out", folder / "wrong")
+    assert done.returncode == 2 and "heavy is no load" in done.stderr, f"no load: {done.returncode} {done.stderr}"
+    expect("columns without a table's name", ["no such column", "Kraft"], road, "--columns", "load_kN = Kraft")
+    expect("no plate", ["plate", "0 loads"], road, "--study",
+           write_study(folder, SURVEY.replace('type = "plate"\nradius_mm = 150', 'type = "wheel"\npatch = "circle"\nforce_kN = 40'), None, "wheel"))
+    expect("a free load", ["fwd.pressure_kPa", "measured"], road, "--study",
+           write_study(folder, SURVEY.replace('"base.k1"\nmin = 300', '"fwd.pressure_kPa"\nmin = 300'), None, "free-load"))
+    expect("no parameters", ["parameters"], road, "--study", write_study(folder, SURVEY[:SURVEY.index("[[parameters]]")], None, "fixed"))
 
-finish()
+
+def test_words_cost_readings_not_the_file():
+    letters = run("survey", file("letters.csv", HEADER + "\nA,0,1,150,600,many,1,1,1,1,1\nB,9,1,150,600,500,many,300,200,150,100\n"),
+                            "--out", folder / "letters", "--json")
+    stations = json.loads(letters.stdout)["stations"]
+    assert [s["status"] for s in stations] == ["rejected", "ok"], "words cost readings, not the file"
+    assert 'line 3, D200_um: "many" is not a number' in stations[1]["remarks"], f"the word is remarked: {stations[1]['remarks']}"
+
+
+def test_nothing_but_nonsense(made):
+    _, rows, _ = made
+    assert run("survey").returncode == 2, "no file"
+    only = file("only.csv", HEADER + "\n" + ",".join(map(str, rows[3])) + "\n")
+    assert run("survey", only, "--out", folder / "only").returncode == 1, "nothing but nonsense: exit status 1"
+
+
+def test_help_holds_an_example():
+    assert "Example:" in run("survey", "--help").stdout, "survey --help holds an example"

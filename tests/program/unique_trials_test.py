@@ -1,167 +1,29 @@
-"""Twin experiments on `pavescape unique`: COUNT sections and layouts drawn from seeds, of each kind.
+"""`pavescape unique` on twins whose layout is deficient or rich (tests/blind/unique_trials.py). --count: twins of each kind for the rates."""
+import argparse
+import sys
 
-deficient: two readings for three parameters, so that the Jacobian has a null vector. The verdict must be non-unique, the
-           flat direction that null vector (the cross product of the rows of `forward --jacobian` at the best parameters), and every combination said to be fixed must not change along it.
-rich:      deflections, strains and stresses at 1 % noise. The verdict must be unique; the 95 % ranges of the parameters and
-           outputs are counted against the truth.
-
-python3 tests/program/unique_trials_test.py PROGRAM [COUNT] [FIRST_SEED] [correlated | OTHER]
-           correlated: errors are tied as those of repeated drops are (docs/knowledge.md), and the study says
-           so; OTHER: what another build says of these readings, to which errors are independent, each as large
-"""
-import json
-import math
-import random
+import pytest
 
 from support import *
 
-COUNT = int(sys.argv[2]) if len(sys.argv) > 2 else 4
-FIRST = int(sys.argv[3]) if len(sys.argv) > 3 else 1
-CORRELATED = len(sys.argv) > 4
-OTHER = sys.argv[4] if CORRELATED and sys.argv[4] != "correlated" else None
-COMMON, LENGTH_MM = 0.6, 600  # of the noise of a reading
+sys.path.insert(0, str(ROOT / "tests" / "blind"))
+import unique_trials  # noqa: E402
 
-BOXES = {  # name: low, high, logarithmic, truth drawn from
-    "base.k1": (300.0, 8000.0, True, (1200.0, 3000.0)),
-    "base.k2": (0.1, 1.0, False, (0.4, 0.7)),
-    "base.n": (0.1, 1.0, False, (0.35, 0.7)),
-    "subgrade.modulus_MPa": (15.0, 150.0, True, (35.0, 80.0)),
-}
+OPTIONS = argparse.Namespace(program=PROGRAM, count=COUNT or 4, first=1, correlated=False, other=None)
 
 
-def unit_slope(name, value):
-    low, high, logarithmic, _ = BOXES[name]
-    return value * math.log(high / low) if logarithmic else high - low
+def test_a_deficient_layout_is_called_non_unique_and_its_direction_named():
+    called, named = unique_trials.deficient(OPTIONS, 1)
+    assert called, "two readings for three parameters are not unique"
+    assert named, "the flat direction is the null vector"
 
 
-def study(truth, files):
-    text = STUDY
-    for key, name in (("k1", "base.k1"), ("k2", "base.k2"), ("n", "base.n"), ("modulus_MPa", "subgrade.modulus_MPa")):
-        if name in truth:
-            head, tail = text.split('name = "base"' if name.startswith("base") else 'name = "subgrade"', 1)
-            start = tail.index(f"\n{key} = ") + 1
-            end = tail.index("\n", start)
-            text = head + ('name = "base"' if name.startswith("base") else 'name = "subgrade"') + tail[:start] + \
-                f"{key} = {truth[name]!r}" + tail[end:]
-    begin, end = text.index("[[parameters]]"), text.index("[[outputs]]")
-    parameters = ""
-    for name in truth:
-        low, high, logarithmic, _ = BOXES[name]
-        parameters += f'[[parameters]]\nname = "{name}"\nmin = {low}\nmax = {high}\nscale = "{"log" if logarithmic else "linear"}"\n\n'
-    return text[:begin].replace("small.csv", files) + parameters + text[end:]
+def test_a_rich_layout_is_called_unique():
+    called, inside = unique_trials.rich(OPTIONS, 1)
+    assert called, "deflections, strains and stresses determine four parameters"
+    assert sum(inside.values()) >= len(inside) - 1, f"of five ranges of 95 % one may miss the truth: {inside}"
 
 
-def tied(text):
-    """The study with the errors of its readings tied."""
-    return text.replace('misfit = "log"', f'misfit = "weighted"\n\n[data.noise]\nrelative = 0.01\ncommon_relative = {COMMON * 0.01}\ncorrelation_mm = {LENGTH_MM}')
-
-
-def as_independent(file):
-    """Adds the error in common to what is stated of each reading."""
-    head, *rows = [line for line in file.read_text().splitlines() if not line.startswith("#")]
-    column = head.split(",").index("sigma")
-    for i, row in enumerate(rows):
-        cells = row.split(",")
-        cells[column] = repr(float(cells[column]) * math.hypot(1.0, COMMON))
-        rows[i] = ",".join(cells)
-    file.write_text("\n".join([head, *rows]) + "\n")
-
-
-def twin(folder, truth, rows, noise, seed):
-    """A study whose data are the truth's responses with noise; returns its path and the exact output."""
-    words = tied if CORRELATED else lambda text: text
-    write_study(folder, words(study(truth, "small.csv")), "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + rows, "truth")
-    done = run("twin", folder / "truth.toml", "--noise", noise, "--seed", seed, "--out", folder / "twin")
-    assert done.returncode == 0, done.stderr
-    shutil.copy(folder / "twin" / "twin.csv", folder / "twin.csv")
-    (folder / "study.toml").write_text(words(study(truth, "twin.csv")))
-    if OTHER:
-        as_independent(folder / "twin.csv")
-        (folder / "study.toml").write_text(study(truth, "twin.csv").replace('misfit = "log"', 'misfit = "weighted"'))
-    exact = json.loads(run("forward", folder / "truth.toml", "--json").stdout)
-    return folder / "study.toml", exact["responses"][-1]["value"]
-
-
-def analyse(path):
-    done = subprocess.run([OTHER or PROGRAM, "unique", path, "--json", "--out", path.parent / "run", "--explore", "32", "--verify", "6"],
-                          capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
-
-
-def null_vector(folder, truth, best):
-    """Of d(readings)/d(unit coordinates) / reading at the best parameters."""
-    (folder / "best.toml").write_text(study(best, "twin.csv"))
-    done = json.loads(run("forward", folder / "best.toml", "--json", "--jacobian").stdout)
-    rows = []
-    for response, row in list(zip(done["responses"], done["jacobian"]["rows"]))[:-1]:
-        rows.append([d / response["value"] * unit_slope(name, best[name])
-                     for d, name in zip(row, done["jacobian"]["parameters"])])
-    (a, b, c), (d, e, f) = rows
-    cross = (b * f - c * e, c * d - a * f, a * e - b * d)
-    length = math.hypot(*cross)
-    return [x / length for x in cross], done["jacobian"]["parameters"]
-
-
-def deficient(seed):
-    draw = random.Random(seed)
-    names = ["base.k1", draw.choice(["base.k2", "base.n"]), "subgrade.modulus_MPa"]
-    truth = {name: draw.uniform(*BOXES[name][3]) for name in names}
-    rows = f"fwd,deflection,0,0,0,0,1,mm,\nfwd,deflection,{draw.choice([600, 900, 1200])},0,0,0,1,mm,\n"
-    folder = workspace()
-    path, _ = twin(folder, truth, rows, 0.01, seed)
-    result = analyse(path)
-    right = result["verdict"] == "non-unique"
-    best = result["minima"][0]["parameters"]
-    vector, order = null_vector(folder, truth, best)
-    inside = all(BOXES[n][0] * (1 + 1e-6) < best[n] < BOXES[n][1] * (1 - 1e-6) for n in names)
-    named = True
-    if inside:  # on a bound the parameter there has no part in the direction
-        flattest = result["directions"][-1]
-        named = flattest["flat"] and abs(sum(flattest["vector"][n] * v for n, v in zip(order, vector))) > 0.99
-        for combination in result["spectrum"]["fixed_combinations"]:
-            # d(combination) along the null vector, against the size of its terms
-            terms = [c * v * unit_slope(n, best[n]) / (best[n] if BOXES[n][2] else 1.0)
-                     for n, v in zip(order, vector) if (c := combination["coefficients"].get(n)) is not None]
-            named = named and abs(sum(terms)) < 0.05 * max(map(abs, terms))
-        named = named and len(result["spectrum"]["fixed_combinations"]) > 0
-    return right, named
-
-
-def rich(seed):
-    draw = random.Random(1000 + seed)
-    truth = {name: draw.uniform(*box[3]) for name, box in BOXES.items()}
-    rows = "".join(f"fwd,deflection,{x},0,0,0,1,mm,\n" for x in (0, 200, 300, 450, 600, 900, 1200))
-    rows += "".join(f"fwd,strain_zz,0,0,{z},75,1,microstrain,\n" for z in (90, 165, 240, 330, 450, 600))
-    rows += "".join(f"fwd,stress_zz,0,0,{z},0,1,kPa,\n" for z in (150, 300))
-    path, output = twin(workspace(), truth, rows, 0.01, seed)
-    result = analyse(path)
-    inside = {p["name"]: p["low"] <= truth[p["name"]] <= p["high"] for p in result["profiles"]}
-    inside["output"] = result["outputs"][0]["low"] <= output <= result["outputs"][0]["high"]
-    return result["verdict"] == "unique", inside
-
-
-called = named = unique = 0
-covered = {name: 0 for name in (*BOXES, "output")}
-for seed in range(FIRST, FIRST + COUNT):
-    right, name = (True, True) if OTHER else deficient(seed)
-    called += right
-    named += name
-    well, inside = rich(seed)
-    unique += well
-    for key, value in inside.items():
-        covered[key] += value
-    print(f"{seed - FIRST + 1}: deficient called non-unique {called}, combination named {named}; rich called unique {unique}; "
-          f"truth in the 95 % range {covered}", flush=True)
-if OTHER:
-    sys.exit(0)
-# Of few trials one may go wrong by chance; of many, one in twenty.
-allowed = max(1, COUNT // 20)
-check(called >= COUNT - allowed, f"deficient layouts: {called} of {COUNT} called non-unique")
-check(named >= COUNT - allowed, f"deficient layouts: the combination named in {named} of {COUNT}")
-check(unique >= COUNT - allowed, f"rich layouts: {unique} of {COUNT} called unique")
-for key, count in covered.items():
-    # 95 % coverage within four binomial standard deviations; at 100 trials at least 90.
-    least = 0.95 * COUNT - max(5.0, 4.0 * math.sqrt(0.95 * 0.05 * COUNT)) if COUNT < 100 else 0.90 * COUNT
-    check(count >= least, f"{key}: {count} of {COUNT} ranges hold the truth")
-finish()
+@pytest.mark.long
+def test_rates():
+    assert not (wrong := unique_trials.rates(OPTIONS)), wrong

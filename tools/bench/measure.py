@@ -90,7 +90,7 @@ def inside_table(build, rounds):
 
 def process_table(build, rounds):
     program = f"{build}/explore/pavescape"
-    Process(f"{build}/tools/calculix/compare_calculix", SOLID)  # writes the input of CalculiX
+    Process(f"{build}/tools/accuracy/calculix/compare_calculix", SOLID)  # writes the input of CalculiX
     deck = "output/compare-calculix/" + os.path.basename(SOLID).removesuffix(".toml")
     runs = {"ccx": [], "forward": [], "plane": []}
     for _ in range(rounds):
@@ -139,7 +139,7 @@ def survey_table(build, rounds, folder):
     """A long road of known moduli, with noise: how fast, and how near the moduli come back."""
     program = f"{build}/explore/pavescape"
     road = f"{folder}/road.csv"
-    text = Process("tools/make-road-example", program, str(STATIONS)).out
+    text = Process("tools/data/road-example", "--program", program, "--count", str(STATIONS)).out
     with open(road, "w", encoding="utf-8") as f:
         f.write(text)
     truth = {name: [float(v) for v in values.split()] for name, values in re.findall(r"^# (P\d+): (.*)$", text, re.M)}
