@@ -2,6 +2,7 @@
 
 #include "analysis/groups.h"
 #include "analysis/layout.h"
+#include "analysis/load_steps.h"
 #include "analysis/sample.h"
 #include "base/error.h"
 #include "base/text.h"
@@ -205,8 +206,8 @@ std::optional<CompareResult> compare(Session& session, const study::Study& study
     const std::size_t layer = layer_of(study, options.layer);
     CompareResult result{.study = study, .layer = study.model.layers[layer].name, .laws = {}};
     for (const Law* law : laws_of(options)) {
-        result.laws.push_back(
-            {.law = law, .study = study::with_law(study, layer, *law, {.file = study.file, .key = "--laws"})});
+        study::Study with_law = study::with_law(study, layer, *law, {.file = study.file, .key = "--laws"});
+        result.laws.push_back({.law = law, .study = with_enough_load_steps(std::move(with_law), session)});
     }
     const std::string settings =
         fmt::format("searches of {} evaluations, seed {}", options.settings.max_evaluations, session.options().seed);

@@ -228,7 +228,7 @@ study::Study as_diagnosed(study::Study study) {
 
 std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& asked, const DiagnoseOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
-    const study::Study study = as_diagnosed(asked);
+    const study::Study study = with_enough_load_steps(as_diagnosed(asked), session);
     const problem::Problem baseline = study::make_noise_problem(study, study::Scope::fitted);
     if (baseline.noise_is_student()) {
         throw pave::Error({.file = study.file, .line = study.data.noise_line, .key = "[data.noise] loss"},
@@ -249,6 +249,7 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
                           .before = {},
                           .after = {},
                           .mesh = {},
+                          .path = {},
                           .outputs = {},
                           .located = {},
                           .next = {},
@@ -322,8 +323,10 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     }
     const bool is_extended = result.is_extended();
     const diagnose::Model& stands = (is_extended ? *d.extended : d.baseline).model;
-    result.mesh = mesh_error(is_extended ? result.after->study : study, *bench.problem(stands.members),
-                             stands.evaluation, stands.unit, std::sqrt(d.variance));
+    const study::Study& standing = is_extended ? result.after->study : study;
+    result.mesh = mesh_error(standing, *bench.problem(stands.members), stands.evaluation, stands.unit,
+                             std::sqrt(d.variance));
+    result.path = path_error(standing, *bench.problem(stands.members), stands.evaluation, std::sqrt(d.variance));
     const bool is_named = d.verdict == diagnose::Verdict::cause_named;
     result.outputs =
         output_ranges(is_named ? result.after->study : study, (is_named ? *d.extended : d.baseline).model.unit,

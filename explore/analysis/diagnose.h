@@ -4,6 +4,7 @@
 #include "analysis/candidate_readings.h"
 #include "analysis/layout.h"
 #include "analysis/located.h"
+#include "analysis/load_steps.h"
 #include "analysis/mesh_error.h"
 #include "analysis/output_ranges.h"
 #include "analysis/session.h"
@@ -49,7 +50,8 @@ struct DiagnoseResult {
     diagnose::Diagnosis diagnosis;
     std::optional<DiagnosedModel> before;   // none: failed
     std::optional<DiagnosedModel> after;    // with the best explanation, or corrected
-    std::optional<MeshError> mesh;          // of the extended model where there is one, else of the study's
+    std::optional<MeshError> mesh;
+    std::optional<PathError> path;          // of the extended model where there is one, else of the study's
     std::vector<OutputUncertainty> outputs; // of the named model where a cause is named, else of the study's
     std::vector<LocatedCorrection> located;
     std::vector<SeparatingReading> next;

@@ -79,6 +79,9 @@ public:
         if (std::string words = mesh_words(study, mesh); !words.empty()) {
             text.push_back(std::move(words));
         }
+        if (std::string words = path_words(study, result.path); !words.empty()) {
+            text.push_back(std::move(words));
+        }
         if (const std::string weights = weights_words(study); !weights.empty()) {
             text.push_back(weights);
         }

@@ -1,5 +1,6 @@
 #include "analysis/fit.h"
 
+#include "analysis/load_steps.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "landscape/confirmation.h"
@@ -39,7 +40,8 @@ std::string FitResult::reason() const {
     return run::why_no_minimum(problem, searches.explored);
 }
 
-std::optional<FitResult> fit(Session& session, const study::Study& study, const FitOptions& asked) {
+std::optional<FitResult> fit(Session& session, const study::Study& given, const FitOptions& asked) {
+    const study::Study study = with_enough_load_steps(given, session);
     const problem::Problem full = study::make_problem(study, study::Scope::fitted);
     auto reduced = session.reduced(full, study, asked.model);
     if (asked.model.reduced() && !reduced) {
@@ -58,6 +60,7 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
                      .reduced = std::move(reduced),
                      .without_floor = {},
                      .mesh = {},
+                     .path = {},
                      .drifts = {},
                      .priors = {},
                      .curves = {},
@@ -114,10 +117,12 @@ std::optional<FitResult> fit(Session& session, const study::Study& study, const 
     if (!options.model.alone()) {
         result.without_floor = fit_without_floor(study, best.unit);
         const landscape::LocalAnalysis& local = result.local;
-        result.mesh = mesh_error(study, result.problem.in_units_of_noise(), best.evaluation, best.unit,
-                                 !local.noise_is_stated ? local.noise
-                                 : local.widened        ? std::sqrt(local.chi2 / local.degrees_of_freedom)
-                                                        : 1.0);
+        const double noise = !local.noise_is_stated ? local.noise
+                             : local.widened        ? std::sqrt(local.chi2 / local.degrees_of_freedom)
+                                                    : 1.0;
+        const problem::Problem by_noise = result.problem.in_units_of_noise();
+        result.mesh = mesh_error(study, by_noise, best.evaluation, best.unit, noise);
+        result.path = path_error(study, by_noise, best.evaluation, noise);
         result.curves = curves(study, best.evaluation.parameters);
     }
     if (!options.joint_only && !options.model.alone()) {

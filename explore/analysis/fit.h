@@ -5,6 +5,7 @@
 #include "analysis/drift.h"
 #include "analysis/floor.h"
 #include "analysis/groups.h"
+#include "analysis/load_steps.h"
 #include "analysis/mesh_error.h"
 #include "landscape/prior_influence.h"
 
@@ -39,6 +40,7 @@ struct FitResult {
     std::optional<ReducedProblem> reduced;
     std::optional<WithoutFloor> without_floor;
     std::optional<MeshError> mesh;
+    std::optional<PathError> path;
     std::vector<SensorDrift> drifts;
     std::optional<landscape::PriorInfluence> priors;
     std::vector<Curve> curves; // of the best minimum, by the full model; of the reduced model alone none

@@ -309,6 +309,9 @@ std::vector<std::string> findings(const FitResult& result) {
     if (std::string words = mesh_words(study, result.mesh); !words.empty()) {
         text.push_back(std::move(words));
     }
+    if (std::string words = path_words(study, result.path); !words.empty()) {
+        text.push_back(std::move(words));
+    }
     return text;
 }
 

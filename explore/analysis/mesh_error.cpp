@@ -33,8 +33,8 @@ study::Study on_coarser_mesh(study::Study study) {
     constexpr double coarsest = 0.25; // that a study may ask for
     double& refine = study.model.settings.refine;
     refine = std::max(std::min(refine, coarsest), coarser * refine);
-    constexpr double longer = 4.0; // a fifth of a per cent of a reading at most, where it was looked at
-    study.model.settings.solver.path_tolerance *= longer;
+    int& steps = study.model.settings.solver.load_steps;
+    steps = (2 * steps + 2) / 3;
     study.hash += fmt::format(" on a mesh of refine {}", refine);
     return study;
 }

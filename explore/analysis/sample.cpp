@@ -1,6 +1,7 @@
 #include "analysis/sample.h"
 
 #include "analysis/candidate_readings.h"
+#include "analysis/load_steps.h"
 #include "base/error.h"
 #include "landscape/goodness.h"
 #include "landscape/smooth.h"
@@ -252,9 +253,10 @@ void check_noise_for_sample(const study::Study& study) {
     }
 }
 
-std::optional<SampleResult> sample(Session& session, const study::Study& study, const SampleOptions& asked) {
+std::optional<SampleResult> sample(Session& session, const study::Study& given, const SampleOptions& asked) {
     const auto begin = std::chrono::steady_clock::now();
-    check_noise_for_sample(study);
+    check_noise_for_sample(given);
+    const study::Study study = with_enough_load_steps(given, session);
     const problem::Problem full = study::make_noise_problem(study, study::Scope::fitted);
     SampleOptions options = asked;
     if (options.any_model) {

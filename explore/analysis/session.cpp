@@ -69,6 +69,9 @@ int Session::begin(const study::Study& study, const std::string& name, const std
     }
     run::RunHeader header;
     header.key = {name, study.hash, settings};
+    if (study.load_steps == study::LoadSteps::chosen) {
+        header.key.settings += fmt::format(", {} load steps", study.model.settings.solver.load_steps);
+    }
     header.version = version;
     for (const auto& axis : study.space.axes) {
         header.parameters.push_back(axis.name);

@@ -1,5 +1,6 @@
 #include "analysis/twin.h"
 
+#include "analysis/load_steps.h"
 #include "base/error.h"
 #include "base/random.h"
 #include "pavement/forward.h"
@@ -68,6 +69,7 @@ TwinResult twin(study::Study study, const TwinOptions& options) {
     for (const auto& [name, size] : options.effects) {
         study = study::with_effect(std::move(study), name, size, {.key = "--effect"});
     }
+    study = with_enough_load_steps(std::move(study), options.noise);
     const auto measured = study.measured();
     if (measured.empty()) {
         throw pave::Error({.file = study.file, .key = "data"}, "a twin needs a layout of sensors", {},

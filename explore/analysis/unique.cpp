@@ -76,8 +76,9 @@ std::string UniqueResult::reason() const {
     return run::why_no_minimum(problem, answer.explored);
 }
 
-std::optional<UniqueResult> unique(Session& session, const study::Study& study, const UniqueOptions& options) {
+std::optional<UniqueResult> unique(Session& session, const study::Study& given, const UniqueOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
+    const study::Study study = with_enough_load_steps(given, session);
     if (options.posterior) {
         check_noise_for_sample(study);
     }
@@ -94,6 +95,7 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
                         .next = {},
                         .landscape = {},
                         .mesh = {},
+                        .path = {},
                         .outputs = {},
                         .posterior = {},
                         .reduced = std::move(reduced),
@@ -137,8 +139,9 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
     if (!result.failed() && !options.model.alone()) {
         result.curves = curves(study, result.best().evaluation.parameters);
         if (result.answer.acceptance) {
-            result.mesh = mesh_error(study, result.problem, result.best().evaluation, result.best().unit,
-                                     std::sqrt(result.answer.acceptance->variance));
+            const double noise = std::sqrt(result.answer.acceptance->variance);
+            result.mesh = mesh_error(study, result.problem, result.best().evaluation, result.best().unit, noise);
+            result.path = path_error(study, result.problem, result.best().evaluation, noise);
             result.outputs =
                 output_ranges(study, result.best().unit,
                               result.answer.acceptance->noise_is_stated ? 1.0 : result.answer.acceptance->noise(),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "analysis/curves.h"
+#include "analysis/load_steps.h"
 #include "analysis/mesh_error.h"
 #include "analysis/next_reading.h"
 #include "analysis/output_ranges.h"
@@ -35,6 +36,7 @@ struct UniqueResult {
     NextReading next;
     std::optional<UniqueLandscape> landscape;
     std::optional<MeshError> mesh;
+    std::optional<PathError> path;
     std::vector<OutputUncertainty> outputs;
     std::optional<PosteriorRanges> posterior; // nothing: not asked for, or no range was walked
     std::optional<ReducedProblem> reduced;

@@ -315,6 +315,9 @@ std::vector<std::string> findings(const UniqueResult& result) {
     if (std::string words = mesh_words(study, result.mesh); !words.empty()) {
         say(std::move(words));
     }
+    if (std::string words = path_words(study, result.path); !words.empty()) {
+        say(std::move(words));
+    }
     if (const std::string weights = weights_words(study); !weights.empty()) {
         say(weights);
     }

@@ -278,9 +278,7 @@ Json diagnosis_json(const DiagnoseResult& f, const std::string& extended_path) {
                           {"p_runs", test.p_runs}});
     }
     json["groups"] = std::move(groups);
-    if (f.mesh) {
-        json["mesh"] = mesh_json(f.study, *f.mesh);
-    }
+    add_model_errors(json, f.study, f.mesh, f.path);
     Json constancy = Json::array();
     for (const auto& c : d.constancy) {
         constancy.push_back({{"parameter", f.study.space.axes[c.axis].name},

@@ -151,9 +151,7 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
                                  {"standard_error", drift.deviation / um_per_ms}});
     }
     json["curves"] = curves_json(result.curves);
-    if (result.mesh) {
-        json["mesh"] = mesh_json(study, *result.mesh);
-    }
+    add_model_errors(json, study, result.mesh, result.path);
     json["readings"] = result.problem.readings();
     json["free_parameters"] = space.axes.size() - best.on_bound.size();
     json["at_bounds"] = Json::array();

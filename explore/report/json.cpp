@@ -159,19 +159,29 @@ Json output_range_json(const data::Reading& output, const analysis::OutputUncert
               {"share", range.share}}}};
 }
 
-Json mesh_json(const study::Study& study, const analysis::MeshError& error) {
-    Json moved = Json::array();
-    for (const auto& [parameter, standard_errors] : error.moved) {
-        moved.push_back({{"parameter", parameter}, {"standard_errors", standard_errors}});
+void add_model_errors(Json& json, const study::Study& study, const std::optional<analysis::MeshError>& mesh,
+                      const std::optional<analysis::PathError>& path) {
+    if (mesh) {
+        Json moved = Json::array();
+        for (const auto& [parameter, standard_errors] : mesh->moved) {
+            moved.push_back({{"parameter", parameter}, {"standard_errors", standard_errors}});
+        }
+        json["mesh"] = {{"finer_refine", mesh->refine},
+                        {"beyond_parameters", mesh->beyond},
+                        {"chi2", mesh->chi2},
+                        {"chi2_finer", mesh->chi2_finer},
+                        {"moved", moved},
+                        {"reading", study.readings[mesh->reading].label()},
+                        {"change", mesh->change},
+                        {"shows", mesh->shows()}};
     }
-    return {{"finer_refine", error.refine},
-            {"beyond_parameters", error.beyond},
-            {"chi2", error.chi2},
-            {"chi2_finer", error.chi2_finer},
-            {"moved", moved},
-            {"reading", study.readings[error.reading].label()},
-            {"change", error.change},
-            {"shows", error.shows()}};
+    if (path) {
+        json["path"] = {{"load_steps", path->steps},
+                        {"reading", study.readings[path->reading].label()},
+                        {"change", path->change},
+                        {"share_of_noise", path->share},
+                        {"shows", path->shows()}};
+    }
 }
 
 Json reduced_json(const analysis::ReducedProblem& reduced) {

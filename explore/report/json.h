@@ -2,6 +2,7 @@
 #pragma once
 
 #include "analysis/located.h"
+#include "analysis/load_steps.h"
 #include "analysis/mesh_error.h"
 #include "analysis/output_ranges.h"
 #include "analysis/session.h"
@@ -55,8 +56,10 @@ Json output_range_json(const data::Reading& output, const analysis::OutputUncert
 // apart.
 Json contrast_json(const analysis::LocatedCorrection& found);
 
-// What a finer mesh would do to an answer of the study.
-Json mesh_json(const study::Study& study, const analysis::MeshError& error);
+// Adds "mesh", what a finer one would do to an answer of the study, and "path", what the steps of the load path leave of
+// error there.
+void add_model_errors(Json& json, const study::Study& study, const std::optional<analysis::MeshError>& mesh,
+                      const std::optional<analysis::PathError>& path);
 
 // What a reduced model was built of, the same whether now or before.
 Json reduced_json(const analysis::ReducedProblem& reduced);

@@ -326,9 +326,7 @@ Json unique_json(const UniqueResult& result, const analysis::RunOptions& run) {
     add_residuals(json["responses"], study, result.problem, result.best().evaluation,
                   u.acceptance ? u.acceptance->noise() : 0.0);
     json["curves"] = curves_json(result.curves);
-    if (result.mesh) {
-        json["mesh"] = mesh_json(result.study, *result.mesh);
-    }
+    add_model_errors(json, result.study, result.mesh, result.path);
     json["statuses"] = status_counts(u.explored);
     json["study"] = study_json(study);
     json["version"] = analysis::version;

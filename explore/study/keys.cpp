@@ -19,6 +19,7 @@ std::span<const Key> study_keys() {
         wheel_y,
         wheel_force,
         solver_integration,
+        solver_load_steps,
         solver_path,
         solver_equilibrium,
         solver_time_limit,

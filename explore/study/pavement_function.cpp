@@ -141,8 +141,8 @@ void members(Archive& archive, T& value) {
         auto& [dx, gauge, weight] = value;
         archive(dx, gauge, weight);
     } else if constexpr (std::is_same_v<Own, pave::fe::SolverSettings>) {
-        auto& [path, equilibrium, linear, time_limit] = value;
-        archive(path, equilibrium, linear, time_limit);
+        auto& [load_steps, equilibrium, linear, time_limit] = value;
+        archive(load_steps, equilibrium, linear, time_limit);
     } else if constexpr (std::is_same_v<Own, Settings>) {
         auto& [integration, extent, wall_follows, refine, solver, layered, time_step, shares_paths] = value;
         archive(integration, extent, wall_follows, refine, solver, layered, time_step, shares_paths);

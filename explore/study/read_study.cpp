@@ -10,6 +10,7 @@
 #include "study/corrections.h"
 #include "study/prior_correlations.h"
 #include "study/read_load.h"
+#include "study/read_solver.h"
 #include "study/readings.h"
 #include "study/table_reader.h"
 
@@ -292,6 +293,11 @@ std::string hash_of(toml::table table, const Study& study) {
             text << fmt::format("\n{},{},{}", time, share * load.pressure, share * load.total_force());
         }
     }
+    const bool has_path = std::any_of(study.model.layers.begin(), study.model.layers.end(),
+                                      [](const Layer& layer) { return layer.law->stress_dependent(); });
+    if (has_path && study.model.settings.integration == Integration::incremental) { // the default is the program's own
+        text << fmt::format("\n{} load steps", study.model.settings.solver.load_steps);
+    }
     return hash_with_readings(text.str(), study.measured());
 }
 
@@ -380,17 +386,7 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
         throw pave::Error({.file = file, .key = "loads"}, "the study has no loads", {}, "at least one [[loads]]");
     }
     if (const auto* solver = reader.table("solver")) {
-        TableReader r(*solver, file, "[solver]");
-        auto& settings = study.model.settings;
-        settings.integration = static_cast<Integration>(r.choice(keys::solver_integration));
-        check_integration(study.model, r.place(keys::solver_integration.key));
-        settings.solver.path_tolerance = r.number(keys::solver_path);
-        settings.solver.equilibrium_tolerance = r.number(keys::solver_equilibrium);
-        if (r.has(keys::solver_time_limit)) {
-            settings.solver.time_limit = r.number(keys::solver_time_limit);
-        }
-        settings.time_step = unit::ms * r.number(keys::solver_time_step);
-        r.done();
+        read_solver(*solver, study);
     }
     study.model.settings.extent = extent_not_stated;
     if (const auto* mesh = reader.table("mesh")) {

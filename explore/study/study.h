@@ -16,6 +16,10 @@
 
 namespace explore::study {
 
+// Who says in how many steps the load path is followed (model.settings.solver.load_steps). by_default: an analysis may
+// choose another number; chosen: one has (analysis/load_steps.h).
+enum class LoadSteps { by_default, stated, chosen };
+
 // Where the noise of a measurement was taken from.
 enum class NoiseSource { stated, estimated };
 
@@ -72,6 +76,7 @@ struct Study {
     DataSettings data;
     std::vector<Group> groups; // of the measured readings, in their order
     NoiseSource noise = NoiseSource::estimated;
+    LoadSteps load_steps = LoadSteps::by_default;
     // Of the measured readings, how many took their noise from the others: their median share of a reading.
     std::size_t noise_assumed = 0;
     std::string hash; // of everything that changes a result: model, parameters, data

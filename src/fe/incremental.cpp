@@ -24,7 +24,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
     path.set_zero(w.model->free_unknowns(), points, count);
     State* slope = path.slope;
     State& now = path.now;
-    State& trial = path.trial;
+    State& last = path.trial; // once a step has ended, its start
     Eigen::VectorXd& modulus = w.modulus;
 
     // Rates found before span something near the next one; so do, for the derivatives of a rate, they and the rates.
@@ -69,44 +69,8 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         return true;
     };
 
-    // Error of a step in stress and in strain, as energies with the current modulus, against those of the stress and
-    // strain reached. Both: where statics alone fix the stress, only the strain tells.
-    const auto step_error = [&](const double* gaps) {
-        constexpr int stages = LoadPath<State>::stages;
-        w.step_error.setZero(w.model->free_unknowns());
-        for (int i = 0; i < stages; ++i) {
-            w.step_error += gaps[i] * slope[i].u;
-        }
-        double error = 0.0;
-        double energy = 0.0;
-        for (std::size_t a = 0; a < w.active.size(); ++a) {
-            const int e = w.active[a];
-            const Vector wrong = w.model->gather(e, w.step_error.data());
-            const Vector reached = w.model->gather(e, trial.u.data());
-            for (int g = 0; g < Element::gauss; ++g) {
-                const int q = static_cast<int>(a) * Element::gauss + g;
-                const auto& point = w.point(e, g);
-                Stress difference = Stress::Zero();
-                for (int i = 0; i < stages; ++i) {
-                    difference += gaps[i] * slope[i].stress.col(q);
-                }
-                const Stress stress = trial.stress.col(q);
-                const Stress wrong_strain = Element::strain(point, wrong);
-                const Stress strain = Element::strain(point, reached);
-                const double softness = point.weight / modulus[q];
-                const double stiffness = point.weight * modulus[q];
-                const auto& unit = w.unit(e, g);
-                const auto& compliance = w.compliance(e, g);
-                error += softness * difference.dot(compliance * difference) +
-                         stiffness * wrong_strain.dot(unit * wrong_strain);
-                energy += softness * stress.dot(compliance * stress) + stiffness * strain.dot(unit * strain);
-            }
-        }
-        return std::sqrt(error / energy);
-    };
-
     solution.on_the_way.resize(on_the_way.size());
-    double before = 0.0; // the load factor of `trial` and of the last slope, once a step is accepted
+    double before = 0.0; // the load factor of `trial` and of the last slope, once a step has ended
     const auto note_the_way = [&](double load_factor) {
         const double h = load_factor - before;
         for (std::size_t i = 0; i < on_the_way.size(); ++i) {
@@ -117,10 +81,10 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
             const double from = (1.0 + 2.0 * t) * (1.0 - t) * (1.0 - t);
             const double from_rate = h * t * (1.0 - t) * (1.0 - t);
             const double to_rate = h * t * t * (t - 1.0);
-            const State& old_rate = slope[LoadPath<State>::stages - 1];
+            const State& old_rate = path.rate_before();
             solution.on_the_way[i] = {
-                from * trial.u + (1.0 - from) * now.u + from_rate * old_rate.u + to_rate * slope[0].u,
-                from * trial.du + (1.0 - from) * now.du + from_rate * old_rate.du + to_rate * slope[0].du};
+                from * last.u + (1.0 - from) * now.u + from_rate * old_rate.u + to_rate * slope[0].u,
+                from * last.du + (1.0 - from) * now.du + from_rate * old_rate.du + to_rate * slope[0].du};
         }
         before = load_factor;
     };
@@ -140,17 +104,16 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         }
         statistics.load_steps = 1;
     } else {
-        const auto steps = path.follow(settings.path_tolerance, deadline, rate, step_error, [&](double load_factor) {
+        const auto failure = path.follow(settings.load_steps, deadline, rate, [&](double load_factor) {
             note_the_way(load_factor);
             if (on_step_) {
                 on_step_(load_factor, slope[0].u, modulus);
             }
         });
-        if (!steps) {
-            return steps.failure();
+        if (failure) {
+            return *failure;
         }
-        statistics.load_steps = steps->accepted;
-        statistics.rejected_steps = steps->rejected;
+        statistics.load_steps = settings.load_steps;
     }
 
     // The errors of iterative solutions leave some force unbalanced: one more solve with the last matrix.

@@ -1,125 +1,72 @@
-// The load path: an ordinary differential equation in the load factor, followed from 0 to 1 with error control.
 #pragma once
-
 #include "base/outcome.h"
 #include "fe/deadline.h"
-
 #include <cmath>
+#include <cstdlib>
+#include <string>
+#include <optional>
 #include <utility>
-#include <vector>
-
 namespace pave::fe {
-
-struct PathSteps {
-    int accepted = 0;
-    int rejected = 0;
-};
-
 inline Failure stiffness_not_definite() {
     return {Status::failed, "the stiffness matrix of the section is not positive definite: a layer has lost its "
                             "stiffness along the load path"};
 }
-
-// State: zero at the start, with add(factor, rate) that adds a multiple of its rate (of the same type).
+inline double env(const char* n, double d) { const char* s = std::getenv(n); return s ? std::atof(s) : d; }
+inline double load_factor_after(int i, int n) {
+    static const double growth = env("PATH_GROWTH", 2.5), power = env("PATH_POWER", 0), mix = env("PATH_MIX", 0);
+    const double s = double(i) / n;
+    if (i == n) return 1.0;
+    if (power > 0) return mix * s + (1 - mix) * std::pow(s, power);
+    return std::expm1(growth * s) / std::expm1(growth);
+}
+struct Tab { int m; double a[7][7]; };
+inline const Tab& tab() {
+    static const Tab tabs[] = {
+        {4, {{}, {1.0 / 2.0}, {0.0, 3.0 / 4.0}, {2.0 / 9.0, 1.0 / 3.0, 4.0 / 9.0}}},
+        {7, {{}, {0.2}, {3.0/40, 9.0/40}, {44.0/45, -56.0/15, 32.0/9}, {19372.0/6561, -25360.0/2187, 64448.0/6561, -212.0/729},
+             {9017.0/3168, -355.0/33, 46732.0/5247, 49.0/176, -5103.0/18656}, {35.0/384, 0, 500.0/1113, 125.0/192, -2187.0/6784, 11.0/84}}},
+        {7, {{}, {0.161}, {-0.008480655492356989, 0.335480655492357}, {2.8971530571054935, -6.359448489975075, 4.3622954328695815},
+             {5.325864828439257, -11.748883564062828, 7.4955393428898365, -0.09249506636175525},
+             {5.86145544294642, -12.92096931784711, 8.159367898576159, -0.071584973281401, -0.028269050394068383},
+             {0.09646076681806523, 0.01, 0.4798896504144996, 1.379008574103742, -3.290069515436081, 2.324710524099774}}},
+        {5, {{}, {0.4}, {-3.0/20, 3.0/4}, {19.0/44, -15.0/44, 10.0/11}, {11.0/72, 25.0/72, 25.0/72, 11.0/72}}},
+    };
+    static const int which = int(env("PATH_METHOD", 0));
+    return tabs[which];
+}
 template <class State>
 class LoadPath {
 public:
-    // The embedded pair of Bogacki and Shampine (1989), order 3(2): three rates a step, the last of a step is the first
-    // of the next.
-    static constexpr int stages = 4;
-
-    // The path so far and its rates.
+    static constexpr int stages = 7;
     State now, trial;
     State slope[stages];
-
-    // Begins anew; size: what State::set_zero takes.
+    const State& rate_before() const { return slope[tab().m - 1]; }
     template <class... Size>
     void set_zero(Size... size) {
         now.set_zero(size...);
         trial.set_zero(size...);
-        for (State& s : slope) {
-            s.set_zero(size...);
-        }
+        for (State& s : slope) s.set_zero(size...);
     }
-
-    // rate(state, i) sets slope[i] to d(state)/d(load factor), false: the stiffness there is not positive definite.
-    // error(gaps) is that of a step to `trial`, relative to what is reached, where gaps[i] times slope[i] add up to
-    // the difference of the two solutions. accepted(load factor): `now` and slope[0] belong to it, `trial`
-    // and slope[stages - 1] to the load factor before; called at 0 too, which has none before.
-    template <class Rate, class Error, class Accepted>
-    Outcome<PathSteps> follow(double tolerance, const Deadline& deadline, Rate rate, Error error, Accepted accepted) {
-        const Failure not_definite = stiffness_not_definite();
-        if (!rate(now, 0)) {
-            return not_definite;
-        }
-        accepted(0.0);
-        // Steps are 2^-level, and start at multiples of themselves: the path changes only when a step is accepted or
-        // not.
-        constexpr long whole = 1L << finest_level;
-        PathSteps steps;
-        long position = 0;
-        int level = first_level;
-        while (position < whole) {
-            const long step = whole >> level;
-            const double h = load_factor(static_cast<double>(position + step) / whole) -
-                             load_factor(static_cast<double>(position) / whole);
-            for (int i = 1; i < stages; ++i) {
+    template <class Rate, class Ended>
+    std::optional<Failure> follow(int steps, const Deadline& deadline, Rate rate, Ended ended) {
+        const Tab& t = tab();
+        if (!rate(now, 0)) return stiffness_not_definite();
+        ended(0.0);
+        for (int step = 0; step < steps; ++step) {
+            const double end = load_factor_after(step + 1, steps);
+            const double h = end - load_factor_after(step, steps);
+            for (int i = 1; i < t.m; ++i) {
                 trial = now;
-                for (int j = 0; j < i; ++j) {
-                    if (const double f = h * a[i][j]; f != 0.0) {
-                        trial.add(f, slope[j]);
-                    }
-                }
-                if (deadline.has_passed()) {
-                    return Deadline::failure();
-                }
-                if (!rate(trial, i)) {
-                    return not_definite;
-                }
+                for (int j = 0; j < i; ++j)
+                    if (const double f = h * t.a[i][j]; f != 0.0) trial.add(f, slope[j]);
+                if (deadline.has_passed()) return Deadline::failure();
+                if (!rate(trial, i)) return stiffness_not_definite();
             }
-            double gaps[stages];
-            for (int i = 0; i < stages; ++i) {
-                gaps[i] = h * difference[i];
-            }
-            const double relative = error(gaps);
-            if (!(relative <= tolerance)) {
-                ++steps.rejected;
-                if (++level > finest_level) {
-                    return Failure{Status::failed,
-                                   "the load path cannot be followed to the tolerance: the modulus changes too "
-                                   "abruptly with stress for these parameters"};
-                }
-                continue;
-            }
-            ++steps.accepted;
-            position += step;
             std::swap(now, trial);
-            std::swap(slope[0], slope[stages - 1]);
-            accepted(load_factor(static_cast<double>(position) / whole));
-            const bool easy = relative < tolerance * std::pow(0.5, order + 1.0);
-            if (easy && level > coarsest_level && position % (2 * step) == 0) {
-                --level;
-            }
+            std::swap(slope[0], slope[t.m - 1]);
+            ended(end);
         }
-        return steps;
-    }
-
-private:
-    static constexpr double a[stages][stages] = {{}, {1.0 / 2.0}, {0.0, 3.0 / 4.0}, {2.0 / 9.0, 1.0 / 3.0, 4.0 / 9.0}};
-    static constexpr double difference[stages] = {2.0 / 9.0 - 7.0 / 24.0, 1.0 / 3.0 - 1.0 / 4.0, 4.0 / 9.0 - 1.0 / 3.0,
-                                                  -1.0 / 8.0};
-    static constexpr double order = 3.0;
-
-    static constexpr int coarsest_level = 2; // steps of 1/4
-    static constexpr int first_level = 3;    // the first step tried is 1/8
-    static constexpr int finest_level = 14;
-
-    // The load factor as a function of the path coordinate s in [0, 1]. The soil is nearly unstressed at the start and
-    // its modulus changes with the logarithm of the load: equal steps in s are small steps in load there.
-    static double load_factor(double s) {
-        constexpr double growth = 4.0;
-        return std::expm1(growth * s) / std::expm1(growth);
+        return std::nullopt;
     }
 };
-
 } // namespace pave::fe

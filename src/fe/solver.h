@@ -1,15 +1,16 @@
 // The ways of integrating the laws of a section over the application of a load, with derivatives.
 //
-//   incremental   d(sigma) = D(E(sigma)) d(strain), an ordinary differential equation in the load factor, solved to a
-//                 tolerance by an embedded Runge-Kutta pair; every stage is one symmetric positive definite solve.
+//   incremental   d(sigma) = D(E(sigma)) d(strain), an ordinary differential equation in the load factor, solved by a
+//                 Runge-Kutta formula in a fixed sequence of steps; every stage is one symmetric positive definite
+//                 solve.
 //   secant        sigma - sigma0 = D(E(sigma)) strain at the full load, solved by Newton with the consistent tangent.
 //   over time     the incremental law in steps of time, for layers that relax.
 //   inertial      the answer of mass and damping to a load in time, linear about the end of one of the first two.
 //   pulse         the equation of motion in steps of time, for a load as it was recorded.
 //
 // The first two end in a Solution, the state under the load; the others give the Course of readings over time.
-// Derivatives are those of the discrete algorithm: the tangent linear of the load path with its steps held, and the
-// implicit function theorem at the secant equilibrium.
+// Derivatives are those of the discrete algorithm: the tangent linear of the load path, whose steps depend on nothing
+// but their number, and the implicit function theorem at the secant equilibrium.
 #pragma once
 
 #include "base/outcome.h"
@@ -39,8 +40,7 @@ struct Motion {
 };
 
 struct Statistics {
-    int load_steps = 0; // accepted steps of the load path
-    int rejected_steps = 0;
+    int load_steps = 0;
     int newton_steps = 0; // secant only
     int factorizations = 0;
     int iterations = 0;             // of conjugate gradients (3D)

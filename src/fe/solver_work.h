@@ -136,7 +136,6 @@ struct Solver<Element>::Work {
     LoadPath<PathState<Element>> path;
     Eigen::VectorXd modulus;
     Eigen::VectorXd modulus_rate;
-    Eigen::VectorXd step_error; // of the displacement
 
     int points() const { return static_cast<int>(active.size()) * Element::gauss; }
     int count() const { return static_cast<int>(variations->size()); }

@@ -420,7 +420,6 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         }
         const auto& s = reading->statistics;
         response.statistics.load_steps += s.load_steps;
-        response.statistics.rejected_steps += s.rejected_steps;
         response.statistics.newton_steps += s.newton_steps;
         response.statistics.factorizations += s.factorizations;
         response.statistics.iterations += s.iterations;

@@ -3,6 +3,7 @@
 #include "reduced/projection.h"
 #include "reduced/reduced_pulse.h"
 
+#include "fe/load_path.h"
 #include "pavement/effects/effect.h"
 
 #include <Eigen/Cholesky>
@@ -95,8 +96,9 @@ private:
     };
     struct Own : Workspace {
         fe::LoadPath<State> path;
-        Eigen::MatrixXd metric;    // strains of the modes at the points of the cubature, in the metric of C
-        Eigen::MatrixXf squares;   // their squares, a column a point: lower triangles, column by column
+        // Squares of the strains of the modes at the points of the cubature, in the metric of C, a column a point: lower
+        // triangles, column by column.
+        Eigen::MatrixXf squares;
         Eigen::VectorXf stiffness; // weight E of each point
         Eigen::VectorXf packed;    // lower triangle of the part of the matrix from stress-dependent layers
         Eigen::MatrixXd matrix;
@@ -237,9 +239,7 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
         default: return Failure{Status::failed, "the reduced model does not cover this derivative"};
         }
     }
-    // Points: strains in the metric of C, initial stress and its rates.
-    Eigen::MatrixXd& metric = own.metric;
-    metric.resize(N * cubature, modes());
+    // Points: squares of strains, initial stress and its rates.
     own.squares.resize(modes() * (modes() + 1) / 2, cubature);
     std::vector<Eigen::Matrix<double, N, N>> roots(layers.size());
     for (std::size_t l = 0; l < layers.size(); ++l) {
@@ -252,9 +252,8 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
         const auto& layer = layers[static_cast<std::size_t>(p.layer)];
         const auto row = N * static_cast<Eigen::Index>(q);
         if (q < cubature_) {
-            metric.middleRows<N>(row).noalias() =
-                roots[static_cast<std::size_t>(p.layer)] * strains_.middleRows<N>(row);
-            const Eigen::Matrix<float, N, Eigen::Dynamic> rows = metric.middleRows<N>(row).template cast<float>();
+            const Eigen::Matrix<float, N, Eigen::Dynamic> rows =
+                (roots[static_cast<std::size_t>(p.layer)] * strains_.middleRows<N>(row)).template cast<float>();
             float* square = own.squares.col(static_cast<Eigen::Index>(q)).data();
             for (Eigen::Index j = 0; j < modes(); ++j) {
                 const Eigen::Index length = modes() - j;
@@ -377,40 +376,14 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
         }
         return true;
     };
-    const auto step_error = [&](const double* gaps) {
-        Eigen::VectorXd wrong_a = Eigen::VectorXd::Zero(modes());
-        Eigen::VectorXd wrong_stress = Eigen::VectorXd::Zero(N * cubature);
-        for (int i = 0; i < fe::LoadPath<State>::stages; ++i) {
-            wrong_a += gaps[i] * path.slope[i].a;
-            wrong_stress += gaps[i] * path.slope[i].stress.head(N * cubature);
-        }
-        // With C = L L^T the energy of strain e is weight E |L^T e|^2, that of stress s is weight / E |L^-1 s|^2.
-        const Eigen::VectorXd wrong_strain = metric * wrong_a;
-        const Eigen::VectorXd strain = metric * path.trial.a;
-        double error = 0.0;
-        double energy = 0.0;
-        for (std::size_t q = 0; q < cubature_; ++q) {
-            const auto row = N * static_cast<Eigen::Index>(q);
-            const auto lower =
-                roots[static_cast<std::size_t>(points_[q].layer)].transpose().template triangularView<Eigen::Lower>();
-            const double stiffness = points_[q].weight * own.modulus[static_cast<Eigen::Index>(q)];
-            error += stiffness * wrong_strain.template segment<N>(row).squaredNorm();
-            energy += stiffness * strain.template segment<N>(row).squaredNorm();
-            const double softness = points_[q].weight / own.modulus[static_cast<Eigen::Index>(q)];
-            error += softness * lower.solve(wrong_stress.template segment<N>(row)).squaredNorm();
-            energy += softness * lower.solve(path.trial.stress.template segment<N>(row)).squaredNorm();
-        }
-        return std::sqrt(error / energy);
-    };
-    const auto steps = path.follow(values.settings.solver.path_tolerance,
-                                   fe::Deadline(values.settings.solver.time_limit), rate, step_error, [](double) {});
-    if (!steps) {
-        return steps.failure();
+    const int steps = values.settings.solver.load_steps;
+    if (const auto failure =
+            path.follow(steps, fe::Deadline(values.settings.solver.time_limit), rate, [](double) {})) {
+        return *failure;
     }
 
     Reading reading;
-    reading.statistics.load_steps = steps->accepted;
-    reading.statistics.rejected_steps = steps->rejected;
+    reading.statistics.load_steps = steps;
     reading.values.assign(values.sensors.size(), 0.0);
     reading.errors.assign(values.sensors.size(), 0.0);
     reading.derivatives.setZero(static_cast<Eigen::Index>(values.sensors.size()), count);

@@ -7,7 +7,6 @@
 // (fe/load_path.h).
 #pragma once
 
-#include "fe/load_path.h"
 #include "pavement/load_model.h"
 #include "reduced/basis.h"
 #include "reduced/build_settings.h"

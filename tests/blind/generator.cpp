@@ -196,7 +196,7 @@ double study_refine(bool correlated) {
 
 Case finer(Case c) {
     c.settings.refine = fine_refine;
-    c.settings.solver.path_tolerance /= 10.0;
+    c.settings.solver.load_steps *= 3;
     return c;
 }
 

@@ -113,7 +113,7 @@ void check_jacobian(Case (*make)(std::uint64_t, Integration), Integration integr
                 continue;
             }
             if (!numeric->same_path) {
-                continue; // the steps of the load path differ between the points: no difference quotient there
+                continue; // the secant equilibrium: no difference quotient there
             }
             ++compared;
             // As relative change of the response for a relative change of the parameter. What rounding leaves of a
@@ -313,8 +313,8 @@ TEST(LoadPath, OfTheHeaviestPlateReadsTheLighterOnesOnTheWay) {
     const std::vector parameters{find_parameter(c, "base.k1", {}), find_parameter(c, "base.k3", {}),
                                  find_parameter(c, "base.thickness_mm", {}),
                                  find_parameter(c, "subgrade.modulus_MPa", {})};
-    const auto run = [&](Case& of, double tolerance) {
-        of.settings.solver.path_tolerance = tolerance;
+    const auto run = [&](Case& of, int steps) {
+        of.settings.solver.load_steps = steps;
         const ForwardModel model(of);
         return model.run(of, parameters, *model.make_workspace());
     };
@@ -324,9 +324,9 @@ TEST(LoadPath, OfTheHeaviestPlateReadsTheLighterOnesOnTheWay) {
         first.try_emplace(c.sensors[i].load, i);
     }
     // They differ by the errors of paths.
-    for (const auto& [tolerance, values, rates] : {std::tuple{2e-3, 3e-3, 1e-2}, std::tuple{1e-5, 2e-5, 1e-4}}) {
-        const auto each = run(c, tolerance);
-        const auto together = run(shared, tolerance);
+    for (const auto& [steps, values, rates] : {std::tuple{12, 3e-3, 1e-2}, std::tuple{70, 2e-5, 1e-4}}) {
+        const auto each = run(c, steps);
+        const auto together = run(shared, steps);
         ASSERT_TRUE(each && together);
         more_steps += each->statistics.load_steps - together->statistics.load_steps;
         for (std::size_t i = 0; i < c.sensors.size(); ++i) {
@@ -342,7 +342,7 @@ TEST(LoadPath, OfTheHeaviestPlateReadsTheLighterOnesOnTheWay) {
     }
     EXPECT_GT(more_steps, 0);
     // Derivatives are those of the interpolated path.
-    shared.settings.solver.path_tolerance = 2e-3;
+    shared.settings.solver.load_steps = 12;
     const ForwardModel model(shared);
     const auto workspace = model.make_workspace();
     const auto exact = model.run(shared, parameters, *workspace);
@@ -351,7 +351,7 @@ TEST(LoadPath, OfTheHeaviestPlateReadsTheLighterOnesOnTheWay) {
         const Parameter& parameter = parameters[p];
         const double h = 1e-4 * std::abs(parameter.get(shared));
         const auto found = central_differences(model, shared, parameter, h, *exact, *workspace);
-        ASSERT_TRUE(found && found->same_path);
+        ASSERT_TRUE(found);
         const Disagreement d = disagreement(*exact, p, parameter.get(shared), found->rates);
         EXPECT_LT(d.worst, 1e-6 * d.scale) << parameter.path;
     }
@@ -359,8 +359,8 @@ TEST(LoadPath, OfTheHeaviestPlateReadsTheLighterOnesOnTheWay) {
     for (Case* of : {&c, &shared}) {
         of->effects = {{.effect = find_effect("weak-subgrade-top"), .size = 0.4}};
     }
-    const auto each = run(c, 2e-3);
-    const auto beside = run(shared, 2e-3);
+    const auto each = run(c, 12);
+    const auto beside = run(shared, 12);
     ASSERT_TRUE(each && beside);
     EXPECT_EQ(beside->values, each->values);
 }

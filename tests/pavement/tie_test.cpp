@@ -45,7 +45,7 @@ TEST(Ties, AreInTheDerivatives) {
     const ForwardModel model(tied);
     const auto workspace = model.make_workspace();
     const auto rates = central_differences(model, tied, k1, 2.0, exact, *workspace);
-    ASSERT_TRUE(rates && rates->same_path);
+    ASSERT_TRUE(rates);
     const auto d = disagreement(exact, 0, 2000.0, rates->rates);
     EXPECT_LT(d.worst, 1e-4 * d.scale);
     // Without the tie the derivative is another one.

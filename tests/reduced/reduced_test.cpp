@@ -309,8 +309,6 @@ TEST(ReducedModel, HasDerivativesThatAgreeWithDifferencesOfItsReadings) {
     auto space = reduced.make_workspace();
     const auto by = parameters(section());
     Case c = samples(section(), 1, 5)[0];
-    // The readings bend and step sizes change with the path: a fine path has no jump in the difference.
-    c.settings.solver.path_tolerance = 1e-5;
     const auto here = reduced.run(c, by, *space);
     ASSERT_TRUE(here);
     const auto scale = reduced::scales(c, 0, here->values);

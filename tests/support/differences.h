@@ -11,7 +11,7 @@ namespace test {
 
 struct Differences {
     std::vector<double> rates; // of every sensor, SI per file unit of the parameter
-    bool same_path = true;     // the load path took the same steps at all points
+    bool same_path = true;     // the secant equilibrium was continued through the same loads at all points
 };
 
 // Of fourth order, central, from points h apart [file units]. exact: the response at c. A failure is that of a point.
@@ -30,8 +30,7 @@ inline pave::Outcome<Differences> central_differences(const pave::pavement::Forw
         if (!there) {
             return there.failure();
         }
-        found.same_path = found.same_path && there->statistics.load_steps == exact.statistics.load_steps &&
-                          there->statistics.rejected_steps == exact.statistics.rejected_steps;
+        found.same_path = found.same_path && there->statistics.load_steps == exact.statistics.load_steps;
         for (std::size_t i = 0; i < found.rates.size(); ++i) {
             found.rates[i] += weight * there->values[i] / h;
         }
