@@ -15,14 +15,29 @@
 namespace explore::analysis {
 namespace {
 
+constexpr std::string_view base_at_rest =
+    R"(law = "uzan"                  # E = k1 pa (theta/pa)^k2 (tau/pa + 1)^k3, pa = 100 kPa
+modulus_axis = "vertical"     # E is that of the laboratory test; "horizontal": E1
+k1 = 1300                     # 900 to 1700 for crushed rock
+k2 = 0.65                     # 0.5 to 0.8: stiffens with confinement
+k3 = -0.3                     # -0.8 to 0: softens with shear
+)";
+constexpr std::string_view base_in_motion =
+    R"(law = "hyperelastic"          # E = k1 pa (Q/pa^2)^(k/2), Q = sigma : A : sigma; gives all strain back
+modulus_axis = "vertical"     # E is that of the laboratory test; "horizontal": E1
+k1 = 800                      # of a secant: some 0.6 times the k1 of "uzan"
+k = 0.5                       # 0.3 to 0.7: stiffens with stress
+)";
+
 // What the two kinds of study say differently.
 struct Parts {
-    std::string head;   // comment lines
-    std::string title;  // harmless in quotes
-    std::string layers; // a comment line on where the layers come from
-    std::string loads;  // [[loads]]
-    std::string noise;  // of [data]
-    std::string load;   // that the output is predicted under
+    std::string head;                     // comment lines
+    std::string title;                    // harmless in quotes
+    std::string layers;                   // a comment line on where the layers come from
+    std::string loads;                    // [[loads]]
+    std::string noise;                    // of [data]
+    std::string load;                     // that the output is predicted under
+    std::string_view base = base_at_rest; // its law
     double subgrade_MPa = 60.0, subgrade_low_MPa = 15.0, subgrade_high_MPa = 300.0;
 };
 
@@ -55,12 +70,7 @@ name = "base"
 thickness_mm = 300
 density_kg_m3 = 2200
 k0 = 0.5
-law = "uzan"                  # E = k1 pa (theta/pa)^k2 (tau/pa + 1)^k3, pa = 100 kPa
-modulus_axis = "vertical"     # E is that of the laboratory test; "horizontal": E1
-k1 = 1300                     # 900 to 1700 for crushed rock
-k2 = 0.65                     # 0.5 to 0.8: stiffens with confinement
-k3 = -0.3                     # -0.8 to 0: softens with shear
-n = 0.4                       # horizontal over vertical modulus
+{10}n = 0.4                       # horizontal over vertical modulus
 poisson_12 = 0.35
 poisson_31 = 0.35
 
@@ -107,7 +117,7 @@ quantity = "strain_xx"
 depth_mm = 119.9
 )",
         parts.head, name, parts.title, parts.layers, parts.subgrade_MPa, parts.loads, parts.noise,
-        parts.subgrade_low_MPa, parts.subgrade_high_MPa, parts.load);
+        parts.subgrade_low_MPa, parts.subgrade_high_MPa, parts.load, parts.base);
 }
 
 // Two significant digits.
@@ -247,6 +257,7 @@ NewStudy study_of_pulses(const std::string& name, const data::FwdFile& file, con
     parts.head = station_head(station, source);
     parts.title = fmt::format("Station {} of {}, whole pulses", harmless(station.name), source);
     parts.layers = layers_of_station;
+    parts.base = base_in_motion;
     parts.loads = "# The drops of the station that have a history. time_shift_ms would move readings against it.\n";
     std::vector<data::Reading> rows;
     double longest_ms = 0.0;

@@ -40,6 +40,23 @@ material::UnitGradient local_stiffness_gradient(const LayerMaterial& layer, cons
     return {.d_theta = local.factor * gradient.d_theta, .d_tau = local.factor * gradient.d_tau};
 }
 
+double local_factor(const LayerMaterial& layer, const Eigen::Vector3d& at) {
+    return local_of(layer, at).factor;
+}
+
+double local_factor_rate(const LayerMaterial& layer, int at_layer, const Eigen::Vector3d& at,
+                         const Variation& variation) {
+    if (variation.layer != at_layer || variation.kind != Variation::Kind::field) {
+        return 0.0;
+    }
+    const Field& field = layer.fields[variation.index];
+    const double weight = field.weight(field.shape, at);
+    if (field.parameter) {
+        return 0.0;
+    }
+    return field.is_power ? weight : weight / (1.0 + field.size * weight);
+}
+
 mechanics::Stiffness<6> local_stiffness_rate(const LayerMaterial& layer, int at_layer, const Eigen::Vector3d& at,
                                              mechanics::Invariants state, const Variation& variation) {
     using Kind = Variation::Kind;
@@ -66,8 +83,8 @@ mechanics::Stiffness<6> local_stiffness_rate(const LayerMaterial& layer, int at_
     const Field& field = layer.fields[variation.index];
     const double weight = field.weight(field.shape, at);
     if (!field.parameter) {
-        const double rate = field.is_power ? weight : weight / (1.0 + field.size * weight); // of the logarithm
-        return local.factor * rate * layer.law->unit_stiffness(local.parameters, state);
+        return local.factor * local_factor_rate(layer, at_layer, at, variation) *
+               layer.law->unit_stiffness(local.parameters, state);
     }
     double before = layer.parameters[*field.parameter];
     for (std::size_t i = 0; i < variation.index; ++i) {

@@ -99,6 +99,12 @@ material::UnitGradient local_stiffness_gradient(const LayerMaterial& layer, cons
 mechanics::Stiffness<6> local_stiffness_rate(const LayerMaterial& layer, int at_layer, const Eigen::Vector3d& at,
                                              mechanics::Invariants state, const Variation& variation);
 
+// What its fields without a parameter multiply the stiffness of a layer by at a point, and the rate of the logarithm of
+// that by a quantity of layer number `at_layer`.
+double local_factor(const LayerMaterial& layer, const Eigen::Vector3d& at);
+double local_factor_rate(const LayerMaterial& layer, int at_layer, const Eigen::Vector3d& at,
+                         const Variation& variation);
+
 // Derivative of the initial stress in layer `at` at depth z, where the mesh does not move.
 template <int N>
 mechanics::Voigt<N> initial_stress_rate(const std::vector<LayerMaterial>& layers, int at, double z,

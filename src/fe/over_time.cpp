@@ -127,6 +127,7 @@ Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen
         }
         before = factor;
         now.add(1.0, change[number]);
+        w.settle(now, change[number]);
         std::vector<Eigen::VectorXd> felt;
         std::vector<Eigen::MatrixXd> felt_rates;
         felt.reserve(memories.size());

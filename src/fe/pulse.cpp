@@ -9,6 +9,19 @@
 namespace pave::fe {
 namespace {
 
+// The mean of 1/E along a straight path from one stress by another. Where little confines at rest it begins as one over
+// the root of the share of the way: share = x^2.
+template <class Stress>
+double softness(const LayerMaterial& layer, const Stress& from, const Stress& by) {
+    double sum = 0.0;
+    for (const auto& [xi, weight] : three_points) {
+        const double x = (1.0 + xi) / 2.0;
+        const auto at = mechanics::invariants<Stress::RowsAtCompileTime>(Stress(from + x * x * by));
+        sum += weight * x / layer.law->modulus(layer.parameters, at).value;
+    }
+    return sum;
+}
+
 // Of the stress-dependent layers: the strain at the end beyond that which its stress is reached with along a straight
 // path from rest, over that of a displacement where it is largest, as roots of energy with the moduli there.
 template <class Element, class Work>
@@ -21,19 +34,16 @@ double kept_share(const Work& w, const PathState<Element>& end, const Eigen::Vec
         const int e = w.active[q / Element::gauss];
         const int g = q % Element::gauss;
         const LayerMaterial& layer = w.layer_of(e);
-        // The mean of 1/E over the path. Where little confines at rest it begins as one over the root of the share of
-        // the way: share = x^2.
-        double softness = 0.0;
-        for (const auto& [xi, weight] : three_points) {
-            const double x = (1.0 + xi) / 2.0;
-            const Stress total = w.initial[q] + x * x * end.stress.col(q);
-            const auto at = mechanics::invariants<Element::voigt>(total);
-            softness += weight * x / layer.law->modulus(layer.parameters, at).value;
-        }
         const auto strain_of = [&](const Eigen::VectorXd& u) {
             return Stress(Element::strain(w.point(e, g), w.model->gather(e, u.data())));
         };
-        const Stress beyond = strain_of(end.u) - softness * (w.compliance(e, g) * end.stress.col(q));
+        Stress beyond = strain_of(end.u);
+        if (w.energies.at(q) != nullptr) {
+            beyond -= w.energies.strain_of_load(q, w.initial[q] + end.stress.col(q));
+        } else {
+            beyond -=
+                softness(layer, w.initial[q], Stress(end.stress.col(q))) * (w.compliance(e, g) * end.stress.col(q));
+        }
         const Stress largest = strain_of(largest_u);
         const double stiffness = w.point(e, g).weight * largest_modulus[q];
         kept += stiffness * beyond.dot(w.unit(e, g) * beyond);
@@ -168,6 +178,7 @@ std::optional<Failure> march(const Work& w, Space& motion, LoadPath<PathState<El
         motion.add_dashpots(1.0 / h, du, resisting);
         result.absorbed += resisting.dot(du);
         now.add(1.0, change);
+        motion.settle(now, change);
         v = 2.0 / h * du - v;
         dv = 2.0 / h * right - dv;
         if (points > 0) { // what is linear cannot give back more than it got

@@ -188,6 +188,8 @@ public:
             }
         }
     }
+    // Sections of laws with an energy have no reduced model.
+    void settle(PathState<Element>&, PathState<Element>&) const {}
     void read_all(const PathState<Element>& now, const Felt& by, std::size_t instant, Course& course) const {
         for (std::size_t r = 0; r < readings_.size(); ++r) {
             const Reading& f = readings_[r];

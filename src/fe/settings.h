@@ -9,7 +9,7 @@ struct SolverSettings {
     // incremental: of the load path of every load, however it is modelled. The error goes with their number to the
     // power -3.
     int load_steps = 12;
-    // secant: unbalanced force relative to the load.
+    // secant, hyperelastic: unbalanced force relative to the load.
     double equilibrium_tolerance = 1e-9;
     // Error of an iterative solution of one linear system in the energy norm, relative to the solution (3D): well below
     // what the load path leaves. What adds up along a load path is brought back to equilibrium at its end.

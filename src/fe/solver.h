@@ -4,13 +4,15 @@
 //                 Runge-Kutta formula in a fixed sequence of steps; every stage is one symmetric positive definite
 //                 solve.
 //   secant        sigma - sigma0 = D(E(sigma)) strain at the full load, solved by Newton with the consistent tangent.
+//   hyperelastic  for laws whose strain derives from an energy: the minimum of the energy of the section at the full
+//                 load, which is where every path of load ends.
 //   over time     the incremental law in steps of time, for layers that relax.
 //   inertial      the answer of mass and damping to a load in time, linear about the end of one of the first two.
 //   pulse         the equation of motion in steps of time, for a load as it was recorded.
 //
-// The first two end in a Solution, the state under the load; the others give the Course of readings over time.
+// The first three end in a Solution, the state under the load; the others give the Course of readings over time.
 // Derivatives are those of the discrete algorithm: the tangent linear of the load path, whose steps depend on nothing
-// but their number, and the implicit function theorem at the secant equilibrium.
+// but their number, and the implicit function theorem at the equilibria.
 #pragma once
 
 #include "base/outcome.h"
@@ -41,7 +43,7 @@ struct Motion {
 
 struct Statistics {
     int load_steps = 0;
-    int newton_steps = 0; // secant only
+    int newton_steps = 0; // of secant and hyperelastic
     int factorizations = 0;
     int iterations = 0;             // of conjugate gradients (3D)
     double residual_relative = 0.0; // |unbalanced force| / |load| at the end
@@ -130,6 +132,13 @@ public:
                                       const std::vector<Variation>& variations, const SolverSettings& settings,
                                       const std::vector<double>& springs = {},
                                       const std::vector<Motion<Element>>& motions = {});
+
+    // Where the law of every stress-dependent layer has an energy: Newton's method on the energy of the section, which
+    // is convex, with its symmetric positive definite tangent.
+    Outcome<Solution<Element>> hyperelastic(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
+                                            const std::vector<Variation>& variations, const SolverSettings& settings,
+                                            const std::vector<double>& springs = {},
+                                            const std::vector<Motion<Element>>& motions = {});
 
     // Layers that relax: quasi-static. A step of time is one of the midpoint rule for stress-dependent layers, at rates
     // of displacement that are constant in it, for which what a relaxing layer remembers is exact; second order in the

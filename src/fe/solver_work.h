@@ -1,6 +1,7 @@
 // What both integrations share: the layers prepared for one run, assembly, and the closing figures. Private to fe/.
 #pragma once
 
+#include "fe/energy_points.h"
 #include "fe/load_path.h"
 #include "fe/solver.h"
 #include "fe/symmetric_system.h"
@@ -120,6 +121,7 @@ struct Solver<Element>::Work {
     std::vector<Stress> initial_rate; // the same by variation: [point * variations + k]
     // B^T C B times the weight, lower triangle row by row, one column a point of an active element.
     Eigen::Matrix<double, lower_entries, Eigen::Dynamic> unit_stiffness;
+    EnergyPoints<Element> energies; // of the points of the active elements whose law has one
 
     // Kept between runs: of each layer, for which C and as which kind (linear: its matrix for a modulus of 1;
     // stress-dependent: its columns of unit_stiffness) what is held was made. They are made in one way only, so that
@@ -161,9 +163,10 @@ struct Solver<Element>::Work {
 
     static mechanics::Stiffness<N> cut(const mechanics::Stiffness<6>& c) { return c.template topLeftCorner<N, N>(); }
 
+    // at_once: no tangent of a law with an energy is asked for here.
     void prepare(const std::vector<LayerMaterial>& run_layers, const std::vector<Variation>& run_variations,
                  const SolverSettings& settings, const std::vector<double>& run_springs,
-                 const std::vector<Motion<Element>>& run_motions) {
+                 const std::vector<Motion<Element>>& run_motions, bool at_once = false) {
         layers = &run_layers;
         variations = &run_variations;
         springs = &run_springs;
@@ -177,7 +180,7 @@ struct Solver<Element>::Work {
             if (!p.stress_dependent) {
                 p.modulus = layer.law->modulus(layer.parameters, {}).value;
             }
-            p.turns_with_stress = layer.law->turns();
+            p.turns_with_stress = layer.law->turns() || (layer.law->energy() != nullptr && !at_once);
             p.unit = layer.template unit_stiffness<N>();
             p.compliance = p.unit.inverse();
             for (const Variation& v : run_variations) {
@@ -218,19 +221,23 @@ struct Solver<Element>::Work {
                 }
             }
         }
+        energies.prepare(*this);
     }
 
     // C where it varies within a layer.
     void prepare_points() {
         prepared_point_of.clear();
         prepared_points.clear();
-        const auto varies = [](const LayerMaterial& l) { return !l.fields.empty() || l.law->turns(); };
-        if (std::none_of(layers->begin(), layers->end(), varies)) {
+        std::vector<bool> varies(layers->size());
+        for (std::size_t l = 0; l < varies.size(); ++l) {
+            varies[l] = !(*layers)[l].fields.empty() || prepared[l].turns_with_stress;
+        }
+        if (std::none_of(varies.begin(), varies.end(), [](bool v) { return v; })) {
             return;
         }
         prepared_point_of.assign(model->points.size(), -1);
         for (int e = 0; e < model->elements(); ++e) {
-            if (!varies(layer_of(e))) {
+            if (!varies[static_cast<std::size_t>(topology->layer[e])]) {
                 continue;
             }
             PreparedLayer<N>& p = prepared[topology->layer[e]];
@@ -584,7 +591,9 @@ struct Solver<Element>::Work {
                     const Stress load_stress = solution.stress.col(q);
                     const Stress total = layer.template initial_stress<N>(model->depth[q]) + load_stress;
                     const auto at = mechanics::invariants<N>(total);
-                    const auto m = layer.law->modulus(layer.parameters, at);
+                    const material::Modulus of_energy{.value = solution.modulus[q],
+                                                      .limited = solution.modulus[q] >= material::modulus_limit};
+                    const auto m = layer.law->energy() ? of_energy : layer.law->modulus(layer.parameters, at);
                     const double w = point(e, g).weight * load_stress.dot(compliance(e, g) * load_stress) / m.value;
                     energy += w;
                     s.tension_share += at.theta < 0.0 ? w : 0.0;
@@ -641,6 +650,49 @@ struct Solver<Element>::Work {
         }
     }
 
+    // Of a law with an energy: modulus, C and their rates such that E C is the tangent stiffness.
+    template <class StressRate>
+    void set_tangent(int q, const Stress& total, const StressRate& whole_rate) {
+        const auto& law = *energies.at(q);
+        const auto state = law.at(total);
+        PreparedPoint<N>& p = prepared_points[prepared_point(active[q / Element::gauss], q % Element::gauss)];
+        modulus[q] = state.modulus;
+        p.unit = law.tangent_unit(state, total);
+        p.compliance = law.tangent_compliance(state);
+        set_unit_stiffness(q);
+        for (int k = 0; k < count(); ++k) {
+            auto rate = law.tangent_rate(state, total, whole_rate(k), k);
+            modulus_rate[static_cast<Eigen::Index>(q) * count() + k] = rate.modulus;
+            p.unit_rate[k] = std::move(rate.unit);
+        }
+    }
+    // After a step of time: stress where the law has an energy := that of the strain reached, whatever way led there,
+    // with its rates; the change in the step likewise.
+    void settle(PathState<Element>& now, PathState<Element>& change) const {
+        for (int q = 0; !energies.empty() && q < points(); ++q) {
+            if (energies.at(q) == nullptr) {
+                continue;
+            }
+            const int e = active[q / Element::gauss];
+            const auto& at = point(e, q % Element::gauss);
+            const Vector ue = model->gather(e, now.u.data());
+            const auto answer = energies.answer(q, Element::strain(at, ue));
+            const Stress stress = answer.whole - initial[q];
+            change.stress.col(q) += stress - now.stress.col(q);
+            now.stress.col(q) = stress;
+            for (int k = 0; k < count(); ++k) {
+                const Eigen::Index qk = static_cast<Eigen::Index>(q) * count() + k;
+                Stress strain_rate = Element::strain(at, model->gather(e, now.du.col(k).data()));
+                if (const Motion<Element>* motion = motion_of(k)) {
+                    strain_rate += Element::strain(motion->points[e * Element::gauss + q % Element::gauss], ue);
+                }
+                const Stress rate = energies.whole_rate(q, answer, strain_rate, k) - initial_rate[qk];
+                change.d_stress.col(qk) += rate - now.d_stress.col(qk);
+                now.d_stress.col(qk) = rate;
+            }
+        }
+    }
+
     // modulus, and modulus_rate by every variation, at number q of the points of the active elements where the load
     // stress is this; C and its rates where it follows the stress. d_stress(k): its rate by variation k.
     template <class StressRate>
@@ -648,12 +700,16 @@ struct Solver<Element>::Work {
         const int e = active[q / Element::gauss];
         const LayerMaterial& layer = layer_of(e);
         const Stress total = initial[q] + stress;
-        const auto at = mechanics::invariants<N>(total);
-        const auto m = layer.law->modulus(layer.parameters, at);
-        modulus[q] = m.value;
         const auto whole_rate = [&](int k) {
             return Stress(initial_rate[static_cast<std::size_t>(q) * count() + k] + d_stress(k));
         };
+        if (energies.at(q) != nullptr) {
+            set_tangent(q, total, whole_rate);
+            return;
+        }
+        const auto at = mechanics::invariants<N>(total);
+        const auto m = layer.law->modulus(layer.parameters, at);
+        modulus[q] = m.value;
         if (prepared_of(e).turns_with_stress) {
             turn(q, total, at, whole_rate);
         }

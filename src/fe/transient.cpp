@@ -189,6 +189,12 @@ Outcome<InertialCourse> Solver<Element>::inertial(const Solution<Element>& end, 
         const int at_model = e * Element::gauss + q % Element::gauss;
         active_modulus[q] = end.modulus[at_model];
         const LayerMaterial& layer = w.layer_of(e);
+        if (layer.law->energy() != nullptr) { // as the load path left it, C and all
+            for (int k = 0; k < count; ++k) {
+                modulus_rate(at_model, k) = w.modulus_rate[static_cast<Eigen::Index>(q) * count + k];
+            }
+            continue;
+        }
         const typename Element::Stress total = w.initial[q] + end.stress.col(at_model);
         const auto at = mechanics::invariants<Element::voigt>(total);
         const auto here = layer.law->modulus(layer.parameters, at);

@@ -203,6 +203,7 @@ public:
         w_.set_stress(u, stress, d_stress, right, factors_);
     }
     void add_stress_rates(const Eigen::MatrixXd& du, Stresses& d_stress) const { w_.add_stress_rates(du, d_stress); }
+    void settle(PathState<Element>& now, PathState<Element>& change) const { w_.settle(now, change); }
     void read_all(const PathState<Element>& now, const Felt& by, std::size_t instant, Course& course) const {
         w_.read_all(readings_, now, by, instant, course);
     }

@@ -2,6 +2,7 @@
 
 #include "material/bilinear.h"
 #include "material/dresden.h"
+#include "material/hyperelastic.h"
 #include "material/k_theta.h"
 #include "material/lade_nelson.h"
 #include "material/linear.h"
@@ -14,8 +15,8 @@ namespace pave::material {
 
 std::span<const Law* const> laws() {
     static const Law* const all[] = {
-        &linear(),  &uzan(),        &k_theta(),  &uzan_deviator(), &uzan_separate(),
-        &dresden(), &lade_nelson(), &bilinear(), &viscoelastic(),
+        &linear(),  &uzan(),        &k_theta(),      &uzan_deviator(), &uzan_separate(),
+        &dresden(), &lade_nelson(), &hyperelastic(), &bilinear(),      &viscoelastic(),
     };
     return all;
 }

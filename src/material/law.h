@@ -63,6 +63,37 @@ struct UnitGradient {
     mechanics::Stiffness<6> d_tau = mechanics::Stiffness<6>::Zero();
 };
 
+// Of a law whose strain is a function of the stress, the gradient of a complementary energy: with A = C^-1 and
+// Q = stress : A : stress, the whole stress,
+//     energy = Psi(Q),   strain = A stress / E(Q),   1/E = 2 dPsi/dQ.
+// E is the secant modulus from no stress at all; the tangent compliance is (A - h A stress (x) A stress)/E with the
+// hardening h = 2 d(ln E)/dQ, positive definite as long as h Q < 1.
+class Energy {
+public:
+    struct Secant {
+        double value = 0.0;       // E [Pa]
+        double hardening = 0.0;   // [1/Pa2]
+        double d_hardening = 0.0; // by Q [1/Pa4]
+        bool limited = false;     // the modulus limit was met; the rest is zero there
+    };
+    struct SecantRate {
+        double value = 0.0;
+        double hardening = 0.0;
+    };
+
+    // p: SI values in the order of the law's parameters(). q: Q [Pa2].
+    virtual Secant secant(std::span<const double> p, double q) const = 0;
+    // By p[i] at held Q. here: secant(p, q).
+    virtual SecantRate secant_rate(std::span<const double> p, double q, const Secant& here, std::size_t i) const = 0;
+    // Q where strain : C : strain is this.
+    virtual double stress_square(std::span<const double> p, double strain_square) const = 0;
+    // Psi [Pa], zero without stress.
+    virtual double complementary(std::span<const double> p, double q) const = 0;
+
+protected:
+    ~Energy() = default;
+};
+
 // One term of a Prony series: a share of the modulus that fades away with a time of relaxation.
 struct Relaxation {
     double share = 0.0; // of the modulus that the law gives, which is then the instantaneous one
@@ -104,6 +135,10 @@ public:
     virtual std::vector<Relaxation> relaxation_derivative(std::span<const double> p, std::size_t i) const;
     // Whether there may be such terms.
     virtual bool relaxes() const { return false; }
+
+    // Of a law whose strain derives from one: what its modulus depends on then is the whole stress, and modulus() is
+    // that of triaxial compression at the same theta and tau. None: the law gives moduli along a path.
+    virtual const Energy* energy() const { return nullptr; }
 
     // Why these parameters cannot be a material (thermodynamic bounds), or "".
     virtual std::string impossible(std::span<const double> p) const = 0;

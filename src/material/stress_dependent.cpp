@@ -2,32 +2,25 @@
 
 #include "base/units.h"
 #include "material/floor.h"
-#include "mechanics/cross_anisotropic.h"
 
 #include <cmath>
 
 namespace pave::material {
 
 StressDependent::StressDependent(std::vector<ParameterInfo> own, std::optional<double> default_n) : own_(own.size()) {
-    infos_.push_back(
-        {"modulus_axis", 1.0, 0.0, 1.0, false, 0.0, "which modulus the law gives", {"horizontal", "vertical"}});
+    infos_.push_back(modulus_axis_info());
     infos_.insert(infos_.end(), own.begin(), own.end());
-    const ParameterInfo shared[] = {
-        {"n", 1.0, 0.0, 20.0, true, default_n, "horizontal over vertical modulus, E1/E3", {}},
-        poisson_12_info(),
-        poisson_31_info(),
-        {"shear_ratio", 1.0, 0.0, 10.0, true, not_given, "G13/E3; without it 1/G13 = 1/E1 + (1 + 2 nu31)/E3", {}},
-        tension_smoothing_info(),
-        {"shear_floor",
-         1.0,
-         0.0,
-         10.0,
-         false,
-         not_given,
-         "eta, floor of theta in proportion to shear; default 0 incremental, 1 secant",
-         {}},
-    };
-    infos_.insert(infos_.end(), std::begin(shared), std::end(shared));
+    const auto directions = direction_infos(default_n);
+    infos_.insert(infos_.end(), directions.begin(), directions.end());
+    infos_.push_back(tension_smoothing_info());
+    infos_.push_back({"shear_floor",
+                      1.0,
+                      0.0,
+                      10.0,
+                      false,
+                      not_given,
+                      "eta, floor of theta in proportion to shear; default 0 incremental, 1 secant",
+                      {}});
 }
 
 ParameterInfo scale_info(std::string_view meaning) {
@@ -51,6 +44,24 @@ ParameterInfo poisson_12_info() {
 }
 ParameterInfo poisson_31_info() {
     return {"poisson_31", 1.0, -0.99, 2.0, false, {}, "horizontal strain from vertical load", {}, {}, {}, "poisson"};
+}
+ParameterInfo modulus_axis_info() {
+    return {"modulus_axis", 1.0, 0.0, 1.0, false, 0.0, "which modulus the law gives", {"horizontal", "vertical"}};
+}
+std::vector<ParameterInfo> direction_infos(std::optional<double> default_n) {
+    return {
+        {"n", 1.0, 0.0, 20.0, true, default_n, "horizontal over vertical modulus, E1/E3", {}},
+        poisson_12_info(),
+        poisson_31_info(),
+        {"shear_ratio", 1.0, 0.0, 10.0, true, not_given, "G13/E3; without it 1/G13 = 1/E1 + (1 + 2 nu31)/E3", {}},
+    };
+}
+mechanics::CrossAnisotropy cross_anisotropy(double modulus_axis, std::span<const double> directions) {
+    return {.n = directions[0],
+            .nu12 = directions[1],
+            .nu31 = directions[2],
+            .shear_ratio = std::isnan(directions[3]) ? std::nullopt : std::optional(directions[3]),
+            .modulus_is_vertical = modulus_axis == 1.0};
 }
 ParameterInfo tension_smoothing_info() {
     return {"tension_smoothing_kPa", unit::kPa, 0.0, 1e3, true, 5.0, "delta, the smooth floor of theta", {}};
@@ -87,34 +98,20 @@ double StressDependent::modulus_derivative(std::span<const double> p, mechanics:
            (i == place(delta) ? floor.by_delta(p[i]) : floor.by_eta(p[i], at.tau));
 }
 
-namespace {
-
-mechanics::CrossAnisotropy directions(double axis, std::span<const double> common) {
-    return {.n = common[0],
-            .nu12 = common[1],
-            .nu31 = common[2],
-            .shear_ratio = std::isnan(common[3]) ? std::nullopt : std::optional(common[3]),
-            .modulus_is_vertical = axis == 1.0};
-}
-
-} // namespace
-
 mechanics::Stiffness<6> StressDependent::unit_stiffness(std::span<const double> p, mechanics::Invariants) const {
-    return directions(p[0], p.subspan(place(n))).unit_stiffness();
+    return cross_anisotropy(p[0], p.subspan(place(n))).unit_stiffness();
 }
 
 mechanics::Stiffness<6> StressDependent::unit_stiffness_derivative(std::span<const double> p, mechanics::Invariants,
                                                                    std::size_t i) const {
-    using Variable = mechanics::CrossAnisotropy::Variable;
     if (i < place(n) || i > place(shear_ratio)) {
         return mechanics::Stiffness<6>::Zero();
     }
-    constexpr Variable variables[] = {Variable::n, Variable::nu12, Variable::nu31, Variable::shear_ratio};
-    return directions(p[0], p.subspan(place(n))).unit_stiffness_derivative(variables[i - place(n)]);
+    return cross_anisotropy(p[0], p.subspan(place(n))).unit_stiffness_derivative(direction_variables[i - place(n)]);
 }
 
 std::string StressDependent::impossible(std::span<const double> p) const {
-    return directions(p[0], p.subspan(place(n))).impossible();
+    return cross_anisotropy(p[0], p.subspan(place(n))).impossible();
 }
 
 } // namespace pave::material

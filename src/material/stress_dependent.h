@@ -3,6 +3,7 @@
 #pragma once
 
 #include "material/law.h"
+#include "mechanics/cross_anisotropic.h"
 
 #include <memory>
 #include <numbers>
@@ -18,6 +19,16 @@ ParameterInfo confinement_info(UsualRange range);
 ParameterInfo poisson_12_info();
 ParameterInfo poisson_31_info();
 ParameterInfo tension_smoothing_info();
+
+// The same of what makes a layer cross-anisotropic: modulus_axis, and n, poisson_12, poisson_31, shear_ratio in this
+// order; n without a default must be given.
+ParameterInfo modulus_axis_info();
+std::vector<ParameterInfo> direction_infos(std::optional<double> default_n);
+inline constexpr mechanics::CrossAnisotropy::Variable direction_variables[] = {
+    mechanics::CrossAnisotropy::Variable::n, mechanics::CrossAnisotropy::Variable::nu12,
+    mechanics::CrossAnisotropy::Variable::nu31, mechanics::CrossAnisotropy::Variable::shear_ratio};
+// Of the values of those rows.
+mechanics::CrossAnisotropy cross_anisotropy(double modulus_axis, std::span<const double> directions);
 
 class StressDependent : public Law {
 public:

@@ -24,7 +24,9 @@ mesh::AxisymmetricMesh Axisymmetric::nominal_mesh(const Case& c, int load) {
         demand.edge_size = 0.02;
     }
     // The secant law has two equilibria where a small cell is near tension, and a search may end in either.
-    const auto depends_on_stress = [](const Layer& layer) { return layer.law->stress_dependent(); };
+    const auto depends_on_stress = [](const Layer& layer) {
+        return layer.law->stress_dependent() && layer.law->energy() == nullptr;
+    };
     demand.follows_gauges = c.settings.integration != Integration::secant ||
                             std::none_of(c.layers.begin(), c.layers.end(), depends_on_stress);
     for (const Sensor& sensor : c.sensors) {

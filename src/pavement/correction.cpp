@@ -169,6 +169,9 @@ std::string why_impossible(const Case& c, const Correction& correction) {
     if (channel.of_stress && c.layers[layers.front()].law->relaxes()) {
         return "the layer relaxes";
     }
+    if (channel.of_stress && c.layers[layers.front()].law->energy() != nullptr) {
+        return "the strain of the layer derives from an energy, which leaves no room for a factor on its modulus";
+    }
     const bool on_gear =
         std::any_of(c.loads.begin(), c.loads.end(), [](const Load& l) { return l.type == LoadType::gear; });
     return on_gear ? "a gear stands on uncorrected linear layers only" : "";

@@ -76,8 +76,16 @@ Fields fields_of(const fe::Model<Element>& model, const std::vector<fe::LayerMat
                 mechanics::invariants<N>(layer.template initial_stress<N>(at[2]) + stress_there.col(i));
             f.theta[k] = invariants.theta;
             f.tau[k] = invariants.tau;
-            const double modulus = layer.law->modulus(layer.parameters, invariants).value;
             const mechanics::Stiffness<6> compliance = fe::local_stiffness(layer, at, invariants).inverse();
+            double modulus = 0.0;
+            if (const material::Energy* energy = layer.law->energy()) {
+                const mechanics::Voigt<N> whole = layer.template initial_stress<N>(at[2]) + stress_there.col(i);
+                const mechanics::Stiffness<N> own =
+                    fe::local_factor(layer, at) * compliance.template topLeftCorner<N, N>();
+                modulus = energy->secant(layer.parameters, whole.dot(own * whole)).value;
+            } else {
+                modulus = layer.law->modulus(layer.parameters, invariants).value;
+            }
             f.horizontal_modulus[k] = modulus / compliance(0, 0);
             f.vertical_modulus[k] = modulus / compliance(2, 2);
         }

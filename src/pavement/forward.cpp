@@ -159,6 +159,10 @@ void check_integration(const Case& c, const Place& place) {
         std::any_of(c.loads.begin(), c.loads.end(), [](const Load& load) { return load.is_pulse(); })) {
         throw Error(place, "a load with a history is followed in time", "\"secant\"", "\"incremental\"");
     }
+    if (c.settings.integration == Integration::secant && c.has_energy() && !c.is_hyperelastic()) {
+        throw Error(place, "a hyperelastic layer stands beside other stress-dependent ones along the load path only",
+                    "\"secant\"", "\"incremental\"");
+    }
     if (c.settings.integration == Integration::secant && c.turns()) {
         throw Error(place, "a layer whose anisotropy follows the stress is followed along the load path", "\"secant\"",
                     "\"incremental\"");
@@ -460,8 +464,9 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         response.warnings.push_back(
             "the stress-dependent material keeps " + percent(kept) +
             " of its largest strain after the pulse, as no resilient material does: stress went back another way than "
-            "it came, and moduli along its path do not cancel. Readings after the peak are not to be trusted; less is "
-            "kept where more confines at rest (residual_stress_kPa, k0)");
+            "it came, and moduli along its path do not cancel. Readings after the peak are not to be trusted; the law "
+            "\"hyperelastic\" gives all strain back, and less is kept where more confines at rest "
+            "(residual_stress_kPa, k0)");
     }
     if (limited > 0.0) {
         response.warnings.push_back("the modulus limit of 100,000 MPa was met in " + percent(limited) +

@@ -44,6 +44,10 @@ const Failure does_not_fit{Status::invalid_parameters,
 
 const Failure not_finite{Status::failed, "the solution is not a finite number"};
 
+const Failure energy_beside_secant{Status::failed,
+                                   "a layer whose strain derives from an energy stands beside one whose modulus is a "
+                                   "secant: they can be followed along the load path together (incremental)"};
+
 // Steps of the pulse: of what relaxes, and of what moves.
 constexpr int relaxing_steps = 40;
 constexpr int moving_steps = 80;
@@ -247,9 +251,18 @@ private:
                                          const std::vector<double>& on_the_way, Own& own) const {
         const auto& settings = values.settings.solver;
         const std::vector<double> springs = spring_stiffness(values);
-        return values.settings.integration == Integration::secant
-                   ? own.geometry->solver->secant(layers, force, by, settings, springs, motions)
-                   : own.geometry->solver->incremental(layers, force, by, settings, springs, motions, on_the_way);
+        const bool as_secant = values.settings.integration == Integration::secant;
+        if (values.is_hyperelastic()) {
+            // Inertia asks for the tangent at the end of a path.
+            return values.loads[load_].inertia
+                       ? own.geometry->solver->incremental(layers, force, by, settings, springs, motions)
+                       : own.geometry->solver->hyperelastic(layers, force, by, settings, springs, motions);
+        }
+        if (as_secant && values.has_energy()) {
+            return energy_beside_secant;
+        }
+        return as_secant ? own.geometry->solver->secant(layers, force, by, settings, springs, motions)
+                         : own.geometry->solver->incremental(layers, force, by, settings, springs, motions, on_the_way);
     }
 
     // The sensors that this model reads.

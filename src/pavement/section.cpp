@@ -79,6 +79,16 @@ bool Case::turns() const {
     return std::any_of(layers.begin(), layers.end(), [](const Layer& l) { return l.law->turns(); });
 }
 
+bool Case::has_energy() const {
+    return std::any_of(layers.begin(), layers.end(), [](const Layer& l) { return l.law->energy() != nullptr; });
+}
+
+bool Case::is_hyperelastic() const {
+    return has_energy() && std::all_of(layers.begin(), layers.end(), [](const Layer& l) {
+               return l.law->energy() != nullptr || !l.law->stress_dependent();
+           });
+}
+
 double Case::default_extent(double depth) const {
     // Under a pulse the wall absorbs waves, but none that meet it aslant: they come back later from farther.
     const bool moves = std::any_of(loads.begin(), loads.end(), [](const Load& load) { return load.is_pulse(); });
@@ -94,8 +104,9 @@ std::vector<int> path_of_each(const Case& c) {
     std::iota(path.begin(), path.end(), 0);
     const bool has_path =
         std::any_of(c.layers.begin(), c.layers.end(), [](const Layer& layer) { return layer.law->stress_dependent(); });
-    if (!has_path || !c.settings.shares_paths || c.settings.integration != Integration::incremental || c.relaxes() ||
-        !c.effects.empty() || !c.corrections.empty()) {
+    if (!has_path || c.is_hyperelastic() || !c.settings.shares_paths ||
+        c.settings.integration != Integration::incremental || c.relaxes() || !c.effects.empty() ||
+        !c.corrections.empty()) {
         return path;
     }
     for (std::size_t l = 0; l < path.size(); ++l) {

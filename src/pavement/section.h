@@ -192,6 +192,10 @@ struct Case {
     bool relaxes() const;
     // Whether the anisotropy of a layer follows the stress.
     bool turns() const;
+    // Whether the strain of a layer derives from an energy, and whether that of every layer that depends on stress
+    // does.
+    bool has_energy() const;
+    bool is_hyperelastic() const;
     // Where the wall stands unless a study says otherwise: 4 m (8 m under a pulse), or twice the depth of the section,
     // or twice the distance of the farthest sensor. Nearer than twice the depth, the wall shows in the far deflections.
     double default_extent() const { return default_extent(depth()); }
@@ -201,7 +205,8 @@ struct Case {
 
 // Of each load, the number of the one on whose load path it lies: the heaviest that differs from it in pressure alone,
 // where the settings let loads share paths and both are plates that act on the section without effects, time and secant
-// equilibrium, and the load is read by its deflections. Else its own.
+// equilibrium, and the load is read by its deflections. Else its own, and so where the section has no path: linear or
+// hyperelastic.
 std::vector<int> path_of_each(const Case& c);
 
 } // namespace pave::pavement

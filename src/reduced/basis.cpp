@@ -23,6 +23,11 @@ std::string why_not(const Case& c, int load) {
     if (own.turns()) {
         return "the anisotropy of a layer follows the stress";
     }
+    if (own.has_energy()) {
+        return own.is_hyperelastic() && !is_pulse
+                   ? "the hyperelastic layers need no load path: the full model solves it at once"
+                   : "a layer is hyperelastic";
+    }
     if (std::none_of(own.layers.begin(), own.layers.end(), [](const Layer& l) { return l.law->stress_dependent(); })) {
         return "no layer depends on stress: the full model is as fast";
     }

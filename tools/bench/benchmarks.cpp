@@ -1,7 +1,9 @@
 // What a forward run and its derivatives cost beside one sparse Cholesky factorisation of the same matrix by CHOLMOD.
 // A plane case and a solid one; five derivatives: of four numbers of the base and the modulus of the subgrade. And a
-// bowl of four linear layers by the layered engine, with the derivatives by its four moduli.
+// bowl of four linear layers by the layered engine, with the derivatives by its four moduli. The same sections with a
+// hyperelastic base, which has no load path.
 // usage: benchmarks [OPTIONS OF GOOGLE BENCHMARK], from the top of the repository
+#include "material/catalog.h"
 #include "pavement/forward.h"
 #include "run/blas.h"
 #include "study/problems.h"
@@ -86,17 +88,32 @@ void factorisation(benchmark::State& state, const std::string& file) {
     cholmod_finish(&common);
 }
 
-void forward(benchmark::State& state, const std::string& file, const std::vector<std::string>& by) {
-    const auto study = explore::study::load_study(file);
-    const pavement::ForwardModel model(study.model);
+// The section of a study, its layer of `uzan` hyperelastic: no load path.
+pavement::Case hyperelastic(const std::string& file) {
+    auto c = explore::study::load_study(file).model;
+    for (pavement::Layer& layer : c.layers) {
+        if (layer.law == material::find_law("uzan")) {
+            const auto value = [&](std::string_view key) { return layer.parameters[*layer.law->index_of(key)]; };
+            const double n = value("n");
+            const double delta = value("tension_smoothing_kPa");
+            layer.parameters = {value("modulus_axis"), value("k1"),         0.5,  n, value("poisson_12"),
+                                value("poisson_31"),   material::not_given, delta};
+            layer.law = material::find_law("hyperelastic");
+        }
+    }
+    return c;
+}
+
+void forward(benchmark::State& state, const pavement::Case& c, const std::vector<std::string>& by) {
+    const pavement::ForwardModel model(c);
     std::vector<pavement::Parameter> parameters;
     for (const std::string& path : by) {
-        parameters.push_back(pavement::find_parameter(study.model, path, {}));
+        parameters.push_back(pavement::find_parameter(c, path, {}));
     }
     const auto workspace = model.make_workspace();
     fe::Statistics statistics;
     for (auto _ : state) {
-        const auto outcome = model.run(study.model, parameters, *workspace);
+        const auto outcome = model.run(c, parameters, *workspace);
         if (!outcome) {
             state.SkipWithError(outcome.failure().reason.c_str());
             return;
@@ -104,6 +121,7 @@ void forward(benchmark::State& state, const std::string& file, const std::vector
         statistics = outcome->statistics;
     }
     state.counters["load_steps"] = statistics.load_steps;
+    state.counters["newton_steps"] = statistics.newton_steps;
     state.counters["factorizations"] = statistics.factorizations;
     state.counters["iterations"] = statistics.iterations;
 }
@@ -119,18 +137,26 @@ int main(int argc, char** argv) {
     const std::vector<std::string> moduli{"asphalt.modulus_MPa", "base.modulus_MPa", "subbase.modulus_MPa",
                                           "subgrade.modulus_MPa"};
     const std::vector<std::string> five{"base.k1", "base.k2", "base.k3", "base.n", "subgrade.modulus_MPa"};
+    const std::vector<std::string> of_energy{"base.k1", "base.k", "base.n", "base.poisson_31", "subgrade.modulus_MPa"};
+    const auto model_of = [](const std::string& file) { return explore::study::load_study(file).model; };
     const auto add = [](const std::string& name, const auto& action) {
         benchmark::RegisterBenchmark(name.c_str(), action)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
     };
     add("plane/factorisation", [&](auto& state) { factorisation<pavement::Axisymmetric>(state, plane); });
-    add("plane/forward", [&](auto& state) { forward(state, plane, {}); });
-    add("plane/jacobian", [&](auto& state) { forward(state, plane, five); });
-    add("plane/geometry", [&](auto& state) { forward(state, plane, {"base.thickness_mm", "fwd.radius_mm"}); });
-    add("layered/forward", [&](auto& state) { forward(state, layered, {}); });
-    add("layered/jacobian", [&](auto& state) { forward(state, layered, moduli); });
+    add("plane/forward", [&](auto& state) { forward(state, model_of(plane), {}); });
+    add("plane/jacobian", [&](auto& state) { forward(state, model_of(plane), five); });
+    add("plane/geometry", [&](auto& state) {
+        forward(state, model_of(plane), {"base.thickness_mm", "fwd.radius_mm"});
+    });
+    add("plane/hyperelastic", [&](auto& state) { forward(state, hyperelastic(plane), {}); });
+    add("plane/hyperelastic-jacobian", [&](auto& state) { forward(state, hyperelastic(plane), of_energy); });
+    add("layered/forward", [&](auto& state) { forward(state, model_of(layered), {}); });
+    add("layered/jacobian", [&](auto& state) { forward(state, model_of(layered), moduli); });
     add("solid/factorisation", [&](auto& state) { factorisation<pavement::Solid>(state, solid); });
-    add("solid/forward", [&](auto& state) { forward(state, solid, {}); });
-    add("solid/jacobian", [&](auto& state) { forward(state, solid, five); });
+    add("solid/forward", [&](auto& state) { forward(state, model_of(solid), {}); });
+    add("solid/jacobian", [&](auto& state) { forward(state, model_of(solid), five); });
+    add("solid/hyperelastic", [&](auto& state) { forward(state, hyperelastic(solid), {}); });
+    add("solid/hyperelastic-jacobian", [&](auto& state) { forward(state, hyperelastic(solid), of_energy); });
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
         return 2;
