@@ -5,6 +5,8 @@
 #include "data/asphalt_temperature.h"
 #include "data/bowl_indices.h"
 #include "data/reading.h"
+#include "data/resolution.h"
+#include "data/road_bowls.h"
 #include "study/station.h"
 
 #include <algorithm>
@@ -235,13 +237,25 @@ void set_subgrade(Parts& parts, const data::DeflectionBowl& bowl) {
     }
 }
 
-data::StationBowls bowls_or_error(const data::FwdStation& station, const std::string& path) {
-    auto bowls = data::bowls_of(station);
+// Of all stations: repeats along the whole road tell more than those of one.
+std::vector<pave::Outcome<data::StationBowls>> bowls_of_file(const data::FwdFile& file) {
+    std::vector<const data::FwdStation*> stations;
+    for (const data::FwdStation& s : file.stations) {
+        stations.push_back(&s);
+    }
+    return data::bowls_of_road(stations);
+}
+
+// Of a station of the file.
+const data::StationBowls& bowls_or_error(const std::vector<pave::Outcome<data::StationBowls>>& road,
+                                         const data::FwdFile& file, const data::FwdStation& station,
+                                         const std::string& path) {
+    const auto& bowls = road[static_cast<std::size_t>(&station - file.stations.data())];
     if (!bowls) {
         throw pave::Error({.file = path, .line = station.line, .key = "station " + station.name},
                           "its readings cannot be right", bowls.failure().reason, "another station");
     }
-    return std::move(bowls).value();
+    return *bowls;
 }
 
 } // namespace
@@ -250,7 +264,8 @@ NewStudy study_of_pulses(const std::string& name, const data::FwdFile& file, con
                          const std::string& wanted) {
     const data::FwdStation& station = chosen(file, path, wanted);
     const std::string source = harmless(std::filesystem::path(path).filename().string());
-    const data::StationBowls bowls = bowls_or_error(station, path);
+    const auto road = bowls_of_file(file);
+    const data::StationBowls& bowls = bowls_or_error(road, file, station, path);
     constexpr double apart_ms = 1.0;
     NewStudy made;
     Parts parts;
@@ -330,18 +345,12 @@ NewStudy study_of_station(const std::string& name, const data::FwdFile& file, co
                           const std::string& wanted) {
     const data::FwdStation& station = chosen(file, path, wanted);
     const std::string source = harmless(std::filesystem::path(path).filename().string());
-    const data::StationBowls bowls = bowls_or_error(station, path);
-    // Repeats along the whole road tell more than those of one station.
-    std::vector<data::StationBowls> road;
-    for (const data::FwdStation& s : file.stations) {
-        if (auto own = data::bowls_of(s)) {
-            road.push_back(std::move(own).value());
-        }
-    }
+    const auto road = bowls_of_file(file);
+    const data::StationBowls& bowls = bowls_or_error(road, file, station, path);
     std::vector<const data::DeflectionBowl*> all;
     for (const auto& s : road) {
-        for (const auto& level : s.levels) {
-            all.push_back(&level);
+        for (std::size_t i = 0; s && i < s->levels.size(); ++i) {
+            all.push_back(&s->levels[i]);
         }
     }
     const auto repeatability = data::repeatability(all);
@@ -391,10 +400,14 @@ misfit = "weighted"
 )",
                               name);
     set_subgrade(parts, bowls.bowl());
+    const double resolution = bowls.bowl().readings[0].resolution_um;
     const std::string head = fmt::format(
-        "# Station {} of {}: medians of the drops of each level. sigma: {}, with 1 um and 1 % of the sensor\n{}{}\n",
+        "# Station {} of {}: means of the drops of each level. sigma: {}, with 1 um and 1 % of the sensor{}\n{}{}\n",
         harmless(station.name), source,
         repeatability ? fmt::format("repeats scatter by {:.1f} %", 100.0 * *repeatability) : "no drop is repeated",
+        resolution > 1.0
+            ? fmt::format(" and what rounding leaves (readings are {})", data::resolution_words(resolution))
+            : "",
         left_out, data::measurement_header());
     return {study_text(name, parts), head + rows};
 }

@@ -264,7 +264,7 @@ NoiseResult noise_of_drops(const std::vector<data::FwdFile>& files) {
     std::vector<RepeatedDrops> groups;
     std::string names;
     for (const data::FwdFile& file : files) {
-        auto list = data::repeated_drops(file.stations);
+        auto list = data::repeated_drops(file.stations, result.left_out);
         std::move(list.begin(), list.end(), std::back_inserter(groups));
         result.stations += file.stations.size();
         names += (names.empty() ? "" : ", ") + file.stations[0].file;
@@ -303,6 +303,32 @@ std::vector<std::string> findings(const NoiseResult& result) {
                                        : "all sensors of a drop share one, neighbouring ones more"));
     } else {
         text.push_back("Nothing tells the errors of the sensors from independent ones.");
+    }
+    if (!result.left_out.empty()) {
+        constexpr std::size_t shown = 3;
+        const std::size_t more = result.left_out.size() - std::min(shown, result.left_out.size());
+        text.push_back(
+            fmt::format("Left out, as repeats contradict them: {}{}.",
+                        pave::join(std::vector<std::string>(result.left_out.begin(),
+                                                            result.left_out.end() - static_cast<std::ptrdiff_t>(more)),
+                                   "; "),
+                        more > 0 ? fmt::format("; and {} more", more) : ""));
+    }
+    // Of the drops over that of the model; twice is beyond what so many repeats may be off by chance.
+    constexpr double misses = 2.0;
+    constexpr int enough = 12;
+    std::vector<std::string> missed;
+    for (const SensorNoise& s : result.sensors) {
+        const double ratio = s.scatter_of_model / s.scatter;
+        if (s.degrees >= enough && (ratio > misses || ratio < 1.0 / misses)) {
+            missed.push_back(fmt::format("{:g} mm ({:.2g} % for {:.2g} %)", s.offset_mm, 100.0 * s.scatter_of_model,
+                                         100.0 * s.scatter));
+        }
+    }
+    if (!missed.empty()) {
+        text.push_back(fmt::format("The model does not hold at {}: its scatter is off by more than a factor of two "
+                                   "there.",
+                                   pave::join(missed)));
     }
     constexpr int few = 30;
     if (result.degrees < few) {

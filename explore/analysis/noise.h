@@ -32,7 +32,8 @@ struct NoiseResult {
     int drops = 0;          // in them
     int degrees = 0;        // drops less groups
     NoiseModel model;
-    std::vector<SensorNoise> sensors; // by offset
+    std::vector<SensorNoise> sensors;    // by offset
+    std::vector<std::string> left_out{}; // drops and readings that their repeats contradict, in words
 };
 
 // The most likely model (restricted maximum likelihood: the scatter of a group of m drops is Wishart with m - 1 degrees

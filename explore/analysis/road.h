@@ -65,6 +65,11 @@ struct WithheldLevel {
         double mean_percent = 0.0;  // of measured over predicted - 1
         double error_percent = 0.0; // its standard error: scatter over the stations, and what the fit leaves open
         double p_familywise = 1.0;  // that it is 0 (Holm over the sensors)
+        // Of the same stations at the nearest level that was fitted, and what is left when that is taken off: what the
+        // load changes and the model does not, with its standard error (scatter over the stations) and its p.
+        double fitted_percent = 0.0;
+        double load_percent = 0.0, load_error_percent = 0.0;
+        double load_p_familywise = 1.0;
     };
     std::size_t stations = 0, readings = 0;
     double rms_percent = 0.0;         // of measured over predicted - 1

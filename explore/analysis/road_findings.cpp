@@ -54,21 +54,35 @@ std::string weakest_words(const RoadResult& result) {
     return text;
 }
 
-// Of sensors that the prediction misses: near ones tell of the top, far ones of what lies deep.
+// Of sensors that the prediction misses: what the fit leaves over at them anyway, and what the load adds. Near ones
+// tell of the top, far ones of what lies deep.
 std::string missed_words(const WithheldLevel& level) {
-    std::string text;
+    std::string missed;
+    std::string fitted;
+    std::string by_load;
     for (const auto& s : level.sensors) {
+        const auto add = [&](std::string& text, const std::string& words) {
+            text += fmt::format("{}{:g} mm {}", text.empty() ? "" : ", ", s.offset_mm, words);
+        };
         if (s.p_familywise < road_familywise) {
-            text += fmt::format("{}{:g} mm {:+.1f} % +- {:.1f}", text.empty() ? "" : ", ", s.offset_mm, s.mean_percent,
-                                1.96 * s.error_percent);
+            add(missed, fmt::format("{:+.1f} % +- {:.1f}", s.mean_percent, 1.96 * s.error_percent));
+            add(fitted, fmt::format("{:+.1f} %", s.fitted_percent));
+        }
+        if (s.load_p_familywise < road_familywise) {
+            add(by_load, fmt::format("{:+.1f} % +- {:.1f}", s.load_percent, 1.96 * s.load_error_percent));
         }
     }
-    if (text.empty()) {
-        return " No sensor stands out.";
+    std::string text = missed.empty() ? " No sensor stands out."
+                                      : " Measured over predicted at " + missed +
+                                            "; at the nearest level that was fitted the same sensors are off by " +
+                                            fitted + ", which is no effect of the load.";
+    if (by_load.empty()) {
+        return text + " From that level to this one no sensor changes otherwise than predicted.";
     }
-    return " Measured over predicted at " + text +
-           ". Where readings are above, the pavement softens with load more, or hardens less, than the model: near the "
-           "plate the upper layers, far from it the subgrade.";
+    return text + " From that level to this one the readings change against the model at " + by_load +
+           ". Where they rise, the pavement softens with load more, or hardens less, than the model: near the plate "
+           "the "
+           "upper layers, far from it the subgrade.";
 }
 
 std::string withheld_words(const WithheldLevel& level) {

@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <gsl/gsl_cdf.h>
@@ -20,10 +21,11 @@ using Eigen::VectorXd;
 
 constexpr double least = 1e-6; // information of an unknown that nothing tells of: a thousand boxes
 
-MatrixXd inverse(MatrixXd matrix) {
-    const Index n = matrix.rows();
-    matrix.diagonal().array() += least;
-    return n > 0 ? MatrixXd(matrix.llt().solve(MatrixXd::Identity(n, n))) : matrix;
+// The covariance of unknowns with this information.
+MatrixXd covariance_of(MatrixXd information) {
+    const Index n = information.rows();
+    information.diagonal().array() += least;
+    return n > 0 ? MatrixXd(information.llt().solve(MatrixXd::Identity(n, n))) : information;
 }
 
 bool is_member(const RoadState& state, std::size_t i) {
@@ -204,7 +206,7 @@ StationInformation::StationInformation(const RoadState& state, std::size_t i)
             to.push_back(common[k]);
         }
     }
-    alone = inverse(normal(own, own));
+    alone = covariance_of(normal(own, own));
     const MatrixXd across = normal(own, shared);
     following = -alone * across;
     schur = normal(shared, shared) + across.transpose() * following;
@@ -230,6 +232,12 @@ MatrixXd common_covariance(const RoadState& state) {
     return all;
 }
 
+MatrixXd informed(const MatrixXd& covariance, const MatrixXd& information) {
+    const Index n = covariance.rows();
+    return n > 0 ? MatrixXd((MatrixXd::Identity(n, n) + covariance * information).partialPivLu().solve(covariance))
+                 : covariance;
+}
+
 void holm(const std::vector<double*>& p) {
     std::vector<double*> order = p;
     std::stable_sort(order.begin(), order.end(), [](const double* a, const double* b) { return *a < *b; });
@@ -250,8 +258,7 @@ double judge(const RoadState& state, std::vector<RoadStation>& judged) {
             j.dof = rows(state, i) - station.covariance(common).cwiseProduct(station.normal).sum();
         } else { // what it would have left where the common unknowns moved as far as the members let them
             const MatrixXd known = common(station.to, station.to);
-            const MatrixXd information = inverse(known) + station.schur;
-            j.chi2 -= station.pull.dot(information.llt().solve(station.pull));
+            j.chi2 -= station.pull.dot(informed(known, station.schur) * station.pull);
             j.dof = rows(state, i) - static_cast<double>(station.own.size());
         }
     }
@@ -310,7 +317,7 @@ void conclude(const RoadState& state, const std::vector<RoadStation>& judged, co
     const MatrixXd covariance = common_covariance(state);
     std::vector<MatrixXd> by_itself;
     for (std::size_t i = 0; i < state.tasks.size(); ++i) {
-        by_itself.push_back(inverse(state.stations.normal(i, alone[i])));
+        by_itself.push_back(covariance_of(state.stations.normal(i, alone[i])));
         RoadStation& j = result.stations[i];
         j.chi2_alone = state.tasks[i].problem.residuals(alone[i].evaluation).squaredNorm();
         const StationInformation station(state, i);
@@ -325,7 +332,8 @@ void conclude(const RoadState& state, const std::vector<RoadStation>& judged, co
         fit.local.degrees_of_freedom = static_cast<int>(std::lround(j.dof));
         fit.local.p_value = j.dof > 0.0 ? gsl_cdf_chisq_Q(j.chi2, j.dof) : 1.0;
         fit.local.noise_is_stated = true;
-        fit.local.widened = result.widened;
+        fit.local.widened = result.widened; // by the road's factor, and not by what the station would have
+        fit.local.expected_chi2 = result.widened ? j.chi2 / std::pow(result.noise_factor(), 2) : j.dof;
         fit.local.noise = result.noise_factor();
     }
     add_common(state, result.stations, by_itself, covariance, quantile, result);

@@ -34,6 +34,10 @@ struct StationInformation {
 // The covariance of the common unknowns as the members give it; of those that no member has, all but infinite.
 Eigen::MatrixXd common_covariance(const RoadState& state);
 
+// The covariance of unknowns of which something is known beforehand, once readings with this information on them are
+// added: (C^-1 + I)^-1 = (1 + C I)^-1 C, without inverting C, which may be as small or as nearly singular as it likes.
+Eigen::MatrixXd informed(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& information);
+
 // Corrects p values of a family of tests: p times the number of those not smaller, never falling (Holm 1979).
 void holm(const std::vector<double*>& p);
 

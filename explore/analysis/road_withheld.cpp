@@ -21,6 +21,7 @@ using Eigen::VectorXd;
 struct Predicted {
     std::vector<double> offset_mm;
     VectorXd deviation; // ln(measured / predicted) of each
+    VectorXd fitted;    // of the same sensor at the nearest level that was fitted; not a number: it did not read there
     VectorXd noise;     // standard deviation of the reading as a share of it
     MatrixXd by_common; // d(ln predicted)/d(common unknowns), the station's own following
     MatrixXd spread;    // covariance of ln(predicted) by the fit
@@ -35,6 +36,7 @@ Predicted predicted_at(const RoadState& state, std::size_t i, const study::Study
     const auto n = static_cast<Index>(problem.readings());
     Predicted p{.offset_mm = {},
                 .deviation = VectorXd(n),
+                .fitted = VectorXd::Constant(n, NAN),
                 .noise = VectorXd(n),
                 .by_common = MatrixXd::Zero(n, common.rows()),
                 .spread = {}};
@@ -66,6 +68,24 @@ Predicted predicted_at(const RoadState& state, std::size_t i, const study::Study
     return p;
 }
 
+// ln(measured / model) of a sensor at the fitted level that is nearest to this pressure.
+double fitted_deviation(const StationTask& task, const problem::Evaluation& e, double offset_mm, double pressure_kPa) {
+    double nearest = INFINITY;
+    double found = NAN;
+    std::size_t row = 0; // readings stand in the order of the bowls
+    for (const data::DeflectionBowl* bowl : task.bowls()) {
+        const double distance = std::abs(std::log(bowl->pressure_kPa / pressure_kPa));
+        for (const data::BowlReading& reading : bowl->readings) {
+            if (reading.offset_mm == offset_mm && distance < nearest) {
+                nearest = distance;
+                found = std::log(task.problem.measured(row) / e.responses[task.problem.response_of(row)]);
+            }
+            ++row;
+        }
+    }
+    return found;
+}
+
 void add_sensors(const std::vector<Predicted>& all, const MatrixXd& common, WithheldLevel& level) {
     std::map<double, std::vector<std::pair<const Predicted*, Index>>> at;
     for (const Predicted& p : all) {
@@ -89,17 +109,42 @@ void add_sensors(const std::vector<Predicted>& all, const MatrixXd& common, With
             squares += std::pow(p->deviation[r] - mean, 2);
         }
         const double error = std::sqrt(squares / (n - 1.0) / n + (by_common * common * by_common.transpose()).value());
+        // Without what the fit leaves over at this sensor anyway.
+        std::vector<double> change;
+        double fitted = 0.0;
+        for (const auto& [p, r] : readings) {
+            if (std::isfinite(p->fitted[r])) {
+                change.push_back(p->deviation[r] - p->fitted[r]);
+                fitted += p->fitted[r];
+            }
+        }
         level.sensors.push_back({.offset_mm = offset,
                                  .stations = readings.size(),
                                  .mean_percent = 100.0 * std::expm1(mean),
                                  .error_percent = 100.0 * error,
                                  .p_familywise = 2.0 * gsl_cdf_tdist_Q(std::abs(mean) / error, n - 1.0)});
+        if (change.size() >= 3) {
+            auto& sensor = level.sensors.back();
+            const auto m = static_cast<double>(change.size());
+            const double middle = std::accumulate(change.begin(), change.end(), 0.0) / m;
+            double scatter = 0.0;
+            for (const double c : change) {
+                scatter += std::pow(c - middle, 2) / (m - 1.0) / m;
+            }
+            sensor.fitted_percent = 100.0 * std::expm1(fitted / m);
+            sensor.load_percent = 100.0 * std::expm1(middle);
+            sensor.load_error_percent = 100.0 * std::sqrt(scatter);
+            sensor.load_p_familywise = 2.0 * gsl_cdf_tdist_Q(std::abs(middle) / std::sqrt(scatter), m - 1.0);
+        }
     }
     std::vector<double*> p;
+    std::vector<double*> by_load;
     for (auto& sensor : level.sensors) {
         p.push_back(&sensor.p_familywise);
+        by_load.push_back(&sensor.load_p_familywise);
     }
     holm(p);
+    holm(by_load);
 }
 
 } // namespace
@@ -164,6 +209,13 @@ std::optional<WithheldLevel> predict(const RoadState& state, const SurveyResult&
         const problem::Evaluation e = problem.evaluate(state.points[i].unit, true, *workspace);
         if (e.converged()) {
             found[m] = predicted_at(state, i, study, problem, e, common, noise_factor);
+            std::size_t row = 0;
+            for (const data::DeflectionBowl* bowl : bowls) {
+                for (const data::BowlReading& reading : bowl->readings) {
+                    found[m]->fitted[static_cast<Index>(row++)] = fitted_deviation(
+                        state.tasks[i], state.points[i].evaluation, reading.offset_mm, bowl->pressure_kPa);
+                }
+            }
         }
     });
     if (!finished) {

@@ -201,6 +201,7 @@ SurveyCounts SurveyResult::counts() const {
         const auto passes = s.passes();
         counts.pass += passes && *passes ? 1 : 0;
         counts.fail += passes && !*passes ? 1 : 0;
+        counts.no_ratio += s.has_bowl() && !passes ? 1 : 0;
         counts.rejected += s.state == StationState::rejected ? 1 : 0;
         counts.fitted += s.is_fitted() ? 1 : 0;
         counts.doubtful += s.state == StationState::doubtful ? 1 : 0;

@@ -122,7 +122,8 @@ struct RoadSection {
     std::string profile, lane;
     std::size_t first = 0, last = 0;     // of the result's stations; both included
     Percentiles d0_um;                   // normalised
-    std::vector<Percentiles> parameters; // of those fitted; stations = 0: none
+    std::size_t fitted = 0;              // stations
+    std::vector<Percentiles> parameters; // of those of them that determine it; stations = 0: none
 };
 inline constexpr std::size_t section_stations = 5;
 
@@ -141,8 +142,25 @@ struct NetworkModel {
     pave::reduced::BuildReport report;
 };
 
+// What the model leaves over of one sensor along the road, at the highest level that was fitted.
+struct SensorResidual {
+    double offset_mm = 0.0;
+    std::size_t stations = 0, above = 0; // above: of these, where the model is above the reading
+    double percent = 0.0;                // median of model over measured - 1
+    bool one_sign = false;               // more often than chance allows (p < 0.01 over all sensors) and by 1 % or more
+};
+
+// A usual layout of sensors that describes the bowls where the file's does not.
+struct BetterLayout {
+    std::vector<double> offsets_mm;
+    std::size_t stations = 0;                            // that it was tried at
+    double rms_percent = 0.0, rms_percent_of_file = 0.0; // medians over them
+    double misfit_ratio = 1.0;                           // squared, of the layout over the file's; median
+};
+
 struct SurveyCounts {
     std::size_t pass = 0, fail = 0; // by the deflection ratio
+    std::size_t no_ratio = 0;       // with a bowl, but without sensors to form it
     std::size_t rejected = 0, fitted = 0, doubtful = 0, no_fit = 0, failed = 0;
 };
 
@@ -153,10 +171,14 @@ struct SurveyResult {
     bool fits_all_levels = false;
     double common_pressure_kPa = 0.0; // median of the stations
     std::optional<LoadLevel> normalise;
+    std::optional<LoadLevel> target; // that the level was chosen by
     std::optional<double> reference_C;
     std::optional<double> repeatability; // of a reading, over the road
     std::vector<RoadSection> sections;
-    std::optional<SuspectSensor> suspect; // the worst
+    std::vector<SensorResidual> residuals; // by offset
+    std::optional<SuspectSensor> suspect;  // the worst, where one sensor explains what several leave over
+    bool section_is_suspect = false; // several sensors have one sign along the road, and no single one explains it
+    std::optional<BetterLayout> layout;
     // Of the fitted station with the median D0.
     struct Floor {
         std::size_t station = 0;

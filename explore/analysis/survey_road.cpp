@@ -71,8 +71,11 @@ RoadSection section_of(const SurveyResult& result, const std::vector<std::size_t
     for (const std::size_t i : stations) {
         const StationResult& s = result.stations[i];
         d0.push_back(s.indices->d0_um);
+        section.fitted += s.is_fitted() ? 1 : 0;
         for (std::size_t k = 0; s.is_fitted() && k < parameters.size(); ++k) {
-            parameters[k].push_back(s.fit->parameters[k].value);
+            if (s.fit->parameters[k].determined) {
+                parameters[k].push_back(s.fit->parameters[k].value);
+            }
         }
     }
     section.d0_um = percentiles_of(std::move(d0));
@@ -127,61 +130,6 @@ std::vector<RoadSection> road_sections(const SurveyResult& result) {
         }
     }
     return sections;
-}
-
-std::optional<SuspectSensor> suspect_sensor(const SurveyResult& result) {
-    constexpr std::size_t needed = 8;
-    constexpr double worth_saying = 0.03;
-    struct Seen {
-        std::vector<double> excess;   // over the neighbours
-        std::vector<double> residual; // ln(model / measured)
-        std::vector<double> place_mm; // where the model has that deflection
-    };
-    std::map<double, Seen> seen; // by offset
-    for (const StationResult& s : result.stations) {
-        if (!s.is_fitted()) {
-            continue;
-        }
-        const std::size_t last = s.fit->levels.size() - 1;
-        const auto& readings = s.bowls->levels[s.fit->levels[last]].readings;
-        const auto& model = s.fit->model_um[last];
-        if (std::any_of(model.begin(), model.end(), [](double um) { return !(um > 0.0); })) {
-            continue;
-        }
-        const auto residual = [&](std::size_t i) { return std::log(model[i] / readings[i].deflection_um); };
-        for (std::size_t i = 1; i + 1 < readings.size(); ++i) {
-            const double width = readings[i + 1].offset_mm - readings[i - 1].offset_mm;
-            const double t = (readings[i].offset_mm - readings[i - 1].offset_mm) / width;
-            const double slope = std::log(model[i + 1] / model[i - 1]) / width; // of ln(model), per mm
-            Seen& at = seen[readings[i].offset_mm];
-            at.excess.push_back(residual(i) - (1.0 - t) * residual(i - 1) - t * residual(i + 1));
-            at.residual.push_back(residual(i));
-            if (slope < 0.0) {
-                at.place_mm.push_back(readings[i].offset_mm - residual(i) / slope);
-            }
-        }
-    }
-    std::optional<SuspectSensor> worst;
-    double worst_excess = worth_saying;
-    for (const auto& [offset, at] : seen) {
-        const std::size_t n = at.excess.size();
-        const double middle = data::median(at.excess);
-        if (n < needed || std::abs(middle) <= worst_excess) {
-            continue;
-        }
-        const auto same = static_cast<std::size_t>(
-            std::count_if(at.excess.begin(), at.excess.end(), [&](double e) { return (e > 0.0) == (middle > 0.0); }));
-        const double tail = gsl_cdf_binomial_Q(static_cast<unsigned>(same - 1), 0.5, static_cast<unsigned>(n));
-        const double p = std::min(1.0, 2.0 * tail * static_cast<double>(seen.size()));
-        if (p >= significant) {
-            continue;
-        }
-        worst_excess = std::abs(middle);
-        worst = SuspectSensor{.offset_mm = offset, .stations = n, .same_sign = same, .p = p, .fits_at_mm = {}};
-        worst->model_percent = 100.0 * (std::exp(data::median(at.residual)) - 1.0);
-        worst->fits_at_mm = at.place_mm.empty() ? std::nullopt : std::optional(data::median(at.place_mm));
-    }
-    return worst;
 }
 
 std::optional<SurveyResult::Floor> floor_of(const SurveyResult& result, const std::vector<StationTask>& tasks) {

@@ -1,10 +1,14 @@
 #include "analysis/survey_stations.h"
 
+#include "analysis/survey_layout.h"
 #include "analysis/survey_network.h"
 #include "analysis/survey_road.h"
+#include "analysis/survey_sensors.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "data/asphalt_temperature.h"
 #include "data/fwd_values.h"
+#include "data/road_bowls.h"
 #include "study/laws.h"
 
 #include <algorithm>
@@ -22,22 +26,6 @@ namespace {
 
 constexpr double no_place = std::numeric_limits<double>::infinity(); // a station without chainage goes to the end
 
-// Whether at most of the stations where it can be told the first drop seats the plate.
-bool first_drops_seat(const std::vector<StationResult>& stations) {
-    std::size_t told = 0;
-    std::size_t seating = 0;
-    for (const StationResult& s : stations) {
-        if (s.bowls && s.station.drops.size() >= 3) {
-            ++told;
-            seating += std::any_of(s.bowls->left_out.begin(), s.bowls->left_out.end(),
-                                   [](const auto& drop) { return drop.why == data::LeftOut::seating; })
-                           ? 1
-                           : 0;
-        }
-    }
-    return 2 * seating > told;
-}
-
 // Temperatures that no road has are not there; Fahrenheit under Celsius is the likely slip.
 void check_temperatures(data::FwdStation& station) {
     constexpr double coldest = -50.0;
@@ -54,13 +42,20 @@ void check_temperatures(data::FwdStation& station) {
     }
 }
 
-void make_bowls(StationResult& s, const data::DropChoice& choice) {
-    auto bowls = data::bowls_of(s.station, choice);
-    if (bowls) {
-        s.bowls = *bowls;
-    } else {
-        s.state = StationState::rejected;
-        s.reason = bowls.failure().reason;
+void make_bowls(std::vector<StationResult>& stations, const data::DropChoice& choice) {
+    std::vector<const data::FwdStation*> road;
+    road.reserve(stations.size());
+    for (const StationResult& s : stations) {
+        road.push_back(&s.station);
+    }
+    auto bowls = data::bowls_of_road(road, choice);
+    for (std::size_t i = 0; i < stations.size(); ++i) {
+        if (bowls[i]) {
+            stations[i].bowls = std::move(bowls[i]).value();
+        } else {
+            stations[i].state = StationState::rejected;
+            stations[i].reason = bowls[i].failure().reason;
+        }
     }
 }
 
@@ -109,7 +104,43 @@ void part_runs(std::vector<StationResult>& stations,
     }
 }
 
-SurveyResult read_stations(std::vector<data::FwdFile> files, data::DropChoice choice) {
+// What differs in upper and lower case only is one lane, or one road: as it is written most often (then first).
+void unite_spellings(SurveyResult& result, std::string data::FwdStation::*name, std::string_view what) {
+    std::map<std::string, std::map<std::string, std::size_t>> spellings; // by the name in lower case
+    for (const StationResult& s : result.stations) {
+        ++spellings[data::lower_case(s.station.*name)][s.station.*name];
+    }
+    for (const auto& [plain, written] : spellings) {
+        if (written.size() < 2) {
+            continue;
+        }
+        const auto most = std::max_element(written.begin(), written.end(),
+                                           [](const auto& a, const auto& b) { return a.second < b.second; });
+        std::vector<std::string> others;
+        std::size_t stations = 0;
+        for (const auto& [spelling, count] : written) {
+            if (spelling != most->first) {
+                others.push_back("\"" + spelling + "\"");
+                stations += count;
+            }
+        }
+        for (StationResult& s : result.stations) {
+            if (data::lower_case(s.station.*name) == plain) {
+                s.station.*name = most->first;
+            }
+        }
+        result.remarks.push_back(fmt::format(
+            "{} is taken for {} \"{}\": {}, which {} in upper and lower case only.", pave::join(others, " and "), what,
+            most->first, pave::counted(stations, "station", "stations"), stations == 1 ? "differs" : "differ"));
+    }
+}
+
+void unite_spellings(SurveyResult& result) {
+    unite_spellings(result, &data::FwdStation::lane, "lane");
+    unite_spellings(result, &data::FwdStation::profile, "road");
+}
+
+SurveyResult read_stations(std::vector<data::FwdFile> files, const data::DropChoice& choice) {
     SurveyResult result;
     for (data::FwdFile& file : files) {
         for (std::string& remark : file.remarks) {
@@ -118,17 +149,10 @@ SurveyResult read_stations(std::vector<data::FwdFile> files, data::DropChoice ch
         for (data::FwdStation& station : file.stations) {
             check_temperatures(station);
             result.stations.push_back({.station = std::move(station)});
-            make_bowls(result.stations.back(), choice);
         }
     }
-    if (first_drops_seat(result.stations)) {
-        choice.first_of_two_seats = true;
-        for (StationResult& s : result.stations) {
-            if (s.bowls && s.station.drops.size() == 2) {
-                make_bowls(s, choice);
-            }
-        }
-    }
+    make_bowls(result.stations, choice);
+    unite_spellings(result);
     part_runs(result.stations, [](const data::FwdStation& s) { return s.date.substr(0, s.date.find_first_of(" T")); });
     part_runs(result.stations, [](const data::FwdStation& s) { return std::filesystem::path(s.file).stem().string(); });
     const auto order = [](const StationResult& s) {
@@ -391,6 +415,10 @@ SurveyResult begin_survey(std::vector<data::FwdFile> files, std::optional<study:
     SurveyResult result = read_stations(std::move(files), options.drops);
     result.study = std::move(survey_study);
     result.normalise = options.normalise;
+    if (options.drops.target_pressure_kPa || options.drops.target_force_kN) {
+        result.target =
+            LoadLevel{.pressure_kPa = options.drops.target_pressure_kPa, .force_kN = options.drops.target_force_kN};
+    }
     result.reference_C = options.reference_C;
     std::vector<double> pressures;
     for (const StationResult& s : result.stations) {
@@ -400,8 +428,7 @@ SurveyResult begin_survey(std::vector<data::FwdFile> files, std::optional<study:
     }
     result.common_pressure_kPa = pressures.empty() ? 0.0 : data::median(pressures);
     result.repeatability = repeatability_of(result.stations);
-    const bool is_targeted = options.drops.target_pressure_kPa || options.drops.target_force_kN;
-    result.fits_all_levels = result.study && !is_targeted && !study::stress_dependent_layers(*result.study).empty();
+    result.fits_all_levels = result.study && !result.target && !study::stress_dependent_layers(*result.study).empty();
     auto thickness_mm = options.asphalt_thickness_mm;
     if (result.study && !thickness_mm) {
         thickness_mm = result.study->model.layers[0].thickness / pave::unit::mm;
@@ -423,14 +450,18 @@ void finish_survey(SurveyResult& result) {
         const auto at = std::find(names.begin(), names.end(), result.study->model.layers[0].name + ".modulus_MPa");
         const auto asphalt = static_cast<std::size_t>(at - names.begin());
         for (StationResult& s : result.stations) {
-            if (asphalt < names.size() && s.asphalt && s.is_fitted()) {
+            if (asphalt < names.size() && s.asphalt && s.is_fitted() && s.fit->parameters[asphalt].determined) {
                 s.asphalt_at_reference_MPa =
                     s.fit->parameters[asphalt].value * data::modulus_factor(s.asphalt->celsius, *result.reference_C);
             }
         }
     }
     result.sections = road_sections(result);
-    result.suspect = suspect_sensor(result);
+    judge_sensors(result);
+    result.layout = better_layout(result);
+    if (result.layout) {
+        result.suspect.reset();
+    }
 }
 
 } // namespace explore::analysis

@@ -33,6 +33,9 @@ BowlIndices indices_of(const DeflectionBowl& bowl, double pressure_kPa) {
     const double plane = 1.0 - surface_modulus_poisson * surface_modulus_poisson;
     const double a = bowl.radius_mm;
     indices.surface_moduli.push_back({0.0, 2.0 * plane * pressure_kPa * a / d0});
+    if (bowl.readings.size() == 1) {
+        indices.evd_MPa = 1.5 * pressure_kPa * a / d0;
+    }
     for (const BowlReading& r : bowl.readings) {
         if (r.offset_mm >= 2.0 * a) {
             indices.surface_moduli.push_back(

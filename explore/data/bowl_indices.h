@@ -8,6 +8,9 @@
 //     E0   = 2 (1 - nu^2) p a / D0                            surface moduli: of the half-space that deflects as much
 //     E(r) = (1 - nu^2) p a^2 / (r D(r)), r >= 2 a            Boussinesq; Ullidtz (1987), Pavement Analysis; nu = 0.35
 //
+//     Evd  = 1.5 p a / D0                                     light deflectometers, of a plate that spreads stiffly:
+//                                                             22.5 / D0 [mm] for 100 kPa on 150 mm (TP BF-StB B 8.3)
+//
 // p: pressure, a: radius of the plate. Deflections between sensors as in deflection_bowl.h.
 #pragma once
 
@@ -27,6 +30,7 @@ struct BowlIndices {
     std::optional<double> sci_um{}, bdi_um{}, bci_um{}; // nothing: no sensors from which to tell
     std::optional<double> area_mm{};
     std::optional<double> curvature_radius_m{};
+    std::optional<double> evd_MPa{};              // where there is no sensor but the centre
     std::vector<SurfaceModulus> surface_moduli{}; // by offset, the centre first
 };
 

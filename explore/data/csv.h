@@ -41,7 +41,7 @@ std::optional<double> number_or_nothing(std::string_view cell);
 // when it is not text. what: "measurement file".
 enum class Encoding {
     utf8,
-    of_instruments // UTF-8, UTF-16, else ISO 8859-1: all become UTF-8, zero bytes and no-break spaces blanks, lone
+    of_instruments // UTF-8, UTF-16, else Windows-1252: all become UTF-8, zero bytes and no-break spaces blanks, lone
                    // carriage returns line ends
 };
 std::string read_file(const std::string& file, std::string_view what, Encoding encoding = Encoding::utf8);

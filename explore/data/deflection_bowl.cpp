@@ -1,12 +1,14 @@
 #include "data/deflection_bowl.h"
 
 #include "data/bowl_sensors.h"
+#include "data/drop_levels.h"
 #include "data/fwd_values.h"
 #include "data/plausibility.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <set>
@@ -14,98 +16,25 @@
 namespace explore::data {
 namespace {
 
-constexpr double same_level = 0.9;       // of the highest pressure of a level
 constexpr double near_target = 0.15;     // of the target
-constexpr double seating_differs = 0.05; // deflection of a seating drop from the repeats
-constexpr double repeats_agree = 0.025;  // deflections of the repeats from each other
-constexpr double drops_disagree = 0.1;   // deflection of a drop from the median: worth a remark
 constexpr double drops_contradict = 0.5; // scatter of the logarithms of a sensor's readings
 constexpr double sides_disagree = 0.1;   // deflections ahead of and behind the plate: worth a remark
 constexpr double dead_um = 1.0;          // half of what a sensor resolves
 constexpr double full_bowl_mm = 600.0;   // where a bowl has fallen
 constexpr double accuracy_um = 2.0;      // of a sensor, and
 constexpr double accuracy_share = 0.02;  // of what it reads
-constexpr double centre_tolerance_mm = 0.5;
 
 double accuracy(double deflection_um) {
     return accuracy_um + accuracy_share * deflection_um;
 }
 
-const FwdReading* centre_of(const FwdDrop& drop) {
-    const auto at = std::find_if(drop.readings.begin(), drop.readings.end(),
-                                 [](const FwdReading& r) { return std::abs(r.offset_mm) < centre_tolerance_mm; });
-    return at == drop.readings.end() ? nullptr : &*at;
-}
-
-// Deflection at the centre over pressure; not a number without one.
-double compliance(const FwdDrop& drop) {
-    const FwdReading* centre = centre_of(drop);
-    return centre == nullptr || centre->deflection_um <= 0.0 ? NAN : centre->deflection_um / drop.pressure_kPa;
-}
-
-bool are_one_level(double a, double b) {
-    return std::min(a, b) >= same_level * std::max(a, b);
-}
-
-// Whether the first of these drops seats the plate: see the head of the header.
-bool first_is_seating(const std::vector<const FwdDrop*>& drops, bool first_of_two_seats) {
-    if (drops.size() < 3) {
-        return drops.size() == 2 && first_of_two_seats &&
-               !are_one_level(drops[0]->pressure_kPa, drops[1]->pressure_kPa);
-    }
-    const double first = drops[0]->pressure_kPa;
-    const auto rest = std::vector<const FwdDrop*>(drops.begin() + 1, drops.end());
-    const bool alone =
-        std::none_of(rest.begin(), rest.end(), [&](const FwdDrop* d) { return are_one_level(first, d->pressure_kPa); });
-    if (alone) {
-        for (std::size_t i = 0; i < rest.size(); ++i) {
-            for (std::size_t k = i + 1; k < rest.size(); ++k) {
-                if (are_one_level(rest[i]->pressure_kPa, rest[k]->pressure_kPa)) {
-                    return true;
-                }
-            }
-        }
-        return false;
-    }
-    std::vector<double> repeats;
-    for (const FwdDrop* d : rest) {
-        if (are_one_level(first, d->pressure_kPa)) {
-            repeats.push_back(compliance(*d));
-        }
-    }
-    if (repeats.size() < 2 || std::any_of(repeats.begin(), repeats.end(), [](double c) { return std::isnan(c); })) {
-        return false;
-    }
-    const double middle = median(repeats);
-    const bool agree = std::all_of(repeats.begin(), repeats.end(),
-                                   [&](double c) { return std::abs(c / middle - 1.0) <= repeats_agree; });
-    return agree && std::abs(compliance(*drops[0]) / middle - 1.0) > seating_differs;
-}
-
-using Level = std::vector<const FwdDrop*>;
-
-// By rising pressure; the drops of a level in the order of the station.
-std::vector<Level> levels_of(std::vector<const FwdDrop*> drops) {
-    std::stable_sort(drops.begin(), drops.end(),
-                     [](const FwdDrop* a, const FwdDrop* b) { return a->pressure_kPa > b->pressure_kPa; });
-    std::vector<Level> levels;
-    for (const FwdDrop* d : drops) {
-        if (levels.empty() || d->pressure_kPa < same_level * levels.back()[0]->pressure_kPa) {
-            levels.emplace_back();
-        }
-        levels.back().push_back(d);
-    }
-    for (Level& level : levels) {
-        std::sort(level.begin(), level.end()); // addresses in one vector
-    }
-    std::reverse(levels.begin(), levels.end());
-    return levels;
-}
-
 // What is read off the drops of a station, step by step. Each step may find why nothing can be made of it.
 class Making {
 public:
-    Making(const FwdStation& station, const DropChoice& choice) : station_(station), choice_(choice) {}
+    Making(const FwdStation& station, const DropChoice& choice)
+        : station_(station),
+          choice_(choice),
+          scatter_(choice.scatter.value_or(RepeatScatter{})) {}
 
     pave::Outcome<StationBowls> bowls() && {
         const auto rejected = [](std::string reason) { return pave::Failure{.reason = std::move(reason)}; };
@@ -181,7 +110,8 @@ private:
                 return fmt::format("plates of radius {:g} and {:g} mm", drops[0]->radius_mm, d->radius_mm);
             }
         }
-        if (choice_.numbers.empty() && first_is_seating(drops, choice_.first_of_two_seats)) {
+        if (choice_.numbers.empty() &&
+            first_is_seating(drops, choice_.first_of_two_seats, choice_.scatter ? scatter_.at(0.0) : 0.0)) {
             result_.left_out.push_back({drops[0]->number, LeftOut::seating, {}});
             seating_ = drops[0];
             drops.erase(drops.begin());
@@ -224,56 +154,46 @@ private:
         return fmt::format("no drop near {:.0f} kPa: the nearest has {:.0f} kPa", *target, found);
     }
 
-    static double pressure_of(const Level& level) {
-        std::vector<double> pressures;
-        for (const FwdDrop* d : level) {
-            pressures.push_back(d->pressure_kPa);
-        }
-        return median(pressures);
-    }
-
     // Nothing: reason_ says why.
     std::optional<DeflectionBowl> bowl_of(const Level& level) {
         DeflectionBowl bowl;
         bowl.radius_mm = level[0]->radius_mm;
         bowl.pressure_kPa = pressure_of(level);
-        std::map<double, std::vector<double>> scaled; // by offset
+        LevelReadings read;
         std::set<double> not_read;
         for (const FwdDrop* d : level) {
-            bowl.drops.push_back(d->number);
             for (const FwdReading& r : d->readings) {
                 if (std::isfinite(r.deflection_um)) {
-                    scaled[std::abs(r.offset_mm) < centre_tolerance_mm ? 0.0 : r.offset_mm].push_back(
-                        r.deflection_um * (bowl.pressure_kPa / d->pressure_kPa));
+                    read[place_of(r)].push_back(
+                        {d->number, r.deflection_um * (bowl.pressure_kPa / d->pressure_kPa), r.deflection_um});
                 }
             }
             not_read.insert(d->not_read_mm.begin(), d->not_read_mm.end());
         }
-        std::vector<std::string> silent;
-        for (const double offset : not_read) {
-            if (!scaled.contains(offset)) {
-                silent.push_back(fmt::format("{:g}", offset));
-            }
-        }
-        if (!silent.empty()) {
-            remark(fmt::format("{} at {} mm gave no reading here", silent.size() == 1 ? "the sensor" : "the sensors",
-                               pave::join(silent)));
-        }
-        if (!scaled.empty() &&
-            std::all_of(scaled.begin(), scaled.end(), [](const auto& at) { return median(at.second) < 0.0; })) {
+        remark_on_silent(read, not_read, level.size());
+        if (!read.empty() && std::all_of(read.begin(), read.end(),
+                                         [](const auto& at) { return median(deflections_of(at.second)) < 0.0; })) {
             reason_ = "every deflection is negative: the sign is turned (positive is down)";
             return std::nullopt;
         }
-        for (const auto& [offset, deflections] : scaled) {
-            if (deflections.size() < level.size()) {
-                remark(fmt::format("the sensor at {:g} mm was read in {} of {} drops", offset, deflections.size(),
-                                   level.size()));
-            }
+        const Level agreeing = agreeing_drops(level, read);
+        // At the pressure of the drops that are left.
+        const double factor = pressure_of(agreeing) / bowl.pressure_kPa;
+        bowl.pressure_kPa *= factor;
+        for (const FwdDrop* d : agreeing) {
+            bowl.drops.push_back(d->number);
+        }
+        std::set<double> disagreeing;
+        for (const Disagreement& d : disagreements(read, scatter_)) {
+            disagreeing.insert(d.offset_mm);
+            result_.disagreements.push_back(d);
         }
         std::map<double, BowlReading> ahead;
         std::map<double, BowlReading> behind; // by distance
-        for (const auto& [offset, deflections] : scaled) {
-            (offset < 0.0 ? behind : ahead)[std::abs(offset)] = reading(offset, deflections);
+        for (const auto& [offset, readings] : read) {
+            BowlReading r = reading(offset, deflections_of(readings), factor);
+            r.disagrees = disagreeing.contains(offset);
+            (offset < 0.0 ? behind : ahead)[std::abs(offset)] = r;
         }
         take_out_dead(ahead, 1.0);
         take_out_dead(behind, -1.0);
@@ -288,25 +208,78 @@ private:
         if (!falls(bowl)) {
             return std::nullopt;
         }
-        remark_on_drops(level, bowl);
+        remark_on_disagreement();
         return bowl;
     }
 
-    static BowlReading reading(double offset, const std::vector<double>& deflections) {
-        BowlReading r{.offset_mm = std::abs(offset),
-                      .deflection_um = median(deflections),
-                      .drops = static_cast<int>(deflections.size())};
+    static std::vector<double> deflections_of(const std::vector<LevelReading>& readings) {
+        std::vector<double> um;
+        um.reserve(readings.size());
+        std::transform(readings.begin(), readings.end(), std::back_inserter(um),
+                       [](const LevelReading& r) { return r.um; });
+        return um;
+    }
+
+    void remark_on_silent(const LevelReadings& read, const std::set<double>& not_read, std::size_t drops) {
+        std::vector<std::string> silent;
+        for (const double offset : not_read) {
+            if (!read.contains(offset)) {
+                silent.push_back(fmt::format("{:g}", offset));
+            }
+        }
+        if (!silent.empty()) {
+            remark(fmt::format("{} at {} mm gave no reading here", silent.size() == 1 ? "the sensor" : "the sensors",
+                               pave::join(silent)));
+        }
+        for (const auto& [offset, readings] : read) {
+            if (readings.size() < drops) {
+                remark(fmt::format("the sensor at {:g} mm was read in {} of {} drops", offset, readings.size(), drops));
+            }
+        }
+    }
+
+    // Without the drops and the readings that their repeats contradict.
+    Level agreeing_drops(const Level& level, LevelReadings& read) {
+        if (choice_.keeps_contradicted) {
+            return level;
+        }
+        Level left = level;
+        if (choice_.numbers.empty()) {
+            for (const ContradictedDrop& out : take_out_drops(read, scatter_)) {
+                result_.left_out.push_back(
+                    {out.drop, LeftOut::contradicted,
+                     fmt::format("its repeats contradict it, deflection over pressure {:+.0f} %", 100.0 * out.share)});
+                std::erase_if(left, [&](const FwdDrop* d) { return d->number == out.drop; });
+            }
+        }
+        for (const ContradictedReading& out : take_out_readings(read, scatter_)) {
+            remark(
+                fmt::format("the sensor at {:g} mm in drop {} reads {:.1f} um, its repeats {:.1f} um: it is left out",
+                            out.offset_mm, out.drop, out.read_um, out.repeats_um));
+            result_.readings_left_out.push_back(out);
+        }
+        return left;
+    }
+
+    // The mean of the drops; factor: to the pressure of the bowl.
+    BowlReading reading(double offset, const std::vector<double>& deflections, double factor) const {
+        const auto n = static_cast<double>(deflections.size());
+        BowlReading r{.offset_mm = std::abs(offset), .drops = static_cast<int>(deflections.size())};
+        for (const double d : deflections) {
+            r.deflection_um += factor * d / n;
+        }
+        r.resolution_um = choice_.resolution_um;
         if (deflections.size() > 1 &&
             std::all_of(deflections.begin(), deflections.end(), [](double d) { return d > 0.0; })) {
             double mean = 0.0;
             double squares = 0.0;
             for (const double d : deflections) {
-                mean += std::log(d) / static_cast<double>(deflections.size());
+                mean += std::log(d) / n;
             }
             for (const double d : deflections) {
                 squares += std::pow(std::log(d) - mean, 2);
             }
-            r.scatter = std::sqrt(squares / static_cast<double>(deflections.size() - 1));
+            r.scatter = std::sqrt(squares / (n - 1.0));
         }
         return r;
     }
@@ -398,21 +371,16 @@ private:
 
     static int digits(const BowlReading& r) { return r.deflection_um < 100.0 ? 1 : 0; }
 
-    void remark_on_drops(const Level& level, const DeflectionBowl& bowl) {
-        std::vector<double> all;
-        for (const FwdDrop* d : level) {
-            if (const double c = compliance(*d); !std::isnan(c)) {
-                all.push_back(c);
-            }
+    // The worst of the level that was just made.
+    void remark_on_disagreement() {
+        const auto worst = std::max_element(
+            result_.disagreements.begin() + static_cast<std::ptrdiff_t>(disagreements_said_),
+            result_.disagreements.end(), [](const auto& a, const auto& b) { return a.share < b.share; });
+        if (worst != result_.disagreements.end()) {
+            remark(fmt::format("the drops disagree by {:.0f} % at {:g} mm ({:.1f} to {:.1f} um)", 100.0 * worst->share,
+                               worst->offset_mm, worst->low_um, worst->high_um));
         }
-        const double middle = all.empty() ? NAN : median(all);
-        for (const FwdDrop* d : level) {
-            const double share = compliance(*d) / middle - 1.0;
-            if (std::abs(share) > drops_disagree && std::abs(share) * bowl.d0_um() > 2.0 * accuracy_um) {
-                remark(fmt::format("drop {} disagrees with its repeats: D0 over pressure {:+.0f} %", d->number,
-                                   100.0 * share));
-            }
-        }
+        disagreements_said_ = result_.disagreements.size();
     }
 
     void remark(std::string words) {
@@ -423,6 +391,8 @@ private:
 
     const FwdStation& station_;
     const DropChoice& choice_;
+    RepeatScatter scatter_;
+    std::size_t disagreements_said_ = 0;
     const FwdDrop* seating_ = nullptr; // that was left out
     std::vector<Level> levels_;
     std::size_t chosen_ = 0;
@@ -432,12 +402,6 @@ private:
 };
 
 } // namespace
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const std::size_t n = values.size();
-    return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2.0;
-}
 
 bool DeflectionBowl::has_sensor_at(double offset_mm) const {
     return std::any_of(readings.begin(), readings.end(),
@@ -479,13 +443,14 @@ std::optional<double> repeatability(const std::vector<const DeflectionBowl*>& bo
     double degrees = 0.0;
     for (const DeflectionBowl* bowl : bowls) {
         for (const BowlReading& r : bowl->readings) {
-            if (r.scatter) {
-                squares += *r.scatter * *r.scatter * (r.drops - 1);
+            if (r.scatter && !r.disagrees) {
+                const double rounding = r.resolution_um / r.deflection_um;
+                squares += (*r.scatter * *r.scatter - rounding * rounding / 12.0) * (r.drops - 1);
                 degrees += r.drops - 1;
             }
         }
     }
-    return degrees > 0.0 ? std::optional(std::sqrt(squares / degrees)) : std::nullopt;
+    return degrees > 0.0 ? std::optional(std::sqrt(std::max(0.0, squares) / degrees)) : std::nullopt;
 }
 
 } // namespace explore::data

@@ -2,10 +2,13 @@
 //
 // Drops. Left out are those that the file flags, those that cannot be (plausibility.h) and a seating drop: the first
 // one, when it stands alone at its pressure and the others repeat one (or, of two drops, when it does so at most
-// stations of the road), or when its deflection differs by more than 5 %
-// from repeats that agree within 2.5 %. The others make levels: a level holds the drops whose pressure is within 10 %
-// of its highest. The level that counts is the highest, or the one nearest to the target load. Drops of a level are
-// scaled in proportion to their median pressure, and every sensor's deflection is the median over them.
+// stations of the road), or when its deflection differs by more than 5 % and four times what drops of the road scatter
+// by from repeats that agree within 2.5 %. The others make levels: a level holds the drops whose pressure is within 10
+// % of its highest. The level that counts is the highest, or the one nearest to the target load. Drops of a level are
+// scaled in proportion to their median pressure, and every sensor's deflection is the mean over them, without the drops
+// and the readings that their repeats contradict (drop_agreement.h). A mean of n drops has their covariance over n,
+// what all sensors of a drop have in common included; a median of each sensor by itself would have up to 1.57 times the
+// variance, and be of another drop at every sensor.
 //
 // Readings. Sensors are good to 2 um + 2 % each (what manufacturers state). A reading below 1 um is of a dead sensor
 // and left out. Two others contradict each other where the outer one is more than a quarter larger: the reading that
@@ -29,7 +32,9 @@
 #pragma once
 
 #include "base/outcome.h"
+#include "data/drop_agreement.h"
 #include "data/fwd.h"
+#include "data/median.h"
 
 namespace explore::data {
 
@@ -38,9 +43,11 @@ inline constexpr double deflection_ratio_limit = 0.6;
 
 struct BowlReading {
     double offset_mm = 0.0;
-    double deflection_um = 0.0;      // median of the drops, at the pressure of the bowl
-    int drops = 1;                   // that it is the median of
+    double deflection_um = 0.0;      // mean of the drops, at the pressure of the bowl
+    int drops = 1;                   // that it is the mean of
     std::optional<double> scatter{}; // standard deviation of ln(deflection / pressure) over them; nothing: one drop
+    bool disagrees = false;          // they differ by more than drops do, and nothing tells which is right
+    double resolution_um = 0.0;      // of the file; 0: not seen
 };
 
 struct DeflectionBowl {
@@ -62,22 +69,26 @@ struct DropChoice {
     std::vector<int> numbers{};                  // these and no others; empty: chosen as above
     std::optional<double> target_pressure_kPa{}; // the level nearest to it, within 15 %
     std::optional<double> target_force_kN{};     // the same as a force on the plate
+    std::optional<RepeatScatter> scatter{};      // of the road; nothing: what sensors repeat within
+    bool keeps_contradicted = false;             // drops and readings that their repeats contradict
     bool first_of_two_seats = false; // also the first of two drops of different pressure seats the plate, as elsewhere
 };
 
-enum class LeftOut { flagged, implausible, seating, another_level, not_chosen };
+enum class LeftOut { flagged, implausible, seating, contradicted, another_level, not_chosen };
 struct DropLeftOut {
     int number = 0;
     LeftOut why = LeftOut::another_level;
-    std::string words; // for flagged and implausible: by what
+    std::string words; // for flagged, implausible and contradicted: by what
 };
 
 struct StationBowls {
     std::vector<DeflectionBowl> levels; // by rising pressure
     std::size_t main = 0;               // the level that counts
     std::vector<DropLeftOut> left_out;
-    std::vector<std::string> remarks; // on the readings
-    std::string doubt;                // doubtful(), of the level that counts
+    std::vector<ContradictedReading> readings_left_out; // that their repeats contradict
+    std::vector<Disagreement> disagreements;            // of sensors whose drops nothing tells the right ones of
+    std::vector<std::string> remarks;                   // on the readings
+    std::string doubt;                                  // doubtful(), of the level that counts
 
     const DeflectionBowl& bowl() const { return levels[main]; }
 };
@@ -86,10 +97,7 @@ struct StationBowls {
 pave::Outcome<StationBowls> bowls_of(const FwdStation& station, const DropChoice& choice = {});
 
 // Root mean square scatter of a reading over repeated drops (its standard deviation as a share), over all levels and
-// sensors; nothing: no drop is repeated.
+// sensors whose drops do not contradict each other, without what rounding makes of it; nothing: no drop is repeated.
 std::optional<double> repeatability(const std::vector<const DeflectionBowl*>& bowls);
-
-// The middle value; of an even number the mean of the two in the middle. Not of none.
-double median(std::vector<double> values);
 
 } // namespace explore::data

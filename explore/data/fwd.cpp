@@ -1,5 +1,6 @@
 #include "data/fwd.h"
 
+#include "base/windows_1252.h"
 #include "data/csv.h"
 #include "data/fwd_csv.h"
 #include "data/fwd_f25.h"
@@ -106,22 +107,29 @@ std::string first_words(std::string_view text) {
     return "\"" + std::string(line.substr(0, end)) + (end < line.size() ? "...\"" : "\"");
 }
 
-// Letters beyond ASCII of ISO 8859-1 stand alone among others; in runs they are another encoding's, read as that.
+// Letters beyond ASCII of Windows-1252 stand alone or in twos among others; in longer runs they are another encoding's,
+// read as that.
 bool is_misread(std::string_view text) {
+    constexpr std::size_t long_run = 3;
     std::size_t letters = 0;
     std::size_t runs = 0;
-    bool is_run = false;
-    for (const char c : text) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (byte >= 0xc4U) {
-            return false; // beyond ISO 8859-1: the text was UTF-8
+    std::size_t run = 0;
+    std::size_t longest = 0;
+    for (std::size_t i = 0; i < text.size();) {
+        const auto byte = static_cast<unsigned char>(text[i]);
+        const std::size_t length = byte < 0x80U ? 1 : byte < 0xe0U ? 2 : byte < 0xf0U ? 3 : 4;
+        if (byte < 0x80U) {
+            run = 0;
+        } else if (byte < 0xc4U || pave::is_of_windows_1252(text.substr(i, length))) {
+            runs += run == 0 ? 1 : 0;
+            ++letters;
+            longest = std::max(longest, ++run);
+        } else {
+            return false; // beyond Windows-1252: the text was UTF-8
         }
-        const bool is_high = byte >= 0x80U;
-        letters += byte >= 0xc2U ? 1 : 0;
-        runs += is_high && !is_run ? 1 : 0;
-        is_run = is_high;
+        i += length;
     }
-    return letters >= 2 && letters >= 2 * runs;
+    return letters >= 2 && letters >= 2 * runs && longest >= long_run;
 }
 
 // A sensor that no station read is remarked once, one that others read at the station.
@@ -150,9 +158,10 @@ void say_what_was_not_read(FwdFile& file, const std::string& name) {
     }
 }
 
-constexpr const char* misread_words = "the letters beyond ASCII are neither UTF-8 nor ISO 8859-1 (GBK, Windows-1251?): "
-                                      "texts come out wrong; a file saved "
-                                      "as UTF-8 is read right";
+constexpr const char* misread_words =
+    "the letters beyond ASCII are neither UTF-8 nor Windows-1252 (GBK, Windows-1251?): "
+    "texts come out wrong; a file saved "
+    "as UTF-8 is read right";
 
 } // namespace
 

@@ -272,6 +272,10 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
     std::transform(rows[0].begin(), rows[0].end(), names.begin(),
                    [](const std::string& c) { return std::string(trimmed(c)); });
     FwdHeader header;
+    // Names by the cell where they stand; a map may give one column two: where a station is, and what it is called.
+    std::vector<std::pair<std::size_t, std::string>> named;
+    std::set<std::size_t> mapped;
+    bool are_numbers = false; // the deflections of the table are numbered, not placed
     for (const auto& [ours, theirs] : map) {
         auto column = column_named(ours);
         if (!column) {
@@ -281,7 +285,12 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
             return lower_case(n) == lower_case(with_plain_letters(theirs));
         });
         if (at != names.end()) {
-            *at = ours;
+            const auto cell = static_cast<std::size_t>(at - names.begin());
+            named.emplace_back(cell, ours);
+            mapped.insert(cell);
+            const auto own = column_named(theirs);
+            are_numbers = are_numbers || (column->meaning == Meaning::deflection && own &&
+                                          own->meaning == Meaning::deflection && own->offset_mm != column->offset_mm);
         } else if (const auto constant = measured(theirs)) {
             column->constant = *constant;
             header.columns.push_back(*column);
@@ -290,15 +299,26 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
         }
     }
     for (std::size_t i = 0; i < names.size(); ++i) {
-        if (names[i].empty()) {
-            continue; // of a comma at the end of the line
+        if (!mapped.contains(i) && !names[i].empty()) { // empty: of a comma at the end of the line
+            named.emplace_back(i, names[i]);
         }
-        auto column = column_named(names[i]);
-        if (!column) {
-            header.unknown.push_back(names[i]);
+    }
+    std::stable_sort(named.begin(), named.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    const bool places_deflections = std::any_of(map.begin(), map.end(), [](const auto& entry) {
+        const auto column = column_named(entry.first);
+        return column && column->meaning == Meaning::deflection;
+    });
+    for (const auto& [cell, name] : named) {
+        auto column = column_named(name);
+        // Where the map says which columns are deflections, one that it does not name, and that has no unit or a number
+        // in place of an offset, was not chosen.
+        const bool is_not_chosen = column && column->meaning == Meaning::deflection && places_deflections &&
+                                   !mapped.contains(cell) && (are_numbers || !column->to_si);
+        if (!column || is_not_chosen) {
+            header.unknown.push_back(name);
             continue;
         }
-        column->at = i;
+        column->at = cell;
         const auto same = std::find_if(header.columns.begin(), header.columns.end(), [&](const FwdColumn& c) {
             return c.meaning == column->meaning && c.offset_mm == column->offset_mm && c.meaning != Meaning::profile;
         });
@@ -308,7 +328,7 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
                                  column->meaning == Meaning::radius || column->meaning == Meaning::diameter ||
                                  column->meaning == Meaning::deflection;
             if (is_load || column->rank == same->rank) {
-                throw pave::Error(place, "this column appears twice", "\"" + names[i] + "\"", "each once");
+                throw pave::Error(place, "this column appears twice", "\"" + name + "\"", "each once");
             }
             if (column->rank < same->rank && !same->constant) {
                 std::swap(*same, *column);

@@ -2,6 +2,7 @@
 
 #include "data/csv.h"
 #include "data/fwd_columns.h"
+#include "data/fwd_places.h"
 #include "data/fwd_table.h"
 #include "data/fwd_values.h"
 
@@ -88,6 +89,7 @@ public:
             result_.remarks.push_back(
                 fmt::format("{}: the header is line {}, and what stands above is not used", file_, table_.lines[0]));
         }
+        look_at_places();
         for (std::size_t r = header_.rows; r < table_.rows.size(); ++r) {
             if (!repeats_header(r) && !is_summary(r)) {
                 take(r);
@@ -154,6 +156,32 @@ private:
         });
     }
 
+    // How the places of a table are to be read where "163" and "163+10" may be metres, kilometres + metres, or stations
+    // of 20 m (Brazil's "estacas").
+    void look_at_places() {
+        const FwdColumn* place = header_.find(Meaning::chainage);
+        place = place == nullptr ? header_.find(Meaning::station) : place;
+        if (place->constant || (place->to_si && *place->to_si != 1.0) || is_american()) {
+            return;
+        }
+        const PlaceForms forms(table_.rows, header_.rows, place->at, decimal_);
+        switch (forms.meaning(trimmed(table_.rows[0][place->at]))) {
+        case PlaceForms::Meaning::stations_of_20_m:
+            stations_of_20_m_ = true;
+            result_.remarks.push_back(
+                fmt::format("{}: places such as \"{}\" are taken for stations of 20 m: 20 x number + metres", file_,
+                            forms.example()));
+            break;
+        case PlaceForms::Meaning::doubtful:
+            result_.remarks.push_back(fmt::format(
+                "{}: places such as \"{}\" are taken for kilometres + metres{}: are they stations of 20 m, or "
+                "of 100 ft?",
+                file_, forms.example(), forms.mixes() ? ", plain numbers in the same column for metres" : ""));
+            break;
+        case PlaceForms::Meaning::plain: break;
+        }
+    }
+
     std::string_view cell(std::size_t r, const FwdColumn* column) const {
         const auto& row = table_.rows[r];
         return column == nullptr || column->constant || column->at >= row.size() ? std::string_view{}
@@ -215,14 +243,17 @@ private:
         const std::string stated = place->constant ? fmt::format("{}", *place->constant) : std::string(cell(r, place));
         const double foot = *factor_of(length_units(), "ft");
         const bool is_in_feet = !place->to_si && stated.find('+') != std::string::npos && is_american();
-        const auto chainage_m = chainage(with_point(stated, decimal_), is_in_feet ? foot : place->to_si.value_or(1.0));
+        const auto chainage_m =
+            stations_of_20_m_ ? chainage_of_20_m(with_point(stated, decimal_))
+                              : chainage(with_point(stated, decimal_), is_in_feet ? foot : place->to_si.value_or(1.0));
         std::string name = text(r, Meaning::station);
         name = !name.empty() ? name : !stated.empty() ? stated : fmt::format("line {}", table_.lines[r]);
         const std::string lane =
             header_.find(Meaning::lane) != nullptr ? text(r, Meaning::lane) : std::string(carriageway(stated));
         const std::string date = text(r, Meaning::date);
-        const auto [at, is_new] = known_.try_emplace({profile(r), std::string(day_of(date)), name, lane, chainage_m},
-                                                     result_.stations.size());
+        const auto [at, is_new] =
+            known_.try_emplace({lower_case(profile(r)), std::string(day_of(date)), name, lower_case(lane), chainage_m},
+                               result_.stations.size());
         if (is_new) {
             FwdStation station{
                 .name = name, .profile = profile(r), .lane = lane, .chainage_m = chainage_m, .file = file_};
@@ -332,9 +363,10 @@ private:
     std::string file_;
     FwdTable table_;
     FwdHeader header_;
+    bool stations_of_20_m_ = false;
     char decimal_ = '.';
     FwdFile result_;
-    // By profile, date, name, lane and chainage.
+    // By profile, date, name, lane and chainage; upper and lower case are one.
     std::map<std::tuple<std::string, std::string, std::string, std::string, std::optional<double>>, std::size_t> known_;
     std::size_t too_long_ = 0; // lines with more cells than the header
 };

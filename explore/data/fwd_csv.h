@@ -4,7 +4,7 @@
 //     station,lane,chainage_m,drop,radius_mm,pressure_kPa,surface_C,D0_um,D200_um,D300_um,D450_um
 //     P1,L1,0,1,150,566,21.5,612,455,351,233
 //
-// Separated by commas, semicolons or tabs; decimal points or commas; in UTF-8, UTF-16 or ISO 8859-1. Columns in any
+// Separated by commas, semicolons or tabs; decimal points or commas; in UTF-8, UTF-16 or Windows-1252. Columns in any
 // order, with their units in their names (fwd_columns.h). Needed: a chainage; the radius or diameter of the plate; the
 // pressure or the load; deflections. Lines of the same road or section, date, station, lane and chainage are drops of
 // one station. A cell that holds no number costs what it would have said and nothing else.

@@ -50,7 +50,9 @@ std::string Reading::place_words() const {
     } else if (x_mm != 0.0 || quantity == "deflection") {
         at = fmt::format(" at {:g} mm", x_mm);
     }
-    return (quantity == "deflection" ? quantity : fmt::format("{} {:g} mm deep", quantity, depth_mm)) + at;
+    return (quantity == "deflection" && depth_mm == 0.0 ? quantity
+                                                        : fmt::format("{} {:g} mm deep", quantity, depth_mm)) +
+           at;
 }
 
 std::string Reading::words() const {

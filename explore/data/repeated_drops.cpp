@@ -1,9 +1,11 @@
 #include "data/repeated_drops.h"
 
-#include "data/deflection_bowl.h"
+#include "data/road_bowls.h"
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
+#include <set>
 
 namespace explore::data {
 namespace {
@@ -49,17 +51,36 @@ std::optional<RepeatedDrops> repeats_of(const std::vector<const FwdDrop*>& drops
 
 } // namespace
 
-std::vector<RepeatedDrops> repeated_drops(const std::vector<FwdStation>& stations) {
-    std::vector<RepeatedDrops> groups;
+std::vector<RepeatedDrops> repeated_drops(const std::vector<FwdStation>& stations, std::vector<std::string>& left_out) {
+    std::vector<const FwdStation*> road;
+    road.reserve(stations.size());
     for (const FwdStation& station : stations) {
-        const auto bowls = bowls_of(station);
+        road.push_back(&station);
+    }
+    const auto all = bowls_of_road(road);
+    std::vector<RepeatedDrops> groups;
+    for (std::size_t s = 0; s < stations.size(); ++s) {
+        const auto& bowls = all[s];
         if (!bowls) {
             continue;
         }
+        std::set<int> without; // drops with a reading that the others contradict
+        for (const ContradictedReading& r : bowls->readings_left_out) {
+            without.insert(r.drop);
+            left_out.push_back(
+                fmt::format("{}: the sensor at {:g} mm in drop {} reads {:.1f} um, its repeats {:.1f} um",
+                            stations[s].name, r.offset_mm, r.drop, r.read_um, r.repeats_um));
+        }
+        for (const DropLeftOut& drop : bowls->left_out) {
+            if (drop.why == LeftOut::contradicted) {
+                left_out.push_back(fmt::format("{}: drop {}, {}", stations[s].name, drop.number, drop.words));
+            }
+        }
         for (const DeflectionBowl& bowl : bowls->levels) {
             std::vector<const FwdDrop*> drops;
-            for (const FwdDrop& drop : station.drops) {
-                if (std::find(bowl.drops.begin(), bowl.drops.end(), drop.number) != bowl.drops.end()) {
+            for (const FwdDrop& drop : stations[s].drops) {
+                if (std::find(bowl.drops.begin(), bowl.drops.end(), drop.number) != bowl.drops.end() &&
+                    !without.contains(drop.number)) {
                     drops.push_back(&drop);
                 }
             }

@@ -38,7 +38,8 @@ Json noise_json(const analysis::NoiseResult& result) {
     Json json = {{"stations", result.stations}, {"groups", result.groups},
                  {"drops", result.drops},       {"degrees_of_freedom", result.degrees},
                  {"noise", Json::object()},     {"block", noise_block(result.model)},
-                 {"sensors", Json::array()},    {"findings", findings(result)}};
+                 {"sensors", Json::array()},    {"left_out", result.left_out},
+                 {"findings", findings(result)}};
     for (const auto& [part, key, unit] : words) {
         const std::string name = part == NoiseModel::absolute ? "absolute_um" : key;
         json["noise"][name] = {

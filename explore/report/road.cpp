@@ -139,7 +139,11 @@ Json road_json(const RoadResult& result) {
                                                    {"stations", s.stations},
                                                    {"mean_percent", s.mean_percent},
                                                    {"error_percent", s.error_percent},
-                                                   {"p_familywise", s.p_familywise}});
+                                                   {"p_familywise", s.p_familywise},
+                                                   {"fitted_percent", s.fitted_percent},
+                                                   {"load_percent", s.load_percent},
+                                                   {"load_error_percent", s.load_error_percent},
+                                                   {"load_p_familywise", s.load_p_familywise}});
         }
     }
     json["courses"] = Json::array();

@@ -50,6 +50,7 @@ Json indices_json(const StationResult& s) {
                  {"BCI_um", optional_json(indices.bci_um)},
                  {"AREA_mm", optional_json(indices.area_mm)},
                  {"curvature_radius_m", optional_json(indices.curvature_radius_m)},
+                 {"Evd_MPa", optional_json(indices.evd_MPa)},
                  {"surface_moduli", Json::array()}};
     for (const auto& m : indices.surface_moduli) {
         json["surface_moduli"].push_back({{"offset_mm", m.offset_mm}, {"modulus_MPa", m.modulus_MPa}});
@@ -152,6 +153,16 @@ Json station_json(const SurveyResult& result, const StationResult& s) {
     json["deflection_ratio_reason"] = analysis::why_no_ratio(s);
     json["pass"] = s.passes() ? Json(*s.passes()) : Json(nullptr);
     json["normalised"] = indices_json(s);
+    json["readings_left_out"] = Json::array();
+    for (const auto& r : s.bowls->readings_left_out) {
+        json["readings_left_out"].push_back(
+            {{"drop", r.drop}, {"offset_mm", r.offset_mm}, {"read_um", r.read_um}, {"repeats_um", r.repeats_um}});
+    }
+    json["drops_disagree"] = Json::array();
+    for (const auto& d : s.bowls->disagreements) {
+        json["drops_disagree"].push_back(
+            {{"offset_mm", d.offset_mm}, {"percent", 100.0 * d.share}, {"low_um", d.low_um}, {"high_um", d.high_um}});
+    }
     const auto levels = s.used_levels();
     for (std::size_t i = 0; i < levels.size(); ++i) {
         const auto* model = s.fit ? &s.fit->model_um[i] : nullptr;
@@ -187,6 +198,7 @@ Json sections_json(const SurveyResult& result) {
                      {"from_station", result.stations[section.first].station.name},
                      {"to_station", result.stations[section.last].station.name},
                      {"stations", section.d0_um.stations},
+                     {"fitted", section.fitted},
                      {"D0_um", percentiles_json(section.d0_um)}};
         for (std::size_t k = 0; k < names.size(); ++k) {
             json["parameters"][names[k]] = percentiles_json(section.parameters[k]);
@@ -229,6 +241,7 @@ Json survey_json(const SurveyResult& result) {
                    {"rejected", counts.rejected},
                    {"pass", counts.pass},
                    {"fail", counts.fail},
+                   {"no_ratio", counts.no_ratio},
                    {"fitted", counts.fitted},
                    {"doubtful", counts.doubtful},
                    {"no_fit", counts.no_fit},
@@ -250,6 +263,24 @@ Json survey_json(const SurveyResult& result) {
         json["suspect_sensor"] = {{"offset_mm", s.offset_mm},         {"stations", s.stations},
                                   {"same_sign", s.same_sign},         {"p", s.p},
                                   {"model_percent", s.model_percent}, {"fits_at_mm", optional_json(s.fits_at_mm)}};
+    }
+    json["sensor_residuals"] = Json::array();
+    for (const auto& r : result.residuals) {
+        json["sensor_residuals"].push_back({{"offset_mm", r.offset_mm},
+                                            {"stations", r.stations},
+                                            {"above", r.above},
+                                            {"model_percent", r.percent},
+                                            {"one_sign", r.one_sign}});
+    }
+    json["section_is_suspect"] = result.section_is_suspect;
+    json["better_layout"] = nullptr;
+    if (result.layout) {
+        const auto& l = *result.layout;
+        json["better_layout"] = {{"offsets_mm", l.offsets_mm},
+                                 {"stations", l.stations},
+                                 {"rms_percent", l.rms_percent},
+                                 {"rms_percent_of_file", l.rms_percent_of_file},
+                                 {"misfit_ratio", l.misfit_ratio}};
     }
     if (result.study) {
         const study::Study& study = *result.study;

@@ -205,6 +205,15 @@ std::string index_table(const SurveyResult& result) {
     return table.text();
 }
 
+std::string residual_table(const SurveyResult& result) {
+    Table table({"sensor mm", "model over reading %", "model is above at", ""});
+    for (const auto& r : result.residuals) {
+        table.add({fmt::format("{:g}", r.offset_mm), fmt::format("{:+.1f}", r.percent),
+                   fmt::format("{} of {}", r.above, r.stations), r.one_sign ? "one sign" : ""});
+    }
+    return table.text();
+}
+
 std::string output_table(const SurveyResult& result) {
     const auto outputs = result.outputs();
     std::vector<std::string> header{"station"};
@@ -252,6 +261,12 @@ std::string section_table(const SurveyResult& result) {
     const auto words = [](const analysis::Percentiles& p) {
         return p.stations == 0 ? "" : fmt::format("{} / {} / {}", figure(p.p15), figure(p.p50), figure(p.p85));
     };
+    // What is not determined is in no percentile.
+    const auto determined = [&](const analysis::Percentiles& p, std::size_t fitted) {
+        return p.stations == fitted ? words(p)
+               : p.stations == 0    ? fmt::format("? (0 of {})", fitted)
+                                    : fmt::format("{} ({} of {})", words(p), p.stations, fitted);
+    };
     for (const auto& section : result.sections) {
         std::vector<std::string> cells{fmt::format("{:g}", *result.stations[section.first].station.chainage_m),
                                        fmt::format("{:g}", *result.stations[section.last].station.chainage_m),
@@ -263,7 +278,7 @@ std::string section_table(const SurveyResult& result) {
             cells.insert(cells.begin(), section.profile);
         }
         for (const auto& p : section.parameters) {
-            cells.push_back(words(p));
+            cells.push_back(determined(p, section.fitted));
         }
         table.add(std::move(cells));
     }
@@ -275,8 +290,9 @@ std::string section_table(const SurveyResult& result) {
 std::string survey_text(const SurveyResult& result) {
     const analysis::SurveyCounts counts = result.counts();
     std::string text = result.study ? study_summary(*result.study) + "\n" : "";
-    text += fmt::format("{}: {} pass, {} fail, {} rejected", counted(result.stations.size(), "station", "stations"),
-                        counts.pass, counts.fail, counts.rejected);
+    text += fmt::format(
+        "{}: {} pass, {} fail, {}{} rejected", counted(result.stations.size(), "station", "stations"), counts.pass,
+        counts.fail, counts.no_ratio > 0 ? fmt::format("{} without a ratio, ", counts.no_ratio) : "", counts.rejected);
     if (result.study) {
         text += fmt::format(
             "; {} back-calculated{}, {} failed{}\n  {} in {}", counts.fitted,
@@ -308,6 +324,9 @@ std::string survey_text(const SurveyResult& result) {
     if (counts.rejected < result.stations.size()) {
         text += "\nAlong the road\n" + strip_charts(result);
     }
+    if (std::any_of(result.residuals.begin(), result.residuals.end(), [](const auto& r) { return r.one_sign; })) {
+        text += "\nWhat the model leaves over at the sensors (median over the stations)\n" + residual_table(result);
+    }
     if (result.normalise || result.reference_C) {
         text += fmt::format("\nAt {}\n{}",
                             result.normalise ? result.normalise->pressure_kPa
@@ -318,9 +337,10 @@ std::string survey_text(const SurveyResult& result) {
     }
     if (result.sections.size() > 1 ||
         (!result.sections.empty() && result.sections[0].d0_um.stations >= analysis::section_stations)) {
-        text +=
-            "\nHomogeneous sections (cumulative differences of ln D0); 15 / 50 / 85 % of the stations do not exceed\n" +
-            section_table(result);
+        text += "\nHomogeneous sections (cumulative differences of ln D0); 15 / 50 / 85 % of the stations do not "
+                "exceed (of "
+                "parameters: of those that determine them)\n" +
+                section_table(result);
     }
     if (const auto findings = analysis::findings_of(result); !findings.empty()) {
         text += "\nFindings\n";

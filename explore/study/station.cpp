@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "data/resolution.h"
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
@@ -55,8 +56,11 @@ constexpr double sensor_share = 0.01;
 } // namespace
 
 double bowl_sigma_um(const data::BowlReading& reading, double repeatability) {
-    return std::sqrt(std::pow(repeatability * reading.deflection_um, 2) / reading.drops + std::pow(sensor_floor_um, 2) +
-                     std::pow(sensor_share * reading.deflection_um, 2));
+    const double share = reading.disagrees ? std::max(repeatability, reading.scatter.value_or(0.0)) : repeatability;
+    const double repeats = share * reading.deflection_um;
+    return std::sqrt(std::pow(repeats, 2) / reading.drops +
+                     data::rounding_variance(reading.resolution_um, repeats, reading.drops) +
+                     std::pow(sensor_floor_um, 2) + std::pow(sensor_share * reading.deflection_um, 2));
 }
 
 Study station_study(const Study& survey, const data::FwdStation& station,

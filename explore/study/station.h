@@ -10,10 +10,11 @@ namespace explore::study {
 // are kept for the outputs. Its data files are not read. Throws pave::Error.
 Study load_survey_study(const std::string& file);
 
-// Standard deviation of a reading D of n drops in um. repeatability: standard deviation of a reading over repeated
-// drops, as a share of it.
-//     sqrt(repeatability^2 D^2 / n + (1 um)^2 + (0.01 D)^2),
-// the last two half of what a sensor is good to (2 um + 2 %, taken for two standard deviations).
+// Standard deviation of a reading D, the mean of n drops, in um. repeatability: standard deviation of a reading over
+// repeated drops, as a share of it; of a sensor whose drops contradict each other their own where that is more.
+//     sqrt(repeatability^2 D^2 / n + r + (1 um)^2 + (0.01 D)^2),
+// r what rounding to the steps of the file adds (data/resolution.h), the last two half of what a
+// sensor is good to (2 um + 2 %, taken for two standard deviations): what a sensor errs by in every drop alike.
 double bowl_sigma_um(const data::BowlReading& reading, double repeatability);
 
 // The survey's study under the station's own loads: one plate a bowl, and its deflections, whose noise is the above

@@ -1,5 +1,7 @@
 #include "base/text.h"
 
+#include "base/windows_1252.h"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -44,23 +46,6 @@ std::size_t first_not_utf8(std::string_view text) {
     return std::string_view::npos;
 }
 
-std::string to_utf8(std::string text) {
-    if (first_not_utf8(text) == std::string_view::npos) {
-        return text;
-    }
-    std::string converted;
-    for (const char c : text) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (byte < 0x80) {
-            converted += c;
-        } else {
-            converted += static_cast<char>(0xc0 | byte >> 6);
-            converted += static_cast<char>(0x80 | (byte & 0x3f));
-        }
-    }
-    return converted;
-}
-
 namespace {
 
 // -1: not UTF-16; 0: little end first; 1: big end first.
@@ -96,7 +81,34 @@ void append_utf8(std::string& text, unsigned code) {
     }
 }
 
+// What Windows-1252 has at 0x80 to 0x9f, where ISO 8859-1 has controls that no text holds; 0: nothing.
+constexpr unsigned windows_1252[32] = {0x20ac, 0,      0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021,
+                                       0x02c6, 0x2030, 0x0160, 0x2039, 0x0152, 0,      0x017d, 0,
+                                       0,      0x2018, 0x2019, 0x201c, 0x201d, 0x2022, 0x2013, 0x2014,
+                                       0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, 0,      0x017e, 0x0178};
+
 } // namespace
+
+std::string to_utf8(std::string text) {
+    if (first_not_utf8(text) == std::string_view::npos) {
+        return text;
+    }
+    std::string converted;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        const unsigned of_windows = byte >= 0x80 && byte < 0xa0 ? windows_1252[byte - 0x80] : 0;
+        append_utf8(converted, of_windows != 0 ? of_windows : byte);
+    }
+    return converted;
+}
+
+bool is_of_windows_1252(std::string_view character) {
+    return std::any_of(std::begin(windows_1252), std::end(windows_1252), [&](unsigned code) {
+        std::string text;
+        append_utf8(text, code);
+        return code != 0 && text == character;
+    });
+}
 
 std::string utf16_to_utf8(std::string text) {
     const int order = utf16_order(text);

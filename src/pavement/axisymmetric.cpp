@@ -1,4 +1,5 @@
 #include "fe/gauss_rule.h"
+#include "pavement/buried.h"
 #include "pavement/load_model.h"
 
 #include <algorithm>
@@ -34,7 +35,7 @@ mesh::AxisymmetricMesh Axisymmetric::nominal_mesh(const Case& c, int load) {
             continue;
         }
         const double r = std::hypot(sensor.x, sensor.y);
-        if (sensor.quantity == Quantity::deflection) {
+        if (!is_buried(sensor)) {
             demand.surface_radii.push_back(r);
         } else {
             demand.gauge_depths.push_back(sensor.depth);

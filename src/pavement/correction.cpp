@@ -3,6 +3,7 @@
 #include "base/units.h"
 #include "material/catalog.h"
 #include "material/corrected.h"
+#include "pavement/buried.h"
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
@@ -128,11 +129,11 @@ void correct_law(Case& c, const Correction& correction) {
 
 void correct_readings(Case& c, const Correction& correction) {
     for (Sensor& sensor : c.sensors) {
-        const bool is_deflection = sensor.quantity == Quantity::deflection;
-        if (!sensor.measured || is_deflection != (correction.channel == Channel::offset)) {
+        const bool is_on_surface = !is_buried(sensor);
+        if (!sensor.measured || is_on_surface != (correction.channel == Channel::offset)) {
             continue;
         }
-        const double at = is_deflection ? std::hypot(sensor.x, sensor.y) : sensor.depth;
+        const double at = is_on_surface ? std::hypot(sensor.x, sensor.y) : sensor.depth;
         double g = 0.0;
         for (std::size_t i = 0; i < correction.places.size(); ++i) {
             g += hat(shape_of(correction.places, i), at) * std::log(correction.factors[i]);
@@ -157,8 +158,7 @@ std::string why_impossible(const Case& c, const Correction& correction) {
     const ChannelInfo& channel = info(correction.channel);
     if (!channel.of_layer) {
         const auto is_read = [&](const Sensor& sensor) {
-            return sensor.measured &&
-                   (sensor.quantity == Quantity::deflection) == (correction.channel == Channel::offset);
+            return sensor.measured && !is_buried(sensor) == (correction.channel == Channel::offset);
         };
         return std::any_of(c.sensors.begin(), c.sensors.end(), is_read) ? "" : "no reading of that kind";
     }

@@ -145,10 +145,6 @@ void check_sensor(const Case& c, const Sensor& s, const Place& place) {
                     fmt::format("it reads from {:g} to {:g} mm depth", top / unit::mm, bottom / unit::mm),
                     fmt::format("0 to {:g} mm, the depth of the section", depth / unit::mm));
     }
-    if (s.quantity == Quantity::deflection && s.depth != 0.0) {
-        throw Error(place, "deflections are read at the surface", fmt::format("depth_mm = {:g}", s.depth / unit::mm),
-                    "0");
-    }
 }
 
 void check_integration(const Case& c, const Place& place) {

@@ -1,4 +1,5 @@
 #include "base/gauss_legendre.h"
+#include "pavement/buried.h"
 #include "pavement/load_model.h"
 
 #include <algorithm>
@@ -38,9 +39,9 @@ mesh::SolidDemand demand_of(const Case& c, int load) {
                 depths->push_back(sensor.depth);
             }
         };
-        if (sensor.quantity == Quantity::deflection) {
+        if (!is_buried(sensor)) {
             add(demand.surface_x, demand.surface_y, nullptr);
-        } else if (sensor.gauge > 0.0) {
+        } else if (sensor.gauge > 0.0 || sensor.quantity == Quantity::deflection) {
             add(demand.gauge_x, demand.gauge_y, &demand.gauge_depths);
         } else {
             add(demand.point_x, demand.point_y, &demand.point_depths);

@@ -1,3 +1,4 @@
+#include "pavement/buried.h"
 #include "pavement/effects/effect.h"
 #include "reduced/calibration.h"
 #include "reduced/cubature.h"
@@ -331,7 +332,7 @@ private:
     // Deflections need fewer modes than what is read within a layer.
     bool reads_within() const {
         return std::any_of(own_.sensors.begin(), own_.sensors.end(),
-                           [&](const Sensor& s) { return s.load == load_ && s.quantity != Quantity::deflection; });
+                           [&](const Sensor& s) { return s.load == load_ && is_buried(s); });
     }
     Eigen::Index most_modes() const { return reads_within() ? 64 : 16; }
     // The dual of a strain is sharper than any mode: as many modes more serve it better.

@@ -1,6 +1,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "base/text.h"
+#include "base/windows_1252.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -37,6 +38,12 @@ TEST(Text, TellsUtf8FromOtherBytes) {
     EXPECT_EQ(to_utf8("caf\xe9"), "caf\xc3\xa9"); // ISO 8859-1
     EXPECT_EQ(to_utf8("caf\xc3\xa9"), "caf\xc3\xa9");
     EXPECT_EQ(to_utf8("\xff"), "\xc3\xbf");
+    // Windows-1252 (RFC-registered table): en dash, quotes, euro; 0x81 is nothing there.
+    EXPECT_EQ(to_utf8("a \x96 b"), "a \u2013 b");
+    EXPECT_EQ(to_utf8("\x93x\x94 \x80"), "\u201cx\u201d \u20ac");
+    EXPECT_EQ(to_utf8("\x81"), "\xc2\x81");
+    EXPECT_TRUE(is_of_windows_1252("\u2013") && is_of_windows_1252("\u0178"));
+    EXPECT_FALSE(is_of_windows_1252("\u00e9") || is_of_windows_1252("\u2212") || is_of_windows_1252("a"));
 }
 
 TEST(Text, IsShownInOneLine) {

@@ -66,6 +66,65 @@ void expect_plain(const std::vector<data::FwdStation>& stations) {
 
 } // namespace
 
+TEST(FwdCsv, OneColumnMayHaveTwoMeanings) {
+    const auto stations =
+        read("Ponto;Carga (kN);D0 (um);D300 (um)\n12;40;420;240\n14;40;430;250\n",
+             {{"station", "Ponto"}, {"chainage_m", "Ponto"}, {"radius_mm", "150"}, {"load_kN", "Carga (kN)"}});
+    ASSERT_EQ(stations.size(), 2U);
+    EXPECT_EQ(stations[0].name, "12");
+    EXPECT_EQ(stations[0].chainage_m, 12.0);
+    EXPECT_EQ(stations[1].chainage_m, 14.0);
+}
+
+TEST(FwdCsv, ANumberedSensorThatTheMapDoesNotNameIsNotUsed) {
+    const data::ColumnMap map{{"chainage_m", "Metros"}, {"load_kN", "Carga"},      {"radius_mm", "150"},
+                              {"D0_um", "D1"},          {"D200 (1/100 mm)", "D2"}, {"D300_um", "D3"}};
+    // Without a unit; and with one, where the numbers of the others are no places.
+    for (const std::string last : {"D4", "D4 (um)"}) {
+        const auto file = read_file("Metros,Carga,D1,D2,D3," + last + "\n10,40,420,31,240,33\n", map);
+        ASSERT_EQ(file.stations.size(), 1U);
+        EXPECT_EQ(deflections(file.stations[0].drops[0]), (std::vector<double>{420.0, 310.0, 240.0}));
+        EXPECT_NE(pave::join(file.remarks).find("columns not used: " + last), std::string::npos);
+    }
+    // A map of other columns leaves deflections with places as they are.
+    EXPECT_EQ(deflections(read("km,Carga,D0_um,D200_um\n1,40,420,310\n",
+                               {{"chainage_km", "km"}, {"load_kN", "Carga"}, {"radius_mm", "150"}})[0]
+                              .drops[0]),
+              (std::vector<double>{420.0, 310.0}));
+}
+
+TEST(FwdCsv, PlacesMayBeStationsOf20Metres) {
+    const auto places = [](const std::string& name, const std::vector<std::string>& cells) {
+        std::string text = name + ",radius_mm,load_kN,D0_um,D200_um\n";
+        for (const std::string& cell : cells) {
+            text += cell + ",150,40,420,310\n";
+        }
+        const auto file = read_file(text);
+        std::vector<double> m;
+        for (const auto& s : file.stations) {
+            m.push_back(*s.chainage_m);
+        }
+        return std::pair(m, pave::join(file.remarks));
+    };
+    using Metres = std::vector<double>;
+    // 20 x 211 + 10 = 4230
+    const auto mixed = places("chainage_m", {"212", "211+10", "211", "210+10"});
+    EXPECT_EQ(mixed.first, (Metres{4240, 4230, 4220, 4210}));
+    EXPECT_NE(mixed.second.find("stations of 20 m"), std::string::npos);
+    // From the beginning of a road, where the same numbers could be metres: by the way along it.
+    EXPECT_EQ(places("chainage_m", {"0", "0+10", "1", "1+10", "2"}).first, (Metres{0, 10, 20, 30, 40}));
+    // Kilometres + metres beside metres.
+    EXPECT_EQ(places("chainage_m", {"12+000", "12010", "12+020", "12030"}).first, (Metres{12000, 12010, 12020, 12030}));
+    EXPECT_EQ(places("chainage_m", {"12+000", "12010", "12+020", "12030"}).second.find("20 m"), std::string::npos);
+    // Neither: asked.
+    const auto asked = places("chainage_m", {"45", "12+340", "12+360"});
+    EXPECT_EQ(asked.first, (Metres{45, 12340, 12360}));
+    EXPECT_NE(asked.second.find("are they stations of 20 m"), std::string::npos);
+    EXPECT_NE(places("chainage_m", {"7+0", "7+10", "8+0", "8+10", "9+0"}).second.find("are they stations of 20 m"),
+              std::string::npos);
+    EXPECT_EQ(places("chainage_m", {"0+000", "0+025", "0+050", "1+000"}).second.find("20 m"), std::string::npos);
+}
+
 TEST(FwdCsv, ReadsStationsDropsAndUnits) {
     const auto stations = read("\xef\xbb\xbf# a road\r\n"
                                "D200_um,chainage_m,station,lane,load_kN,radius_mm,D0_mm,surface_C\r\n"

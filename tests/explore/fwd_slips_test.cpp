@@ -106,6 +106,14 @@ TEST(Slips, SoundPlatesAndLoadsAreNotAsked) {
     EXPECT_EQ(said(levels), "");
 }
 
+TEST(Slips, ALightDeflectometerHasItsOwnStandardLoad) {
+    // 7.07 kN on 300 mm: 100 kPa. Beside other sensors it may be kips.
+    EXPECT_EQ(said(station({{0, 520}}, 150.0, 7.07)), "");
+    EXPECT_EQ(said(station({{0, 310}}, 100.0, 6.28)), ""); // 200 kPa on 200 mm
+    EXPECT_TRUE(holds(said(station(bowl(), 150.0, 7.07)), "kips"));
+    EXPECT_TRUE(holds(said(station({{0, 520}}, 150.0, 1.5)), "?")); // 21 kPa is nobody's standard
+}
+
 TEST(Slips, SeveralReadingsThatCannotBeAreASlip) {
     EXPECT_TRUE(holds(said(station({{0, 500}, {200, 400}, {300, 330e3}, {600, 180e3}})), "2 deflections beyond 10 mm"));
     EXPECT_TRUE(holds(said(station({{0, 500}, {200, 0.4}, {300, 0.33}, {600, 0.18}})), "millimetres in a _um column"));
@@ -207,7 +215,20 @@ TEST(Tables, WhatIsNoTextIsSaid) {
                                    line_a)
                                   .remarks),
                        "GBK"));
+    // Portuguese in Windows-1252: two letters in a row, a dash.
+    EXPECT_FALSE(holds(joined(read("Execu\xe7\xe3o \x96 dia,remark," + header + "1,x," + line_a).remarks), "GBK"));
     EXPECT_TRUE(holds(complaint("\xd7\xae\xba\xc5,\xba\xc9\xd4\xd8\n1,2\n"), "GBK"));
+}
+
+TEST(Tables, ADashOfWindowsIsADash) {
+    const auto file = read("Lugar \x96 metros;Carga;d0;d30\n20;40;500;300\n", "road.csv",
+                           {{"chainage_m", "Lugar \u2013 metros"},
+                            {"load_kN", "Carga"},
+                            {"radius_mm", "150"},
+                            {"D0_um", "d0"},
+                            {"D300_um", "d30"}});
+    ASSERT_EQ(file.stations.size(), 1U);
+    EXPECT_EQ(file.stations[0].chainage_m, 20.0);
 }
 
 TEST(Tables, RowsThatAreNoStations) {

@@ -109,6 +109,38 @@ TEST(RepeatedDrops, RangesHoldTheTruthAsOftenAsTheySay) {
     EXPECT_GE(held, static_cast<int>(trials * (0.9 - 3.0 * std::sqrt(0.9 * 0.1 / trials))));
 }
 
+TEST(RepeatedDrops, OneReadingThatItsRepeatsContradictChangesNothing) {
+    const Truth truth{.relative = 0.01, .common = 0.006, .absolute_um = 0.0, .correlation_mm = 350.0};
+    for (const int drops : {2, 3, 4}) {
+        auto with_spike = road(truth, 100, drops, 5);
+        const auto clean = analysis::noise_of_drops({with_spike}).model;
+        with_spike.stations[17].drops[0].readings[7].deflection_um *= 9.0; // at 1500 mm
+        const auto result = analysis::noise_of_drops({with_spike});
+        for (const auto part : {NoiseModel::relative, NoiseModel::common, NoiseModel::correlation}) {
+            EXPECT_GT(result.model.value[part], clean.low[part]) << drops << " " << part;
+            EXPECT_LT(result.model.value[part], clean.high[part]) << drops << " " << part;
+        }
+        ASSERT_EQ(result.left_out.size(), 1U);
+        EXPECT_NE(result.left_out[0].find("the sensor at 1500 mm in drop 1"), std::string::npos) << result.left_out[0];
+        EXPECT_NE(pave::join(analysis::findings(result)).find("repeats contradict"), std::string::npos);
+    }
+}
+
+TEST(RepeatedDrops, WhereTheModelMissesTheDropsItIsSaid) {
+    auto unlike = road({.relative = 0.005, .common = 0.0}, 100, 4, 9);
+    std::uint64_t draw = 0;
+    const pave::RandomStream random(3, 1);
+    for (auto& s : unlike.stations) { // one sensor that scatters five times as much
+        for (auto& d : s.drops) {
+            d.readings[2].deflection_um *= 1.0 + 0.025 * random.normal(draw++);
+        }
+    }
+    const auto told = pave::join(analysis::findings(analysis::noise_of_drops({unlike})));
+    EXPECT_NE(told.find("The model does not hold at 300 mm"), std::string::npos) << told;
+    const auto plain = pave::join(analysis::findings(analysis::noise_of_drops({road({}, 100, 4, 9)})));
+    EXPECT_EQ(plain.find("does not hold"), std::string::npos) << plain;
+}
+
 TEST(RepeatedDrops, LeaveOutPartsThatNothingTellsOf) {
     const auto m = analysis::noise_of_drops({road({.relative = 0.008, .common = 0.0}, 100, 3, 7)}).model;
     EXPECT_EQ(m.value[NoiseModel::common], 0.0);

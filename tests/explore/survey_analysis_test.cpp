@@ -1,6 +1,7 @@
 // What a survey makes of bowls. Expected values are calculated by hand, as written beside them.
 #include "analysis/survey_findings.h"
 #include "analysis/survey_road.h"
+#include "analysis/survey_sensors.h"
 #include "analysis/survey_stations.h"
 #include "data/asphalt_temperature.h"
 
@@ -50,6 +51,11 @@ TEST(BowlIndices, AreThoseOfTheTrade) {
     EXPECT_NEAR(half.d0_um, 250.0, 1e-9);
     EXPECT_NEAR(*half.area_mm, 489.0, 1e-9);
     EXPECT_NEAR(half.surface_moduli[2].modulus_MPa, i.surface_moduli[2].modulus_MPa, 1e-9);
+    // 7.07 kN on 300 mm, 100 kPa: 22.5 / 0.468 mm.
+    const auto light = data::indices_of(bowl_of({{0, 468}}, 100.0), 100.0);
+    ASSERT_TRUE(light.evd_MPa);
+    EXPECT_NEAR(*light.evd_MPa, 48.08, 0.005);
+    EXPECT_FALSE(i.evd_MPa);
     const auto few = data::indices_of(bowl_of({{0, 500}, {450, 200}}), 700.0);
     EXPECT_FALSE(few.sci_um || few.bdi_um || few.bci_um || few.area_mm || few.curvature_radius_m);
 }

@@ -99,13 +99,13 @@ TEST(DeflectionBowl, CombinesTheDropsNearTheHighestPressure) {
     // (448 x 580/560 + 492 x 580/600) / 2 = (464 + 475.6) / 2; (290 + 319) / 2
     EXPECT_NEAR(bowl->d0_um(), 469.8, 1e-9);
     EXPECT_NEAR(*bowl->at(250), 304.5, 1e-9);
-    // Of three, the middle one; drops 3 and 4 are at 580 kPa now.
+    // Of three, the mean; drops 3 and 4 are at 580 kPa now: (448 + 492 + 461) / 3, (280 + 330 + 293) / 3.
     s.drops[1].pressure_kPa = s.drops[2].pressure_kPa = 580;
-    s.drops.push_back(drop(4, 580, 700, 290));
+    s.drops.push_back(drop(4, 580, 461, 293));
     bowl = main_bowl(s);
     ASSERT_TRUE(bowl) << bowl.failure().reason;
-    EXPECT_EQ(bowl->d0_um(), 492.0);
-    EXPECT_EQ(*bowl->at(250), 290.0);
+    EXPECT_NEAR(bowl->d0_um(), 467.0, 1e-9);
+    EXPECT_NEAR(*bowl->at(250), 301.0, 1e-9);
 }
 
 TEST(DeflectionBowl, SaysWhyReadingsCannotBeRight) {
@@ -247,10 +247,11 @@ TEST(Drops, RepeatsGiveTheirScatter) {
     EXPECT_NEAR(*data::repeatability({&bowls->bowl()}), 0.02829, 1e-5);
     const auto one = data::bowls_of(with_drops({{700, 490}}));
     EXPECT_FALSE(data::repeatability({&one->bowl()}));
-    // A drop that disagrees is named: 600 against a median of 500.
-    const auto said = remarks(with_drops({{700, 500}, {700, 499}, {700, 600}}));
-    ASSERT_EQ(said.size(), 1U);
-    EXPECT_NE(said[0].find("drop 3 disagrees with its repeats: D0 over pressure +20 %"), std::string::npos) << said[0];
+    // A drop that its repeats contradict is left out: 600 against a median of 499.5.
+    const FwdStation odd = with_drops({{700, 500}, {700, 499}, {700, 600}});
+    EXPECT_EQ(left_out(odd, data::LeftOut::contradicted), Numbers{3});
+    EXPECT_NEAR(main_bowl(odd)->d0_um(), 499.5, 1e-9);
+    EXPECT_EQ(main_bowl(odd)->drops, (Numbers{1, 2}));
 }
 
 TEST(Plausibility, NamesTheSlip) {

@@ -8,6 +8,7 @@
 #include "pavement/load_model.h"
 #include "reduced/basis.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
 using namespace test;
@@ -149,7 +150,7 @@ TEST(HyperelasticSection, IsTheLinearCrossAnisotropicOneWithoutAnExponent) {
     Case c = hyperelastic_captif({.k = 0.0});
     Case linear = c;
     linear.layers[1] = uzan_layer("base", 0.277, {.k1 = 1800, .k2 = 0.0, .k3 = 0.0, .n = 0.4});
-    linear.settings.solver.path_tolerance = 1e-3;
+    linear.settings.solver.load_steps = 16;
     const auto found = run(c, {"base.k1", "base.n"});
     const auto expected = run(linear, {"base.k1", "base.n"});
     ASSERT_TRUE(found && expected);
@@ -167,9 +168,10 @@ void expect_end_of_the_path(const Case& c) {
     const auto at_once = solver.hyperelastic(parts.layers, parts.load, {}, c.settings.solver);
     ASSERT_TRUE(at_once) << at_once.failure().reason;
     double before = 1.0;
-    for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+    for (const int steps : {8, 16, 32}) {
+        const double tolerance = 1e-2 * std::pow(steps / 8.0, -3.0); // of third order
         fe::SolverSettings settings = c.settings.solver;
-        settings.path_tolerance = tolerance;
+        settings.load_steps = steps;
         settings.linear_tolerance = 1e-9;
         const auto path = solver.incremental(parts.layers, parts.load, {}, settings);
         ASSERT_TRUE(path) << path.failure().reason;
@@ -279,7 +281,7 @@ TEST(HyperelasticBesideOtherLaws, IsFollowedAlongTheirLoadPath) {
     const auto at_once = run(c);
     c.layers[2] = uzan_layer("subgrade", 1.193, {.k1 = 450, .k2 = 0.0, .k3 = 0.0, .n = 1.0});
     c.layers[2].parameters[5] = c.layers[2].parameters[6] = 0.4; // the linear subgrade: 45 MPa
-    c.settings.solver.path_tolerance = 1e-4;
+    c.settings.solver.load_steps = 33;
     const auto along = run(c);
     ASSERT_TRUE(at_once && along);
     EXPECT_EQ(at_once->statistics.load_steps, 1);

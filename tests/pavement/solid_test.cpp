@@ -142,6 +142,36 @@ TEST(SolidModel, AgreesWithTheMultilayerSolutionAndTheAxisymmetricModelUnderOneC
     }
 }
 
+// A multidepth deflectometer: every engine has the displacement within the layers.
+TEST(SolidModel, ReadsDeflectionsAtAnyDepthAsTheMultilayerSolutionHasThem) {
+    const reference::ElasticLayer stack[] = {{0.12, 2500e6, 0.35}, {0.28, 250e6, 0.35}, {1.20, 70e6, 0.40}};
+    Case c;
+    for (const auto& layer : stack) {
+        c.layers.push_back(
+            linear_layer("layer" + std::to_string(c.layers.size()), layer.thickness, layer.modulus, layer.poisson));
+    }
+    c.loads = {plate(0.15, 600e3)};
+    for (const double x : {0.0, 0.3, 0.5}) {
+        for (const double z : {0.0, 0.06, 0.12, 0.33, 0.7, 1.1}) {
+            c.sensors.push_back({0, Quantity::deflection, x, 0.0, z, 0.0});
+        }
+    }
+    c.settings.layered = true;
+    const auto layered = run(c);
+    c.settings.layered = false;
+    const auto solid = solid_readings(c);
+    const auto axisymmetric = run(c);
+    ASSERT_TRUE(layered && axisymmetric);
+    for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+        const Sensor& s = c.sensors[i];
+        const double exact =
+            reference::multilayer_elastic(stack, reference::Floor::rigid_rough, 0.15, 600e3, s.x, s.depth).u_z;
+        EXPECT_NEAR(layered->values[i] / exact, 1.0, 1e-6) << i;
+        EXPECT_NEAR(axisymmetric->values[i] / exact, 1.0, 0.01) << i;
+        EXPECT_NEAR(solid[i] / exact, 1.0, 0.01) << i;
+    }
+}
+
 TEST(SolidModel, GivesTheAnswerOfTheAxisymmetricModelForAStressDependentBase) {
     const Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4});
     const auto solid = solid_readings(c);

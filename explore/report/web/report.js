@@ -593,7 +593,7 @@
             const ranges = list.map((s) => (determined(s) ? rangeOf(s) : null));
             const parts = (r.sections || []).filter((p) => (p.profile || "") === (list[0].profile || "") && (p.lane || "") === (list[0].lane || ""));
             const levels = parts.map((p) => {
-                const values = list.filter((s) => s.chainage_m >= p.from_m && s.chainage_m <= p.to_m).map(valueOf).filter((v) => v !== null && v !== undefined);
+                const values = list.filter((s) => s.chainage_m >= p.from_m && s.chainage_m <= p.to_m && determined(s)).map(valueOf).filter((v) => v !== null && v !== undefined);
                 return values.length ? { type: "scatter", mode: "lines", x: [p.from_m, p.to_m], y: [medianOf(values), medianOf(values)], showlegend: false,
                     hoverinfo: "skip", line: { width: 3, color: colour }, opacity: 0.35 } : null;
             }).filter(Boolean);
@@ -625,7 +625,9 @@
         };
         const remarked = r.stations.filter((s) => (s.remarks || []).length);
         const percentiles = (p) => (p ? `${figure(p.p15)} / ${figure(p.p50)} / ${figure(p.p85)}` : null);
-        section("The road", make("p", {}, `${r.counts.stations} stations, ${r.counts.rejected} rejected` +
+        // Of a parameter: of the stations that determine it.
+        const determinedOnly = (p, fitted) => (!fitted ? percentiles(p) : !p ? `? (0 of ${fitted})` : p.stations < fitted ? `${percentiles(p)} (${p.stations} of ${fitted})` : percentiles(p));
+        section("The road", make("p", {}, `${r.counts.stations} stations, ${r.counts.rejected} rejected${r.counts.no_ratio ? `, ${r.counts.no_ratio} without a deflection ratio` : ""}` +
             (r.counts.fitted ? `, ${r.counts.fitted} back-calculated, ${r.counts.no_fit || 0} not described by the model, ${r.counts.failed} without an answer.` : ".")),
         words(r.findings),
         good.length ? [strip(r, good, `D0 at ${figure(r.common_pressure_kPa)} kPa [µm]`, (s) => s.D0_um_at_common_pressure,
@@ -638,9 +640,9 @@
         outputs.map((n) => strip(r, fitted.filter((s) => s.outputs && s.outputs[n]), `${n} [${outputUnit(fitted, n)}]`, (s) => s.outputs[n].value,
             { determined: (s) => s.outputs[n].determined, rangeOf: (s) => [s.outputs[n].low, s.outputs[n].high] })),
         fitted.length ? rmsBars(fitted) : [],
-        (r.sections || []).length && r.sections[0].D0_um ? [part("Homogeneous sections"), make("p", { className: "soft" }, "Cumulative differences of ln D0; 15 / 50 / 85 % of the stations do not exceed."),
+        (r.sections || []).length && r.sections[0].D0_um ? [part("Homogeneous sections"), make("p", { className: "soft" }, "Cumulative differences of ln D0; 15 / 50 / 85 % of the stations do not exceed; of a parameter, of those that determine it."),
             sectionTable(r.sections, [["profile", (p) => p.profile], ["lane", (p) => p.lane], ["from [m]", (p) => p.from_m], ["to [m]", (p) => p.to_m], ["stations", (p) => p.stations],
-                ["D0 [µm]", (p) => percentiles(p.D0_um)], ...names.map((n) => [n, (p) => percentiles((p.parameters || {})[n])])])] : [],
+                ["D0 [µm]", (p) => percentiles(p.D0_um)], ...names.map((n) => [n, (p) => determinedOnly((p.parameters || {})[n], p.fitted)])])] : [],
         list("Stations without a result, or with a doubtful one", bad, [["why", (s) => s.reason], ["where", source]], ["why", "where"]),
         list("Stations", good, [["drops", (s) => (s.drops_used || []).join(" ")], ["pressure [kPa]", (s) => s.pressure_kPa], ["D0 [µm]", (s) => s.D0_um],
             ["deflection ratio", (s) => s.deflection_ratio], ["verdict", (s) => (s.pass === null || s.pass === undefined ? s.deflection_ratio_reason : s.pass ? "pass" : "fail")]], ["verdict"]),

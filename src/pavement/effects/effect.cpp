@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "material/catalog.h"
+#include "pavement/buried.h"
 #include "pavement/tie.h"
 
 #include <algorithm>
@@ -233,7 +234,7 @@ std::string why_not_in_time(const Case& c) {
 
 bool has_gauges(const Case& c) {
     return std::any_of(c.sensors.begin(), c.sensors.end(),
-                       [](const Sensor& sensor) { return sensor.measured && sensor.quantity != Quantity::deflection; });
+                       [](const Sensor& sensor) { return sensor.measured && is_buried(sensor); });
 }
 
 std::vector<Sensor::Share> shares_of(const Sensor& sensor) {

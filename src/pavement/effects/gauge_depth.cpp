@@ -1,6 +1,7 @@
 // Gauges sit deeper (or shallower) than the study says.
 #include "base/text.h"
 #include "base/units.h"
+#include "pavement/buried.h"
 #include "pavement/effects/effect.h"
 
 #include <cmath>
@@ -11,14 +12,14 @@ namespace {
 
 void apply(Case& c, const AppliedEffect& applied, int load) {
     for (Sensor& sensor : c.sensors) {
-        if (sensor.measured && sensor.load == load && sensor.quantity != Quantity::deflection) {
+        if (sensor.measured && sensor.load == load && is_buried(sensor)) {
             sensor.depth += applied.size * unit::mm;
         }
     }
 }
 
 std::string refuses(const Case& c, const AppliedEffect&) {
-    return has_gauges(c) ? "" : "no reading but deflections";
+    return has_gauges(c) ? "" : "no reading but deflections of the surface";
 }
 
 } // namespace
@@ -35,7 +36,7 @@ const Effect& gauge_depth() {
             "Gauges are set from a surface that is later trimmed or overlaid, so all of them sit deeper than stated by "
             "the size. The change alternates in sign where a gauge straddles an interface.",
         .source = "depth tolerances of buried strain coils, e.g. Greenslade et al. (2012) for CAPTIF",
-        .acts_on = "every reading of a strain or a stress",
+        .acts_on = "every reading of a strain or a stress, and of a deflection at depth",
         .apply = apply,
         .refuses = refuses,
         .in_words = [](const AppliedEffect& a) -> std::string {

@@ -1,6 +1,7 @@
 // The load runs beside the gauges: it stands at x = size.
 #include "base/text.h"
 #include "base/units.h"
+#include "pavement/buried.h"
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
@@ -12,7 +13,7 @@ namespace {
 // A deflectometer carries its own sensors along.
 bool shifts(const Case& c, const AppliedEffect& applied, int load, const Sensor& sensor) {
     return sensor.measured && sensor.load == load && applied.load.value_or(load) == load &&
-           !(c.loads[load].type == LoadType::plate && sensor.quantity == Quantity::deflection);
+           !(c.loads[load].type == LoadType::plate && !is_buried(sensor));
 }
 
 void apply(Case& c, const AppliedEffect& applied, int load) {

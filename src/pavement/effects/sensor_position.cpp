@@ -1,6 +1,7 @@
 // A deflection sensor stands farther from the load than stated, by the size, on every drop.
 #include "base/text.h"
 #include "base/units.h"
+#include "pavement/buried.h"
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
@@ -11,7 +12,7 @@ namespace pave::pavement {
 namespace {
 
 bool is_on_surface(const Sensor& sensor) {
-    return sensor.measured && sensor.quantity == Quantity::deflection;
+    return sensor.measured && !is_buried(sensor);
 }
 
 // The sensor that is named, or the first beside the load.

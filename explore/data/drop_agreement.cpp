@@ -1,0 +1,293 @@
+#include "data/drop_agreement.h"
+
+#include "data/median.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <set>
+
+namespace explore::data {
+namespace {
+
+constexpr double far_off = 6.0;      // standard deviations of a reading that its repeats contradict
+constexpr double others_agree = 0.5; // of how far it is off
+constexpr double drop_share = 0.1;
+constexpr double sensor_um = 2.0; // of a sensor, and
+constexpr double sensor_share = 0.02;
+constexpr double disagree_share = 0.1;
+constexpr double disagree_um = 4.0;
+constexpr double disagree_scatter = 5.0;
+constexpr double least_um = 0.01; // a reading below it has no logarithm to speak of
+constexpr std::size_t few_sensors = 3;
+
+double logarithm(double um) {
+    return std::log(std::max(um, least_um));
+}
+
+std::set<int> drops_of(const LevelReadings& level) {
+    std::set<int> drops;
+    for (const auto& [offset, readings] : level) {
+        for (const LevelReading& r : readings) {
+            drops.insert(r.drop);
+        }
+    }
+    return drops;
+}
+
+std::vector<double> all_but(const std::vector<LevelReading>& readings, int drop) {
+    std::vector<double> others;
+    for (const LevelReading& r : readings) {
+        if (r.drop != drop) {
+            others.push_back(r.um);
+        }
+    }
+    return others;
+}
+
+const LevelReading* of_drop(const std::vector<LevelReading>& readings, int drop) {
+    const auto at =
+        std::find_if(readings.begin(), readings.end(), [&](const LevelReading& r) { return r.drop == drop; });
+    return at == readings.end() ? nullptr : &*at;
+}
+
+double spread(const std::vector<double>& values) {
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    return *high - *low;
+}
+
+// How far a drop is from the others, and how far those are apart: medians over the sensors, of logarithms.
+struct DropAgainstOthers {
+    double off = 0.0, others_apart = 0.0;
+};
+std::optional<DropAgainstOthers> against_others(const LevelReadings& level, int drop) {
+    std::vector<double> off;
+    std::vector<double> apart;
+    for (const auto& [offset, readings] : level) {
+        const LevelReading* own = of_drop(readings, drop);
+        std::vector<double> others = all_but(readings, drop);
+        if (own == nullptr || others.size() < 2) {
+            continue;
+        }
+        std::transform(others.begin(), others.end(), others.begin(), logarithm);
+        off.push_back(logarithm(own->um) - median(others));
+        apart.push_back(spread(others));
+    }
+    return off.empty() ? std::nullopt : std::optional(DropAgainstOthers{median(off), median(apart)});
+}
+
+// What all sensors of a drop have in common (of logarithms), which is no error of one of them.
+std::map<int, double> effects_of(const LevelReadings& level) {
+    std::map<int, std::vector<double>> off;
+    for (const auto& [offset, readings] : level) {
+        if (readings.size() < 2) {
+            continue;
+        }
+        std::vector<double> values;
+        std::transform(readings.begin(), readings.end(), std::back_inserter(values),
+                       [](const LevelReading& r) { return logarithm(r.um); });
+        const double middle = median(values);
+        for (const LevelReading& r : readings) {
+            off[r.drop].push_back(logarithm(r.um) - middle);
+        }
+    }
+    std::map<int, double> effects;
+    for (const auto& [drop, values] : off) {
+        effects[drop] = values.size() > few_sensors ? median(values) : 0.0;
+    }
+    return effects;
+}
+
+// What the readings of a sensor scatter by here, apart from what their drops have in common: of the middle sensor. 0:
+// too few to tell.
+double scatter_here(const LevelReadings& level, const std::map<int, double>& effects) {
+    std::vector<ScatterSample> samples;
+    for (const auto& [offset, readings] : level) {
+        if (readings.size() < 2) {
+            continue;
+        }
+        const auto n = static_cast<double>(readings.size());
+        const auto own = [&](const LevelReading& r) { return logarithm(r.um) - effects.at(r.drop); };
+        double mean = 0.0;
+        double squares = 0.0;
+        for (const LevelReading& r : readings) {
+            mean += own(r) / n;
+        }
+        for (const LevelReading& r : readings) {
+            squares += std::pow(own(r) - mean, 2);
+        }
+        samples.push_back({std::sqrt(squares / (n - 1.0)), static_cast<int>(readings.size())});
+    }
+    return samples.size() > few_sensors ? middle_scatter(samples) : 0.0;
+}
+
+// How far the reading of a drop may be from the others', and how far it is.
+struct ReadingAgainstOthers {
+    double off_um = 0.0, limit_um = 0.0, others_apart_um = 0.0;
+    double times() const { return std::abs(off_um) / limit_um; }
+};
+ReadingAgainstOthers against_others(const std::vector<LevelReading>& readings, const LevelReading& own,
+                                    const std::map<int, double>& effects, double scatter) {
+    std::vector<double> others; // as they would be in this drop
+    for (const LevelReading& r : readings) {
+        if (r.drop != own.drop) {
+            others.push_back(r.um * std::exp(effects.at(own.drop) - effects.at(r.drop)));
+        }
+    }
+    const double middle = median(others);
+    return {.off_um = own.um - middle,
+            .limit_um = std::max(sensor_um + sensor_share * std::abs(middle), far_off * scatter * std::abs(middle)),
+            .others_apart_um = spread(others)};
+}
+
+ContradictedReading take_out(std::vector<LevelReading>& readings, int drop) {
+    ContradictedReading out{.drop = drop, .read_um = of_drop(readings, drop)->read_um};
+    std::vector<double> others;
+    for (const LevelReading& r : readings) {
+        if (r.drop != drop) {
+            others.push_back(r.read_um);
+        }
+    }
+    out.repeats_um = median(others);
+    std::erase_if(readings, [&](const LevelReading& r) { return r.drop == drop; });
+    return out;
+}
+
+double mean_of(const std::vector<LevelReading>& readings) {
+    double sum = 0.0;
+    for (const LevelReading& r : readings) {
+        sum += r.um;
+    }
+    return sum / static_cast<double>(readings.size());
+}
+
+// Of the two readings of a sensor, the drop of the one that does not lie between the neighbouring sensors where the
+// other one does; nothing: neither or both do.
+std::optional<int> beside_neighbours(const LevelReadings& level, LevelReadings::const_iterator sensor) {
+    if (sensor->first < 0.0 || level.size() < 3) {
+        return std::nullopt;
+    }
+    constexpr double steepest = 8.0; // of neighbours
+    double high = INFINITY;
+    double low = 0.0;
+    if (sensor->first > 0.0 && sensor != level.begin() && std::prev(sensor)->first >= 0.0) {
+        high = mean_of(std::prev(sensor)->second);
+        low = high / steepest;
+    }
+    if (const auto next = std::next(sensor); next != level.end()) {
+        low = mean_of(next->second);
+        high = std::min(high, steepest * low);
+    }
+    const auto fits = [&](const LevelReading& r) {
+        const double room = sensor_um + sensor_share * std::abs(r.um);
+        return r.um >= low - room && r.um <= high + room;
+    };
+    const LevelReading& a = sensor->second[0];
+    const LevelReading& b = sensor->second[1];
+    return fits(a) == fits(b) ? std::nullopt : std::optional(fits(a) ? b.drop : a.drop);
+}
+
+} // namespace
+
+double RepeatScatter::at(double offset_mm) const {
+    constexpr double least = 0.003;
+    const auto known = of_sensor.find(offset_mm);
+    return std::max(least, known == of_sensor.end() ? overall : known->second);
+}
+
+double middle_scatter(const std::vector<ScatterSample>& samples) {
+    // Medians of chi2 over its degrees of freedom, from 1 on; then Wilson and Hilferty's (1931).
+    constexpr std::array medians = {0.454936, 0.693147, 0.788658, 0.839173, 0.870292};
+    std::vector<double> variances;
+    for (const ScatterSample& s : samples) {
+        const auto degrees = static_cast<std::size_t>(std::max(1, s.drops - 1));
+        const double middle = degrees <= medians.size() ? medians[degrees - 1]
+                                                        : std::pow(1.0 - 2.0 / (9.0 * static_cast<double>(degrees)), 3);
+        variances.push_back(s.scatter * s.scatter / middle);
+    }
+    return std::sqrt(median(variances));
+}
+
+std::vector<ContradictedDrop> take_out_drops(LevelReadings& level, const RepeatScatter& scatter) {
+    std::vector<ContradictedDrop> out;
+    const std::size_t all = drops_of(level).size();
+    const double limit = std::max(std::log1p(drop_share), far_off * scatter.at(0.0));
+    while (all >= 3 && all - out.size() > 2 && 2 * (out.size() + 1) < all) {
+        std::optional<ContradictedDrop> worst;
+        double worst_off = limit;
+        for (const int drop : drops_of(level)) {
+            const auto there = against_others(level, drop);
+            if (there && std::abs(there->off) > worst_off &&
+                there->others_apart < others_agree * std::abs(there->off)) {
+                worst_off = std::abs(there->off);
+                worst = ContradictedDrop{drop, std::expm1(there->off)};
+            }
+        }
+        if (!worst) {
+            break;
+        }
+        for (auto& [offset, readings] : level) {
+            std::erase_if(readings, [&](const LevelReading& r) { return r.drop == worst->drop; });
+        }
+        std::erase_if(level, [](const auto& sensor) { return sensor.second.empty(); });
+        out.push_back(*worst);
+    }
+    return out;
+}
+
+std::vector<ContradictedReading> take_out_readings(LevelReadings& level, const RepeatScatter& scatter) {
+    std::vector<ContradictedReading> out;
+    const auto effects = effects_of(level);
+    const double here = scatter_here(level, effects);
+    for (auto sensor = level.begin(); sensor != level.end(); ++sensor) {
+        auto& [offset, readings] = *sensor;
+        const std::size_t all = readings.size();
+        const double own = std::max(here, scatter.at(offset));
+        while (all >= 3 && readings.size() > 2 && 2 * (all - readings.size() + 1) < all) {
+            const LevelReading* worst = nullptr;
+            double worst_times = 1.0;
+            for (const LevelReading& r : readings) {
+                const auto there = against_others(readings, r, effects, own);
+                if (there.times() > worst_times && there.others_apart_um < others_agree * std::abs(there.off_um)) {
+                    worst_times = there.times();
+                    worst = &r;
+                }
+            }
+            if (worst == nullptr) {
+                break;
+            }
+            out.push_back(take_out(readings, worst->drop));
+            out.back().offset_mm = offset;
+        }
+        if (all == 2 && against_others(readings, readings[0], effects, std::sqrt(2.0) * own).times() > 1.0) {
+            if (const auto drop = beside_neighbours(level, sensor)) {
+                out.push_back(take_out(readings, *drop));
+                out.back().offset_mm = offset;
+            }
+        }
+    }
+    return out;
+}
+
+std::vector<Disagreement> disagreements(const LevelReadings& level, const RepeatScatter& scatter) {
+    std::vector<Disagreement> found;
+    for (const auto& [offset, readings] : level) {
+        if (readings.size() < 2) {
+            continue;
+        }
+        std::vector<double> values;
+        std::transform(readings.begin(), readings.end(), std::back_inserter(values),
+                       [](const LevelReading& r) { return r.um; });
+        const double mean = mean_of(readings);
+        const double apart = spread(values);
+        const double share = std::max(disagree_share, disagree_scatter * scatter.at(offset));
+        if (apart > std::max(disagree_um, share * std::abs(mean)) && mean > 0.0) {
+            const auto [low, high] = std::minmax_element(values.begin(), values.end());
+            found.push_back({.offset_mm = offset, .share = apart / mean, .low_um = *low, .high_um = *high});
+        }
+    }
+    return found;
+}
+
+} // namespace explore::data

@@ -1,0 +1,72 @@
+// Whether the drops of a level agree, and which drop or single reading the others contradict.
+//
+// Compared is ln(deflection / pressure). With three drops or more:
+//   a drop   whose deflections differ from those of the others by more than 10 % (median over the sensors) and six
+//   times
+//            what drops of this road scatter by, where the others agree within half of that;
+//   a reading that differs from the others of its sensor by more than the sensor is good to (2 um + 2 %) and six times
+//            what this sensor scatters by along the road, or what the sensors scatter by here, once what all sensors of
+//            its drop have in common is taken off, where the others agree within half of that.
+// Those are left out as long as more than half of the drops, and two, are left. Of two drops neither has a majority: a
+// reading is left out where they differ as much and only the other one lies between the neighbouring sensors'.
+#pragma once
+
+#include "data/fwd.h"
+
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace explore::data {
+
+// Standard deviation of ln(deflection / pressure) over repeated drops: of the middle one of a road's groups of drops,
+// so that single readings do not rule it.
+struct RepeatScatter {
+    std::map<double, double> of_sensor{}; // by offset, where enough groups tell
+    double overall = 0.02;                // what sensors repeat within, unless the road tells better
+
+    double at(double offset_mm) const;
+};
+
+// Of samples (standard deviation, number of drops).
+struct ScatterSample {
+    double scatter = 0.0;
+    int drops = 2;
+};
+// The standard deviation behind them by their median. Not of none.
+double middle_scatter(const std::vector<ScatterSample>& samples);
+
+// The readings of a level, at one pressure.
+struct LevelReading {
+    int drop = 0;
+    double um = 0.0;      // at the pressure of the level
+    double read_um = 0.0; // as it was read
+};
+using LevelReadings = std::map<double, std::vector<LevelReading>>; // by offset
+
+// One that the others contradict.
+struct ContradictedReading {
+    int drop = 0;
+    double offset_mm = 0.0;
+    double read_um = 0.0, repeats_um = 0.0; // the latter: median
+};
+struct ContradictedDrop {
+    int drop = 0;
+    double share = 0.0; // its deflections over those of the others - 1
+};
+
+// A sensor whose drops disagree and nothing tells which is right.
+struct Disagreement {
+    double offset_mm = 0.0;
+    double share = 0.0; // of the mean, between the lowest and the highest
+    double low_um = 0.0, high_um = 0.0;
+};
+
+// Takes the drops out that the others contradict.
+std::vector<ContradictedDrop> take_out_drops(LevelReadings& level, const RepeatScatter& scatter);
+// Takes single readings out.
+std::vector<ContradictedReading> take_out_readings(LevelReadings& level, const RepeatScatter& scatter);
+// What is left and differs by more than 10 %, 4 um and five times the scatter, by offset.
+std::vector<Disagreement> disagreements(const LevelReadings& level, const RepeatScatter& scatter);
+
+} // namespace explore::data

@@ -1,0 +1,24 @@
+// The step in which a file states its deflections, and what that hides.
+#pragma once
+
+#include "data/fwd.h"
+
+#include <string>
+
+namespace explore::data {
+
+// In um: the largest of 1, 2 or 5 times a power of ten, in micrometres or mils, that all deflections are multiples of.
+// 0: none of 0.1 um or more, or too few readings to tell it from chance (1 in 10,000 against the next finer step).
+double resolution_um(const std::vector<const FwdStation*>& stations);
+
+// "whole hundredths of a millimetre", "steps of 5 um", "whole mils".
+std::string resolution_words(double resolution_um);
+
+// Variance [um^2] that rounding to steps q adds to the mean of n repeated readings which scatter by s [um] before they
+// are rounded:
+//     q^2 / 12 (1 / n + (1 - 1 / n) exp(-4 pi^2 s^2 / q^2)).
+// Rounding errors of readings that scatter by much less than a step are the same in all of them, of those that scatter
+// by more independent (Widrow 1956: their correlation by the first term of the characteristic function).
+double rounding_variance(double resolution_um, double scatter_um, int drops);
+
+} // namespace explore::data

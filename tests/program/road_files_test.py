@@ -1,0 +1,131 @@
+"""Files of roads as offices have them: what is read off their drops, and what is said of them. Stations are made by a transform solution that shares
+nothing with the program (tests/blind/drop_generator.cpp); what they are made of is what has to be found."""
+import json
+import math
+import pathlib
+import re
+import subprocess
+
+from support import PROGRAM, run, workspace
+
+GENERATOR = pathlib.Path(PROGRAM).resolve().parents[1] / "tests" / "drop_generator"
+OFFSETS = (0, 200, 300, 450, 600, 900, 1200, 1500, 1800)
+
+
+def made(folder, stations, drops, seed):
+    """(lines of the file without its header, the header's names, the study, what is true)"""
+    done = subprocess.run([GENERATOR, str(stations), str(drops), str(seed), folder], capture_output=True, text=True, check=True)
+    names, *rows = [line.split(",") for line in (folder / "drops.csv").read_text().splitlines()]
+    return rows, names, folder / "study.toml", json.loads(done.stdout)
+
+
+def written(path, names, rows):
+    path.write_text("\n".join(",".join(map(str, row)) for row in [names, *rows]) + "\n")
+    return path
+
+
+def answer(command, road, study, folder, *options):
+    done = run(command, road, "--study", study, "--out", folder / f"{command}-{road.stem}", "--threads", "1", "--json", *options)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def held(stations, truths, name):
+    return [s["parameters"][name]["low"] <= t[name] <= s["parameters"][name]["high"] for s, t in zip(stations, truths)]
+
+
+def test_ranges_from_files_of_drops_hold_the_truth():
+    folder = workspace()
+    count, drops = 48, 3
+    rows, names, study, truths = made(folder, count, drops, 21)
+    stations = answer("survey", written(folder / "drops.csv", names, rows), study, folder)["stations"]
+    all_held = sum((held(stations, truths, name) for name in stations[0]["parameters"]), [])
+    all_held += [s["outputs"]["strain"]["low"] <= t["strain_per_kPa"] * s["pressure_kPa"] <= s["outputs"]["strain"]["high"] for s, t in zip(stations, truths)]
+    # Parameters of one station err together: at worst as few as the stations.
+    assert abs(sum(all_held) / len(all_held) - 0.95) < 3.5 * math.sqrt(0.95 * 0.05 / count), sum(all_held)
+    dof = sum(s["fit"]["degrees_of_freedom"] for s in stations)
+    assert dof == count * (len(OFFSETS) - 3)
+    ratio = sum(s["fit"]["chi2"] for s in stations) / dof
+    assert abs(ratio - 1) < 3.5 * math.sqrt(2 / dof), ratio
+
+
+def test_whole_hundredths_of_a_millimetre_are_an_error_of_their_own():
+    folder = workspace()
+    rows, names, study, truths = made(folder, 24, 0, 5)
+    rounded = [row[:5] + [10 * round(float(um) / 10) for um in row[5:]] for row in rows]
+    result = answer("survey", written(folder / "hundredths.csv", names, rounded), study, folder)
+    inside = sum((held(result["stations"], truths, name) for name in result["stations"][0]["parameters"]), [])
+    assert sum(inside) >= 0.88 * len(inside), sum(inside)
+    assert any("whole hundredths of a millimetre" in words and "2.9 um" in words for words in result["findings"]), result["findings"]
+    assert "stated noise" not in json.dumps(result)
+    exact = answer("survey", written(folder / "exact.csv", names, rows), study, folder)
+    assert not any("rounding" in words for words in exact["findings"])
+
+
+def test_a_sensor_or_the_section_or_the_layout_is_named():
+    folder = workspace()
+    rows, names, study, _ = made(folder, 12, 0, 8)
+    renamed = lambda moved: [moved.get(name, name) for name in names]
+    one = answer("survey", written(folder / "one.csv", renamed({"D600_um": "D655_um"}), rows), study, folder)
+    assert one["suspect_sensor"] and one["suspect_sensor"]["offset_mm"] == 655, one["sensor_residuals"]
+    assert not one["section_is_suspect"] and one["better_layout"] is None
+    three = answer("survey", written(folder / "three.csv", renamed({"D450_um": "D540_um", "D600_um": "D725_um", "D900_um": "D1080_um"}), rows), study, folder)
+    assert three["better_layout"] and three["better_layout"]["offsets_mm"] == list(OFFSETS), three["better_layout"]
+    assert three["better_layout"]["rms_percent"] < 0.5 < 5 < three["better_layout"]["rms_percent_of_file"]
+    assert three["suspect_sensor"] is None
+    assert any("0, 200, 300, 450, 600, 900, 1200, 1500, 1800 mm" in words for words in three["findings"])
+    thin = folder / "thin.toml"
+    thin.write_text(study.read_text().replace("thickness_mm = 300", "thickness_mm = 110"))
+    section = answer("survey", written(folder / "section.csv", names, rows), thin, folder)
+    assert section["suspect_sensor"] is None, section["sensor_residuals"]
+    sound = answer("survey", written(folder / "sound.csv", names, rows), study, folder)
+    assert sound["suspect_sensor"] is None and not sound["section_is_suspect"] and sound["better_layout"] is None
+
+
+def test_a_withheld_level_tells_of_load_only_what_the_fit_does_not_leave_over_anyway():
+    folder = workspace()
+    rows, names, study, _ = made(folder, 10, 0, 13)
+    wrong = folder / "wrong.toml"
+    text = study.read_text().replace("thickness_mm = 300", "thickness_mm = 110")
+    wrong.write_text(text.replace('name = "asphalt.modulus_MPa"', 'name = "asphalt.modulus_MPa"\nlevel = "shared"'))
+    levels = []
+    for row in rows:
+        for number, (pressure, softer) in enumerate(((350, 1.0), (500, 1.0), (700, 1.06))):
+            um = [float(v) * pressure / 700 * (softer if o < 700 else 1.0) for v, o in zip(row[5:], OFFSETS)]
+            levels.append([row[0], row[1], number + 1, row[3], pressure, *(f"{v:.4f}" for v in um)])
+    result = answer("road", written(folder / "levels.csv", names, levels), wrong, folder, "--withhold", "700kPa")
+    for sensor in result["withheld"]["sensors"]:
+        expected = 6.0 if sensor["offset_mm"] < 700 else 0.0
+        assert abs(sensor["load_percent"] - expected) < 0.02, sensor  # a linear section: nothing else changes with load
+    told = [words for words in result["findings"] if "withheld" in words][0]
+    assert "which is no effect of the load" in told and "900 mm +6" not in told, told
+    words = json.dumps(result)
+    assert " inf " not in words and "stated noise" not in words, re.findall(r"[^\"]*stated noise[^\"]*", words)
+
+
+def test_light_deflectometers_have_no_ratio_and_it_is_counted():
+    folder = workspace()
+    road = folder / "light.csv"
+    road.write_text("station,chainage_m,diameter_mm,load_kN,drop,D0_um\n" + "".join(f"{s},{10 * s},300,7.07,{d},{400 + 31 * s + d}\n" for s in (1, 2) for d in (4, 5, 6)))
+    done = run("survey", road, "--out", folder / "light", "--threads", "1")
+    assert done.returncode == 0, done.stderr
+    assert "2 stations: 0 pass, 0 fail, 2 without a ratio, 0 rejected" in done.stdout, done.stdout
+    assert "kips" not in done.stdout and "?" not in done.stdout.split("Remarks")[1].split("Along the road")[0], done.stdout
+
+
+def test_deflections_at_depth_are_read():
+    folder = workspace()
+    _, _, study, truths = made(folder, 1, 0, 2)
+    text = study.read_text()
+    for name in ("asphalt", "base", "subgrade"):
+        text = re.sub(rf'(name = "{name}"\n(?:.*\n)*?modulus_MPa = )\S+', lambda m: m[1] + str(truths[0][f"{name}.modulus_MPa"]), text, count=1)
+    for number, depth in enumerate((460, 480)):
+        text += f'\n[[outputs]]\nname = "w{number}"\nload = "fwd"\nquantity = "deflection"\nunit = "um"\ndepth_mm = {depth}\n'
+    deep = folder / "deep.toml"
+    deep.write_text(text.replace('unit = "um"\n', ""))
+    done = run("forward", deep, "--json", "--threads", "1")
+    assert done.returncode == 0, done.stderr
+    values = [r["value"] for r in json.loads(done.stdout)["responses"]]
+    # The strain half way between is what the displacements differ by: mm over 20 mm, in microstrain.
+    strain = 1e6 * (values[1] - values[2]) / 20
+    assert abs(strain / (700 * truths[0]["strain_per_kPa"]) - 1) < 0.002, (strain, truths)
