@@ -131,7 +131,7 @@ std::vector<double> Explorer::residuals(const problem::Evaluation& evaluation, c
     const auto problem = with(changes);
     std::vector<double> list(study_.measured().size(), not_a_number);
     if (evaluation.converged()) {
-        const Eigen::VectorXd single = problem->single_residuals(evaluation) / std::sqrt(variance());
+        const Eigen::VectorXd single = problem->single_residuals(evaluation) / std::sqrt(unit_variance());
         for (std::size_t i = 0; i < problem->readings(); ++i) {
             list[problem->response_of(i)] = single[static_cast<Eigen::Index>(i)];
         }
@@ -233,7 +233,7 @@ std::optional<PairGrid> Explorer::fitted_landscape(PairGrid grid, const std::vec
     starts.back() = best->minimum.unit;
     std::rotate(starts.begin(), starts.end() - 1, starts.end()); // the best first
     landscape::Acceptance acceptance;
-    acceptance.variance = variance();
+    acceptance.variance = unit_variance();
     const std::size_t d = study_.space.axes.size();
     const std::vector<landscape::Reach> everywhere(d); // evenly over the box
     landscape::PairProfileSettings settings;

@@ -55,12 +55,23 @@ public:
     const std::vector<Curve>& curves_of_minimum() const { return curves_; } // of the full model at the best
     double seconds_a_point() const { return seconds_a_point_; }             // of evaluate(), measured
 
-    // Variance of a residual: 1 where the noise is stated and not contradicted.
-    double variance() const { return minima_.front().acceptance ? minima_.front().acceptance->variance : 1.0; }
-    double chi2(const problem::Evaluation& evaluation) const {
-        return evaluation.misfit * evaluation.misfit / variance();
+    // Variance of a residual that chi2 is in units of: 1 where the noise is stated, contradicted or not; else what the
+    // best fit leaves over.
+    double unit_variance() const {
+        const auto& acceptance = minima_.front().acceptance;
+        return acceptance && !acceptance->noise_is_stated ? acceptance->variance : 1.0;
     }
-    // In standard deviations, of every reading in the order of the study; not a number: not fitted.
+    double chi2(const problem::Evaluation& evaluation) const {
+        return evaluation.misfit * evaluation.misfit / unit_variance();
+    }
+    // By how much chi2 may rise, in its own units: of noise that is contradicted as far as the noise is taken larger.
+    // Nothing: no noise is known.
+    std::optional<double> limit() const {
+        const auto& acceptance = minima_.front().acceptance;
+        return acceptance ? std::optional(acceptance->threshold * acceptance->variance / unit_variance())
+                          : std::nullopt;
+    }
+    // In the standard deviations that chi2 is of, of every reading in the order of the study; not a number: not fitted.
     std::vector<double> residuals(const problem::Evaluation& evaluation, const ChangedReadings& changes);
 
     problem::Evaluation evaluate(const std::vector<double>& values, const ChangedReadings& changes);

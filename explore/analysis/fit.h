@@ -7,6 +7,7 @@
 #include "analysis/groups.h"
 #include "analysis/load_steps.h"
 #include "analysis/mesh_error.h"
+#include "landscape/held_ranges.h"
 #include "landscape/prior_influence.h"
 
 namespace explore::analysis {
@@ -35,6 +36,7 @@ struct FitResult {
     search::Design design;
     landscape::MultistartResult searches; // the best minimum with the responses of every load; no minima: no answer
     landscape::LocalAnalysis local;       // at the best minimum
+    landscape::HeldRanges held{};         // its ranges where inequalities cut them
     std::optional<GroupFit> joint;
     std::vector<GroupFit> alone;
     std::optional<ReducedProblem> reduced;

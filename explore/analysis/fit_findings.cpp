@@ -1,6 +1,7 @@
 #include "analysis/fit.h"
 #include "analysis/knowledge_words.h"
 #include "analysis/layout.h"
+#include "analysis/repeated_rows.h"
 
 #include "base/error.h"
 #include "base/text.h"
@@ -8,6 +9,7 @@
 #include "landscape/readings_alone.h"
 
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
@@ -72,7 +74,12 @@ std::string noise_words(const landscape::LocalAnalysis& local, bool is_student, 
             : " The standard errors are those of a noise that much larger; diagnose looks for the cause.");
 }
 
-// What the data do not determine: too few readings, parameters on bounds, errors as wide as the range.
+// Whether there is a chi2 to speak of that the stated noise does not explain.
+bool contradicts_noise(const landscape::LocalAnalysis& local) {
+    return local.noise_is_stated && local.p_value < landscape::contradicted && local.degrees_of_freedom > 0;
+}
+
+// What the data do not determine: too few readings, errors as wide as the range.
 void unknown_parameters(const FitResult& result, std::vector<std::string>& text) {
     const Minimum& best = result.best();
     const problem::ParameterSpace& space = result.problem.space;
@@ -82,10 +89,9 @@ void unknown_parameters(const FitResult& result, std::vector<std::string>& text)
                                    counted(result.problem.readings(), "reading", "readings"),
                                    counted(count, "parameter", "parameters")));
     }
-    // A standard error that spans half of what the study allows says nothing about the parameter.
     std::vector<std::string> unseen;
     for (std::size_t k = 0; k < count; ++k) {
-        if (!landscape::is_at_bound(best.unit[k]) && result.local.standard_error[k] > 0.5) {
+        if (!landscape::is_at_bound(best.unit[k]) && !result.local.determines(k) && !result.held.of(k)) {
             unseen.push_back(space.axes[k].name);
         }
     }
@@ -95,15 +101,44 @@ void unknown_parameters(const FitResult& result, std::vector<std::string>& text)
                                    "may differ.",
                                    pave::join(unseen)));
     }
+}
+
+// Parameters on bounds: what they mean for the rest is said before any of it.
+void parameters_on_bounds(const FitResult& result, std::vector<std::string>& text) {
+    const Minimum& best = result.best();
     if (!best.on_bound.empty()) {
         text.push_back(
-            fmt::format("{}: the data call for a value beyond the bound, or are not sensitive to it.{}",
-                        pave::join(bound_words(space, best.on_bound)),
+            fmt::format("{}: the data call for a value beyond the bound, or are not sensitive to it.{}{}",
+                        pave::join(bound_words(result.problem.space, best.on_bound)),
                         result.local.degrees_of_freedom > 0
                             ? fmt::format(" The degrees of freedom count {} as known.",
                                           counted(best.on_bound.size(), "parameter", "parameters") + " on a bound")
+                            : "",
+                        contradicts_noise(result.local)
+                            ? " What does not fit below may do so with the range opened: try that first."
                             : ""));
     }
+}
+
+// 95 % ranges that inequalities cut: no standard error tells them.
+std::string held_words(const FitResult& result) {
+    if (!result.held.any()) {
+        return "";
+    }
+    std::vector<std::string> limits;
+    for (const std::size_t i : result.held.limits) {
+        limits.push_back(result.problem.limits[i]->text());
+    }
+    std::vector<std::string> ranges;
+    for (std::size_t k = 0; k < result.problem.space.axes.size(); ++k) {
+        if (const auto range = result.held.of(k)) {
+            const problem::Axis& axis = result.problem.space.axes[k];
+            ranges.push_back(fmt::format("{} {} to {}", axis.name, figure(axis.physical(range->low)),
+                                         figure(axis.physical(range->high))));
+        }
+    }
+    return fmt::format("Ranges of 95 % that end, on one side, at {}, to first order: {}.", pave::join(limits),
+                       pave::join(ranges));
 }
 
 // What Student's noise made of the readings.
@@ -128,8 +163,8 @@ std::string downweighted(const FitResult& result) {
 }
 
 // A reading whose residual noise does not explain: its studentised residual (Cook and Weisberg 1982), the largest of
-// all at a family-wise level of 5 %. By the stated noise, else by what the other readings leave over; then with too few
-// of them nothing can be said. "": none.
+// all at a family-wise level of 5 %. By the stated noise where it explains what the others leave over; where it does
+// not, or none is stated, by that, and then with too few of them nothing can be said. "": none.
 std::string accused_reading(const FitResult& result) {
     // Where priors or constraints hold the answer, of the fit of the readings by themselves.
     const landscape::JudgedFit fit = landscape::judged_fit(result.problem.in_units_of_noise(), result.best());
@@ -148,12 +183,14 @@ std::string accused_reading(const FitResult& result) {
                                           landscape::bounds_met(by_noise.space.unit(answer.parameters)));
     }
     const double dof = local.degrees_of_freedom - 1.0; // of what the other readings leave over
-    if (!local.noise_is_stated && dof < 1.0) {
+    if (!(local.noise_is_stated && !local.widened) && dof < 1.0) {
         return "";
     }
     Eigen::Index worst = -1;
     double largest = 0.0;
+    double least_p = 1.0;
     double worst_deviate = 0.0;
+    bool by_others = false;
     for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(by_noise.readings()); ++i) {
         double own = 1.0 - local.leverage[i];
         double pull = r[i];
@@ -166,30 +203,46 @@ std::string accused_reading(const FitResult& result) {
         if (own < nothing) {
             continue;
         }
+        const double rest = std::max(0.0, r.squaredNorm() - pull * pull / own);
+        const bool others_fit =
+            local.noise_is_stated && (!local.widened || gsl_cdf_chisq_Q(rest, dof) >= landscape::contradicted);
         double deviate = std::min(std::abs(pull) / std::sqrt(own), r.norm()); // no more than all that is left over
-        if (!local.noise_is_stated) {
-            const double rest = r.squaredNorm() - r[i] * r[i] / own;
+        if (!others_fit) {
             constexpr double rounding = 1e-9;
-            deviate = rest > 0.0 && std::abs(r[i]) > rounding ? std::abs(r[i]) / std::sqrt(own * rest / dof) : 0.0;
+            deviate = rest > 0.0 && std::abs(pull) > rounding ? std::abs(pull) / std::sqrt(own * rest / dof) : 0.0;
         }
-        if (deviate > worst_deviate) {
+        const double chance = 2.0 * (others_fit ? gsl_cdf_ugaussian_Q(deviate) : gsl_cdf_tdist_Q(deviate, dof));
+        if (chance < least_p || (chance == least_p && deviate > worst_deviate)) { // both may be too small a number
+            least_p = chance;
             worst_deviate = deviate;
             worst = i;
             largest = pull;
+            by_others = !others_fit;
         }
     }
-    const double p =
-        n * 2.0 * (local.noise_is_stated ? gsl_cdf_ugaussian_Q(worst_deviate) : gsl_cdf_tdist_Q(worst_deviate, dof));
+    const double p = n * least_p;
     if (worst < 0 || p > 0.05) {
         return "";
     }
     const data::Reading& reading = result.study.readings[result.problem.response_of(static_cast<std::size_t>(worst))];
     const double model = answer.responses[result.problem.response_of(static_cast<std::size_t>(worst))];
-    return fmt::format("One reading stands out ({:.0f} % of the sum of squares; p {} among {}): {}, measured {:g}, "
-                       "model {}. Either it or the model is wrong there.",
+    return fmt::format("One reading stands out{} ({:.0f} % of the sum of squares; p {} among {}): {}, measured {:g}, "
+                       "model {}. Either it or {} is wrong there.",
+                       local.noise_is_stated && by_others ? " against the others" : "",
                        100.0 * largest * largest / r.squaredNorm(), p < 1e-15 ? "< 1e-15" : fmt::format("= {:.2g}", p),
                        counted(by_noise.readings(), "reading", "readings"), reading.label_with_unit(), reading.value,
-                       figure(reading.in_unit(model)));
+                       figure(reading.in_unit(model)),
+                       result.best().on_bound.empty() ? "the model" : "the model, its bounds included,");
+}
+
+// How the search of the best minimum ended: the second method's, where that went on.
+std::string why_not_converged(const FitResult& result) {
+    const Minimum& best = result.best();
+    if (best.second && !best.second->agrees) {
+        return std::string(best.second->method) + ": " + best.second->ended;
+    }
+    const auto& ends = result.searches.ends;
+    return best.members.empty() ? "" : ends[static_cast<std::size_t>(best.members[0])].search.ended;
 }
 
 } // namespace
@@ -204,11 +257,27 @@ std::vector<std::string> findings(const FitResult& result) {
     const std::size_t starts = result.searches.ends.size();
     const auto close = rivals(minima, local);
     // What matters most comes first: what is not known, then where the searches ended.
-    if (local.noise_is_stated && local.p_value < landscape::contradicted && local.degrees_of_freedom > 0) {
+    if (!best.converged) {
+        text.push_back(fmt::format("The search that came lowest had not converged ({}): the misfit may fall further. "
+                                   "Neither the model nor a reading is judged by it, and its standard errors are of a "
+                                   "point that is none of the data's.",
+                                   why_not_converged(result)));
+    }
+    if (best.converged && contradicts_noise(local) && best.on_bound.empty()) {
+        text.push_back(noise_words(local, problem.noise_is_student(), best.alone.has_value()));
+    }
+    parameters_on_bounds(result, text);
+    if (best.converged && contradicts_noise(local) && !best.on_bound.empty()) {
         text.push_back(noise_words(local, problem.noise_is_student(), best.alone.has_value()));
     }
     unknown_parameters(result, text);
     if (std::string words = constraint_words(problem, best); !words.empty()) {
+        text.push_back(std::move(words));
+    }
+    if (std::string words = held_words(result); !words.empty()) {
+        text.push_back(std::move(words));
+    }
+    if (std::string words = repeated_rows_words(study); !words.empty()) {
         text.push_back(std::move(words));
     }
     if (result.priors) {
@@ -216,11 +285,21 @@ std::vector<std::string> findings(const FitResult& result) {
         text.insert(text.end(), sentences.begin(), sentences.end());
     }
     const std::string unfinished = best.converged ? "" : ", whose search had not converged when it was ended";
+    const auto early = static_cast<std::size_t>(
+        std::count_if(result.searches.ends.begin(), result.searches.ends.end(), [&](const run::Endpoint& end) {
+            return !end.search.unit.empty() && std::none_of(minima.begin(), minima.end(), [&](const Minimum& m) {
+                return std::find(m.members.begin(), m.members.end(), end.start) != m.members.end();
+            });
+        }));
     if (starts == 1) {
         text.push_back(fmt::format("One search from one start{}: it says nothing about other minima.", unfinished));
     } else {
         text.push_back(
             fmt::format("{} of {} starts ended in the best minimum{}.", best.members.size(), starts, unfinished));
+    }
+    if (early > 0) {
+        text.push_back(fmt::format("{} ended early, or beyond a constraint, and {} no minimum.",
+                                   counted(early, "search", "searches"), early == 1 ? "is" : "are"));
     }
     if (close.size() > 1) {
         text.push_back(fmt::format("{} minima fit these data equally well within their noise: the data do not single "
@@ -230,7 +309,7 @@ std::vector<std::string> findings(const FitResult& result) {
         text.push_back(fmt::format("The next minimum has a misfit {:.2g} times as large: a search from a single start "
                                    "could have ended there.",
                                    minima[1].evaluation.misfit / best.evaluation.misfit));
-    } else if (starts > 1) {
+    } else if (starts > 1 && early == 0) {
         text.push_back("No start ended anywhere else. That does not prove that there is no other minimum.");
     }
     if (std::string words = landscape::confirmation_words(minima); !words.empty()) {
@@ -268,10 +347,10 @@ std::vector<std::string> findings(const FitResult& result) {
     }
     if (problem.noise_is_student()) {
         text.push_back(downweighted(result));
-    } else if (const std::string accused = accused_reading(result); !accused.empty()) {
+    } else if (const std::string accused = best.converged ? accused_reading(result) : ""; !accused.empty()) {
         text.push_back(accused);
     }
-    if (local.noise_is_stated && local.p_value >= landscape::contradicted && local.degrees_of_freedom > 0) {
+    if (best.converged && local.noise_is_stated && !contradicts_noise(local) && local.degrees_of_freedom > 0) {
         text.push_back(noise_words(local, problem.noise_is_student(), best.alone.has_value()));
     }
     if (const std::string weights = weights_words(study); !weights.empty()) {

@@ -3,7 +3,7 @@
 #include "analysis/candidate_readings.h"
 #include "analysis/load_steps.h"
 #include "base/error.h"
-#include "landscape/goodness.h"
+#include "landscape/readings_alone.h"
 #include "landscape/smooth.h"
 #include "study/problems.h"
 #include "study/reduced_function.h"
@@ -232,6 +232,52 @@ std::vector<TellingReading> telling_of_parameters(const SampleResult& result) {
     return telling_readings(result.study, unit, covariance);
 }
 
+// Judges the model by the readings alone where priors or constraints hold the answer: a search from the best draw, and
+// one without them. False: interrupted.
+bool judge_readings_alone(Session& session, const study::Study& study, const std::string& settings,
+                          const std::vector<double>& best, SampleResult& result) {
+    auto engine = session.engine(result.problem, session.begin(study, "sample-best", settings));
+    auto ends = engine.search({best}, *optimise::find_method("gauss-newton"), {});
+    if (!ends) {
+        return false;
+    }
+    auto minima = landscape::distinct_minima(*ends, result.problem);
+    const bool is_found = !minima.empty();
+    if (is_found && !landscape::find_alone(engine, result.problem, minima[0], 1)) {
+        return false;
+    }
+    result.computed += engine.tally().computed;
+    result.kept += engine.tally().kept;
+    session.begin(study, "sample", settings); // the sample is the run used last
+    if (!is_found) {
+        return true;
+    }
+    result.held = std::move(minima[0]);
+    const landscape::JudgedFit fit = landscape::judged_fit(result.problem, *result.held);
+    result.chi2 = fit.sum;
+    result.degrees_of_freedom = fit.degrees_of_freedom;
+    result.p_value = landscape::goodness_of(fit.problem, *fit.at, fit.sum, fit.degrees_of_freedom).p_value;
+    if (const auto acceptance = landscape::acceptance_of(result.problem, *result.held)) {
+        result.priors = landscape::prior_influence(result.problem, *acceptance, *result.held);
+    }
+    return true;
+}
+
+// Of a model whose constraints forbid a part of the box the prior is what they leave.
+void relative_to_allowed(std::uint64_t seed, SampleResult& result) {
+    if (result.problem.limits.empty()) {
+        return;
+    }
+    result.allowed = landscape::allowed_share(result.problem, seed);
+    if (!result.allowed) {
+        result.allowed = result.posterior.allowed;
+    }
+    if (result.allowed) {
+        result.log_evidence -= result.allowed->log;
+        result.log_evidence_error = std::hypot(result.log_evidence_error, result.allowed->error);
+    }
+}
+
 } // namespace
 
 std::string SampleResult::reason() const {
@@ -338,11 +384,17 @@ std::optional<SampleResult> sample(Session& session, const study::Study& given, 
         });
         result.chi2 = best->chi2;
         result.degrees_of_freedom = full.degrees_of_freedom(full.space.axes.size());
-        if (const auto there = result.problem.evaluate(best->unit, true, *result.problem.function->make_workspace());
-            there.converged()) {
+        if (!result.problem.priors().empty() || !result.problem.limits.empty()) {
+            if (!judge_readings_alone(session, study, settings, best->unit, result)) {
+                return std::nullopt;
+            }
+        } else if (const auto there =
+                       result.problem.evaluate(best->unit, true, *result.problem.function->make_workspace());
+                   there.converged()) {
             result.p_value =
                 landscape::goodness_of(result.problem, there, result.chi2, result.degrees_of_freedom).p_value;
         }
+        relative_to_allowed(session.options().seed, result);
         judge(result);
         if (result.converged() && !options.model.alone()) {
             result.telling = telling_of_parameters(result);

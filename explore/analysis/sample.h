@@ -4,6 +4,7 @@
 #include "analysis/candidate_readings.h"
 #include "analysis/session.h"
 #include "landscape/posterior.h"
+#include "landscape/prior_influence.h"
 
 namespace explore::analysis {
 
@@ -46,13 +47,17 @@ struct SampleResult {
     problem::Problem problem;       // that the posterior is of
     landscape::Posterior posterior; // as it was sampled, by the reduced model where that is used
     std::vector<SampledDraw> draws{};
-    landscape::Descent descent{};                  // of the draws
-    std::vector<landscape::Marginal> parameters{}; // physical
-    std::vector<landscape::Marginal> outputs{};    // SI; empty: none computed
-    double log_evidence = 0.0, log_evidence_error = 0.0;
-    double chi2 = 0.0; // the lowest of a draw
+    landscape::Descent descent{};                        // of the draws
+    std::vector<landscape::Marginal> parameters{};       // physical
+    std::vector<landscape::Marginal> outputs{};          // SI; empty: none computed
+    double log_evidence = 0.0, log_evidence_error = 0.0; // relative to what the constraints leave of the prior
+    std::optional<landscape::AllowedShare> allowed{};    // that; nothing: no constraint, or it could not be estimated
+    // The lowest of a draw; where priors or constraints hold the answer that of the readings by themselves.
+    double chi2 = 0.0;
     int degrees_of_freedom = 0;
-    double p_value = 1.0; // of that chi2; 1 without degrees of freedom
+    double p_value = 1.0;                              // of that chi2; 1 without degrees of freedom
+    std::optional<landscape::Minimum> held{};          // the best point, where priors or constraints hold it
+    std::optional<landscape::PriorInfluence> priors{}; // there
     std::optional<SampleCorrection> correction{};
     std::vector<TellingReading> telling{}; // most bits first; none: not converged, or no answer at the mean
     SampleStatus status = SampleStatus::failed;

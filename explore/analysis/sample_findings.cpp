@@ -1,3 +1,4 @@
+#include "analysis/knowledge_words.h"
 #include "analysis/sample.h"
 
 #include "base/error.h"
@@ -197,11 +198,34 @@ std::vector<std::string> findings(const SampleResult& result) {
         return text;
     }
     if (result.p_value < 0.01) {
-        text.push_back(fmt::format("The data contradict the model: chi2 is {} at the best draw, {} degrees of freedom "
+        text.push_back(fmt::format("The data contradict the model: chi2 is {} {}, {} degrees of freedom "
                                    "(p = {:.2g}). A posterior "
                                    "takes model and stated noise for true, so its ranges are too narrow; diagnose says "
                                    "what the model may lack.",
-                                   figure(result.chi2), result.degrees_of_freedom, result.p_value));
+                                   figure(result.chi2),
+                                   result.held && result.held->alone ? "by the readings alone, without what is known "
+                                                                       "besides"
+                                                                     : "at the best draw",
+                                   result.degrees_of_freedom, result.p_value));
+    }
+    if (result.priors) {
+        for (std::string& words : prior_findings(result.problem, *result.priors)) {
+            text.push_back(std::move(words));
+        }
+    }
+    if (result.held) {
+        if (std::string words = constraint_words(result.problem, *result.held); !words.empty()) {
+            text.push_back(std::move(words));
+        }
+    }
+    if (!result.problem.limits.empty()) {
+        text.push_back(
+            result.allowed
+                ? fmt::format("The constraints leave {:.3g} % of the prior; the evidence is relative to that.",
+                              100.0 * std::exp(result.allowed->log))
+                : "What the constraints leave of the prior is too little to be estimated from draws of it: the "
+                  "evidence "
+                  "counts all that they forbid as prior, and cannot be compared with that of another model.");
     }
     text.push_back(answer_words(result));
     say_modes(result, text);

@@ -3,7 +3,9 @@
 #include "analysis/feasible.h"
 
 #include "analysis/build.h"
+#include "base/text.h"
 #include "run/files.h"
+#include "run/message.h"
 #include "run/parallel.h"
 #include "run/progress.h"
 #include "search/design.h"
@@ -130,6 +132,11 @@ std::optional<ReducedProblem> Session::reduced(const problem::Problem& fitted, c
 void Session::keep(const std::string& name, const std::string& json) {
     if (store_) {
         store_->put_result(newest_, json);
+        if (const std::size_t count = store_->over_time(); count > 0) {
+            run::message("{} took longer than [solver] time_limit_s allows and {} not kept: the same command tries {} "
+                         "again\n",
+                         pave::counted(count, "run", "runs"), count == 1 ? "is" : "are", count == 1 ? "it" : "them");
+        }
     }
     if (!options_.folder.empty()) {
         run::write_file(options_.folder, name + ".json", json + "\n");

@@ -7,13 +7,13 @@
 #include "data/csv.h"
 #include "data/fwd_values.h"
 #include "landscape/batch.h"
+#include "landscape/held_ranges.h"
 #include "run/progress.h"
 
 #include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <fmt/format.h>
-#include <gsl/gsl_cdf.h>
 #include <mutex>
 
 namespace explore::analysis {
@@ -26,15 +26,15 @@ constexpr double enough = 1e-2;
 StationFit fit_of(const StationTask& task, const landscape::Minimum& best) {
     StationFit fit = fit_at(task, best);
     fit.local = landscape::analyse(best, task.problem);
-    // Noise that was stated and is not contradicted is known; otherwise it is estimated from what the fit leaves over.
     const landscape::LocalAnalysis& local = fit.local;
-    const bool noise_is_known = local.noise_is_stated && !local.widened;
-    fit.quantile = noise_is_known || local.degrees_of_freedom < 1
-                       ? 1.96
-                       : gsl_cdf_tdist_Pinv(0.975, static_cast<double>(local.degrees_of_freedom));
+    fit.quantile = local.quantile();
+    const landscape::HeldRanges held = landscape::held_ranges(task.problem, best, local);
+    fit.held_by = held.limits;
     const auto& axes = task.problem.space.axes;
     for (std::size_t k = 0; k < axes.size(); ++k) {
-        fit.parameters.push_back(range_about(axes[k], best.unit[k], fit.quantile * local.standard_error[k]));
+        fit.parameters.push_back(held.of(k)
+                                     ? range_between(axes[k], held.of(k)->low, held.of(k)->high)
+                                     : range_about(axes[k], best.unit[k], fit.quantile * local.standard_error[k]));
         fit.parameters[k].value = best.evaluation.parameters[k];
     }
     return fit;
@@ -91,7 +91,7 @@ private:
             (searches_[i].by_network() ? near : far).push_back(i);
         }
         auto from_near = settings_.search;
-        from_near.damping = 1e-7;
+        from_near.first_step = optimise::whole_cube;
         if (result_.study->data.misfit == problem::MisfitKind::weighted) {
             from_near.enough = enough;
         } else if (!near.empty()) { // the noise is what a fit leaves over

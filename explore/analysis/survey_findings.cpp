@@ -99,6 +99,9 @@ void add_fit(const SurveyResult& result, const StationResult& s, std::vector<std
     if (!fit.best.converged) {
         words.emplace_back("search not converged");
     }
+    for (const std::size_t i : fit.held_by) {
+        words.push_back("ranges end, on one side, at the constraint " + result.study->constraints[i].text);
+    }
     if (s.state == StationState::ok && fit.rms_percent > poor_percent) {
         words.push_back(
             fmt::format("RMS {:.1f} %: the model misses this bowl by more than sensors err", fit.rms_percent));

@@ -1,5 +1,6 @@
 #include "analysis/survey_outputs.h"
 
+#include "landscape/held_ranges.h"
 #include "landscape/prediction_error.h"
 #include "run/parallel.h"
 #include "study/problems.h"
@@ -32,10 +33,17 @@ void set_outputs(const Prediction& prediction, const problem::Evaluation& there)
         const double value = there.responses[o];
         const double half =
             fit.quantile * landscape::prediction_error(gradient, fit.best, prediction.task->problem, fit.local);
-        const bool is_known = std::isfinite(half);
+        const auto held = fit.held_by.empty()
+                              ? std::nullopt
+                              : landscape::held_range(prediction.task->problem, fit.best, fit.local, gradient);
+        const bool is_known = held || std::isfinite(half);
         fit.outputs.push_back({.value = value,
-                               .low = is_known ? value - half : value,
-                               .high = is_known ? value + half : value,
+                               .low = held       ? value + held->low
+                                      : is_known ? value - half
+                                                 : value,
+                               .high = held       ? value + held->high
+                                       : is_known ? value + half
+                                                  : value,
                                .determined = is_known});
     }
 }

@@ -332,11 +332,14 @@ void judge_fit(StationResult& s) {
 }
 
 ParameterRange range_about(const problem::Axis& axis, double unit, double half) {
+    ParameterRange range = range_between(axis, std::max(0.0, unit - half), std::min(1.0, unit + half));
+    range.value = axis.physical(unit);
+    return range;
+}
+
+ParameterRange range_between(const problem::Axis& axis, double low, double high) {
     constexpr double half_box = 0.5;
-    const double low = std::max(0.0, unit - half);
-    const double high = std::min(1.0, unit + half);
-    return {.value = axis.physical(unit),
-            .low = axis.physical(low),
+    return {.low = axis.physical(low),
             .high = axis.physical(high),
             .determined = low > 0.0 && high < 1.0 && high - low < half_box};
 }

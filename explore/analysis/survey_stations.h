@@ -43,6 +43,8 @@ void judge_fit(StationResult& s);
 
 // The 95 % range of a parameter about a point in unit coordinates. half: its half width, in the same.
 ParameterRange range_about(const problem::Axis& axis, double unit, double half);
+// The same of its ends; the value is left to the caller.
+ParameterRange range_between(const problem::Axis& axis, double low, double high);
 
 class Networks;
 

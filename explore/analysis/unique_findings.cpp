@@ -255,12 +255,12 @@ std::vector<std::string> findings(const UniqueResult& result) {
     if (acceptance.widened) {
         say(fmt::format(
             "The model does not fit these data within their stated noise ({} = {} with {}, p = {:.2g}). The "
-            "ranges are widened as if the noise were as large as the residuals; with a wrong model they can still "
-            "mislead.",
+            "ranges are widened as if the noise were as large as the residuals, and rises of chi2 are counted in that "
+            "noise: 1 of them is {} of the chi2 above. With a wrong model they can still mislead.",
             result.problem.noise_is_student() ? "-2 ln likelihood" : "chi2", figure(acceptance.chi2),
             counted(static_cast<std::size_t>(std::max(0, acceptance.degrees_of_freedom)), "degree of freedom",
                     "degrees of freedom"),
-            acceptance.p_value));
+            acceptance.p_value, figure(acceptance.variance)));
     } else if (!acceptance.noise_is_stated) {
         say(fmt::format(
             "The data state no noise. It is estimated from the residuals of the fit, with only {}: chi2 may rise by "

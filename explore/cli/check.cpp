@@ -1,6 +1,7 @@
 // pavescape check: reads a study to the end, says what would run and how long it would take.
 #include "analysis/check.h"
 #include "analysis/layout.h"
+#include "analysis/repeated_rows.h"
 #include "analysis/run_cost.h"
 #include "base/text.h"
 #include "cli/commands.h"
@@ -80,6 +81,7 @@ int check_study(const Options& chosen) {
                                       {"parameters", study.parameters.size()},
                                       {"outputs", study.outputs().size()},
                                       {"doubtful", analysis::doubtful_readings(study)},
+                                      {"repeated", analysis::repeated_rows_words(study)},
                                       {"noise_keys", analysis::noise_key_words(study)},
                                       {"threads", threads},
                                       {"timed", chosen.time},
@@ -89,6 +91,9 @@ int check_study(const Options& chosen) {
     }
     print_study(study);
     for (const std::string& words : analysis::doubtful_readings(study)) {
+        fmt::print("  {}\n", words);
+    }
+    if (const std::string words = analysis::repeated_rows_words(study); !words.empty()) {
         fmt::print("  {}\n", words);
     }
     if (const std::string words = analysis::noise_key_words(study); !words.empty()) {

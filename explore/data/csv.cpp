@@ -197,4 +197,11 @@ std::string read_file(const std::string& file, std::string_view what, Encoding e
     return text;
 }
 
+bool is_same_file(const std::string& a, const std::string& b) {
+    const std::filesystem::path one(a);
+    const std::filesystem::path other(b);
+    std::error_code error;
+    return one.lexically_normal() == other.lexically_normal() || std::filesystem::equivalent(one, other, error);
+}
+
 } // namespace explore::data

@@ -46,6 +46,9 @@ enum class Encoding {
 };
 std::string read_file(const std::string& file, std::string_view what, Encoding encoding = Encoding::utf8);
 
+// By whatever name or link; of texts that no file holds, by their names.
+bool is_same_file(const std::string& a, const std::string& b);
+
 // A file that something was made from, as it was then.
 struct InputFile {
     std::string path;  // as it was opened

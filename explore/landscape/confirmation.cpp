@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "run/least_squares.h"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -19,6 +20,23 @@ constexpr int most_evaluations = 16;
 constexpr double same_place = 1e-3;    // of the box
 constexpr double matters = 0.01;       // of the variance of one residual
 constexpr double without_noise = 1e-3; // of the sum of squares
+
+// Coordinates in which a unit changes the residuals by about their noise, and crosses no more than a part of the box:
+// the second method, which has no matrix of its own to begin with, sees a round bowl where readings of very unequal
+// weight make a ravine, and ends by what matters.
+Eigen::MatrixXd metric_of(const problem::Problem& problem, const Minimum& minimum, double noise) {
+    const Eigen::MatrixXd j = problem.residual_jacobian(minimum.evaluation);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeFullV);
+    const auto rows = static_cast<double>(std::max<Eigen::Index>(1, j.rows()));
+    const double level = noise > 0.0 ? noise : minimum.evaluation.misfit / std::sqrt(rows);
+    constexpr double longest = 0.1; // of the box
+    constexpr double shortest = 1e-9;
+    Eigen::VectorXd lengths = Eigen::VectorXd::Constant(j.cols(), longest);
+    for (Eigen::Index i = 0; i < svd.singularValues().size(); ++i) {
+        lengths[i] = std::clamp(level / std::max(svd.singularValues()[i], 1e-300), shortest, longest);
+    }
+    return svd.matrixV() * lengths.asDiagonal();
+}
 
 void seek(run::Chain& chain, const problem::Problem& problem, const optimise::Method& method, double noise,
           int evaluations, Minimum& minimum) {
@@ -50,6 +68,7 @@ void seek(run::Chain& chain, const problem::Problem& problem, const optimise::Me
     };
     optimise::SearchSettings settings;
     settings.max_evaluations = evaluations;
+    settings.metric = metric_of(problem, minimum, noise);
     const optimise::SearchResult search = optimise::local_search(method, minimum.unit, objective, settings);
     if (failure) {
         std::rethrow_exception(failure);
@@ -63,6 +82,7 @@ void seek(run::Chain& chain, const problem::Problem& problem, const optimise::Me
     const double level = noise > 0.0 ? matters * noise * noise : without_noise * before * before;
     Confirmation second{.method = method.name,
                         .agrees = moved <= same_place || gain <= level,
+                        .has_ended = search.converged,
                         .misfit_before = before,
                         .evaluations = search.evaluations - 1,
                         .ended = search.ended};
@@ -70,6 +90,7 @@ void seek(run::Chain& chain, const problem::Problem& problem, const optimise::Me
         minimum.unit = std::move(lowest_unit);
         minimum.evaluation = std::move(lowest);
         minimum.on_bound = bounds_met(minimum.unit);
+        minimum.converged = search.converged;
         for (std::size_t k = 0; k < minimum.unit.size(); ++k) {
             minimum.lowest[k] = std::min(minimum.lowest[k], minimum.evaluation.parameters[k]);
             minimum.highest[k] = std::max(minimum.highest[k], minimum.evaluation.parameters[k]);
@@ -126,6 +147,12 @@ std::string confirmation_words(const std::vector<Minimum>& minima) {
                            : asked.size() == minima.size()
                                ? fmt::format("each of the {} minima", minima.size())
                                : fmt::format("each of the {} lowest of {} minima", asked.size(), minima.size());
+    const auto open = std::find_if(asked.begin(), asked.end(), [](const Minimum* m) { return !m->second->has_ended; });
+    if (moved.empty() && open != asked.end()) {
+        return fmt::format("A second method confirms nothing here: started at {}, {} found nothing lower, but had not "
+                           "ended by a criterion of its own ({}).",
+                           of, method, (*open)->second->ended);
+    }
     if (moved.empty()) {
         return fmt::format("Two methods agree: started at {}, {} found nothing lower.", of, method);
     }

@@ -2,8 +2,10 @@
 
 #include "landscape/readings_alone.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <gsl/gsl_cdf.h>
 
 namespace explore::landscape {
 namespace {
@@ -19,8 +21,17 @@ Eigen::VectorXd difference(const std::vector<double>& a, const std::vector<doubl
 }
 
 double noise_of_misfit(const run::Endpoint& lower, const problem::Problem& by_noise) {
+    if (by_noise.noise_is_stated()) {
+        return 1.0;
+    }
     const int free = std::max(1, by_noise.degrees_of_freedom(by_noise.space.axes.size()));
-    return by_noise.noise_is_stated() ? 1.0 : by_noise.misfit(lower.evaluation) / std::sqrt(static_cast<double>(free));
+    constexpr double rounding = 1e-5; // of a reading
+    double squares = 0.0;
+    for (std::size_t i = 0; i < by_noise.readings(); ++i) {
+        squares += by_noise.change_by_gain(i, lower.evaluation).squaredNorm();
+    }
+    return std::max(by_noise.misfit(lower.evaluation) / std::sqrt(static_cast<double>(free)),
+                    rounding * std::sqrt(squares));
 }
 
 } // namespace
@@ -59,10 +70,30 @@ Eigen::MatrixXd off_bounds(Eigen::MatrixXd derivatives, const std::vector<BoundM
     return derivatives;
 }
 
+std::vector<char> seen(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& directions) {
+    constexpr double accuracy = 1e-8; // of a sensor's derivatives
+    std::vector<char> is_seen(static_cast<std::size_t>(directions.cols()), 0);
+    const Eigen::MatrixXd along = (rows * directions).cwiseAbs();
+    Eigen::VectorXd sizes = rows.rowwise().norm();
+    constexpr double rounding = 1e-15; // of the decomposition that the directions are of
+    sizes = sizes.cwiseMax(rounding / accuracy * sizes.maxCoeff());
+    for (Eigen::Index k = 0; k < along.cols(); ++k) {
+        is_seen[static_cast<std::size_t>(k)] = (along.col(k).array() > accuracy * sizes.array()).any() ? 1 : 0;
+    }
+    return is_seen;
+}
+
 Eigen::MatrixXd followed_by(const Eigen::MatrixXd& jacobian, const std::vector<BoundMet>& bounds) {
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(off_bounds(jacobian, bounds), Eigen::ComputeThinU);
-    const auto seen = (svd.singularValues().array() > 1e-8 * svd.singularValues()[0]).count();
-    return svd.matrixU().leftCols(seen);
+    const Eigen::MatrixXd open = off_bounds(jacobian, bounds);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(open, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const std::vector<char> is_seen = seen(open, svd.matrixV());
+    std::vector<Eigen::Index> followed;
+    for (std::size_t k = 0; k < is_seen.size(); ++k) {
+        if (is_seen[k] != 0) {
+            followed.push_back(static_cast<Eigen::Index>(k));
+        }
+    }
+    return svd.matrixU()(Eigen::all, followed);
 }
 
 std::string bound_words(const problem::ParameterSpace& space, const BoundMet& bound) {
@@ -96,6 +127,9 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, con
                                [&](const run::Endpoint* other) { return are_one_minimum(*other, *end, by_noise); });
         });
         auto home = minima.begin() + (here - of.begin());
+        if (here == of.end() && !end->search.converged && !minima.empty()) {
+            continue; // ended early, and nowhere that is known
+        }
         if (here == of.end()) {
             of.emplace_back();
         }
@@ -150,9 +184,22 @@ Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem
 
 } // namespace
 
+double LocalAnalysis::quantile() const {
+    constexpr double level = 0.975;
+    const bool noise_is_known = noise_is_stated && !widened;
+    return noise_is_known || degrees_of_freedom < 1
+               ? gsl_cdf_ugaussian_Pinv(level)
+               : gsl_cdf_tdist_Pinv(level, static_cast<double>(degrees_of_freedom));
+}
+
 LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     LocalAnalysis a;
-    const Eigen::MatrixXd j = problem.information_jacobian(minimum.evaluation);
+    Eigen::MatrixXd j = problem.information_jacobian(minimum.evaluation);
+    Eigen::VectorXd residuals = problem.residuals(minimum.evaluation);
+    for (const Eigen::Index row : problem.limit_rows()) { // no reading: an inequality says nothing within it
+        j.row(row).setZero();
+        residuals[row] = 0.0;
+    }
     const auto n = static_cast<Eigen::Index>(minimum.unit.size());
     const double infinity = std::numeric_limits<double>::infinity();
     a.standard_error.assign(minimum.unit.size(), infinity);
@@ -162,13 +209,13 @@ LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinU | Eigen::ComputeFullV);
     Eigen::VectorXd s = Eigen::VectorXd::Zero(n);
     s.head(svd.singularValues().size()) = svd.singularValues();
+    const std::vector<char> direction_is_seen = seen(j, svd.matrixV());
     for (Eigen::Index i = 0; i < n; ++i) {
         Eigen::VectorXd row = Eigen::VectorXd::Zero(j.rows()); // of the inverse of the jacobian
         bool is_seen = true;
         for (Eigen::Index k = 0; k < n; ++k) {
             const double v = svd.matrixV()(i, k);
-            // Below this a direction is not seen at all (sensors of the derivative's own accuracy).
-            if (s[k] > 1e-8 * s[0]) {
+            if (k < svd.singularValues().size() && direction_is_seen[static_cast<std::size_t>(k)] != 0) {
                 row += v / s[k] * svd.matrixU().col(k);
             } else if (std::abs(v) > 1e-6) {
                 is_seen = false;
@@ -177,6 +224,13 @@ LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
         a.standard_error[static_cast<std::size_t>(i)] =
             is_seen && a.noise > 0.0 ? row.cwiseProduct(noise).norm() : infinity;
         a.weakest[static_cast<std::size_t>(i)] = svd.matrixV()(i, n - 1);
+    }
+    if (a.noise > 0.0) {
+        const Eigen::MatrixXd& u = svd.matrixU();
+        const Eigen::LLT<Eigen::MatrixXd> spread(u.transpose() * noise.cwiseAbs2().asDiagonal() * u);
+        a.root = spread.matrixL().solve(Eigen::MatrixXd(
+            svd.singularValues().asDiagonal() * svd.matrixV().leftCols(svd.singularValues().size()).transpose()));
+        a.rest = spread.matrixL().solve(u.transpose() * residuals);
     }
     // A reading that the parameters follow has nothing left to be judged by.
     a.leverage = followed_by(j, bounds_met(minimum.unit)).rowwise().squaredNorm();

@@ -17,6 +17,9 @@ std::vector<BoundMet> bounds_met(const std::vector<double>& unit);
 bool is_at_bound(double unit);
 // Derivatives by unit coordinates, a column each, with 0 for parameters on a bound, which give way no further.
 Eigen::MatrixXd off_bounds(Eigen::MatrixXd derivatives, const std::vector<BoundMet>& bounds);
+// Which directions (columns) the rows see: those along which some row changes by more than the accuracy of its own
+// derivatives, however large other rows are.
+std::vector<char> seen(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& directions);
 // Orthonormal columns: what of the residuals parameters off their bounds follow.
 Eigen::MatrixXd followed_by(const Eigen::MatrixXd& jacobian, const std::vector<BoundMet>& bounds);
 // "base.n at its upper bound"
@@ -27,6 +30,7 @@ std::vector<std::string> bound_words(const problem::ParameterSpace& space, const
 struct Confirmation {
     std::string_view method;
     bool agrees = false;        // it found nothing lower that the noise tells apart, or hardly moved
+    bool has_ended = false;     // by a criterion of its own: only then does it confirm anything
     double misfit_before = 0.0; // where the first method ended
     int evaluations = 0;
     std::string ended; // in words
@@ -48,13 +52,15 @@ struct Minimum {
 // Whether two ends are one minimum by themselves: they lie within 1 % of the box of each other, or the misfit tells
 // them apart by less than its own noise: they fit alike (the misfit differs by less than a tenth of one noise level,
 // the residuals by less than one), and so do the linearised residuals between them. The noise is the stated one;
-// without, s with s2 = f^2 / (data - parameters) of the lower of the two. by_noise: residuals in units of it, where it
+// without, s with s2 = f^2 / (data - parameters) of the lower of the two, but no less than a change of every reading by
+// 1e-5 of it: below that no misfit tells anything. by_noise: residuals in units of it, where it
 // is stated; lower: the end with the lower misfit.
 bool fit_alike(const run::Endpoint& lower, const run::Endpoint& other, const problem::Problem& by_noise);
 bool are_one_minimum(const run::Endpoint& lower, const run::Endpoint& other, const problem::Problem& by_noise);
 
 // Ends that are one minimum with the next, one after the other, are one: a flat valley is one minimum whose members
-// spread. Sorted by misfit. Ends that break a constraint are none.
+// spread. Sorted by misfit. Ends that break a constraint are none. An end whose search was ended early is no minimum:
+// it belongs to one that it is one with; the lowest of all is listed whether it converged or not.
 std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem);
 
 // Stated noise whose chi2 is less probable than this does not explain the misfit: it is then taken larger.
@@ -74,8 +80,16 @@ struct LocalAnalysis {
     bool widened = false;
     // Of each parameter in unit coordinates; infinity: not determined. J^+ W J^+^T for the inverse J^+ of the jacobian
     // and the variances W of the residuals (the least squares estimator's, whatever its weights). Parameters on a bound
-    // count as unknown like the others.
+    // count as unknown like the others; inequalities tell nothing here (held_ranges.h).
     std::vector<double> standard_error;
+    // An error that spans half of what the study allows says nothing about the parameter.
+    bool determines(std::size_t parameter) const { return standard_error[parameter] <= 0.5; }
+    // |root d + rest|^2 is, but for a constant, how far a move d of the unit coordinates lies from what the readings
+    // say, in units of their noise: root' root is the inverse of that covariance. Empty: no noise is known.
+    Eigen::MatrixXd root{};
+    Eigen::VectorXd rest{};
+    // Half of a 95 % range over a standard error: of Student's t where the noise is what the fit leaves over.
+    double quantile() const;
     // Direction of the unit cube in which the misfit grows least, and how much the residual norm grows when moving
     // by a tenth of the box along it.
     std::vector<double> weakest;

@@ -369,7 +369,7 @@ private:
         settings.max_evaluations = 25;
         settings.enough = 0.25 * negligible * acceptance_.variance;
         settings.misfit_tolerance = 0.25 * negligible_relative;
-        settings.damping = 1e-7;
+        settings.first_step = optimise::whole_cube;
         optimise::gauss_newton(from, objective, settings);
         if (failure) {
             std::rethrow_exception(failure);

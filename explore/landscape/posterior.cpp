@@ -331,6 +331,9 @@ std::optional<bool> begin(std::vector<Population>& populations, const problem::P
     const int n = settings.particles;
     std::size_t drawn = 0;
     std::size_t answered = 0;
+    double of_prior = 0.0; // sums of densities of the prior, without the limits' factors and with them
+    double allowed = 0.0;
+    double squares = 0.0; // of the second
     for (std::size_t p = 0; p < populations.size(); ++p) {
         auto& particles = populations[p].particles;
         std::size_t own_drawn = 0;
@@ -348,6 +351,18 @@ std::optional<bool> begin(std::vector<Population>& populations, const problem::P
             for (std::size_t i = 0; i < points.size(); ++i) {
                 if (first_reason.empty()) {
                     first_reason = (*evaluations)[i].reason;
+                }
+                if ((*evaluations)[i].converged() && !problem.limits.empty()) {
+                    const auto rows = problem.residuals((*evaluations)[i]);
+                    const auto count = static_cast<Eigen::Index>(problem.limits.size());
+                    const double prior =
+                        std::exp(-0.5 * rows.segment(static_cast<Eigen::Index>(problem.readings()),
+                                                     static_cast<Eigen::Index>(problem.priors().size()))
+                                            .squaredNorm());
+                    const double with = prior * std::exp(-0.5 * rows.tail(count).squaredNorm());
+                    of_prior += prior;
+                    allowed += with;
+                    squares += with * with;
                 }
                 Particle particle = particle_of(problem, normal_of(points[i]), points[i], std::move((*evaluations)[i]));
                 if (std::isfinite(particle.log_likelihood)) {
@@ -375,6 +390,12 @@ std::optional<bool> begin(std::vector<Population>& populations, const problem::P
         populations[p].log_evidence = std::log(static_cast<double>(own_answered) / static_cast<double>(own_drawn));
     }
     result.answered = static_cast<double>(answered) / static_cast<double>(drawn);
+    constexpr double least = 20.0; // effective draws
+    if (allowed > 0.0 && allowed * allowed >= least * squares) {
+        const double share = allowed / of_prior;
+        result.allowed = AllowedShare{.log = std::log(share),
+                                      .error = std::sqrt(std::max(0.0, 1.0 - share) * squares / (allowed * allowed))};
+    }
     return true;
 }
 

@@ -17,6 +17,7 @@
 // each. Both are corrected by the rule of Metropolis and Hastings. Points without an answer have no likelihood.
 #pragma once
 
+#include "landscape/allowed_share.h"
 #include "landscape/marginals.h"
 #include "run/engine.h"
 
@@ -48,9 +49,12 @@ struct Posterior {
     double log_evidence = 0.0, log_evidence_error = 0.0; // its standard error, from the populations
     std::vector<double> log_evidences;                   // of each population
     double answered = 0.0;                               // share of the prior that has an answer
-    int powers = 0;                                      // steps, of the population that took most
-    int sweeps = 0;                                      // of moves, of the same
-    double accepted_own = 0.0;                           // share of proposals, from the particle itself, at the power 1
+    // What the constraints leave of the prior, by the first draws, which are of the box: for constraints that read
+    // responses. Nothing: no limit, or next to no draw meets them.
+    std::optional<AllowedShare> allowed{};
+    int powers = 0;            // steps, of the population that took most
+    int sweeps = 0;            // of moves, of the same
+    double accepted_own = 0.0; // share of proposals, from the particle itself, at the power 1
     double accepted_other = 0.0;
     std::string reason; // without draws
 };

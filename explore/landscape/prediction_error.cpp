@@ -8,17 +8,20 @@ namespace explore::landscape {
 double prediction_error(const Eigen::VectorXd& gradient, const Minimum& minimum, const problem::Problem& problem,
                         const LocalAnalysis& local) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    constexpr double not_seen = 1e-8; // of the largest singular value
     if (!(local.noise > 0.0)) {
         return infinity;
     }
-    const Eigen::MatrixXd j = problem.information_jacobian(minimum.evaluation);
+    Eigen::MatrixXd j = problem.information_jacobian(minimum.evaluation);
+    for (const Eigen::Index row : problem.limit_rows()) { // as in analyse(): no reading
+        j.row(row).setZero();
+    }
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinU | Eigen::ComputeFullV);
     const auto& s = svd.singularValues();
+    const std::vector<char> is_seen = seen(j, svd.matrixV());
     Eigen::VectorXd row = Eigen::VectorXd::Zero(j.rows()); // g' J^+
     for (Eigen::Index k = 0; k < gradient.size(); ++k) {
         const double along = gradient.dot(svd.matrixV().col(k));
-        if (k < s.size() && s[k] > not_seen * s[0]) {
+        if (k < s.size() && is_seen[static_cast<std::size_t>(k)] != 0) {
             row += along / s[k] * svd.matrixU().col(k);
         } else if (std::abs(along) > 1e-6 * gradient.norm()) {
             return infinity;

@@ -92,7 +92,7 @@ public:
         optimise::SearchSettings settings;
         settings.max_evaluations = 20;
         settings.enough = 0.5 * negligible_rise * acceptance_.variance;
-        settings.damping = 1e-7;
+        settings.first_step = optimise::whole_cube;
         const auto found = optimise::gauss_newton(start, objective, settings);
         if (found.unit.empty()) {
             return std::nullopt;

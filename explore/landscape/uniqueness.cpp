@@ -442,7 +442,7 @@ private:
                 end.search = {.unit = m.unit,
                               .misfit = m.evaluation.misfit,
                               .evaluations = m.second->evaluations,
-                              .converged = true,
+                              .converged = m.converged,
                               .stopped = false,
                               .ended = m.second->ended};
                 end.evaluation = m.evaluation;

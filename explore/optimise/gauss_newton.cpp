@@ -1,131 +1,96 @@
 #include "optimise/gauss_newton.h"
 
-#include <Eigen/Cholesky>
+#include "optimise/linear_rows.h"
+
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace explore::optimise {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
-// The d with low <= d <= high that minimises d.h d / 2 + g.d, h positive definite: a primal active set method. low <= 0
-// <= high.
-VectorXd bounded_step(const MatrixXd& h, const VectorXd& g, const VectorXd& low, const VectorXd& high) {
-    const Index n = g.size();
-    VectorXd d = VectorXd::Zero(n);
-    std::vector<int> held(static_cast<std::size_t>(n), 0); // -1 at low, 1 at high
-    for (Index i = 0; i < n; ++i) {
-        if (g[i] > 0.0 && low[i] >= 0.0) {
-            held[static_cast<std::size_t>(i)] = -1;
-        } else if (g[i] < 0.0 && high[i] <= 0.0) {
-            held[static_cast<std::size_t>(i)] = 1;
-        }
-    }
-    for (int iteration = 0; iteration < 10 * n + 10; ++iteration) {
-        std::vector<Index> open;
-        for (Index i = 0; i < n; ++i) {
-            if (held[static_cast<std::size_t>(i)] == 0) {
-                open.push_back(i);
-            }
-        }
-        const VectorXd slope = g + h * d;
-        VectorXd move = VectorXd::Zero(n);
-        if (!open.empty()) {
-            const MatrixXd part = h(open, open);
-            const VectorXd right = -slope(open);
-            const VectorXd found = part.llt().solve(right);
-            move(open) = found;
-        }
-        // As far as the first bound.
-        double length = 1.0;
-        Index first = -1;
-        for (const Index i : open) {
-            const double room = move[i] > 0.0 ? high[i] - d[i] : low[i] - d[i];
-            if (std::abs(move[i]) > 0.0 && room / move[i] < length) {
-                length = std::max(0.0, room / move[i]);
-                first = i;
-            }
-        }
-        d += length * move;
-        if (first >= 0) {
-            const bool up = move[first] > 0.0;
-            d[first] = up ? high[first] : low[first];
-            held[static_cast<std::size_t>(first)] = up ? 1 : -1;
-            continue;
-        }
-        // Release the bound that holds back most.
-        const VectorXd now = g + h * d;
-        Index release = -1;
-        double most = 1e-14 * (1.0 + g.cwiseAbs().maxCoeff());
-        for (Index i = 0; i < n; ++i) {
-            const double pull = held[static_cast<std::size_t>(i)] * now[i];
-            if (pull > most) {
-                most = pull;
-                release = i;
-            }
-        }
-        if (release < 0) {
-            break;
-        }
-        held[static_cast<std::size_t>(release)] = 0;
-    }
-    return d;
-}
+struct Step {
+    VectorXd d;
+    double gain = 0.0; // by how much half of the sum of squares is predicted to fall
+};
 
-// The same for that and half the sum of max(0, limit + a d)^2 over the limits, of which h and g hold those above 0: the
-// steps of ever other sets of limits that count, until the set is that beyond which its own step leads.
-// predicted: how much lower all of it is at the step.
-VectorXd limited_step(const MatrixXd& h, const VectorXd& g, const VectorXd& low, const VectorXd& high,
-                      const Sample& here, double& predicted) {
-    const auto count = here.limits.size();
-    std::vector<char> counts(static_cast<std::size_t>(count));
-    for (Index i = 0; i < count; ++i) {
-        counts[static_cast<std::size_t>(i)] = here.limits[i] > 0.0 ? 1 : 0;
+// Where the search is, and how far it may go.
+struct Place {
+    std::vector<double> unit;
+    Sample sample;
+    double half = INFINITY; // of the sum of squares
+
+    VectorXd low() const { return -Eigen::Map<const VectorXd>(unit.data(), static_cast<Index>(unit.size())); }
+    VectorXd high() const { return low().array() + 1.0; }
+    std::vector<double> after(const VectorXd& d) const {
+        std::vector<double> there = unit;
+        for (std::size_t k = 0; k < there.size(); ++k) {
+            there[k] = std::clamp(there[k] + d[static_cast<Index>(k)], 0.0, 1.0);
+        }
+        return there;
     }
-    MatrixXd matrix = h;
-    VectorXd gradient = g;
-    VectorXd step = bounded_step(matrix, gradient, low, high);
-    constexpr int most = 20;
-    for (int round = 0; round < most; ++round) {
-        bool changed = false;
-        for (Index i = 0; i < count; ++i) {
-            const Eigen::RowVectorXd a = here.limit_jacobian.row(i);
-            const char now = here.limits[i] + a * step > 0.0 ? 1 : 0;
-            char& before = counts[static_cast<std::size_t>(i)];
-            if (now != before) {
-                matrix += (now - before) * a.transpose() * a;
-                gradient += (now - before) * here.limits[i] * a.transpose();
-                before = now;
-                changed = true;
+};
+
+// The step of no more than this length; `least`: of the damping.
+Step step_within(const LinearRows& rows, const Place& here, double radius, double least) {
+    const VectorXd low = here.low();
+    const VectorXd high = here.high();
+    Step step;
+    step.d = rows.lowest(least, low, high);
+    constexpr double loose = 1.1;
+    constexpr double tight = 0.75;
+    if (step.d.norm() > loose * radius) {
+        // |d| falls with the damping, and is below twice the slope over it.
+        double weak = least;
+        double strong =
+            std::max(2.0 * (here.sample.jacobian.transpose() * here.sample.residuals).norm() / radius, 4.0 * least);
+        constexpr int most = 40;
+        for (int i = 0; i < most; ++i) {
+            const double damping = std::sqrt(weak * strong);
+            step.d = rows.lowest(damping, low, high);
+            const double length = step.d.norm();
+            if (length > loose * radius) {
+                weak = damping;
+            } else if (length < tight * radius && strong > 1.01 * weak) {
+                strong = damping;
+            } else {
+                break;
             }
         }
-        if (!changed) {
-            break;
-        }
-        step = bounded_step(matrix, gradient, low, high);
     }
-    // What h and g hold of the limits above 0, and what there is of all.
-    predicted = -(g.dot(step) + 0.5 * step.dot(h * step));
-    for (Index i = 0; i < count; ++i) {
-        const double there = here.limits[i] + here.limit_jacobian.row(i) * step;
-        const double held = here.limits[i] > 0.0 ? there : 0.0;
-        predicted += 0.5 * (held * held - std::max(0.0, there) * std::max(0.0, there));
-    }
+    step.gain = here.half - rows.half(step.d);
     return step;
 }
 
-// By how much linear theory promises half of the sum of squares to fall within the cube, from here. normal, gradient:
-// of here.
-double promised(MatrixXd normal, const VectorXd& gradient, const VectorXd& low, const VectorXd& high,
-                const Sample& here) {
-    constexpr double least = 1e-9; // of the largest term: for parameters that change nothing
-    normal.diagonal().array() += least * (1e-300 + normal.diagonal().maxCoeff());
-    double predicted = 0.0;
-    limited_step(normal, gradient, low, high, here, predicted);
-    return predicted;
+// The shortest step after which half of the sum of squares is predicted to be no more than that; nothing: none is, of
+// no more than this length.
+std::optional<VectorXd> step_down_to(const LinearRows& rows, const Place& here, double half, double longest,
+                                     double least) {
+    const VectorXd low = here.low();
+    const VectorXd high = here.high();
+    const double slope = (here.sample.jacobian.transpose() * here.sample.residuals).norm();
+    double weak = least;
+    double strong = std::max(2.0 * slope / (1e-6 * longest), 4.0 * least);
+    VectorXd d = rows.lowest(weak, low, high);
+    if (rows.half(d) > half) {
+        return std::nullopt;
+    }
+    while (strong > 2.0 * weak) {
+        const double damping = std::sqrt(weak * strong);
+        const VectorXd shorter = rows.lowest(damping, low, high);
+        if (rows.half(shorter) > half) {
+            strong = damping;
+        } else {
+            weak = damping;
+            d = shorter;
+        }
+    }
+    return d.norm() <= longest ? std::optional(d) : std::nullopt;
 }
 
 } // namespace
@@ -134,57 +99,51 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
                           const SearchSettings& settings) {
     const auto n = static_cast<Index>(start.size());
     SearchResult result;
-    std::vector<double> point = start;
-    Sample here;
-    ++result.evaluations;
-    switch (objective(point, here)) {
-    case Answer::computed: break;
-    case Answer::no_answer: result.ended = "the start has no answer"; return result;
-    case Answer::stop:
-        result.stopped = true;
-        result.ended = "stopped";
+    bool is_stopped = false;
+    double lowest = INFINITY; // half of a sum of squares, of all points
+    const auto ask = [&](Place& place, bool with_derivatives) {
+        ++result.evaluations;
+        place.sample.jacobian.resize(0, 0);
+        place.sample.wants_derivatives = with_derivatives;
+        const Answer answer = objective(place.unit, place.sample);
+        is_stopped = answer == Answer::stop;
+        place.half = answer == Answer::computed ? 0.5 * place.sample.residuals.squaredNorm() : INFINITY;
+        if (place.half < lowest) {
+            lowest = place.half;
+            result.unit = place.unit;
+        }
+        return std::isfinite(place.half);
+    };
+    Place here{.unit = start, .sample = {}};
+    if (!ask(here, true)) {
+        result.stopped = is_stopped;
+        result.ended = is_stopped ? "stopped" : "the start has no answer";
         return result;
     }
-    double half = 0.5 * here.residuals.squaredNorm();
-    result.unit = point;
-    Eigen::RowVectorXd sizes = here.jacobian.colwise().squaredNorm();
-    for (Index i = 0; i < here.limits.size(); ++i) { // whose steepness is no measure of the rest
-        sizes -= here.limits[i] > 0.0 ? Eigen::RowVectorXd(here.limit_jacobian.row(i).cwiseAbs2())
-                                      : Eigen::RowVectorXd(Eigen::RowVectorXd::Zero(n));
-    }
-    double damping = settings.damping * sizes.cwiseMax(0.0).maxCoeff();
-    double raise = 2.0;
+    double radius = settings.first_step;
     MatrixXd curvature = MatrixXd::Zero(n, n); // of the residuals: sum of r_i times its Hessian, a secant estimate
     bool with_curvature = false;
-    Sample there;
     bool is_secant = false; // the derivatives at hand
     bool is_new = true;     // the point
     int hopeless = 0;       // points in a row that promise nothing worth having
+    const MatrixXd none;
     while (true) {
-        if (half < 1e-24) {
+        if (here.half < 1e-24) {
             result.converged = true;
             result.ended = "an exact fit";
             break;
         }
-        const VectorXd gradient = here.jacobian.transpose() * here.residuals;
-        const MatrixXd normal = here.jacobian.transpose() * here.jacobian;
-        MatrixXd h = normal;
-        if (with_curvature) {
-            h += curvature;
-        }
-        // Keep it positive definite.
-        const double lowest = Eigen::SelfAdjointEigenSolver<MatrixXd>(h, Eigen::EigenvaluesOnly).eigenvalues()[0];
-        h.diagonal().array() += damping + std::max(0.0, -2.0 * lowest) + 1e-14 * (1.0 + normal.diagonal().maxCoeff());
-        VectorXd low(n);
-        VectorXd high(n);
-        for (Index i = 0; i < n; ++i) {
-            low[i] = -point[static_cast<std::size_t>(i)];
-            high[i] = 1.0 - point[static_cast<std::size_t>(i)];
-        }
+        // A step across the box has to promise what matters.
+        const double matters = std::max(settings.misfit_tolerance * here.half, settings.enough);
+        const double largest = here.sample.jacobian.colwise().squaredNorm().maxCoeff();
+        const double least = std::max({2.0 * matters, 1e-20 * largest, 1e-300});
+        const LinearRows plain(here.sample, none);
+        const LinearRows rows(here.sample, with_curvature ? curvature : none);
+        Step promised{.d = plain.lowest(least, here.low(), here.high())};
+        promised.gain = here.half - plain.half(promised.d);
         if (is_new && std::isfinite(settings.worth)) {
             constexpr double share = 0.5;
-            const bool is_hopeless = promised(normal, gradient, low, high, here) < share * (half - settings.worth);
-            hopeless = is_hopeless ? hopeless + 1 : 0;
+            hopeless = promised.gain < share * (here.half - settings.worth) ? hopeless + 1 : 0;
             constexpr int enough = 2;
             if (hopeless == enough) {
                 result.ended = "it leads to nothing as low as is wanted";
@@ -192,84 +151,125 @@ SearchResult gauss_newton(const std::vector<double>& start, const Objective& obj
             }
         }
         is_new = false;
-        double predicted = 0.0;
-        const VectorXd step = limited_step(h, gradient, low, high, here, predicted);
-        if (predicted <= std::max(settings.misfit_tolerance * half, settings.enough)) {
+        // The rows alone promise too much along a valley that bends; the curvature tells, where they promise little.
+        constexpr double little = 1e-3; // of the sum of squares
+        Step whole = promised;
+        if (with_curvature && promised.gain <= little * here.half) {
+            whole.d = rows.lowest(least, here.low(), here.high());
+            whole.gain = here.half - rows.half(whole.d);
+        }
+        if (whole.gain <= matters) {
             result.converged = true;
             result.ended = "the misfit no longer changes";
             break;
         }
-        if (step.cwiseAbs().maxCoeff() < settings.step_tolerance) {
+        const double longest = whole.d.cwiseAbs().maxCoeff();
+        constexpr double next_to_nothing = 1e-5; // of the sum of squares
+        constexpr double nothing = 1e-3;         // of the tolerance
+        if (longest < settings.step_tolerance &&
+            (whole.gain <= next_to_nothing * here.half || longest < nothing * settings.step_tolerance)) {
             result.converged = true;
             result.ended = "the parameters no longer change";
+            break;
+        }
+        if (radius < settings.step_tolerance) {
+            result.converged = promised.gain <= little * here.half; // rounding of the model may hide that much
+            result.ended = result.converged ? "rounding limits further progress"
+                                            : "no step lowers the misfit, though its derivatives promise it";
             break;
         }
         if (result.evaluations >= settings.max_evaluations) {
             result.ended = "the limit of evaluations";
             break;
         }
-        std::vector<double> trial = point;
-        for (Index i = 0; i < n; ++i) {
-            trial[static_cast<std::size_t>(i)] = std::clamp(point[static_cast<std::size_t>(i)] + step[i], 0.0, 1.0);
+        const Step step = step_within(rows, here, radius, least);
+        Place there{.unit = here.after(step.d), .sample = {}};
+        ask(there, step.gain > settings.secant_below || here.sample.limits.size() > 0);
+        // Back to the valley, by ever shorter steps.
+        constexpr double poor = 0.25;
+        constexpr int most_returns = 4;
+        double length = step.d.norm();
+        for (int i = 0; i < most_returns && !is_stopped && result.evaluations < settings.max_evaluations &&
+                        here.half - there.half < poor * step.gain && there.sample.jacobian.size() > 0;
+             ++i) {
+            constexpr double shorter = 0.5;
+            constexpr double worth_while = 0.9;
+            const auto back = step_down_to(LinearRows(there.sample, none), there, here.half - worth_while * step.gain,
+                                           shorter * length, least);
+            if (!back) {
+                break;
+            }
+            Place nearer{.unit = there.after(*back), .sample = {}};
+            constexpr double better = 0.25;
+            if (!ask(nearer, true) || !(nearer.half < std::max(better * there.half, here.half))) {
+                break;
+            }
+            there = std::move(nearer);
+            length = back->norm();
         }
-        ++result.evaluations;
-        there.jacobian.resize(0, 0);
-        there.wants_derivatives = predicted > settings.secant_below || here.limits.size() > 0;
-        const Answer answer = objective(trial, there);
-        if (answer == Answer::stop) {
+        if (is_stopped) {
             result.stopped = true;
             result.ended = "stopped";
             break;
         }
-        const double half_there = answer == Answer::computed ? 0.5 * there.residuals.squaredNorm() : INFINITY;
-        const double gain = (half - half_there) / predicted;
-        if (!(gain > 1e-4) && is_secant) {
-            ++result.evaluations;
-            here.wants_derivatives = true;
-            if (objective(point, here) != Answer::computed) {
-                result.ended = "no derivatives";
-                break;
-            }
-            is_secant = false;
-            continue;
-        }
+        const double gain = (here.half - there.half) / step.gain;
         if (!(gain > 1e-4)) {
-            damping *= raise;
-            raise *= 2.0;
+            if (is_secant) {
+                if (!ask(here, true)) {
+                    result.ended = "no derivatives";
+                    break;
+                }
+                is_secant = false;
+                continue;
+            }
+            // The parabola through both points and the slope at this one.
+            const double slope = (here.sample.jacobian.transpose() * here.sample.residuals).dot(step.d);
+            const double best = -slope / (2.0 * (there.half - here.half - slope));
+            radius = step.d.norm() * (std::isfinite(there.half) ? std::clamp(best, 0.1, 0.5) : 0.5);
             continue;
         }
-        is_secant = there.jacobian.size() == 0;
+        VectorXd moved(n);
+        for (Index k = 0; k < n; ++k) {
+            moved[k] = there.unit[static_cast<std::size_t>(k)] - here.unit[static_cast<std::size_t>(k)];
+        }
+        is_secant = there.sample.jacobian.size() == 0;
         if (is_secant) {
-            there.jacobian = here.jacobian + (there.residuals - here.residuals - here.jacobian * step) *
-                                                 step.transpose() / step.squaredNorm();
+            there.sample.jacobian =
+                here.sample.jacobian + (there.sample.residuals - here.sample.residuals - here.sample.jacobian * moved) *
+                                           moved.transpose() / moved.squaredNorm();
         }
-        // Secant update of the residuals' curvature along the step.
-        const VectorXd y = (there.jacobian - here.jacobian).transpose() * there.residuals;
-        const VectorXd change = there.jacobian.transpose() * there.residuals - gradient;
-        const double along = change.dot(step);
-        const double size = std::abs(step.dot(curvature * step));
+        // Secant update of the residuals' curvature along the way: that of the residuals which a whole step from there
+        // would leave, not of those that it takes away. Rows far stiffer than the others then count with the force that
+        // holds them.
+        const LinearRows ahead(there.sample, none);
+        const VectorXd left =
+            there.sample.residuals + there.sample.jacobian * ahead.lowest(least, there.low(), there.high());
+        const VectorXd y = (there.sample.jacobian - here.sample.jacobian).transpose() * left;
+        const VectorXd change = there.sample.jacobian.transpose() * there.sample.residuals -
+                                here.sample.jacobian.transpose() * here.sample.residuals;
+        const double along = change.dot(moved);
+        const double size = std::abs(moved.dot(curvature * moved));
         if (size > 0.0) {
-            curvature *= std::min(1.0, std::abs(step.dot(y)) / size);
+            curvature *= std::min(1.0, std::abs(moved.dot(y)) / size);
         }
-        if (along > 1e-12 * change.norm() * step.norm()) {
-            const VectorXd wrong = y - curvature * step;
+        if (along > 1e-12 * change.norm() * moved.norm()) {
+            const VectorXd wrong = y - curvature * moved;
             curvature += (wrong * change.transpose() + change * wrong.transpose()) / along -
-                         step.dot(wrong) / (along * along) * (change * change.transpose());
+                         moved.dot(wrong) / (along * along) * (change * change.transpose());
         }
         // Which model would have predicted this gain better?
-        const double plain = -(gradient.dot(step) + 0.5 * step.dot(normal * step));
-        const double curved = plain - 0.5 * step.dot(curvature * step);
-        with_curvature = std::abs(curved - (half - half_there)) < std::abs(plain - (half - half_there));
-
-        damping *= std::max(1.0 / 10.0, 1.0 - std::pow(2.0 * gain - 1.0, 3));
-        raise = 2.0;
-        point = std::move(trial);
-        std::swap(here, there);
-        half = half_there;
+        const double without = here.half - plain.half(step.d);
+        const double with = without - 0.5 * step.d.dot(curvature * step.d);
+        with_curvature = std::abs(with - (here.half - there.half)) < std::abs(without - (here.half - there.half));
+        if (gain < poor) {
+            radius = 0.5 * step.d.norm();
+        } else if (gain > 0.5) {
+            radius = std::max(radius, (gain > 0.75 ? 3.0 : 1.5) * step.d.norm());
+        }
+        here = std::move(there);
         is_new = true;
-        result.unit = point;
     }
-    result.misfit = std::sqrt(2.0 * half);
+    result.misfit = std::sqrt(2.0 * lowest);
     return result;
 }
 

@@ -2,6 +2,7 @@
 
 #include "optimise/gauss_newton.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlopt.hpp>
@@ -37,8 +38,47 @@ struct Search {
     bool takes_limits = false; // as constraints of its own; else they are part of the sum
     Sample sample{};
     std::vector<double> asked{}; // where the sample is of
+    Eigen::VectorXd origin{};    // of the optimiser's coordinates, with their metric; empty: they are those of the cube
+    Eigen::MatrixXd metric{};
     Answer answer = Answer::no_answer;
 
+    std::vector<double> unit_of(const std::vector<double>& x) const {
+        if (metric.size() == 0) {
+            return x;
+        }
+        const Eigen::VectorXd at =
+            origin + metric * Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
+        std::vector<double> unit(at.begin(), at.end());
+        for (double& u : unit) {
+            u = std::clamp(u, 0.0, 1.0);
+        }
+        return unit;
+    }
+    // By the optimiser's coordinates.
+    Eigen::VectorXd moved_by(const Eigen::VectorXd& gradient) const {
+        return metric.size() == 0 ? gradient : Eigen::VectorXd(metric.transpose() * gradient);
+    }
+
+    // The walls of the cube, each at most 0: unit - 1 and -unit.
+    void walls(const std::vector<double>& x, double* values, double* gradients) const {
+        const Eigen::VectorXd at =
+            origin + metric * Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
+        for (const double sign : {1.0, -1.0}) {
+            for (Eigen::Index i = 0; i < at.size(); ++i) {
+                *values++ = sign > 0.0 ? at[i] - 1.0 : -at[i];
+                for (Eigen::Index k = 0; gradients != nullptr && k < at.size(); ++k) {
+                    *gradients++ = sign * metric(i, k);
+                }
+            }
+        }
+    }
+
+    static void walls_callback(unsigned /*count*/, double* values, unsigned n, const double* x, double* gradients,
+                               void* self) {
+        static_cast<const Search*>(self)->walls({x, x + n}, values, gradients);
+    }
+
+    // x: of the cube, as below.
     Answer ask(const std::vector<double>& x) {
         if (x != asked) {
             ++result.evaluations;
@@ -51,12 +91,15 @@ struct Search {
     // The limits, each at most 0, and their derivatives by row.
     void limits(const std::vector<double>& x, double* values, double* gradients) {
         const auto count = sample.limits.size();
-        const bool computed = ask(x) == Answer::computed;
+        const bool computed = ask(unit_of(x)) == Answer::computed;
         for (Eigen::Index i = 0; i < count; ++i) {
             values[i] = computed ? sample.limits[i] : 0.0;
-            for (Eigen::Index k = 0; gradients != nullptr && k < static_cast<Eigen::Index>(x.size()); ++k) {
-                *gradients++ = computed ? sample.limit_jacobian(i, k) : 0.0;
+            if (gradients == nullptr) {
+                continue;
             }
+            const Eigen::VectorXd slope = computed ? moved_by(sample.limit_jacobian.row(i).transpose())
+                                                   : Eigen::VectorXd::Zero(static_cast<Eigen::Index>(x.size()));
+            gradients = std::copy(slope.begin(), slope.end(), gradients);
         }
     }
 
@@ -65,7 +108,9 @@ struct Search {
         static_cast<Search*>(self)->limits({x, x + n}, values, gradients);
     }
 
-    double value(const std::vector<double>& x, std::vector<double>& gradient) {
+    // z: of the optimiser.
+    double value(const std::vector<double>& z, std::vector<double>& gradient) {
+        const std::vector<double> x = unit_of(z);
         ask(x);
         if (answer == Answer::computed) {
             const double half = 0.5 * sample.residuals.squaredNorm();
@@ -80,11 +125,15 @@ struct Search {
                     if (takes_limits) {
                         g -= sample.limit_jacobian.transpose() * sample.limits.cwiseMax(0.0);
                     }
+                    if (scale == 0.0 && metric.size() > 0) { // the rows' own curvature is then 1 at most
+                        const double most = (sample.jacobian * metric).colwise().squaredNorm().maxCoeff();
+                        scale = most > 0.0 ? 1.0 / most : 1.0;
+                    }
                     if (scale == 0.0) {
                         constexpr double steep = 1e7;
                         scale = g.norm() > steep ? 1.0 / g.norm() : 1.0;
                     }
-                    const Eigen::VectorXd scaled = scale * g;
+                    const Eigen::VectorXd scaled = scale * moved_by(g);
                     std::copy(scaled.begin(), scaled.end(), gradient.begin());
                 }
                 const double seen = takes_limits ? half - 0.5 * sample.limits.cwiseMax(0.0).squaredNorm() : half;
@@ -97,15 +146,15 @@ struct Search {
         }
         // A bounded barrier: higher than anything computed, sloping up away from the best point.
         const double base = (scale > 0.0 ? scale : 1.0) * (2.0 * highest + 1e-6);
-        double distance2 = 0.0;
+        Eigen::VectorXd d = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(x.size()));
         for (std::size_t k = 0; k < x.size(); ++k) {
-            const double d = result.unit.empty() ? 0.0 : x[k] - result.unit[k];
-            distance2 += d * d;
-            if (!gradient.empty()) {
-                gradient[k] = 2.0 * base * d;
-            }
+            d[static_cast<Eigen::Index>(k)] = result.unit.empty() ? 0.0 : x[k] - result.unit[k];
         }
-        return base * (1.0 + distance2);
+        if (!gradient.empty()) {
+            const Eigen::VectorXd away = 2.0 * base * moved_by(d);
+            std::copy(away.begin(), away.end(), gradient.begin());
+        }
+        return base * (1.0 + d.squaredNorm());
     }
 
     static double callback(const std::vector<double>& x, std::vector<double>& gradient, void* self) {
@@ -159,8 +208,18 @@ SearchResult local_search(const Method& method, const std::vector<double>& start
     }
     nlopt::opt optimiser(*algorithm, static_cast<unsigned>(start.size()));
     Search search{.objective = objective, .optimiser = optimiser};
-    optimiser.set_lower_bounds(0.0);
-    optimiser.set_upper_bounds(1.0);
+    std::vector<double> x = start;
+    if (*algorithm == nlopt::LD_SLSQP && settings.metric.size() > 0) {
+        search.origin = Eigen::Map<const Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size()));
+        search.metric = settings.metric;
+        x.assign(start.size(), 0.0);
+        constexpr double met = 1e-12;
+        optimiser.add_inequality_mconstraint(&Search::walls_callback, &search,
+                                             std::vector<double>(2 * start.size(), met));
+    } else {
+        optimiser.set_lower_bounds(0.0);
+        optimiser.set_upper_bounds(1.0);
+    }
     optimiser.set_min_objective(&Search::callback, &search);
     optimiser.set_maxeval(settings.max_evaluations);
     optimiser.set_xtol_abs(settings.step_tolerance);
@@ -176,7 +235,6 @@ SearchResult local_search(const Method& method, const std::vector<double>& start
     if (!method.uses_gradient) {
         optimiser.set_initial_step(0.1);
     }
-    std::vector<double> x = start;
     double value = 0.0;
     nlopt::result code = nlopt::FAILURE;
     try {

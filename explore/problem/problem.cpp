@@ -1,5 +1,7 @@
 #include "problem/problem.h"
 
+#include "base/over_time.h"
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -56,6 +58,7 @@ Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
     e.status = outcome.status();
     if (!outcome) {
         e.reason = outcome.failure().reason;
+        e.over_time = pave::is_over_time(e.reason);
         return e;
     }
     Prediction prediction = std::move(outcome).value();
@@ -154,6 +157,16 @@ Eigen::MatrixXd Problem::limit_jacobian(const Evaluation& evaluation) const {
         }
     }
     return j.topRows(count);
+}
+
+std::vector<Eigen::Index> Problem::limit_rows() const {
+    std::vector<Eigen::Index> numbers;
+    for (std::size_t i = 0; i < limits.size(); ++i) {
+        if (!limits[i]->is_equality()) {
+            numbers.push_back(static_cast<Eigen::Index>(rows() - limits.size() + i));
+        }
+    }
+    return numbers;
 }
 
 double Problem::log_density(const Evaluation& evaluation) const {

@@ -21,6 +21,7 @@ struct Evaluation {
     std::vector<std::string> warnings;
     double misfit = std::numeric_limits<double>::quiet_NaN();
     bool in_place_of_reduced = false; // by the full model, where a reduced one could not answer
+    bool over_time = false;           // a limit of time ended it: another attempt may have an answer
 
     bool converged() const { return status == pave::Status::converged; }
 };
@@ -108,6 +109,7 @@ public:
     // How far beyond each limit that is no equality, below 0 within it, and d(that)/d(unit coordinates).
     Eigen::VectorXd beyond_limits(const Evaluation& evaluation) const;
     Eigen::MatrixXd limit_jacobian(const Evaluation& evaluation) const;
+    std::vector<Eigen::Index> limit_rows() const; // of those
 
     // Standard deviation of every row by the stated noise, at the value of the model; 0: not stated.
     Eigen::VectorXd noise(const Evaluation& evaluation) const;

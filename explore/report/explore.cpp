@@ -96,7 +96,7 @@ Json explore_state_json(const Explorer& explorer) {
               {"widened", acceptance && acceptance->widened},
               {"stated", acceptance && acceptance->noise_is_stated}}},
             {"degrees_of_freedom", best.local.degrees_of_freedom},
-            {"limit", acceptance ? Json(acceptance->threshold) : Json(nullptr)},
+            {"limit", explorer.limit() ? Json(*explorer.limit()) : Json(nullptr)},
             {"minima", std::move(minima)},
             {"curves", curves_json(explorer.curves_of_minimum())}};
 }

@@ -158,9 +158,26 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
     for (const auto& bound : best.on_bound) {
         json["at_bounds"].push_back(space.axes[bound.axis].name);
     }
+    if (result.held.any()) {
+        for (const std::size_t i : result.held.limits) {
+            json["best"]["held_by"].push_back(result.problem.limits[i]->text());
+        }
+        for (std::size_t k = 0; k < space.axes.size(); ++k) {
+            if (const auto range = result.held.of(k)) {
+                const problem::Axis& axis = space.axes[k];
+                json["best"]["ranges_95"][axis.name] = {axis.physical(range->low), axis.physical(range->high)};
+                json["best"]["standard_errors"][axis.name] = nullptr;
+            }
+        }
+    }
     json["best"]["std_error"] = json["best"]["standard_errors"];
     for (const auto& name : json["at_bounds"]) {
         json["best"]["std_error"][name.get<std::string>()] = nullptr;
+    }
+    for (std::size_t k = 0; k < space.axes.size(); ++k) {
+        if (!local.determines(k)) {
+            json["best"]["std_error"][space.axes[k].name] = nullptr;
+        }
     }
     json.update(group_json(result));
     json["parameters"] = space_json(space);
@@ -219,11 +236,14 @@ std::string fit_text(const FitResult& result, const analysis::RunOptions& run) {
     for (std::size_t k = 0; k < best.unit.size(); ++k) {
         const problem::Axis& axis = problem.space.axes[k];
         const double error = local.standard_error[k] * axis.d_physical(best.unit[k]);
-        parameters.add({axis.name, figure(best.evaluation.parameters[k]),
-                        landscape::is_at_bound(best.unit[k]) ? "at bound"
-                        : local.standard_error[k] > 1.0      ? "> range"
-                                                             : figure(error),
-                        figure(axis.low), figure(axis.high)});
+        const auto held = result.held.of(k);
+        parameters.add(
+            {axis.name, figure(best.evaluation.parameters[k]),
+             held ? fmt::format("95 %: {} to {}", figure(axis.physical(held->low)), figure(axis.physical(held->high)))
+             : landscape::is_at_bound(best.unit[k]) ? "at bound"
+             : !local.determines(k)                 ? "not determined"
+                                                    : figure(error),
+             figure(axis.low), figure(axis.high)});
     }
     std::map<std::size_t, double> weights; // of responses
     if (problem.noise_is_student()) {

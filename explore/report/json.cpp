@@ -121,11 +121,10 @@ Json minimum_json(const problem::ParameterSpace& space, const landscape::Minimum
                  {"lowest", parameters_json(space, minimum.lowest)},
                  {"highest", parameters_json(space, minimum.highest)}};
     if (minimum.second) {
-        json["confirmed"] = {{"method", minimum.second->method},
-                             {"agrees", minimum.second->agrees},
-                             {"misfit_before", minimum.second->misfit_before},
-                             {"evaluations", minimum.second->evaluations},
-                             {"ended", minimum.second->ended}};
+        json["confirmed"] = {
+            {"method", minimum.second->method},           {"agrees", minimum.second->agrees},
+            {"has_ended", minimum.second->has_ended},     {"misfit_before", minimum.second->misfit_before},
+            {"evaluations", minimum.second->evaluations}, {"ended", minimum.second->ended}};
     }
     return json;
 }

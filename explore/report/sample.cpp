@@ -1,6 +1,7 @@
 #include "report/sample.h"
 
 #include "analysis/build.h"
+#include "analysis/knowledge_words.h"
 #include "base/text.h"
 #include "report/density.h"
 #include "report/text.h"
@@ -100,6 +101,21 @@ std::vector<std::string> row_of(const std::string& name, const std::string& unit
             fmt::format("{:.0f}", m.ess)};
 }
 
+// What was known before the readings.
+std::string prior_header(const problem::Problem& problem) {
+    const auto priors = problem.priors();
+    if (priors.empty()) {
+        return "The posterior: what the data leave of the box, in which every parameter was uniform on its scale";
+    }
+    std::vector<std::string> known;
+    for (const std::size_t k : priors) {
+        known.push_back(problem.space.axes[k].name + " " + analysis::prior_words(problem.space.axes[k]));
+    }
+    return fmt::format("The posterior: what the data leave of the priors within the box ({}){}", pave::join(known),
+                       priors.size() < problem.space.axes.size() ? "; every other parameter was uniform on its scale"
+                                                                 : "");
+}
+
 } // namespace
 
 Json sample_json(const SampleResult& s, const analysis::RunOptions& run) {
@@ -116,6 +132,12 @@ Json sample_json(const SampleResult& s, const analysis::RunOptions& run) {
     }
     json["log_evidence"] = s.log_evidence;
     json["log_evidence_error"] = s.log_evidence_error;
+    if (s.allowed) {
+        json["allowed_share"] = std::exp(s.allowed->log);
+    }
+    if (s.priors) {
+        json["priors"] = priors_json(s.problem, s.held->evaluation.parameters, *s.priors);
+    }
     json["parameters"] = space_json(s.problem.space);
     for (std::size_t k = 0; k < s.parameters.size(); ++k) {
         json["parameters"][k].update(marginal_json(s.parameters[k], 1.0, converged));
@@ -198,8 +220,7 @@ std::string sample_text(const SampleResult& s, const analysis::RunOptions& run) 
             const data::Reading& reading = s.study.readings[outputs[o]];
             table.add(row_of(reading.output, std::string(reading.unit.name), s.outputs[o], reading.unit.to_si));
         }
-        text += "\nThe posterior: what the data leave of the box, in which every parameter was uniform on its scale\n" +
-                table.text();
+        text += "\n" + prior_header(s.problem) + "\n" + table.text();
     } else {
         Table table({"", "R-hat", "effective draws"});
         for (std::size_t k = 0; k < s.parameters.size(); ++k) {

@@ -74,6 +74,14 @@ Json readings_json(const StationResult& s, std::size_t level, const std::vector<
     return readings;
 }
 
+Json held_by_json(const study::Study& study, const analysis::StationFit& fit) {
+    Json texts = Json::array();
+    for (const std::size_t i : fit.held_by) {
+        texts.push_back(study.constraints[i].text);
+    }
+    return texts;
+}
+
 void add_fit(const SurveyResult& result, const StationResult& s, Json& json) {
     const analysis::StationFit& fit = *s.fit;
     const landscape::Minimum& best = fit.best;
@@ -85,6 +93,7 @@ void add_fit(const SurveyResult& result, const StationResult& s, Json& json) {
         {"status", std::string(to_string(best.evaluation.status))},
         {"converged", best.converged},
         {"on_bound", bound_words(result.study->space, best.on_bound)},
+        {"held_by", held_by_json(*result.study, fit)},
         {"starts", fit.starts},
         {"starts_in_best", best.members.size()},
         {"minima", fit.minima},

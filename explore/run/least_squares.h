@@ -11,7 +11,8 @@ inline optimise::Sample sample_of(const problem::Problem& problem, const problem
     return {.residuals = problem.residuals(evaluation),
             .jacobian = problem.residual_jacobian(evaluation),
             .limits = problem.beyond_limits(evaluation),
-            .limit_jacobian = problem.limit_jacobian(evaluation)};
+            .limit_jacobian = problem.limit_jacobian(evaluation),
+            .limit_rows = problem.limit_rows()};
 }
 
 } // namespace explore::run

@@ -323,6 +323,10 @@ void Store::put(int run, RunNumber number, const problem::Evaluation& e) {
         warnings += (warnings.empty() ? "" : "\n") + warning;
     }
     const std::scoped_lock lock(mutex_);
+    if (e.over_time) {
+        ++over_time_;
+        return;
+    }
     auto& m = *implementation_;
     m.guarded([&] {
         SQLite::Transaction transaction(m.database, SQLite::TransactionBehavior::IMMEDIATE);
@@ -447,6 +451,11 @@ void Store::each(int run, const std::function<void(RunNumber, const problem::Eva
             visit({row.getColumn(0).getInt(), row.getColumn(1).getInt()}, evaluation_of(row, 2, shape));
         }
     });
+}
+
+std::size_t Store::over_time() const {
+    const std::scoped_lock lock(mutex_);
+    return over_time_;
 }
 
 void Store::put_result(int run, const std::string& json) {

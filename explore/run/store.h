@@ -72,7 +72,9 @@ public:
     std::vector<RunHeader> runs() const;
 
     // Keeps an evaluation for good: when this returns, ending the process loses nothing of it.
+    // Not what a limit of time ended: the next attempt may have an answer. Those are counted.
     void put(int run, RunNumber number, const problem::Evaluation& evaluation);
+    std::size_t over_time() const;
     // What the run has in [first, last], in run order.
     std::map<RunNumber, problem::Evaluation> get(int run, RunNumber first, RunNumber last) const;
     void each(int run, const std::function<void(RunNumber, const problem::Evaluation&)>& visit) const;
@@ -98,6 +100,7 @@ private:
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
     mutable std::mutex mutex_;
+    std::size_t over_time_ = 0;
 };
 
 } // namespace explore::run

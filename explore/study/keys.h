@@ -128,13 +128,15 @@ inline constexpr Key solver_equilibrium{.table = "[solver]",
                                         .default_value = pave::fe::SolverSettings{}.equilibrium_tolerance,
                                         .meaning = "unbalanced over applied force where a run ends"};
 
-inline constexpr Key solver_time_limit{.table = "[solver]",
-                                       .key = "time_limit_s",
-                                       .kind = number,
-                                       .low = 0.01,
-                                       .high = 1e6,
-                                       .without = "no limit",
-                                       .meaning = "of the path of one load: what takes longer has no answer"};
+inline constexpr Key solver_time_limit{
+    .table = "[solver]",
+    .key = "time_limit_s",
+    .kind = number,
+    .low = 0.01,
+    .high = 1e6,
+    .without = "no limit",
+    .meaning = "processor time of the path of one load: what takes longer has no answer, and is tried "
+               "again by the next run"};
 inline constexpr Key solver_time_step{.table = "[solver]",
                                       .key = "time_step_ms",
                                       .kind = number,

@@ -275,8 +275,17 @@ void read_data(const toml::table& table, Study& study, Readings readings, const 
     if (readings == Readings::elsewhere) {
         return;
     }
+    std::vector<std::pair<std::string, std::string>> read; // as named, and where it is
     for (const std::string& file : study.data.files) {
         const auto [path, text] = read_text(file, reader.place(keys::data_files), "measurement file");
+        for (const auto& [name, before] : read) {
+            if (data::is_same_file(before, path)) {
+                throw pave::Error(reader.place(keys::data_files), "a measurement file is named twice",
+                                  "\"" + name + "\", \"" + file + "\"",
+                                  "each file once: its readings would count as independent ones");
+            }
+        }
+        read.emplace_back(file, path);
         for (auto& m : data::measurements_of(text, path)) {
             add_measurement(study, std::move(m));
         }

@@ -75,3 +75,36 @@ TEST(Confirmation, KeepsToItsEvaluations) {
     }
     EXPECT_EQ(landscape::confirming_evaluations(500), 100) << "a fifth";
 }
+
+TEST(Confirmation, IsNoneWhereTheSecondMethodHadNotEnded) {
+    const auto problem = rosenbrock();
+    run::Engine engine(problem, nullptr, 0, {.threads = 1, .show_progress = false});
+    std::vector<landscape::Minimum> minima{minimum_at(engine, {0.75, 0.75})};
+    ASSERT_TRUE(landscape::confirm(engine, problem, "slsqp", 1e-3, 1000, 0, minima));
+    ASSERT_TRUE(minima[0].second->agrees);
+    EXPECT_TRUE(minima[0].second->has_ended);
+    EXPECT_NE(landscape::confirmation_words(minima).find("Two methods agree"), std::string::npos);
+    minima[0].second->has_ended = false;
+    minima[0].second->ended = "the limit of evaluations";
+    const std::string words = landscape::confirmation_words(minima);
+    EXPECT_EQ(words.find("agree"), std::string::npos) << words;
+    EXPECT_NE(words.find("the limit of evaluations"), std::string::npos) << words;
+}
+
+// A stiff reading on top of the valley, and a point of the valley's floor that is not its lowest: the second method
+// either gets lower or has not ended, but never takes a standstill for an end.
+TEST(Confirmation, DoesNotTakeAStandstillInARavineForAnEnd) {
+    for (const double stiff : {1e2, 1e4, 1e6}) {
+        const auto problem = problem_of(2, Formula([stiff](const VectorXd& u, VectorXd& r, MatrixXd& j) {
+                                            r = VectorXd(3);
+                                            r << stiff * (u[1] - u[0] * u[0]), 3.0 * u[0], u[1];
+                                            j = MatrixXd(3, 2);
+                                            j << -2.0 * stiff * u[0], stiff, 3.0, 0.0, 0.0, 1.0;
+                                        }),
+                                        {0.0, 3.0 * 0.8, 0.3}, 0.02);
+        run::Engine engine(problem, nullptr, 0, {.threads = 1, .show_progress = false});
+        std::vector<landscape::Minimum> minima{minimum_at(engine, {0.4, 0.16})};
+        ASSERT_TRUE(landscape::confirm(engine, problem, "slsqp", 0.02, 1000, 0, minima));
+        EXPECT_FALSE(minima[0].second->agrees && minima[0].second->has_ended) << stiff;
+    }
+}

@@ -209,3 +209,24 @@ TEST_F(ExplorerTest, WhatCannotBeAsked) {
 }
 
 } // namespace
+
+// Readings that the model cannot meet within their noise: chi2 stays that of the stated noise, and what may still be
+// left is counted beside it.
+TEST_F(ExplorerTest, Chi2IsByTheStatedNoiseThoughThatIsContradicted) {
+    std::vector<double> um = readings_of(study, truth);
+    for (std::size_t i = 0; i < um.size(); ++i) {
+        um[i] += i % 2 == 0 ? 14.0 : -14.0; // of 2
+    }
+    study = study::study_of(text, "layers", {{"bowl.csv", bowl(um)}});
+    analysis::Session session({.threads = 2, .show_progress = false});
+    const auto other = analysis::Explorer::make(session, study, 3.0);
+    const auto& found = other->minima().front();
+    ASSERT_TRUE(found.acceptance && found.acceptance->widened);
+    const auto& at = found.minimum.evaluation.parameters;
+    EXPECT_NEAR(other->chi2(found.minimum.evaluation), chi2(at), 1e-3 * chi2(at));
+    EXPECT_NEAR(other->chi2(found.minimum.evaluation), found.local.chi2, 1e-9 * found.local.chi2);
+    EXPECT_NEAR(other->residuals(found.minimum.evaluation, {})[3],
+                (1e6 * found.minimum.evaluation.responses[3] - study.readings[3].value) / 2.0, 1e-6);
+    // F(1, 5) at 95 % times the variance that five degrees of freedom leave over.
+    EXPECT_NEAR(*other->limit(), 6.6079 * chi2(at) / 5.0, 1e-3 * chi2(at));
+}

@@ -1,5 +1,7 @@
 #include "optimise/local_search.h"
 
+#include "optimise/quadratic.h"
+
 #include <gtest/gtest.h>
 
 using namespace explore::optimise;
@@ -172,4 +174,87 @@ TEST(GaussNewton, GivesUpASearchThatLeadsToNothingWorthHaving) {
     const SearchResult higher = local_search(method, start, decay, {.worth = 1.01 * least});
     EXPECT_TRUE(higher.converged);
     EXPECT_EQ(higher.unit, all.unit);
+}
+
+namespace {
+
+// One reading `weight` times as exact as two others: u1 = u0^2 by the first, u0 = 0.8 and u1 = 0.3 by the others.
+Answer bent_valley(double weight, std::span<const double> u, Sample& sample) {
+    sample.residuals.resize(3);
+    sample.residuals << weight * (u[1] - u[0] * u[0]), 3.0 * (u[0] - 0.8), u[1] - 0.3;
+    sample.jacobian.resize(3, 2);
+    sample.jacobian << -2.0 * weight * u[0], weight, 3.0, 0.0, 0.0, 1.0;
+    return Answer::computed;
+}
+
+// Its lowest sum of squares: u1 follows u0 by a linear equation, and u0 by a golden section.
+double lowest_of_bent_valley(double weight) {
+    const auto sum = [&](double x) {
+        const double share = 1.0 / (1.0 + 1.0 / (weight * weight));
+        return 9.0 * (x - 0.8) * (x - 0.8) + share * (x * x - 0.3) * (x * x - 0.3);
+    };
+    double low = 0.5, high = 1.0;
+    const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
+    for (int i = 0; i < 60; ++i) {
+        const double a = high - golden * (high - low);
+        const double b = low + golden * (high - low);
+        (sum(a) < sum(b) ? high : low) = sum(a) < sum(b) ? b : a;
+    }
+    return sum(0.5 * (low + high));
+}
+
+} // namespace
+
+TEST(GaussNewton, FollowsTheValleyOfAReadingFarMoreExactThanTheOthers) {
+    for (const double weight : {1.0, 1e2, 1e4, 1e6, 1e8}) {
+        for (const std::vector<double>& start :
+             {std::vector<double>{0.1, 0.9}, {0.9, 0.1}, {0.5, 0.5}, {0.05, 0.02}, {1.0, 1.0}}) {
+            const auto found = local_search(
+                *find_method("gauss-newton"), start,
+                [&](std::span<const double> u, Sample& sample) { return bent_valley(weight, u, sample); }, {});
+            EXPECT_TRUE(found.converged) << weight << ": " << found.ended;
+            const double lowest = lowest_of_bent_valley(weight);
+            EXPECT_NEAR(found.misfit * found.misfit, lowest, 1e-4 * lowest) << weight << " from " << start[0];
+        }
+    }
+}
+
+TEST(GaussNewton, HasNotConvergedWhereNoStepGivesWhatItsDerivativesPromise) {
+    const auto found = local_search(*find_method("gauss-newton"), {0.3, 0.3},
+                                    [](std::span<const double>, Sample& sample) {
+                                        sample.residuals = Eigen::Vector2d(1.0, 1.0); // whatever the point
+                                        sample.jacobian = Eigen::Matrix2d::Identity();
+                                        return Answer::computed;
+                                    },
+                                    {});
+    EXPECT_FALSE(found.converged) << found.ended;
+}
+
+// Rows of very unequal size: 1e9 (x + y - 0.7) = 0 and x - y = 0.1, so x = 0.4, y = 0.3; normal equations lose the
+// second row.
+TEST(Quadratic, KeepsSmallRowsBesideLargeOnes) {
+    Eigen::MatrixXd rows(2, 2);
+    rows << 1.0, -1.0, 1e9, 1e9;
+    const Quadratic q = Quadratic::of(rows, Eigen::Vector2d(-0.1, -0.7e9), 1e-18);
+    const Eigen::VectorXd wide = Eigen::Vector2d(10.0, 10.0);
+    const Eigen::VectorXd free = q.lowest(-wide, wide);
+    EXPECT_NEAR(free[0], 0.4, 1e-6);
+    EXPECT_NEAR(free[1], 0.3, 1e-6);
+    // With x held at 0.2 the large row decides.
+    const Eigen::VectorXd held = q.lowest(-wide, Eigen::Vector2d(0.2, 10.0));
+    EXPECT_EQ(held[0], 0.2);
+    EXPECT_NEAR(held[1], 0.5, 1e-6);
+}
+
+// d.(A + C) d / 2 + g.d is lowest at -(A + C)^-1 g.
+TEST(Quadratic, AddsCurvatureThatIsNotItsOwn) {
+    Eigen::MatrixXd rows(3, 2);
+    rows << 1.0, 0.5, -0.3, 1.2, 0.8, 0.1;
+    const Eigen::Vector3d residuals(0.4, -0.2, 0.3);
+    Eigen::MatrixXd more(2, 2);
+    more << 0.3, -0.1, -0.1, 0.2;
+    const Eigen::VectorXd wide = Eigen::Vector2d(10.0, 10.0);
+    const Eigen::VectorXd found = Quadratic::of(rows, residuals, 1e-18).curved(more).lowest(-wide, wide);
+    const Eigen::VectorXd wanted = -(rows.transpose() * rows + more).inverse() * (rows.transpose() * residuals);
+    EXPECT_NEAR((found - wanted).norm(), 0.0, 1e-10);
 }

@@ -83,9 +83,14 @@
             }
             const rise = point.chi2 - bestChi2();
             const accepted = state.limit === null || rise <= state.limit;
-            sentence.className = accepted ? "state" : "state outside";
+            const p = (lowest || first).p_value;
+            const contradicted = p !== null && p !== undefined && p < 0.01; // then the readings accept no point at all
+            sentence.className = accepted && !contradicted ? "state" : "state outside";
             sentence.textContent = `χ² = ${figure(point.chi2)}, ${rise < 5e-4 ? "the minimum" : figure(rise) + " above the minimum"}` +
-                (state.limit === null ? "" : `: the readings ${accepted ? "accept" : "reject"} this point (a rise of ${figure(state.limit)} above the minimum is accepted).`) +
+                (state.limit === null ? "" : contradicted
+                    ? `: by their stated noise the readings reject every point of this model (p = ${p.toPrecision(2)} at the minimum). ` +
+                        `With an error as large as the best fit leaves over this point lies ${accepted ? "within" : "outside"} what is left (a rise of ${figure(state.limit)}).`
+                    : `: the readings ${accepted ? "accept" : "reject"} this point (a rise of ${figure(state.limit)} above the minimum is accepted).`) +
                 (point.full && state.model === "reduced" ? " The full model answered: the reduced one is not sure here." : "");
         };
 
@@ -328,7 +333,7 @@
             landscapeNote.textContent = "computing ...";
             const answer = await ask("landscape", { ...place(), x, y, lines: fitted ? 15 : lines, fitted: fitted ? 1 : 0 });
             landscapeNote.textContent = `${fitted ? "χ² with the other parameters fitted at every point." : "χ² with the other parameters as on the sliders."} ` +
-                (state.limit === null ? "" : "Orange line: the border of what the readings accept. ") + "Click or drag in it to move there.";
+                (state.limit === null ? "" : state.noise.widened ? "Orange line: the border of what is left with an error as large as the best fit leaves over. " : "Orange line: the border of what the readings accept. ") + "Click or drag in it to move there.";
             if (!answer || answer.status !== "computed") return;
             grid = answer;
             await drawLandscape();
@@ -466,7 +471,7 @@
         document.title = `${state.study.title} – explore`;
         const header = (names) => make("thead", {}, make("tr", {}, names.map((n) => make("th", {}, n))));
         root.append(make("header", {}, make("h1", {}, state.study.title), make("p", { className: "soft" }, state.model_words + (state.noise.stated && !state.noise.widened ? ""
-            : state.noise.widened ? " The stated noise does not explain the misfit: χ² counts in what the best fit leaves over." : " The noise is not stated: χ² counts in what the best fit leaves over."))), trouble, sentence,
+            : state.noise.widened ? " The stated noise does not explain the misfit: what is left in the landscape counts with an error as large as the best fit leaves over." : " The noise is not stated: χ² counts in what the best fit leaves over."))), trouble, sentence,
             make("div", { className: "panes" },
                 make("section", { className: "hands" }, make("h2", {}, "Parameters"), sliders.map((s) => s.box),
                     make("div", { className: "choices" }, state.minima.slice(0, 6).map((m, k) => button(state.minima.length > 1 ? `minimum ${k + 1} (χ² ${figure(m.chi2)})` : "to the minimum", () => go(m.at.slice()))),

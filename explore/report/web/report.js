@@ -135,23 +135,24 @@
 
     // -- the landscape --------------------------------------------------------------------------------------------
 
-    // A standard error that is wider than the range of the study says no more than that.
+    // A standard error that spans half of the study's range or more says nothing.
     const errorOf = (error, value, p) => {
         if (error === null || error === undefined) return "";
         const range = !p ? Infinity : p.scale === "log" ? value * Math.log(p.max / p.min) : p.max - p.min;
-        return error > range ? " ± > range" : " ± " + figure(error);
+        return error > 0.5 * range ? " (not determined)" : " ± " + figure(error);
     };
     const minimaPart = (minima, parameters) => {
         if (!minima || minima.length === 0) return [];
         const known = new Map((parameters || []).map((p) => [p.name, p]));
         const cell = (m, n) => figure(m.parameters[n]) + ((m.at_bounds || []).includes(n) ? " (at bound)"
+            : m.ranges_95 && m.ranges_95[n] ? ` (${m.ranges_95[n].map(figure).join(" to ")})`
             : errorOf(m.standard_errors ? m.standard_errors[n] : null, m.parameters[n], known.get(n)));
         const shown = minima.slice(0, 8);
         return [part("Minima"), ...turned(shown.map((_, i) => `minimum ${i + 1}`), [
             ["misfit", ...shown.map((m) => figure(m.misfit))],
             ...Object.keys(minima[0].parameters).map((n) => [n, ...shown.map((m) => cell(m, n))]),
             ["starts", ...shown.map((m) => (m.starts || []).length)]]),
-        make("p", { className: "soft" }, "± one standard error." + (minima.length > shown.length ? ` ${minima.length - shown.length} higher minima are not shown.` : ""))];
+        make("p", { className: "soft" }, "± one standard error; (a to b): a range of 95 %." + (minima.length > shown.length ? ` ${minima.length - shown.length} higher minima are not shown.` : ""))];
     };
 
     const waterfall = (result) => {

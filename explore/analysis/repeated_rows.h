@@ -1,0 +1,13 @@
+// Rows of measurements that agree in every cell: two readings, or one that was copied?
+#pragma once
+
+#include "study/study.h"
+
+#include <string>
+
+namespace explore::analysis {
+
+// "": no two do.
+std::string repeated_rows_words(const study::Study& study);
+
+} // namespace explore::analysis
