@@ -195,6 +195,87 @@ void weigh(std::vector<FittedLaw>& laws) {
     });
 }
 
+// Fits and samples all of them; the one that is preferred becomes the run used last. False: interrupted.
+bool fit_all(Session& session, CompareResult& result, const CompareOptions& options) {
+    const std::string settings =
+        fmt::format("searches of {} evaluations, seed {}", options.settings.max_evaluations, session.options().seed);
+    for (FittedLaw& f : result.laws) {
+        if (!fit_law(session, f, options, settings)) {
+            return false;
+        }
+    }
+    for (FittedLaw& f : result.laws) {
+        if (options.evidence && f.failed.empty() && !sample_law(session, f)) {
+            return false;
+        }
+        if (!result.same_noise) {
+            f.aicc = std::numeric_limits<double>::quiet_NaN();
+        }
+    }
+    weigh_evidence(result.laws);
+    weigh(result.laws);
+    session.begin(result.laws[0].study, "compare", settings);
+    return true;
+}
+
+// The readings that a study fits.
+std::vector<const data::Reading*> fitted_readings(const study::Study& study) {
+    std::vector<const data::Reading*> readings;
+    for (const study::Group& group : study.groups) {
+        for (const std::size_t row : group.rows) {
+            if (!group.held_out) {
+                readings.push_back(&study.readings[row]);
+            }
+        }
+    }
+    return readings;
+}
+
+bool is_same_reading(const data::Reading& a, const data::Reading& b) {
+    const double largest = std::max(std::abs(a.measured()), std::abs(b.measured()));
+    constexpr double rounding = 1e-9; // of the unit
+    return a.load == b.load && a.quantity == b.quantity && a.x_mm == b.x_mm && a.y_mm == b.y_mm &&
+           a.depth_mm == b.depth_mm && a.gauge_mm == b.gauge_mm && a.time_ms == b.time_ms &&
+           std::abs(a.measured() - b.measured()) <= rounding * largest;
+}
+
+bool is_same_noise(const data::Reading& a, const data::Reading& b) {
+    const data::Noise& n = a.noise;
+    const data::Noise& m = b.noise;
+    constexpr double rounding = 1e-9;
+    return std::abs(n.deviation(a.measured()) - m.deviation(b.measured())) <= rounding * n.deviation(a.measured()) &&
+           n.relative == m.relative && n.common_relative == m.common_relative &&
+           n.correlation_length == m.correlation_length && n.correlation_time == m.correlation_time &&
+           n.drift == m.drift && n.degrees == m.degrees;
+}
+
+// Whether the noise of the readings is the same, too. Throws where the readings are not.
+bool have_same_noise(const study::Study& first, const study::Study& other) {
+    const auto readings = fitted_readings(first);
+    std::vector<const data::Reading*> left = fitted_readings(other);
+    bool same = first.noise == other.noise;
+    for (const data::Reading* reading : readings) {
+        const auto found =
+            std::find_if(left.begin(), left.end(), [&](const auto* r) { return is_same_reading(*r, *reading); });
+        if (found == left.end()) {
+            throw pave::Error({.file = reading->file, .line = reading->line},
+                              "studies are compared by the same readings; this one is not fitted in " + other.file,
+                              fmt::format("{} = {} {}", reading->words(), reading->value, reading->unit.name),
+                              fmt::format("the same readings in both: {} has {}, {} has {}", first.file,
+                                          readings.size(), other.file, fitted_readings(other).size()));
+        }
+        same = same && is_same_noise(*reading, **found);
+        left.erase(found);
+    }
+    if (!left.empty()) {
+        throw pave::Error({.file = left[0]->file, .line = left[0]->line},
+                          "studies are compared by the same readings; this one is not fitted in " + first.file,
+                          fmt::format("{} = {} {}", left[0]->words(), left[0]->value, left[0]->unit.name),
+                          "the same readings in both");
+    }
+    return same;
+}
+
 } // namespace
 
 std::optional<CompareResult> compare(Session& session, const study::Study& study, const CompareOptions& options) {
@@ -209,21 +290,28 @@ std::optional<CompareResult> compare(Session& session, const study::Study& study
         study::Study with_law = study::with_law(study, layer, *law, {.file = study.file, .key = "--laws"});
         result.laws.push_back({.law = law, .study = with_enough_load_steps(std::move(with_law), session)});
     }
-    const std::string settings =
-        fmt::format("searches of {} evaluations, seed {}", options.settings.max_evaluations, session.options().seed);
-    for (FittedLaw& f : result.laws) {
-        if (!fit_law(session, f, options, settings)) {
-            return std::nullopt;
-        }
+    if (!fit_all(session, result, options)) {
+        return std::nullopt;
     }
-    for (FittedLaw& f : result.laws) {
-        if (options.evidence && f.failed.empty() && !sample_law(session, f)) {
-            return std::nullopt;
-        }
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return result;
+}
+
+std::optional<CompareResult> compare_studies(Session& session, const std::vector<study::Study>& studies,
+                                             const CompareOptions& asked) {
+    const auto begin = std::chrono::steady_clock::now();
+    CompareResult result{.study = studies[0], .layer = {}, .laws = {}};
+    CompareOptions options = asked;
+    options.evidence = true;
+    for (const study::Study& study : studies) {
+        study::make_problem(study, study::Scope::fitted);
+        result.same_noise = result.same_noise && have_same_noise(studies[0], study);
+        options.evidence = options.evidence && study.noise == study::NoiseSource::stated && study.noise_assumed == 0;
+        result.laws.push_back({.law = nullptr, .study = study});
     }
-    weigh_evidence(result.laws);
-    weigh(result.laws);
-    session.begin(result.laws[0].study, "compare", settings); // the preferred law's run is the one used last
+    if (!fit_all(session, result, options)) {
+        return std::nullopt;
+    }
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;
 }

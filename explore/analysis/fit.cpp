@@ -81,8 +81,14 @@ std::optional<FitResult> fit(Session& session, const study::Study& given, const 
         result.seconds_by_reduced_model = engine.tally().seconds;
     }
     auto engine = session.engine(result.problem, session.begin(study, "fit", settings));
-    auto searches = explored ? landscape::refine(engine, result.problem, result.design, std::move(*explored), {},
-                                                 options.multistart)
+    if (!explored && !options.starts.empty()) {
+        explored = engine.evaluate(result.design);
+        if (!explored) {
+            return std::nullopt;
+        }
+    }
+    auto searches = explored ? landscape::refine(engine, result.problem, result.design, std::move(*explored),
+                                                 options.starts, options.multistart)
                              : landscape::multistart(engine, result.problem, result.design, options.multistart);
     if (!searches) {
         return std::nullopt;

@@ -27,6 +27,7 @@ struct FitOptions {
     int explore = fit_points;
     bool joint_only = false; // no fits of one group of readings alone
     landscape::MultistartSettings multistart{};
+    std::vector<std::vector<double>> starts{}; // further ones than the best points of the sample, unit coordinates
 };
 
 struct FitResult {

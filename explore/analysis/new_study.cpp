@@ -7,6 +7,7 @@
 #include "data/reading.h"
 #include "data/resolution.h"
 #include "data/road_bowls.h"
+#include "run/program.h"
 #include "study/station.h"
 
 #include <algorithm>
@@ -45,9 +46,9 @@ struct Parts {
 
 std::string study_text(const std::string& name, const Parts& parts) {
     return fmt::format(
-        R"({0}#     pavescape check {1}.toml
-#     pavescape fit {1}.toml
-#     pavescape explore {1}.toml
+        R"({0}#     pavescape check {1}
+#     pavescape fit {1}
+#     pavescape explore {1}
 # Keys carry their unit. `pavescape effects` lists what can be added to the model.
 schema = 1
 title = "{2}"
@@ -118,8 +119,8 @@ load = "{9}"
 quantity = "strain_xx"
 depth_mm = 119.9
 )",
-        parts.head, name, parts.title, parts.layers, parts.subgrade_MPa, parts.loads, parts.noise,
-        parts.subgrade_low_MPa, parts.subgrade_high_MPa, parts.load, parts.base);
+        parts.head, run::shell_word(name + ".toml"), parts.title, parts.layers, parts.subgrade_MPa, parts.loads,
+        parts.noise, parts.subgrade_low_MPa, parts.subgrade_high_MPa, parts.load, parts.base);
 }
 
 // Two significant digits.

@@ -33,7 +33,7 @@ NextReading next_reading(const study::Study& study, const problem::Problem& prob
     if (u.traces.size() == 2) {
         std::vector<std::vector<double>> ends;
         for (const landscape::Branch& trace : u.traces) {
-            ends.push_back(trace.points.empty() ? best.unit : trace.points.back().unit);
+            ends.push_back(trace.limit_unit);
         }
         const auto a = candidates.at(ends[0], false);
         const auto b = candidates.at(ends[1], false);

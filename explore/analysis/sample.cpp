@@ -34,19 +34,18 @@ std::vector<std::size_t> thinned(std::size_t all, std::size_t wanted) {
     return chosen;
 }
 
-// In SI; empty where one is not a number.
+// In SI; not a number under a load that was not computed.
 std::vector<double> outputs_of(const study::Study& study, const std::vector<double>& responses) {
     std::vector<double> values;
     for (const std::size_t i : study.outputs()) {
         values.push_back(responses[i]);
     }
-    const bool all = std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
-    return all ? values : std::vector<double>{};
+    return values;
 }
 
-// The full model, every load, at some of the draws. Nothing: interrupted.
+// The full model at some of the draws. Nothing: interrupted.
 std::optional<std::vector<problem::Evaluation>>
-everywhere(run::Engine& engine, const std::vector<landscape::Draw>& draws, const std::vector<std::size_t>& chosen) {
+full_runs(run::Engine& engine, const std::vector<landscape::Draw>& draws, const std::vector<std::size_t>& chosen) {
     search::Design design{"draws", {}};
     for (const std::size_t i : chosen) {
         design.points.push_back(draws[i].unit);
@@ -75,14 +74,14 @@ VectorXd smooth_weights(const landscape::Posterior& posterior, const std::vector
 
 // Weighs draws of the reduced model by the ratio of the likelihoods.
 void correct(SampleResult& result, const std::vector<std::size_t>& chosen,
-             const std::vector<problem::Evaluation>& evaluations, const problem::Problem& everything) {
+             const std::vector<problem::Evaluation>& evaluations, const problem::Problem& full) {
     const auto& posterior = result.posterior;
     SampleCorrection correction{.runs = chosen.size(), .left = std::numeric_limits<double>::quiet_NaN()};
     constexpr double none = -std::numeric_limits<double>::infinity();
     std::vector<double> logarithm;
     for (std::size_t k = 0; k < chosen.size(); ++k) {
         logarithm.push_back(evaluations[k].converged()
-                                ? everything.log_density(evaluations[k]) - posterior.draws[chosen[k]].log_likelihood
+                                ? full.log_density(evaluations[k]) - posterior.draws[chosen[k]].log_likelihood
                                 : none);
         correction.without_answer += evaluations[k].converged() ? 0 : 1;
     }
@@ -153,6 +152,37 @@ void take_all(SampleResult& result) {
     result.descent = result.posterior.descent;
     result.log_evidence = result.posterior.log_evidence;
     result.log_evidence_error = result.posterior.log_evidence_error;
+}
+
+// Outputs under loads that no reading has. False: interrupted.
+bool add_outputs_besides(Session& session, SampleResult& result, const std::string& settings) {
+    result.besides = outputs_besides(result.study);
+    if (result.besides.empty()) {
+        return true;
+    }
+    MatrixXd units(static_cast<Index>(result.draws.size()), static_cast<Index>(result.study.space.axes.size()));
+    for (Index i = 0; i < units.rows(); ++i) {
+        units.row(i) =
+            Eigen::Map<const Eigen::RowVectorXd>(result.draws[static_cast<std::size_t>(i)].unit.data(), units.cols());
+    }
+    auto drawn = outputs_at_draws(session, result.study, units, result.descent.weight,
+                                  static_cast<std::size_t>(std::max(1, result.options.confirm)), settings);
+    if (!drawn) {
+        return false;
+    }
+    const auto all = result.study.outputs();
+    for (std::size_t i = 0; i < result.draws.size(); ++i) {
+        auto& outputs = result.draws[i].outputs;
+        outputs.resize(all.size(), std::numeric_limits<double>::quiet_NaN());
+        for (std::size_t o = 0; o < drawn->rows.size(); ++o) {
+            const auto at = std::find(all.begin(), all.end(), drawn->rows[o]) - all.begin();
+            outputs[static_cast<std::size_t>(at)] = drawn->values(static_cast<Index>(i), static_cast<Index>(o));
+        }
+    }
+    result.surface = std::move(drawn->surface);
+    result.computed += drawn->computed;
+    result.kept += drawn->kept;
+    return true;
 }
 
 void summarise(SampleResult& result) {
@@ -312,7 +342,6 @@ std::optional<SampleResult> sample(Session& session, const study::Study& given, 
     if (options.model.reduced() && !reduced) {
         return std::nullopt;
     }
-    const problem::Problem everything = study::make_noise_problem(study, study::Scope::everything);
     SampleResult result{.study = study,
                         .options = options,
                         .problem = options.model.alone() ? reduced->problem : full,
@@ -326,7 +355,8 @@ std::optional<SampleResult> sample(Session& session, const study::Study& given, 
                     session.options().seed, result.reduced ? result.reduced->settings : "");
     const bool confirmed = options.model.confirmed();
     const problem::Problem& sampled = confirmed ? result.reduced->problem : result.problem;
-    const int run = session.begin(study, confirmed ? "sample-reduced" : "sample", settings);
+    std::pair<std::string, std::string> run_of_sample{confirmed ? "sample-reduced" : "sample", settings};
+    const int run = session.begin(study, run_of_sample.first, run_of_sample.second);
     {
         run::Engine engine(sampled, session.store(), run,
                            {.threads = session.options().threads, .show_progress = false});
@@ -347,33 +377,28 @@ std::optional<SampleResult> sample(Session& session, const study::Study& given, 
         if (!confirmed) {
             take_all(result);
         }
-        const bool lacks_outputs = !study.outputs().empty() && !confirmed && !options.model.alone() &&
-                                   std::any_of(result.draws.begin(), result.draws.end(),
-                                               [](const SampledDraw& d) { return d.outputs.empty(); });
-        if (confirmed || lacks_outputs) {
+        if (confirmed) {
             const auto chosen =
                 thinned(result.posterior.draws.size(), static_cast<std::size_t>(std::max(1, options.confirm)));
-            auto engine =
-                session.engine(everything, session.begin(study, confirmed ? "sample" : "sample-outputs",
-                                                         fmt::format("{}, {} of the draws", settings, chosen.size())));
-            const auto evaluations = everywhere(engine, result.posterior.draws, chosen);
+            run_of_sample = {"sample", fmt::format("{}, {} of the draws", settings, chosen.size())};
+            auto engine = session.engine(full, session.begin(study, run_of_sample.first, run_of_sample.second));
+            const auto evaluations = full_runs(engine, result.posterior.draws, chosen);
             if (!evaluations) {
                 return std::nullopt;
             }
             result.computed += engine.tally().computed;
             result.kept += engine.tally().kept;
-            if (confirmed) {
-                correct(result, chosen, *evaluations, everything);
-            } else {
-                for (auto& draw : result.draws) {
-                    draw.outputs.clear();
-                }
-                for (std::size_t k = 0; k < chosen.size(); ++k) {
-                    if ((*evaluations)[k].converged()) {
-                        result.draws[chosen[k]].outputs = outputs_of(study, (*evaluations)[k].responses);
-                    }
-                }
-                session.begin(study, "sample", settings); // the sample is the run used last
+            correct(result, chosen, *evaluations, full);
+        }
+        if (!options.model.alone() && !result.draws.empty()) {
+            if (!add_outputs_besides(session, result, run_of_sample.second)) {
+                return std::nullopt;
+            }
+            session.begin(study, run_of_sample.first, run_of_sample.second); // the sample is the run used last
+        }
+        for (SampledDraw& draw : result.draws) {
+            if (!std::all_of(draw.outputs.begin(), draw.outputs.end(), [](double v) { return std::isfinite(v); })) {
+                draw.outputs.clear();
             }
         }
     }

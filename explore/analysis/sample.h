@@ -2,6 +2,7 @@
 #pragma once
 
 #include "analysis/candidate_readings.h"
+#include "analysis/sampled_outputs.h"
 #include "analysis/session.h"
 #include "landscape/posterior.h"
 #include "landscape/prior_influence.h"
@@ -12,7 +13,8 @@ struct SampleOptions {
     ModelOptions model{};
     bool any_model = true; // model.use is not asked for: `automatic` where the study has a reduced model, else `full`
     int samples = 2000;    // draws, of all populations
-    // Draws at which the full model computes outputs that the sample lacks, and corrects the sample of a reduced model.
+    // Draws at which the full model corrects the sample of a reduced model, and at most those at which it computes
+    // outputs under loads that no reading has.
     int confirm = 500;
 };
 
@@ -50,6 +52,8 @@ struct SampleResult {
     landscape::Descent descent{};                        // of the draws
     std::vector<landscape::Marginal> parameters{};       // physical
     std::vector<landscape::Marginal> outputs{};          // SI; empty: none computed
+    std::vector<std::size_t> besides{};                  // rows of outputs under loads that no reading has
+    std::optional<OutputSurface> surface{};              // of those; nothing: none, or none is good enough
     double log_evidence = 0.0, log_evidence_error = 0.0; // relative to what the constraints leave of the prior
     std::optional<landscape::AllowedShare> allowed{};    // that; nothing: no constraint, or it could not be estimated
     // The lowest of a draw; where priors or constraints hold the answer that of the readings by themselves.

@@ -261,6 +261,18 @@ std::vector<std::string> findings(const SampleResult& result) {
                         "where it was used.",
                         figure(result.options.model.limit_percent)));
     }
+    if (const auto& surface = result.surface) {
+        std::vector<std::string> off;
+        for (std::size_t o = 0; o < result.besides.size(); ++o) {
+            const data::Reading& output = result.study.readings[result.besides[o]];
+            off.push_back(fmt::format("{} by {} {}", output.output, figure(output.in_unit(surface->error[o]), 2),
+                                      output.unit.name));
+        }
+        text.push_back(fmt::format(
+            "Outputs under loads that no reading has come from a smooth surface through {} runs with derivatives; "
+            "at {} other draws it is off, root mean square: {}.",
+            surface->runs, surface->checks, pave::join(off)));
+    }
     return text;
 }
 

@@ -5,7 +5,6 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "landscape/accepted_ends.h"
 
 #include <algorithm>
 #include <cmath>
@@ -77,39 +76,62 @@ std::string conflict_words(const problem::ParameterSpace& space, const Eigen::Ve
     return pave::join(words);
 }
 
+namespace {
+
+// Digits of a coefficient that is multiplied by something that varies over `span`: the rounding shows less than a tenth
+// of what the combination is fixed to.
+int digits_for(double coefficient, double span, double fixed_to) {
+    constexpr double share = 0.1;
+    constexpr int least = 3;
+    constexpr int most = 9;
+    const double rounding = 2.0 * share * fixed_to / std::max(std::abs(coefficient) * span, 1e-300);
+    return std::clamp(static_cast<int>(std::ceil(1.0 - std::log10(std::max(rounding, 1e-300)))), least, most);
+}
+
+// How far s(parameter) reaches over the box.
+double span_of(const problem::Axis& axis) {
+    return axis.scale == problem::Scale::log ? std::log(axis.high / axis.low) : axis.high - axis.low;
+}
+
+} // namespace
+
 // A factor c^k of the fixed combination is a power of stress at a stress of its own.
 std::string combination_words(const study::Study& study, const landscape::Combination& c) {
     const problem::ParameterSpace& space = study.space;
     const auto is_log = [&](std::size_t k) { return space.axes[k].scale == problem::Scale::log; };
     constexpr double pa_kPa = 100.0;
-    if (!is_log(c.leading)) {
-        std::string text = space.axes[c.leading].name;
-        for (const auto& term : c.others) {
-            const std::string name =
-                is_log(term.axis) ? "ln(" + space.axes[term.axis].name + ")" : space.axes[term.axis].name;
-            text +=
-                fmt::format(" {} {:.3g} * {}", term.coefficient < 0.0 ? "-" : "+", std::abs(term.coefficient), name);
-        }
-        return text + fmt::format(" is fixed to {:.2g}", c.standard_error);
-    }
     std::string text = space.axes[c.leading].name;
     for (const auto& term : c.others) {
-        const std::string& name = space.axes[term.axis].name;
+        const problem::Axis& axis = space.axes[term.axis];
+        const std::string& name = axis.name;
+        const double span = span_of(axis);
+        const int digits = digits_for(term.coefficient, span, c.standard_error);
+        if (!is_log(c.leading)) {
+            text += fmt::format(" {} {:.{}g} * {}", term.coefficient < 0.0 ? "-" : "+", std::abs(term.coefficient),
+                                digits, is_log(term.axis) ? "ln(" + name + ")" : name);
+            continue;
+        }
         if (is_log(term.axis)) {
-            text += fmt::format(" * {}^{:.3g}", name, term.coefficient);
+            text += fmt::format(" * {}^{:.{}g}", name, term.coefficient, digits);
             continue;
         }
         const double base = std::exp(term.coefficient);
+        const int digits_of_base = digits_for(1.0, span, c.standard_error);
         const auto power = power_of(study, term.axis);
+        constexpr double large = 30.0; // of numbers in whose powers nobody thinks
         if (power && base > power->offset) {
-            text += fmt::format(" * ({0}/pa{1})^{2} at {0} = {3:.3g} kPa", power->stress,
+            text += fmt::format(" * ({0}/pa{1})^{2} at {0} = {3:.{4}g} kPa", power->stress,
                                 power->offset > 0.0 ? fmt::format(" + {:g}", power->offset) : "", name,
-                                pa_kPa * (base - power->offset));
+                                pa_kPa * (base - power->offset), digits_of_base);
+        } else if (std::max(std::abs(axis.low), std::abs(axis.high)) > large) {
+            text += fmt::format(" * exp({}{}/{:.{}g})", term.coefficient < 0.0 ? "-" : "", name,
+                                1.0 / std::abs(term.coefficient), digits);
         } else {
-            text += fmt::format(" * {:.3g}^{}", base, name);
+            text += fmt::format(" * {:.{}g}^{}", base, digits_of_base, name);
         }
     }
-    return text + fmt::format(" is fixed to {:.2g} %", 100.0 * c.standard_error);
+    return text + (is_log(c.leading) ? fmt::format(" is fixed to {:.2g} %", 100.0 * c.standard_error)
+                                     : fmt::format(" is fixed to {:.2g}", c.standard_error));
 }
 
 std::string end_words(WalkEnd end, const std::vector<std::string>& bounds) {
@@ -226,7 +248,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
         double highest = 0.0;
         std::vector<std::vector<double>> ends;
         for (const Branch& trace : u.traces) {
-            ends.push_back(accepted_end(space, u, trace));
+            ends.push_back(trace.limit_unit);
             for (const auto& p : trace.points) {
                 highest = std::max(highest, std::min(p.rise, acceptance.threshold));
             }

@@ -63,7 +63,8 @@ analysis::RunOptions CommonOptions::run(std::string folder) const {
 
 void add_run_options(CLI::App& app, CommonOptions& options, const std::string& default_folder) {
     app.add_option("--out", options.out, "folder for the results (default: " + default_folder + ")");
-    app.add_option("--threads", options.threads, "number of threads (default: one a core)")->check(CLI::Range(1, 4096));
+    app.add_option("--threads", options.threads, "number of threads (default: one a core)")
+        ->check(within(analysis::allowed::threads));
     app.add_option("--seed", options.seed, "fixes what is random")->check(whole_number())->capture_default_str();
     app.add_flag("--json", options.json, "print one JSON object and nothing else");
 }
@@ -94,7 +95,7 @@ void add_model(CLI::App& app, analysis::ModelOptions& options, bool alone) {
     }
     app.add_option("--model-error", options.limit_percent,
                    "estimated error of a reading [%] above which the full model runs in place of the reduced one")
-        ->check(within(0.01, 100.0))
+        ->check(within(analysis::allowed::model_error))
         ->capture_default_str();
 }
 

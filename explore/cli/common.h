@@ -1,6 +1,7 @@
 // What the commands share: options, how a result is handed over, the table of commands.
 #pragma once
 
+#include "analysis/option_ranges.h"
 #include "analysis/session.h"
 #include "report/json.h"
 
@@ -39,6 +40,12 @@ struct CommonOptions {
 
 // The value of an option lies between these; nan does not.
 CLI::Validator within(double low, double high);
+inline CLI::Validator within(const analysis::allowed::Real& range) {
+    return within(range.low, range.high);
+}
+inline CLI::Validator within(const analysis::allowed::Whole& range) {
+    return CLI::Range(range.low, range.high);
+}
 
 // One of these words, kept as its number.
 template <class Enum, std::size_t N>

@@ -9,12 +9,18 @@ namespace {
 struct Options {
     CommonOptions common;
     analysis::CompareOptions compare;
+    std::vector<std::string> others;
 };
 
 int compare(const Options& options) {
     const study::Study study = study::load_study(options.common.study);
+    std::vector<study::Study> studies{study};
+    for (const std::string& other : options.others) {
+        studies.push_back(study::load_study(other));
+    }
     analysis::Session session(options.common.run(study));
-    const auto result = analysis::compare(session, study, options.compare);
+    const auto result = studies.size() > 1 ? analysis::compare_studies(session, studies, options.compare)
+                                           : analysis::compare(session, study, options.compare);
     if (!result) {
         return report_interrupt(session.folder());
     }
@@ -29,22 +35,27 @@ int compare(const Options& options) {
 } // namespace
 
 void add_compare(CLI::App& app, Action& action) {
-    auto* command =
-        app.add_subcommand("compare", "the same data, another law in the same layer: which do they prefer?");
+    auto* command = app.add_subcommand(
+        "compare", "the same data, another law in the same layer, or another study: which do they prefer?");
     auto options = std::make_shared<Options>();
     add_common(*command, options->common);
-    command->add_option("--layer", options->compare.layer,
-                        "the layer in question (default: the one whose law depends on stress)");
-    command->add_option("--laws", options->compare.laws, "laws to compare (default: all)")->delimiter(',');
+    auto* layer = command->add_option("--layer", options->compare.layer,
+                                      "the layer in question (default: the one whose law depends on stress)");
+    auto* laws = command->add_option("--laws", options->compare.laws, "laws to compare (default: all)")->delimiter(',');
+    command
+        ->add_option("OTHER", options->others,
+                     "other studies with the same readings: each as it is, in place of laws in one layer")
+        ->excludes(layer)
+        ->excludes(laws);
     command
         ->add_option("--explore", options->compare.settings.explore,
                      "points of each law's Sobol sample, with derivatives")
-        ->check(CLI::Range(1, 1'000'000))
+        ->check(within(analysis::allowed::compare_explore))
         ->capture_default_str();
     command
         ->add_option("--verify", options->compare.settings.verify,
                      "independent searches of each law that must find no new minimum before the search ends")
-        ->check(CLI::Range(1, 100'000))
+        ->check(within(analysis::allowed::compare_verify))
         ->capture_default_str();
     command->add_flag("--evidence", options->compare.evidence, "sample each law's posterior too, for its evidence");
     command->footer("Example: pavescape compare grids/captif-p1-unique-fwd.toml --laws uzan,k-theta,linear");

@@ -46,15 +46,15 @@ void add_diagnose(CLI::App& app, Action& action) {
     command
         ->add_option("--explore", options->diagnose.settings.explore,
                      "points of the Sobol sample for the study's model")
-        ->check(CLI::Range(1, 100'000))
+        ->check(within(analysis::allowed::diagnose_explore))
         ->capture_default_str();
     command->add_option("--starts", options->diagnose.settings.starts, "local searches of the study's model")
-        ->check(CLI::Range(1, 10'000))
+        ->check(within(analysis::allowed::diagnose_starts))
         ->capture_default_str();
     command
         ->add_option("--bootstrap", options->diagnose.settings.bootstrap,
                      "simulated data sets to calibrate the evidence, at most")
-        ->check(CLI::Range(1, 100'000))
+        ->check(within(analysis::allowed::diagnose_bootstrap))
         ->capture_default_str();
     command->footer("Example: pavescape diagnose grids/captif-p1-fwd.toml");
     command->callback([=, &action] { action = [=] { return diagnose(*options); }; });

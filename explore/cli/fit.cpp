@@ -1,5 +1,6 @@
 // pavescape fit: explore, then refine the best starts.
 #include "report/fit.h"
+#include "analysis/starts.h"
 #include "cli/commands.h"
 
 namespace explore::cli {
@@ -8,12 +9,21 @@ namespace {
 struct Options {
     CommonOptions common;
     analysis::FitOptions fit;
+    std::vector<std::string> starts, from;
 };
 
 int fit(const Options& options) {
     const study::Study study = study::load_study(options.common.study);
+    analysis::FitOptions asked = options.fit;
+    for (const std::string& values : options.starts) {
+        asked.starts.push_back(analysis::start_of(study, values));
+    }
+    for (const std::string& place : options.from) {
+        auto starts = analysis::starts_from(study, place, static_cast<std::size_t>(asked.multistart.starts));
+        std::move(starts.begin(), starts.end(), std::back_inserter(asked.starts));
+    }
     analysis::Session session(options.common.run(study));
-    const auto result = analysis::fit(session, study, options.fit);
+    const auto result = analysis::fit(session, study, asked);
     if (!result) {
         return report_interrupt(session.folder());
     }
@@ -39,16 +49,30 @@ void add_fit(CLI::App& app, Action& action) {
     add_choice(*command, "--scheme", options->fit.scheme, analysis::scheme_names,
                "multistart, or paper: a coarse full grid and one search from its smallest misfit");
     command->add_option("--explore", options->fit.explore, "points of the Sobol sample")
-        ->check(CLI::Range(1, 1'000'000))
+        ->check(within(analysis::allowed::fit_explore))
         ->capture_default_str();
     command->add_option("--starts", options->fit.multistart.starts, "local searches")
-        ->check(CLI::Range(1, 10'000))
+        ->check(within(analysis::allowed::fit_starts))
         ->capture_default_str();
     command
         ->add_option("--method", options->fit.multistart.method,
                      "local search: " + pave::join(names) + "; another method confirms its minima")
         ->check(CLI::IsMember(names))
         ->capture_default_str();
+    command
+        ->add_option(
+            "--start", options->starts,
+            "NAME=VALUE,...: a search from these values too, others than these at the study's own (repeatable)")
+        ->type_name("NAME=VALUE,...")
+        ->expected(1)
+        ->take_all();
+    command
+        ->add_option("--from", options->from,
+                     "searches from the lowest points of an earlier run too, at most as many as --starts; or from "
+                     "those of a file with a header of names (repeatable)")
+        ->type_name("RUN|FILE.csv")
+        ->expected(1)
+        ->take_all();
     command->add_flag("--joint-only", options->fit.joint_only,
                       "do not also fit each group of readings alone to see what it predicts for the others");
     command->footer("Example: pavescape fit grids/captif-p1-fwd.toml --starts 16");

@@ -1,8 +1,10 @@
-// pavescape forward: responses at the study's own parameter values.
+// pavescape forward: responses at the study's own parameter values, at others, at a list of them.
 #include "report/forward.h"
 #include "cli/commands.h"
 #include "report/vtu.h"
 #include "run/files.h"
+#include "run/message.h"
+#include "study/values.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -14,10 +16,10 @@ namespace {
 
 // FILE for a study of one load, FILE with "-LOAD" before its ending for more. The files that were written.
 std::vector<std::string> write_fields(const study::Study& study, const pave::pavement::ForwardModel& model,
-                                      const std::string& file) {
+                                      const pave::pavement::Case& at, const std::string& file) {
     std::vector<std::string> written;
     for (std::size_t l = 0; l < study.model.loads.size(); ++l) {
-        const auto fields = model.fields(study.model, static_cast<int>(l));
+        const auto fields = model.fields(at, static_cast<int>(l));
         if (!fields) {
             throw std::runtime_error(fields.failure().reason);
         }
@@ -34,34 +36,75 @@ std::vector<std::string> write_fields(const study::Study& study, const pave::pav
     return written;
 }
 
-int forward(const CommonOptions& options, bool with_jacobian, const std::string& vtu) {
-    const study::Study study = study::load_study(options.study);
+struct Options {
+    CommonOptions common;
+    bool jacobian = false;
+    std::string vtu, points;
+    std::vector<std::string> set;
+};
+
+int forward_at_points(const Options& options, study::Study study) {
+    const auto known = parameter_paths(study.model);
+    auto points = analysis::read_points(options.points, {known.begin(), known.end()});
+    const auto computed = analysis::compute_points(study, std::move(points), options.points, options.common.threads);
+    if (!computed) {
+        return was_interrupted;
+    }
+    fmt::print("{}", options.common.json ? report::json_text(report::points_json(study, *computed)) + "\n"
+                                         : report::points_csv(study, *computed));
+    const auto& all = computed->responses;
+    if (std::none_of(all.begin(), all.end(), [](const auto& outcome) { return static_cast<bool>(outcome); })) {
+        run::message("pavescape: no point has an answer; the first: {}\n", all[0].failure().reason);
+        return computation_failed;
+    }
+    return done;
+}
+
+int forward(const Options& options) {
+    std::vector<study::NamedValue> values;
+    for (const std::string& text : options.set) {
+        values.push_back(study::named_value(text, {.key = "--set"}));
+    }
+    const auto [study, at] = study::with_values(study::load_study(options.common.study), values, {.key = "--set"});
+    if (!options.points.empty()) {
+        study::Study around = study;
+        around.model = at; // what the points do not name
+        return forward_at_points(options, std::move(around));
+    }
     const pave::pavement::ForwardModel model(study.model);
     const auto workspace = model.make_workspace();
-    if (with_jacobian && study.parameters.empty()) {
+    if (options.jacobian && study.parameters.empty()) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "--jacobian needs parameters to differentiate by",
                           {}, "at least one [[parameters]]");
     }
     const auto outcome =
-        model.run(study.model, with_jacobian ? study.parameters : std::vector<pave::pavement::Parameter>{}, *workspace);
+        model.run(at, options.jacobian ? study.parameters : std::vector<pave::pavement::Parameter>{}, *workspace);
     report::Json json = report::forward_json(study, model, outcome);
+    for (const auto& [name, value] : values) {
+        json["set"][name] = value;
+    }
     if (!outcome) {
-        return hand_over_failure(options, json,
+        return hand_over_failure(options.common, json,
                                  std::string(to_string(outcome.status())) + ": " + outcome.failure().reason);
     }
-    const auto fields = vtu.empty() ? std::vector<std::string>{} : write_fields(study, model, vtu);
-    if (options.json) {
+    const auto fields = options.vtu.empty() ? std::vector<std::string>{} : write_fields(study, model, at, options.vtu);
+    if (options.common.json) {
         if (!fields.empty()) {
             json["vtu"] = fields;
         }
         fmt::print("{}\n", report::json_text(json));
         return done;
     }
-    fmt::print("{}", report::forward_text(study, *outcome));
+    std::vector<std::string> set;
+    for (const auto& [name, value] : values) {
+        set.push_back(fmt::format("{} = {}", name, value));
+    }
+    fmt::print("{}{}", set.empty() ? "" : fmt::format("at {}\n", pave::join(set)),
+               report::forward_text(study, *outcome));
     for (const std::string& file : fields) {
         fmt::print("  fields for ParaView: {}\n", file);
     }
-    if (with_jacobian) {
+    if (options.jacobian) {
         fmt::print("{}", report::jacobian_text(study, *outcome));
     }
     return done;
@@ -70,19 +113,33 @@ int forward(const CommonOptions& options, bool with_jacobian, const std::string&
 } // namespace
 
 void add_forward(CLI::App& app, Action& action) {
-    auto* command = app.add_subcommand("forward", "responses at the study's own parameter values");
-    auto options = std::make_shared<CommonOptions>();
-    auto jacobian = std::make_shared<bool>(false);
-    add_common(*command, *options);
-    command->add_flag("--jacobian", *jacobian, "also the derivative of every response by every parameter");
-    auto vtu = std::make_shared<std::string>();
+    auto* command = app.add_subcommand("forward", "responses at the study's own parameter values, or at others");
+    auto options = std::make_shared<Options>();
+    add_common(*command, options->common);
+    auto* jacobian =
+        command->add_flag("--jacobian", options->jacobian, "also the derivative of every response by every parameter");
+    auto* vtu = command
+                    ->add_option("--vtu", options->vtu,
+                                 "also the fields of displacement, strain, stress and moduli, for ParaView; one file a "
+                                 "load")
+                    ->type_name("FILE");
     command
-        ->add_option("--vtu", *vtu,
-                     "also the fields of displacement, strain, stress and moduli, for ParaView; one file a load")
-        ->type_name("FILE");
+        ->add_option("--set", options->set,
+                     "NAME=VALUE: a number of the study at another value, as base.k1=900 (repeatable)")
+        ->type_name("NAME=VALUE")
+        ->expected(1)
+        ->take_all();
+    command
+        ->add_option("--points", options->points,
+                     "parameter sets, one a line under a header with their names: prints a line of readings and "
+                     "outputs for each")
+        ->type_name("FILE.csv")
+        ->excludes(jacobian)
+        ->excludes(vtu);
     command->footer("Example: pavescape forward grids/captif-p1-fwd.toml --jacobian\n"
+                    "         pavescape forward grids/captif-p1-fwd.toml --set base.k1=900 --set base.n=0.5\n"
                     "         pavescape forward grids/dual-nonlinear.toml --vtu dual.vtu");
-    command->callback([=, &action] { action = [=] { return forward(*options, *jacobian, *vtu); }; });
+    command->callback([=, &action] { action = [=] { return forward(*options); }; });
 }
 
 } // namespace explore::cli

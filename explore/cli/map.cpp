@@ -53,7 +53,7 @@ void add_map(CLI::App& app, Action& action) {
         ->check(CLI::IsMember({"grid", "sobol", "adaptive"}));
     command
         ->add_option("--points", options->map.points, "sobol, adaptive: points in all; grid: points of each parameter")
-        ->check(CLI::Range(1, 10'000'000));
+        ->check(within(analysis::allowed::map_points));
     command->footer("Example: pavescape map grids/captif-p1-fwd.toml");
     command->callback([=, &action] { action = [=] { return map(*options); }; });
 }

@@ -2,6 +2,7 @@
 #include "analysis/new_study.h"
 #include "cli/commands.h"
 #include "run/files.h"
+#include "run/program.h"
 
 #include <filesystem>
 #include <fmt/format.h>
@@ -60,8 +61,9 @@ int write_study(const Options& options) {
     }
     run::write_file(folder, stem + ".csv", made.readings);
     run::write_file(folder, stem + ".toml", made.study);
-    fmt::print("written: {0}/{1}.toml and {0}/{1}.csv\nnext:    {2}pavescape check {0}/{1}.toml\n", folder, stem,
-               options.from.empty() ? "" : "state the layers of your road in it, then ");
+    fmt::print("written: {0}/{1}.toml and {0}/{1}.csv\nnext:    {2}pavescape check {3}\n", folder, stem,
+               options.from.empty() ? "" : "state the layers of your road in it, then ",
+               run::shell_word(fmt::format("{}/{}.toml", folder, stem)));
     return done;
 }
 

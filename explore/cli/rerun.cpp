@@ -62,7 +62,9 @@ int rerun(const std::string& folder, bool json) {
         }
         const run::Start again =
             run::laid_out({session.arguments, session.directory}, old_store.inputs(session.id), files.path());
-        run::message("repeating: pavescape {}{}\n", fmt::join(session.arguments, " "),
+        std::vector<std::string> words;
+        std::transform(session.arguments.begin(), session.arguments.end(), std::back_inserter(words), run::shell_word);
+        run::message("repeating: pavescape {}{}\n", fmt::join(words, " "),
                      again.changed ? " (a file has been changed since: from the texts that the run keeps)" : "");
         const auto status = start(redirected(again.arguments, scratch.path()), again.directory);
         if (!status) {

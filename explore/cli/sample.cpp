@@ -42,12 +42,14 @@ void add_sample(CLI::App& app, Action& action) {
     add_model(*command, options->sample.model);
     auto* model = command->get_option("--model")->default_str("auto where the study has a reduced model, else full");
     command->add_option("--samples", options->sample.samples, "draws, of four independent populations")
-        ->check(CLI::Range(400, 1'000'000))
+        ->check(within(analysis::allowed::sample_draws))
         ->capture_default_str();
     command
-        ->add_option("--confirm", options->sample.confirm,
-                     "draws at which the full model corrects the reduced one, and computes outputs under other loads")
-        ->check(CLI::Range(1, 1'000'000))
+        ->add_option(
+            "--confirm", options->sample.confirm,
+            "draws at which the full model corrects the reduced one, and at most those at which it computes outputs "
+            "under loads that no reading has")
+        ->check(within(analysis::allowed::sample_confirm))
         ->capture_default_str();
     command->footer("Example: pavescape sample grids/captif-p1-unique-fwd.toml");
     command->callback([=, &action] {

@@ -44,16 +44,16 @@ void add_sensitivity(CLI::App& app, Action& action) {
                      "their own values")
         ->allow_extra_args(false);
     command->add_option("--range", options->sensitivity.range, "the curves go this many percent to either side")
-        ->check(within(0.1, 100.0))
+        ->check(within(analysis::allowed::sensitivity_range))
         ->capture_default_str();
     command->add_option("--points", options->sensitivity.points, "points of a curve")
-        ->check(CLI::Range(2, 1001))
+        ->check(within(analysis::allowed::sensitivity_points))
         ->capture_default_str();
     command
         ->add_option("--samples", options->sensitivity.samples,
                      "rows of the sample for global indices, best a power of 2, each as many runs as parameters "
                      "and two more; 0: none")
-        ->check(CLI::Range(0, 1'000'000))
+        ->check(within(analysis::allowed::sensitivity_samples))
         ->capture_default_str();
     command->footer("Example: pavescape sensitivity grids/captif-p1-fwd.toml --range 50 --samples 256");
     command->callback([=, &action] { action = [=] { return sensitivity(*options); }; });

@@ -34,16 +34,16 @@ void add_unique(CLI::App& app, Action& action) {
     add_common(*command, options->common);
     add_model(*command, options->unique.model);
     command->add_option("--explore", options->unique.settings.explore, "points of the Sobol sample, with derivatives")
-        ->check(CLI::Range(1, 100'000))
+        ->check(within(analysis::allowed::unique_explore))
         ->capture_default_str();
     command
         ->add_option(
             "--verify", options->unique.settings.verify,
             "independent random starts in a row that must find no new minimum (bound on what was missed: 3 / this)")
-        ->check(CLI::Range(1, 10'000))
+        ->check(within(analysis::allowed::unique_verify))
         ->capture_default_str();
     command->add_option("--searches", options->unique.settings.max_searches, "local searches at most")
-        ->check(CLI::Range(1, 50'000))
+        ->check(within(analysis::allowed::unique_searches))
         ->capture_default_str();
     command->add_flag("--landscape", options->unique.landscape,
                       "the misfit over every pair of parameters with the others fitted, by the full model, too (with "

@@ -77,6 +77,84 @@ std::vector<CsvRow> parse_csv(std::string_view text, const std::string& file, ch
     return rows;
 }
 
+namespace {
+
+// The first line that is neither blank nor a comment.
+std::string_view header_line(std::string_view text) {
+    while (!text.empty()) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        const std::string_view line = text.substr(0, end);
+        if (!line.starts_with('#') && line.find_first_not_of(" \t\r") != std::string_view::npos) {
+            return line;
+        }
+        text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    return text;
+}
+
+// Which of these characters the line has most of, quoted cells aside; of as many the first.
+char most_frequent(std::string_view line, std::string_view characters) {
+    std::vector<int> counts(characters.size(), 0);
+    bool quoted = false;
+    for (const char c : line) {
+        quoted = quoted != (c == '"');
+        const std::size_t at = characters.find(c);
+        if (!quoted && at != std::string_view::npos) {
+            ++counts[at];
+        }
+    }
+    return characters[static_cast<std::size_t>(std::max_element(counts.begin(), counts.end()) - counts.begin())];
+}
+
+// The cell with a full stop in place of its one comma, where that makes it a number.
+std::optional<std::string> with_full_stop(std::string_view cell) {
+    const std::size_t comma = cell.find(',');
+    if (comma == std::string_view::npos || cell.find(',', comma + 1) != std::string_view::npos) {
+        return std::nullopt;
+    }
+    std::string number(cell);
+    number[comma] = '.';
+    return number_or_nothing(number) ? std::optional(number) : std::nullopt;
+}
+
+} // namespace
+
+CsvTable parse_table(std::string_view text, const std::string& file) {
+    if (text.starts_with("\xef\xbb\xbf")) {
+        text.remove_prefix(3);
+    }
+    CsvTable table;
+    const std::string_view first = header_line(text);
+    constexpr std::string_view announced = "sep=";
+    constexpr std::string_view separators = ",;\t|";
+    const bool is_announced = first.starts_with(announced) && first.size() > announced.size() &&
+                              separators.find(first[announced.size()]) != std::string_view::npos &&
+                              first.find_first_not_of(" \t\r", announced.size() + 1) == std::string_view::npos;
+    table.separator = is_announced ? first[announced.size()] : most_frequent(first, separators);
+    table.rows = parse_csv(text, file, table.separator);
+    if (is_announced) {
+        table.rows.erase(table.rows.begin());
+    }
+    bool has_full_stop = false;
+    bool has_comma = false;
+    for (std::size_t r = 1; r < table.rows.size(); ++r) {
+        for (const std::string& cell : table.rows[r].cells) {
+            const std::string_view bare = trimmed(cell);
+            has_full_stop = has_full_stop || (number_or_nothing(bare) && bare.find('.') != std::string_view::npos);
+            has_comma = has_comma || with_full_stop(bare);
+        }
+    }
+    table.decimal_comma = table.separator != ',' && has_comma && !has_full_stop;
+    return table;
+}
+
+double CsvTable::number(std::string_view cell, const pave::Place& place) const {
+    if (const auto converted = decimal_comma ? with_full_stop(cell) : std::nullopt) {
+        return finite_number(*converted, place);
+    }
+    return finite_number(cell, place);
+}
+
 std::string csv_cell(std::string_view text) {
     if (text.find_first_of(",\"\r\n") == std::string_view::npos && !text.starts_with('#')) {
         return std::string(text);

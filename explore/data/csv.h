@@ -37,6 +37,19 @@ double any_number(std::string_view cell, const pave::Place& place);
 // A cell that holds a finite number and nothing else, or nothing.
 std::optional<double> number_or_nothing(std::string_view cell);
 
+// A table with a header, as a person writes it or a spreadsheet saves it: cells separated by commas, by semicolons, by
+// tabs or by bars, whichever the header has most of (a line sep=; above it says so, too). Where they are no commas and
+// no number of the table has a full stop, numbers may have decimal commas.
+struct CsvTable {
+    std::vector<CsvRow> rows; // the header first; none: nothing but blank lines and comments
+    char separator = ',';
+    bool decimal_comma = false;
+
+    // Of a cell; throws pave::Error at `place`.
+    double number(std::string_view cell, const pave::Place& place) const;
+};
+CsvTable parse_table(std::string_view text, const std::string& file);
+
 // The whole of a file. Throws pave::Error when it cannot be read, when it is no regular file (a device, a pipe), and
 // when it is not text. what: "measurement file".
 enum class Encoding {

@@ -29,7 +29,8 @@ std::optional<std::size_t> column(const CsvRow& header, std::string_view name, c
 } // namespace
 
 History history_of(std::string_view text, const std::string& file) {
-    const auto rows = parse_csv(text, file);
+    const CsvTable table = parse_table(text, file);
+    const auto& rows = table.rows;
     if (rows.empty()) {
         throw pave::Error({.file = file}, "the file holds no history", "nothing but comments or blank lines",
                           "a header with " + std::string(wanted) + ", and at least two rows");
@@ -60,7 +61,7 @@ History history_of(std::string_view text, const std::string& file) {
                               std::to_string(row.cells.size()), std::to_string(header.cells.size()));
         }
         const pave::Place place{.file = file, .line = row.line, .key = "time_ms"};
-        const double at = finite_number(trimmed(row.cells[*time]), place);
+        const double at = table.number(trimmed(row.cells[*time]), place);
         if (!(std::abs(at) <= latest_ms)) {
             throw pave::Error(place, "value out of range", fmt::format("{:g}", at),
                               fmt::format("-{0:g} <= value <= {0:g}", latest_ms));
@@ -71,7 +72,7 @@ History history_of(std::string_view text, const std::string& file) {
         }
         history.time_ms.push_back(at);
         history.values.push_back(
-            finite_number(trimmed(row.cells[value]), {.file = file, .line = row.line, .key = value_name}));
+            table.number(trimmed(row.cells[value]), {.file = file, .line = row.line, .key = value_name}));
     }
     if (history.values.size() < 2) {
         throw pave::Error({.file = file}, "a history has at least two rows", std::to_string(history.values.size()),

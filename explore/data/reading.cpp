@@ -88,7 +88,8 @@ std::string measurement_rows(std::span<const Reading> readings) {
 }
 
 std::vector<Reading> measurements_of(std::string_view text, const std::string& file) {
-    const auto rows = parse_csv(text, file);
+    const CsvTable table = parse_table(text, file);
+    const auto& rows = table.rows;
     const std::string header_words = "the header " + std::string(measurement_header());
     if (rows.empty()) {
         throw pave::Error({.file = file}, "the file holds no measurements", "nothing but comments or blank lines",
@@ -100,8 +101,10 @@ std::vector<Reading> measurements_of(std::string_view text, const std::string& f
         const auto cell = trimmed(rows[0].cells[i]);
         const auto known = std::find(names.begin(), names.end(), cell);
         if (known == names.end()) {
-            throw pave::Error({.file = file, .line = rows[0].line}, "unknown column", "\"" + std::string(cell) + "\"",
-                              header_words);
+            const std::string near = pave::nearest_name(cell, {names.begin(), names.end()});
+            throw pave::Error({.file = file, .line = rows[0].line},
+                              near.empty() ? "unknown column" : "unknown column, did you mean \"" + near + "\"?",
+                              "\"" + std::string(cell) + "\"", header_words);
         }
         std::size_t& place = place_of[known - names.begin()];
         if (place != rows[0].cells.size()) {
@@ -127,7 +130,7 @@ std::vector<Reading> measurements_of(std::string_view text, const std::string& f
         const auto place = [&](Column c) {
             return pave::Place{.file = file, .line = row.line, .key = std::string(names[c])};
         };
-        const auto cell_number = [&](Column c) { return finite_number(cell(c), place(c)); };
+        const auto cell_number = [&](Column c) { return table.number(cell(c), place(c)); };
         Reading m;
         m.file = file;
         m.line = row.line;

@@ -1,63 +1,75 @@
 #include "landscape/accepted_ends.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace explore::landscape {
 
-void widen_ranges(const problem::ParameterSpace& space, Uniqueness& u) {
-    const auto widen = [&](const ProfilePoint& p) {
+std::vector<Beyond> beyond_ends(const problem::ParameterSpace& space, const Uniqueness& u) {
+    constexpr double hair = 2e-3; // of the box
+    const std::size_t count = u.parameters.size();
+    std::vector<double> ends(2 * count); // lower and upper of each
+    for (std::size_t k = 0; k < count; ++k) {
+        ends[2 * k] = space.axes[k].unit(u.parameters[k].low) - hair;
+        ends[2 * k + 1] = space.axes[k].unit(u.parameters[k].high) + hair;
+    }
+    std::vector<const ProfilePoint*> furthest(2 * count, nullptr);
+    const auto look_at = [&](const ProfilePoint& p) {
         if (p.rise > u.acceptance->threshold) {
             return;
         }
-        const std::vector<double> set = space.physical(p.unit);
-        for (std::size_t k = 0; k < set.size(); ++k) {
-            Range& range = u.parameters[k];
-            if (set[k] < range.low) {
-                range.low = set[k];
-                range.low_set = set;
+        for (std::size_t k = 0; k < count; ++k) {
+            if (p.unit[k] < ends[2 * k]) {
+                ends[2 * k] = p.unit[k];
+                furthest[2 * k] = &p;
             }
-            if (set[k] > range.high) {
-                range.high = set[k];
-                range.high_set = set;
+            if (p.unit[k] > ends[2 * k + 1]) {
+                ends[2 * k + 1] = p.unit[k];
+                furthest[2 * k + 1] = &p;
             }
         }
     };
     for (const Branch& trace : u.traces) {
-        std::for_each(trace.points.begin(), trace.points.end(), widen);
+        std::for_each(trace.points.begin(), trace.points.end(), look_at);
     }
     for (const Range& range : u.parameters) {
         for (const Branch& branch : range.branches) {
-            std::for_each(branch.points.begin(), branch.points.end(), widen);
+            std::for_each(branch.points.begin(), branch.points.end(), look_at);
         }
     }
+    std::vector<Beyond> beyond;
+    for (std::size_t i = 0; i < furthest.size(); ++i) {
+        if (furthest[i] != nullptr) {
+            Beyond& one = beyond.emplace_back(Beyond{i / 2, i % 2 == 0 ? -1 : 1, *furthest[i]});
+            one.point.value = one.point.unit[one.axis];
+            one.point.slope = 0.0;
+        }
+    }
+    return beyond;
 }
 
-std::vector<double> accepted_end(const problem::ParameterSpace& space, const Uniqueness& u, const Branch& trace) {
-    const double wall = std::sqrt(u.acceptance->threshold);
-    std::vector<double> inside = u.minima[0].unit;
-    double root = 0.0;
-    for (const ProfilePoint& p : trace.points) {
-        const double there = std::sqrt(std::max(0.0, p.rise));
-        if (there <= wall) {
-            inside = p.unit;
-            root = there;
-            continue;
+void walked_on(const problem::Problem& problem, Beyond from, Branch walked, Range& range) {
+    const problem::Axis& axis = problem.space.axes[from.axis];
+    const bool up = from.sign > 0;
+    // The branch of that side that came furthest: what it met beyond the new point was of its own neighbourhood.
+    Branch* own = nullptr;
+    for (std::size_t b = up ? 1 : 0; b < range.branches.size(); b += 2) {
+        if (own == nullptr || from.sign * (range.branches[b].limit - own->limit) > 0.0) {
+            own = &range.branches[b];
         }
-        double share = (wall - root) / (there - root);
-        for (std::size_t k = 0; k < inside.size(); ++k) {
-            const double move = p.unit[k] - inside[k];
-            const double end = space.axes[k].unit(move > 0.0 ? u.parameters[k].high : u.parameters[k].low);
-            if (share * std::abs(move) > std::abs(end - inside[k])) {
-                share = std::abs((end - inside[k]) / move);
-            }
-        }
-        for (std::size_t k = 0; k < inside.size(); ++k) {
-            inside[k] += share * (p.unit[k] - inside[k]);
-        }
-        return inside;
     }
-    return inside;
+    std::erase_if(own->points, [&](const ProfilePoint& p) { return from.sign * (p.value - from.point.value) >= 0.0; });
+    own->points.push_back(std::move(from.point));
+    std::move(walked.points.begin(), walked.points.end(), std::back_inserter(own->points));
+    own->end = walked.end;
+    own->limit = walked.limit;
+    own->limit_unit = std::move(walked.limit_unit);
+    own->on_bound = std::move(walked.on_bound);
+    own->on_limit = std::move(walked.on_limit);
+    (up ? range.high : range.low) = axis.physical(own->limit);
+    (up ? range.high_end : range.low_end) = own->end;
+    (up ? range.high_bounds : range.low_bounds) = own->on_bound;
+    (up ? range.high_limits : range.low_limits) = own->on_limit;
+    (up ? range.high_set : range.low_set) = problem.space.physical(own->limit_unit);
 }
 
 } // namespace explore::landscape

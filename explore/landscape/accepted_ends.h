@@ -1,16 +1,22 @@
-// Ranges and valleys that agree about what the data accept.
+// Ranges and walks that agree about what the data accept.
 #pragma once
 
 #include "landscape/uniqueness.h"
 
 namespace explore::landscape {
 
-// Widens the ranges of the parameters to every set that the walks met and that the data accept: where points without an
-// answer ended one walk, another may have come further.
-void widen_ranges(const problem::ParameterSpace& space, Uniqueness& u);
+// A set that the data accept, met by one walk, beyond where the profile of a parameter ended: what ended that was of
+// its own neighbourhood (a point without an answer, a lower minimum aside).
+struct Beyond {
+    std::size_t axis = 0;
+    int sign = 1; // beyond the upper end; -1: the lower
+    ProfilePoint point;
+};
 
-// The unit coordinates of the last point of a valley that the data accept: where its rise meets the threshold, between
-// its points interpolated linearly in sqrt(chi2), and no further than the ranges of the parameters.
-std::vector<double> accepted_end(const problem::ParameterSpace& space, const Uniqueness& u, const Branch& trace);
+// The furthest of each parameter and side, more than a hair beyond its end.
+std::vector<Beyond> beyond_ends(const problem::ParameterSpace& space, const Uniqueness& u);
+
+// The profile goes on from that point by the walk that began there.
+void walked_on(const problem::Problem& problem, Beyond from, Branch walked, Range& range);
 
 } // namespace explore::landscape

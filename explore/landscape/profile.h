@@ -18,12 +18,13 @@ Quantity along(const Eigen::VectorXd& direction);                           // d
 struct ProfilePoint {
     double value = 0.0; // of the quantity
     double rise = 0.0;  // of chi2 above the minimum
+    double slope = 0.0; // of the lowest rise by the quantity there; 0 where it is not known
     std::vector<double> unit;
     problem::Evaluation evaluation; // with jacobian
 };
 
 enum class WalkEnd {
-    threshold, // chi2 has risen by it
+    threshold, // chi2 has risen by it, or would rise by more at once
     bound,     // of the box: the quantity itself, or every parameter that could move it, lies on one
     hole,      // no point beyond has an answer
     better,    // a lower misfit than that of the minimum was found
@@ -34,8 +35,8 @@ enum class WalkEnd {
 struct Branch {
     std::vector<ProfilePoint> points; // outwards; the minimum is not among them
     WalkEnd end = WalkEnd::limit;
-    double limit = 0.0;                // value of the quantity where the walk ended; at `threshold` interpolated
-    std::vector<double> limit_unit;    // and the point there
+    double limit = 0.0;                // value of the quantity where the walk ended, of the last point accepted
+    std::vector<double> limit_unit;    // that point: computed; at `threshold` chi2 has risen by it, to a thousandth
     std::vector<BoundMet> on_bound;    // parameters on a bound there
     std::vector<std::size_t> on_limit; // limits of the problem that hold back there
 };
@@ -48,8 +49,8 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
             double best_misfit, const Quantity& quantity, int sign);
 
 // Along the direction in which the misfit grows least, turning with it: predictor steps, then the lowest point across
-// the step. Ends where chi2 has risen by the threshold or where a parameter meets a bound. A point's value is its
-// distance along the way (unit cube).
+// the step. A parameter that meets a bound stays there while the others go on. Ends where chi2 has risen by the
+// threshold or where nothing is left that could go on. A point's value is its distance along the way (unit cube).
 Branch trace_valley(run::Chain& chain, const problem::Problem& problem, const Acceptance& acceptance,
                     const Minimum& from, const Eigen::VectorXd& direction);
 

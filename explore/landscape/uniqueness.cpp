@@ -297,7 +297,9 @@ private:
             range.low = problem.space.axes[k].physical(range.low);
             range.high = problem.space.axes[k].physical(range.high);
         }
-        widen_ranges(problem.space, result_);
+        if (!walk_on(round, best_misfit)) {
+            return false;
+        }
         result_.outputs.clear();
         if (!predicted.empty()) {
             // The minima once more, with every response.
@@ -422,6 +424,31 @@ private:
             }
         }
         return ranges;
+    }
+
+    // Profiles that ended although another walk met accepted sets beyond go on from there. False: interrupted.
+    bool walk_on(int round, double best_misfit) {
+        std::vector<Beyond> from = beyond_ends(task_.fitted.space, result_);
+        std::vector<Branch> walked(from.size());
+        if (from.empty()) {
+            return true;
+        }
+        constexpr int behind_the_others = chain_range / 2;
+        if (!task_.fitted_engine.chains("profile", first_of(profiles, round) + behind_the_others, from.size(),
+                                        [&](std::size_t i, run::Chain& chain) {
+                                            Minimum at;
+                                            at.unit = from[i].point.unit;
+                                            at.evaluation = from[i].point.evaluation;
+                                            walked[i] = walk(chain, task_.fitted, *result_.acceptance, at, best_misfit,
+                                                             coordinate(from[i].axis), from[i].sign);
+                                        })) {
+            return false;
+        }
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            Range& range = result_.parameters[from[i].axis];
+            walked_on(task_.fitted, std::move(from[i]), std::move(walked[i]), range);
+        }
+        return true;
     }
 
     // The minima by a second method. moved: it found lower ones, which are ends from now on. False: interrupted.

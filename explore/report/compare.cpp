@@ -6,6 +6,7 @@
 #include "report/text.h"
 #include "run/progress.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -17,14 +18,21 @@ using analysis::FittedLaw;
 using pave::figure;
 
 Json laws_json(const CompareResult& result) {
-    const study::Study& study = result.study;
-    Json json = {{"layer", result.layer}, {"laws", Json::array()}};
+    const bool of_studies = result.is_of_studies();
+    const std::string list = of_studies ? "studies" : "laws";
+    Json json = {{list, Json::array()}};
+    if (of_studies) {
+        json["same_noise"] = result.same_noise;
+    } else {
+        json["layer"] = result.layer;
+    }
     for (const FittedLaw& f : result.laws) {
-        Json law = {{"law", std::string(f.law->name())}, {"summary", std::string(f.law->summary())}};
+        const study::Study& study = f.study;
+        Json law = {{of_studies ? "study" : "law", f.name()}, {"summary", f.summary()}};
         if (!f.failed.empty()) {
             law["status"] = "failed";
             law["reason"] = f.failed;
-            json["laws"].push_back(std::move(law));
+            json[list].push_back(std::move(law));
             continue;
         }
         law["status"] = "converged";
@@ -72,34 +80,31 @@ Json laws_json(const CompareResult& result) {
         }
         law["responses"] = responses_json(study, f.best.responses);
         law["warnings"] = warnings_json(f.best);
-        json["laws"].push_back(std::move(law));
+        json[list].push_back(std::move(law));
     }
     return json;
 }
 
 std::string comparison_text(const CompareResult& result) {
-    const study::Study& study = result.study;
-    const auto outputs = study.outputs();
     const auto optional = [](const std::optional<double>& v) { return v ? figure(*v) : std::string("-"); };
-    Table table({"law", "varied", "chi2", "dof", "p", "AICc", "weight", "left out", "held out", "answer"});
+    const std::string kind = result.is_of_studies() ? "study" : "law";
+    Table table({kind, "varied", "chi2", "dof", "p", "AICc", "weight", "left out", "held out", "answer"});
     for (const FittedLaw& f : result.laws) {
         if (!f.failed.empty()) {
-            table.add({std::string(f.law->name()), "", "", "", "", "", "", "", "", f.failed});
+            table.add({f.name(), "", "", "", "", "", "", "", "", f.failed});
             continue;
         }
-        table.add({std::string(f.law->name()), fmt::format("{}", f.study.space.axes.size()), figure(f.chi2),
-                   fmt::format("{}", f.dof), f.p_value ? fmt::format("{:.2g}", *f.p_value) : "-",
-                   std::isfinite(f.aicc) ? figure(f.aicc) : "-",
+        table.add({f.name(), fmt::format("{}", f.study.space.axes.size()), figure(f.chi2), fmt::format("{}", f.dof),
+                   f.p_value ? fmt::format("{:.2g}", *f.p_value) : "-", std::isfinite(f.aicc) ? figure(f.aicc) : "-",
                    std::isfinite(f.aicc) ? fmt::format("{:.0f} %", 100.0 * f.weight) : "-", optional(f.by_place),
                    optional(f.study_holds), std::string(landscape::verdict_names[static_cast<int>(f.answer.verdict)])});
     }
-    Table evidences({"law", "ln evidence", "std. error", "weight"});
+    Table evidences({kind, "ln evidence", "std. error", "weight"});
     bool sampled = false;
     for (const FittedLaw& f : result.laws) {
         if (f.evidence) {
             sampled = true;
-            evidences.add({std::string(f.law->name()), fmt::format("{:.2f}", f.evidence->log),
-                           fmt::format("{:.2f}", f.evidence->error),
+            evidences.add({f.name(), fmt::format("{:.2f}", f.evidence->log), fmt::format("{:.2f}", f.evidence->error),
                            fmt::format("{:.1f} %", 100.0 * f.evidence->weight)});
         }
     }
@@ -108,14 +113,16 @@ std::string comparison_text(const CompareResult& result) {
         "  left out: error of readings predicted place by place by fits without them; held out: of those "
         "that the study\n  holds out; both root mean squares of residuals\n";
     text += sampled ? "\n" + evidences.text() : "";
-    if (!outputs.empty()) {
+    if (std::any_of(result.laws.begin(), result.laws.end(), [](const auto& f) { return !f.study.outputs().empty(); })) {
         text += fmt::format("  {}\n", sign_convention);
     }
     for (const FittedLaw& f : result.laws) {
         if (!f.failed.empty()) {
             continue;
         }
-        text += fmt::format("\n{}: {}\n", f.law->name(), f.law->summary());
+        const study::Study& study = f.study;
+        const auto outputs = study.outputs();
+        text += fmt::format("\n{}: {}\n", f.name(), f.summary());
         Table values({"", "best", "low", "high", "unit"});
         const bool ranges = !f.answer.parameters.empty();
         for (std::size_t k = 0; k < f.study.space.axes.size(); ++k) {
@@ -157,10 +164,12 @@ Json compare_json(const CompareResult& result, const analysis::RunOptions& run) 
 }
 
 std::string compare_text(const CompareResult& result, const analysis::RunOptions& run) {
-    return fmt::format("{}\n  {} in \"{}\", {}\n\n{}\n{}\n  results: {}/compare.json\n", study_summary(result.study),
-                       pave::counted(result.laws.size(), "law", "laws"), result.layer,
-                       run::duration_words(result.seconds), sentences(findings(result)), comparison_text(result),
-                       run.folder);
+    return fmt::format(
+        "{}\n  {}, {}\n\n{}\n{}\n  results: {}/compare.json\n", study_summary(result.study),
+        result.is_of_studies()
+            ? pave::counted(result.laws.size(), "study", "studies")
+            : fmt::format("{} in \"{}\"", pave::counted(result.laws.size(), "law", "laws"), result.layer),
+        run::duration_words(result.seconds), sentences(findings(result)), comparison_text(result), run.folder);
 }
 
 } // namespace explore::report

@@ -33,11 +33,13 @@ Compared of_best_fit(const Json& result) {
 // The best fit of every law that has an answer.
 Compared of_laws(const Json& result) {
     Compared compared;
-    for (const Json& law : result.at("laws")) {
+    const bool of_studies = result.contains("studies");
+    for (const Json& law : result.at(of_studies ? "studies" : "laws")) {
         if (law.at("status") != "converged") {
             continue;
         }
-        ComparedModel model{.name = law.at("law").get<std::string>(), .values = {}, .residuals = {}};
+        ComparedModel model{
+            .name = law.at(of_studies ? "study" : "law").get<std::string>(), .values = {}, .residuals = {}};
         for (const Json& r : law.at("responses")) {
             if (r.contains("measured")) {
                 if (compared.models.empty()) {
@@ -260,6 +262,26 @@ Figure make_figure(const FolderContents& contents, const std::string& name) {
                          : residuals_figure(compared.readings, compared.models);
 }
 
+namespace {
+
+// What a panel shows of a parameter from low to high: a little more than what the data accept where that is a small
+// part.
+std::pair<double, double> shown_of(double low, double high, bool log, double accepted_low, double accepted_high) {
+    const auto at = [log](double value) { return log ? std::log(value) : value; };
+    const auto value = [log](double at) { return log ? std::exp(at) : at; };
+    const double whole = at(high) - at(low);
+    const double accepted = at(accepted_high) - at(accepted_low);
+    constexpr double least = 1e-3; // of the whole: where the data accept a point
+    constexpr double small = 0.4;
+    const double margin = 0.5 * std::max(accepted, least * whole);
+    if (!(accepted + 2.0 * margin < small * whole)) {
+        return {low, high};
+    }
+    return {std::max(low, value(at(accepted_low) - margin)), std::min(high, value(at(accepted_high) + margin))};
+}
+
+} // namespace
+
 Figure profiles_figure(const Json& unique) {
     const double limit = unique.at("acceptance").at("chi2_rise_allowed").get<double>();
     struct One {
@@ -321,8 +343,7 @@ Figure profiles_figure(const Json& unique) {
         const double best = number_or_none(profile.at("best"));
         const double accepted_low = number_or_none(profile.at("low"));
         const double accepted_high = number_or_none(profile.at("high"));
-        double from = one.low;
-        double to = one.high;
+        auto [from, to] = shown_of(one.low, one.high, one.log, accepted_low, accepted_high);
         Line walked{.colour = okabe_ito[0], .width = 1.5};
         std::vector<std::vector<std::pair<double, double>>> branches;
         for (const Json& branch : profile.at("profile")) {

@@ -6,6 +6,7 @@
 #include "base/units.h"
 #include "report/curves.h"
 #include "report/text.h"
+#include "run/program.h"
 #include "run/progress.h"
 
 #include <cmath>
@@ -274,8 +275,8 @@ std::string fit_text(const FitResult& result, const analysis::RunOptions& run) {
         minima.add(std::move(row));
     }
     text += minima.text() + "\nWhat this means\n" + sentences(findings(result));
-    return text +
-           fmt::format("\n  results: {0}/fit.json; every evaluation: pavescape export {0} --command fit\n", run.folder);
+    return text + fmt::format("\n  results: {}/fit.json; every evaluation: pavescape export {} --command fit\n",
+                              run.folder, run::shell_word(run.folder));
 }
 
 } // namespace explore::report

@@ -1,6 +1,7 @@
 #include "report/forward.h"
 
 #include "base/text.h"
+#include "data/csv.h"
 #include "report/text.h"
 
 #include <fmt/format.h>
@@ -60,6 +61,51 @@ std::string forward_text(const study::Study& study, const Response& response) {
         text += fmt::format("  warning: {}\n", warning);
     }
     return text;
+}
+
+std::string points_csv(const study::Study& study, const analysis::ComputedPoints& computed) {
+    std::string text = "# " + std::string(sign_convention) + "\n";
+    for (const std::string& name : computed.points.names) {
+        text += data::csv_cell(name) + ",";
+    }
+    text += "status";
+    for (const data::Reading& reading : study.readings) {
+        text += "," + data::csv_cell(reading.label_with_unit());
+    }
+    text += ",reason\n";
+    for (std::size_t i = 0; i < computed.responses.size(); ++i) {
+        const auto& outcome = computed.responses[i];
+        for (const double value : computed.points.values[i]) {
+            text += fmt::format("{},", value);
+        }
+        text += to_string(outcome.status());
+        for (std::size_t r = 0; r < study.readings.size(); ++r) {
+            text += outcome ? fmt::format(",{}", study.readings[r].in_unit(outcome.value()[r])) : ",";
+        }
+        text += "," + (outcome ? std::string() : data::csv_cell(outcome.failure().reason)) + "\n";
+    }
+    return text;
+}
+
+Json points_json(const study::Study& study, const analysis::ComputedPoints& computed) {
+    Json points = Json::array();
+    for (std::size_t i = 0; i < computed.responses.size(); ++i) {
+        const auto& outcome = computed.responses[i];
+        Json point = {{"parameters", Json::object()}, {"status", std::string(to_string(outcome.status()))}};
+        for (std::size_t k = 0; k < computed.points.names.size(); ++k) {
+            point["parameters"][computed.points.names[k]] = computed.points.values[i][k];
+        }
+        if (outcome) {
+            point["responses"] = responses_json(study, outcome.value());
+            if (!computed.warnings[i].empty()) {
+                point["warnings"] = computed.warnings[i];
+            }
+        } else {
+            point["reason"] = outcome.failure().reason;
+        }
+        points.push_back(std::move(point));
+    }
+    return {{"points", std::move(points)}};
 }
 
 std::string jacobian_text(const study::Study& study, const Response& response) {

@@ -3,6 +3,7 @@
 #include "analysis/build.h"
 #include "base/text.h"
 #include "report/text.h"
+#include "run/program.h"
 #include "run/progress.h"
 
 #include <algorithm>
@@ -154,7 +155,8 @@ std::string map_text(const MapResult& map, const analysis::RunOptions& run) {
         }
         table.add(std::move(row));
     }
-    return text + fmt::format("\n{}\n  all points: pavescape export {} --command map\n", table.text(), run.folder);
+    return text + fmt::format("\n{}\n  all points: pavescape export {} --command map\n", table.text(),
+                              run::shell_word(run.folder));
 }
 
 } // namespace explore::report

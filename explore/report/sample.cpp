@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "report/density.h"
 #include "report/text.h"
+#include "run/program.h"
 #include "run/progress.h"
 
 #include <cmath>
@@ -151,6 +152,13 @@ Json sample_json(const SampleResult& s, const analysis::RunOptions& run) {
         const data::Reading& reading = study.readings[outputs[o]];
         Json output = {{"name", reading.output}, {"unit", reading.unit.name}};
         output.update(marginal_json(s.outputs[o], reading.unit.to_si, converged));
+        const auto beside = std::find(s.besides.begin(), s.besides.end(), outputs[o]);
+        if (s.surface && beside != s.besides.end()) {
+            output["interpolated"] = {
+                {"runs", s.surface->runs},
+                {"checks", s.surface->checks},
+                {"error", s.surface->error[static_cast<std::size_t>(beside - s.besides.begin())] / reading.unit.to_si}};
+        }
         json["outputs"].push_back(std::move(output));
     }
     json["correlations"] = correlations_json(s);
@@ -248,8 +256,8 @@ std::string sample_text(const SampleResult& s, const analysis::RunOptions& run) 
                         "model, noise and box\n",
                         s.log_evidence, s.log_evidence_error);
     if (!run.folder.empty()) {
-        text += fmt::format("  results: {0}/sample.json, every draw: {0}/samples.csv; pictures: pavescape report {0}\n",
-                            run.folder);
+        text += fmt::format("  results: {0}/sample.json, every draw: {0}/samples.csv; pictures: pavescape report {1}\n",
+                            run.folder, run::shell_word(run.folder));
     }
     return text;
 }

@@ -3,6 +3,7 @@
 #include "analysis/build.h"
 #include "base/text.h"
 #include "report/text.h"
+#include "run/program.h"
 #include "run/progress.h"
 
 #include <algorithm>
@@ -230,8 +231,9 @@ std::string sensitivity_text(const SensitivityResult& s, const analysis::RunOpti
         text += global_text(s);
     }
     return text +
-           fmt::format("\n  results: {0}/sensitivity.json; every run: pavescape export {0} --command sensitivity{1}\n",
-                       run.folder, s.options.samples > 0 ? " (or sensitivity-curves)" : "-curves");
+           fmt::format("\n  results: {}/sensitivity.json; every run: pavescape export {} --command sensitivity{}\n",
+                       run.folder, run::shell_word(run.folder),
+                       s.options.samples > 0 ? " (or sensitivity-curves)" : "-curves");
 }
 
 } // namespace explore::report

@@ -4,9 +4,9 @@
 #include "analysis/range_shape.h"
 #include "base/error.h"
 #include "base/text.h"
-#include "landscape/accepted_ends.h"
 #include "report/curves.h"
 #include "report/text.h"
+#include "run/program.h"
 #include "run/progress.h"
 
 #include <algorithm>
@@ -225,8 +225,7 @@ Json answer_json(const UniqueResult& result) {
             {{"stopped_by", analysis::end_words(problem, trace.end, trace.on_bound, trace.on_limit)},
              {"points", points}});
         if (u.acceptance) {
-            json["traces"].back()["accepted_end"] =
-                parameters_json(space, space.physical(accepted_end(space, u, trace)));
+            json["traces"].back()["accepted_end"] = parameters_json(space, space.physical(trace.limit_unit));
         }
     }
     if (u.conflict) {
@@ -461,8 +460,8 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
     } else if (!next.failed.empty()) {
         text += fmt::format("\nNo further reading could be judged: {}\n", next.failed);
     }
-    return text + fmt::format("\n  results: {0}/unique.json; every evaluation: pavescape export {0} --command unique\n",
-                              run.folder);
+    return text + fmt::format("\n  results: {}/unique.json; every evaluation: pavescape export {} --command unique\n",
+                              run.folder, run::shell_word(run.folder));
 }
 
 } // namespace explore::report

@@ -66,4 +66,12 @@ bool interrupted() {
     return flag.load(std::memory_order_relaxed);
 }
 
+void request_interrupt() {
+    flag = true;
+}
+
+void forget_interrupt() {
+    flag = false;
+}
+
 } // namespace explore::run

@@ -10,6 +10,10 @@ void catch_interrupts();
 void end_at_interrupts();
 bool interrupted();
 
+// For a program that catches signals itself: what is running ends as after one, until it is forgotten.
+void request_interrupt();
+void forget_interrupt();
+
 // Thrown by what cannot go on because of it.
 struct Interrupted {};
 

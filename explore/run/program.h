@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace explore::run {
@@ -19,5 +20,8 @@ ProgramEnd run_program(const std::vector<std::string>& words);
 // This program, started in another folder; what it prints on standard output goes nowhere. Its exit status; nothing:
 // ended by a signal, or by us at an interrupt. Throws std::runtime_error where it cannot be started from there.
 std::optional<int> run_this_program(const std::vector<std::string>& arguments, const std::string& directory);
+
+// A word of a command as a shell takes it: in quotes where it holds more than letters, digits and the signs of paths.
+std::string shell_word(std::string_view text);
 
 } // namespace explore::run

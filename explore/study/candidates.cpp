@@ -2,6 +2,7 @@
 
 #include "base/units.h"
 #include "pavement/effects/effect.h"
+#include "pavement/tie.h"
 
 #include <algorithm>
 #include <cmath>
@@ -66,6 +67,22 @@ std::vector<data::Reading> readings(const Study& study, const Load& load, bool d
     return list;
 }
 
+// What is sought of a load, or follows what is sought, is as unknown of the same load raised.
+void tie_raised(Study& extended, const std::string& load, const Load& second) {
+    const auto is_sought = [&](const std::string& path) {
+        const auto is_it = [&](const auto& item) { return item.path == path; };
+        return std::any_of(extended.parameters.begin(), extended.parameters.end(), is_it) ||
+               std::any_of(extended.model.ties.begin(), extended.model.ties.end(), is_it);
+    };
+    for (const pave::pavement::KeyInfo& key : pave::pavement::load_keys(second)) {
+        const std::string own = fmt::format("{}.{}", load, key.key);
+        if (is_sought(own)) {
+            add_tie(extended.model, fmt::format("{}.{}", second.name, key.key),
+                    key.key == "pressure_kPa" ? fmt::format("{} * {}", raised, own) : own, {.file = extended.file});
+        }
+    }
+}
+
 } // namespace
 
 Study candidates(const Study& study, const std::vector<std::size_t>& again) {
@@ -87,6 +104,7 @@ Study candidates(const Study& study, const std::vector<std::size_t>& again) {
             second.name = fmt::format("{} at {:.0f} % of the pressure", load.name, 100.0 * raised);
             second.pressure *= raised;
             extended.model.loads.push_back(second);
+            tie_raised(extended, load.name, second);
             auto more = readings(study, second, true);
             std::move(more.begin(), more.end(), std::back_inserter(list));
         }

@@ -1,5 +1,7 @@
 #include "study/keys.h"
 
+#include "study/table_reader.h"
+
 namespace explore::study {
 
 std::span<const Key> study_keys() {
@@ -78,6 +80,21 @@ std::span<const Key> study_keys() {
         constraint_that,
     };
     return all;
+}
+
+std::vector<Key> root_keys() {
+    std::vector<Key> roots;
+    for (Key key : study_keys()) {
+        const std::size_t begin = key.table.find_first_not_of('[');
+        if (begin == 0) { // of a table within a table
+            continue;
+        }
+        if (begin != std::string_view::npos) {
+            key.key = key.table.substr(begin, key.table.find_first_of(".]") - begin);
+        }
+        roots.push_back(key);
+    }
+    return roots;
 }
 
 } // namespace explore::study

@@ -51,6 +51,12 @@ problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& ro
     return misfit_of(study, rows, std::vector<double>(rows.size(), 1.0));
 }
 
+std::vector<bool> with_constrained(std::vector<bool> loads, const Study& study) {
+    const std::vector<bool> constrained = constrained_loads(study);
+    std::transform(loads.begin(), loads.end(), constrained.begin(), loads.begin(), std::logical_or<>());
+    return loads;
+}
+
 problem::Problem problem_of(const Study& study, const std::vector<bool>& loads, problem::Misfit misfit) {
     if (study.parameters.empty()) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "this command needs parameters to change", {},
@@ -60,11 +66,7 @@ problem::Problem problem_of(const Study& study, const std::vector<bool>& loads, 
         throw pave::Error({.file = study.file, .key = "parameters"}, "too many parameters",
                           fmt::format("{}", study.space.dimension()), fmt::format("at most {}", most_parameters));
     }
-    std::vector<bool> needed = loads;
-    if (!needed.empty()) { // empty: all
-        const std::vector<bool> constrained = constrained_loads(study);
-        std::transform(needed.begin(), needed.end(), constrained.begin(), needed.begin(), std::logical_or<>());
-    }
+    const std::vector<bool> needed = loads.empty() ? loads : with_constrained(loads, study); // empty: all
     problem::Problem problem(study.space, make_function(study.model, study.parameters, needed), std::move(misfit));
     problem.limits = limits_of(study);
     return problem;
@@ -74,6 +76,14 @@ problem::Problem problem_of(const Study& study, const std::vector<bool>& loads, 
 
 problem::Problem make_prediction_problem(const Study& study) {
     return problem_of(study, {}, problem::Misfit(study.data.misfit, {}));
+}
+
+problem::Problem make_prediction_problem(const Study& study, const std::vector<bool>& loads) {
+    return {study.space, make_function(study.model, study.parameters, loads), problem::Misfit(study.data.misfit, {})};
+}
+
+std::vector<bool> computed_loads(const Study& study) {
+    return with_constrained(fitted_loads(study), study);
 }
 
 std::vector<bool> fitted_loads(const Study& study) {

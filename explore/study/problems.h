@@ -15,6 +15,9 @@ enum class Scope { everything, fitted };
 // Of each load: whether readings under it are fitted.
 std::vector<bool> fitted_loads(const Study& study);
 
+// Of each load: whether a problem of what is fitted computes it: for its readings, or for a constraint.
+std::vector<bool> computed_loads(const Study& study);
+
 // The problem the explorer works on, with the study's own misfit: the readings that are not held out, weighed. Throws
 // pave::Error when the study has no parameters or no measurements.
 problem::Problem make_problem(const Study& study, Scope scope = Scope::everything);
@@ -26,6 +29,8 @@ problem::Problem make_noise_problem(const Study& study, Scope scope);
 // The same with nothing to compare with: for what needs responses and no data. Throws pave::Error when the study has no
 // parameters.
 problem::Problem make_prediction_problem(const Study& study);
+// The responses under these loads alone, without constraints.
+problem::Problem make_prediction_problem(const Study& study, const std::vector<bool>& loads);
 
 // The root mean square residual of a group at the responses of the study's sensors, each reading with weight 1.
 double group_rms(const Study& study, const Group& group, const std::vector<double>& responses);

@@ -63,12 +63,14 @@ Load read_load(const toml::table& table, const Study& study, bool outside, const
     } else {
         load.patch = static_cast<Patch>(reader.choice(keys::load_patch));
     }
-    const bool has_history = reader.has(keys::load_history);
-    if (has_history && load.type == LoadType::gear) {
+    const bool has_history = table.contains(keys::load_history.key);
+    if (load.type != LoadType::gear) {
+        reader.expect(std::array{keys::load_history});
+    } else if (has_history) {
         throw pave::Error(reader.place(keys::load_history), "a history is of a plate, a wheel or a dual wheel",
                           "type = \"gear\"", "one of the wheels of the gear");
     }
-    if (has_history && reader.has("duration_ms")) {
+    if (has_history && table.contains("duration_ms")) {
         throw pave::Error(reader.place("duration_ms"), "the history of this load says how long it presses",
                           "duration_ms", "history alone");
     }

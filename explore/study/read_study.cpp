@@ -160,6 +160,7 @@ void set_present(Case& model, const Parameter& parameter) {
 
 void read_parameter(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[[parameters]]");
+    reader.expect(std::array{keys::parameter_equals}); // of a number that is not searched
     problem::Axis axis;
     axis.name = reader.text(keys::parameter_name);
     const Parameter parameter = find_parameter(study.model, axis.name, reader.place("name"));
@@ -354,6 +355,8 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
                           std::string(error.description()), "see toml.io for the format");
     }
     TableReader reader(table, file, "");
+    reader.expect(root_keys());
+    reader.refuse_others(); // before something is missing because it is called otherwise
     reader.integer(keys::schema);
     study.title = reader.text(keys::title, study.stem());
 
@@ -468,6 +471,21 @@ Study load_study(const std::string& file, Readings readings) {
     const std::string text = inputs[0].bytes;
     Study study = parse(text, file, readings, beside);
     study.inputs = std::make_shared<const std::vector<data::InputFile>>(std::move(inputs));
+    return study;
+}
+
+Study kept_study(const std::string& file, std::shared_ptr<const std::vector<data::InputFile>> inputs) {
+    const auto kept = [&inputs, folder = std::filesystem::path(file).parent_path()](
+                          const std::string& name, const pave::Place& place, std::string_view what) {
+        const std::string path = (folder / name).string();
+        const auto found = std::find_if(inputs->begin(), inputs->end(), [&](const auto& f) { return f.path == path; });
+        if (found == inputs->end()) {
+            throw pave::Error(place, fmt::format("this {} was not kept", what), "\"" + path + "\"");
+        }
+        return NamedText{path, found->bytes};
+    };
+    Study study = parse(inputs->at(0).bytes, file, Readings::own, kept);
+    study.inputs = std::move(inputs);
     return study;
 }
 

@@ -7,8 +7,12 @@
 #include <fmt/format.h>
 #include <set>
 #include <toml++/toml.h>
+#include <vector>
 
 namespace explore::study {
+
+// What may stand above all tables, and the tables' own names.
+std::vector<Key> root_keys();
 
 class TableReader {
 public:
@@ -18,7 +22,7 @@ public:
           file_(std::move(file)),
           what_(std::move(what)) {}
 
-    // Keys that will be asked for: none of them is taken for a misspelt other one.
+    // Keys that may stand here, asked for or not: none of them is taken for a misspelt other one.
     template <class Keys>
     void expect(const Keys& keys) {
         for (const auto& info : keys) {
@@ -27,7 +31,11 @@ public:
     }
 
     void rename(std::string what) { what_ = std::move(what); }
-    bool has(std::string_view key) const { return table_.contains(key); }
+    // Of a key that may be missing: whoever asks takes it.
+    bool has(std::string_view key) {
+        expected_.emplace(key);
+        return table_.contains(key);
+    }
 
     pave::Place place(std::string_view key) const {
         const toml::node* node = table_.get(key);
@@ -197,10 +205,17 @@ public:
     }
 
     // Every key of the table must have been asked for.
-    void done() const {
+    void done() const { refuse_all_but(used_); }
+    // Or is expected.
+    void refuse_others() const { refuse_all_but(expected_); }
+
+private:
+    void refuse_all_but(const std::set<std::string, std::less<>>& allowed) const {
         for (const auto& [key, node] : table_) {
-            if (!used_.contains(key.str())) {
-                const std::vector<std::string> known(used_.begin(), used_.end());
+            if (!allowed.contains(key.str())) {
+                std::set<std::string, std::less<>> all = used_;
+                all.insert(expected_.begin(), expected_.end());
+                const std::vector<std::string> known(all.begin(), all.end());
                 const std::string near = pave::nearest_name(key.str(), known);
                 throw pave::Error(place(key.str()),
                                   near.empty() ? "unknown key" : "unknown key, did you mean \"" + near + "\"?",
@@ -209,7 +224,6 @@ public:
         }
     }
 
-private:
     const toml::node* find(std::string_view key, bool optional, const std::string& allowed) {
         used_.insert(std::string(key));
         const toml::node* node = table_.get(key);

@@ -53,6 +53,19 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
             best = name;
         }
     }
+    // Cut short, or with more to it: "noise_rel", "modulus".
+    constexpr std::size_t shortest = 3; // letters
+    const auto begins = [](std::string_view part, std::string_view whole) {
+        return part.size() >= shortest && whole.starts_with(part);
+    };
+    for (const std::string& name : names) {
+        const std::size_t apart = name.size() > word.size() ? name.size() - word.size() : word.size() - name.size();
+        const bool is_nearer = best.empty() || apart < best_distance;
+        if (is_nearer && best_distance > 0 && (begins(word, name) || begins(name, word))) {
+            best_distance = apart;
+            best = name;
+        }
+    }
     return best;
 }
 

@@ -8,6 +8,8 @@
     const root = document.getElementById("report");
     root.textContent = "";
 
+    const shellWord = (word) => (/^[\w./,:=+@%-]+$/.test(word) ? word : "'" + word.replaceAll("'", "'\\''") + "'");
+
     const sections = [];
     const section = (title, ...children) => {
         const id = "s" + sections.length;
@@ -542,13 +544,14 @@
     };
 
     const showCompare = (r) => {
-        const good = r.laws.filter((l) => l.status === "converged");
+        const all = r.laws || r.studies.map((l) => ({ ...l, law: l.study }));
+        const good = all.filter((l) => l.status === "converged");
         const row = (name, of) => [name, ...good.map(of)];
-        section("Which law do the data prefer?", opening("compare", `Laws of “${r.layer}”.`),
+        section(`Which ${r.laws ? "law" : "study"} do the data prefer?`, opening("compare", r.laws ? `Laws of “${r.layer}”.` : "Studies of the same readings."),
             good.length ? turned(good.map((l) => l.law), [row("misfit", (l) => figure(l.misfit)), row("chi2", (l) => figure(l.chi2)), row("degrees of freedom", (l) => l.dof), row("p", (l) => figure(l.p_value)),
                 row("AICc", (l) => figure(l.aicc)), row("weight [%]", (l) => (typeof l.weight === "number" ? (100 * l.weight).toFixed(1) : null)), row("left out", (l) => figure(l.held_out_rms)),
                 row("held out", (l) => figure(l.study_held_out_rms)), row("answer", (l) => l.verdict)]) : null,
-            words(r.laws.filter((l) => l.status !== "converged").map((l) => `${l.law}: ${l.reason}`)),
+            words(all.filter((l) => l.status !== "converged").map((l) => `${l.law}: ${l.reason}`)),
             make("p", { className: "soft" }, "Left out: error of readings predicted place by place by fits without them; held out: of those that the study holds out."),
             good.length ? [part("Measured and modelled"), againstMeasured(good[0].responses.filter((q) => q.measured !== undefined),
                 good[0].responses.map((q) => q.measured), good.map((l) => ({ name: l.law, values: l.responses.map((q) => q.value) })))] : [],
@@ -715,7 +718,7 @@
     const builds = Math.max(0, ...Object.values(results).map((r) => ((r.reduced_model || {}).loads || []).reduce((sum, l) => sum + l.full_runs, 0)));
     if (data.sessions.length > 0) {
         section("Timings", table(["began (UTC)", "command", "threads", "runs", "seconds", "runs/s"],
-            data.sessions.map((s) => [s.began.replace("T", " ").replace("Z", ""), "pavescape " + s.arguments.join(" "), s.threads,
+            data.sessions.map((s) => [s.began.replace("T", " ").replace("Z", ""), "pavescape " + s.arguments.map(shellWord).join(" "), s.threads,
                 s.evaluations, figure(s.seconds), figure(s.evaluations / s.seconds)]), [1]),
             make("p", { className: "soft" }, "Wall time from opening the folder to the last forward run that was computed there; what was found in the folder is not counted again." +
                 (builds ? ` Nor is the building of the reduced model, of ${builds} full runs.` : "")));

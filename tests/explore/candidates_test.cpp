@@ -1,0 +1,76 @@
+// What a further reading would tell: of loads whose numbers are sought, too.
+#include "analysis/candidate_readings.h"
+#include "analysis/unique.h"
+#include "study/candidates.h"
+#include "study/problems.h"
+#include "support/layered_study.h"
+
+#include <gtest/gtest.h>
+
+using namespace explore;
+
+namespace {
+
+const std::string pressure = "[[parameters]]\nname = \"fwd.pressure_kPa\"\nmin = 300\nmax = 1300\n";
+
+std::size_t candidate(const study::Study& list, const std::string& load, double x_mm) {
+    for (std::size_t i = 0; i < list.readings.size(); ++i) {
+        if (list.readings[i].load == load && list.readings[i].quantity == "deflection" &&
+            list.readings[i].x_mm == x_mm) {
+            return i;
+        }
+    }
+    ADD_FAILURE() << load << " at " << x_mm;
+    return 0;
+}
+
+} // namespace
+
+// In a linear section a deflection is proportional to the pressure: under half as much again it is 1.5 times that of
+// the load itself, whatever the load's own pressure is at the time; d(ln deflection)/d(ln pressure) = 1.
+TEST(TheLoadRaised, FollowsWhatIsSoughtOfTheLoad) {
+    const study::Study list = study::candidates(test::layered_study(test::layered_bowl(), pressure));
+    const std::string raised = "fwd at 150 % of the pressure";
+    const std::size_t own = candidate(list, "fwd", 450.0);
+    const std::size_t more = candidate(list, raised, 450.0);
+    const problem::Problem problem = study::make_prediction_problem(list);
+    const auto workspace = problem.function->make_workspace();
+    for (const double kPa : {500.0, 900.0}) {
+        const auto there =
+            problem.evaluate(problem.space.unit(std::vector<double>{3500.0, 320.0, 80.0, kPa}), true, *workspace);
+        ASSERT_TRUE(there.converged());
+        EXPECT_NEAR(there.responses[more] / there.responses[own], 1.5, 1e-9);
+        EXPECT_NEAR(there.jacobian(static_cast<Eigen::Index>(more), 3) * kPa / there.responses[more], 1.0, 1e-6);
+    }
+}
+
+TEST(TheLoadRaised, HasTheRadiusThatIsSought) {
+    const study::Study list = study::candidates(
+        test::layered_study(test::layered_bowl(), "[[parameters]]\nname = \"fwd.radius_mm\"\nmin = 100\nmax = 200\n"));
+    const problem::Problem problem = study::make_prediction_problem(list);
+    const auto there = problem.evaluate(problem.space.unit(std::vector<double>{3500.0, 320.0, 80.0, 140.0}), true,
+                                        *problem.function->make_workspace());
+    ASSERT_TRUE(there.converged());
+    EXPECT_NEAR(there.responses[candidate(list, "fwd at 150 % of the pressure", 450.0)] /
+                    there.responses[candidate(list, "fwd", 450.0)],
+                1.5, 1e-9);
+}
+
+TEST(TheLoadRaised, IsKnownWhereTheLoadIs) {
+    const study::Study list = study::candidates(test::layered_study(test::layered_bowl()));
+    EXPECT_TRUE(list.model.ties.empty());
+}
+
+// Of four moduli and the pressure only ratios can be known: no multiple of that pressure tells its size.
+TEST(TheMostInformativeReading, IsNotPromisedToTellAPressureThatItIsAMultipleOf) {
+    analysis::Session session({.threads = 1, .show_progress = false});
+    const auto result = analysis::unique(session, test::layered_study(test::layered_bowl(), pressure),
+                                         {.settings = {.explore = 16, .verify = 4}});
+    ASSERT_TRUE(result && !result->next.effects.empty());
+    for (const auto& effect : result->next.effects) {
+        const auto& reading = result->next.candidates[effect.candidate];
+        if (reading.load.starts_with("fwd")) {
+            EXPECT_GT(effect.parameters[3], 0.9) << reading.words();
+        }
+    }
+}
