@@ -43,6 +43,12 @@ Eigen::MatrixXd CandidateReadings::rows(const problem::Evaluation& there, const 
     return rows;
 }
 
+bool is_at_hand(const study::Study& study, const data::Reading& reading) {
+    const auto found = std::find_if(std::begin(pave::pavement::quantities), std::end(pave::pavement::quantities),
+                                    [&](const auto& about) { return about.name == reading.quantity; });
+    return found != std::end(pave::pavement::quantities) && study.is_at_hand(found->quantity);
+}
+
 std::vector<TellingReading> telling_readings(const study::Study& study, const std::vector<double>& unit,
                                              const Eigen::MatrixXd& covariance, std::size_t others) {
     CandidateReadings candidates(study);
@@ -67,6 +73,8 @@ std::vector<TellingReading> telling_readings(const study::Study& study, const st
         telling.push_back({readings[i], 0.5 * std::log2(std::max(1.0, before / after))});
     }
     std::stable_sort(telling.begin(), telling.end(), [](const auto& a, const auto& b) { return a.bits > b.bits; });
+    std::stable_partition(telling.begin(), telling.end(),
+                          [&](const auto& own) { return is_at_hand(study, own.reading); });
     return telling;
 }
 

@@ -35,8 +35,11 @@ private:
     double forward_cpu_seconds_ = 0.0;
 };
 
+// Whether the study says that such a reading can be taken, or has taken one: such are proposed first.
+bool is_at_hand(const study::Study& study, const data::Reading& reading);
+
 // What each candidate would tell of the unit coordinates at this point but the first `others`, whatever those are; most
-// bits first, empty: no answer there. covariance: of all of them.
+// bits first of those at hand, then of the others. Empty: no answer there. covariance: of all of them.
 std::vector<TellingReading> telling_readings(const study::Study& study, const std::vector<double>& unit,
                                              const Eigen::MatrixXd& covariance, std::size_t others = 0);
 

@@ -3,6 +3,7 @@
 #include "analysis/feasible.h"
 
 #include "analysis/compare.h"
+#include "analysis/data_faults.h"
 #include "analysis/diagnose.h"
 #include "analysis/fit.h"
 #include "analysis/map.h"
@@ -255,6 +256,13 @@ std::vector<std::string> doubtful_readings(const study::Study& study) {
                             "missing?",
                             reading.file, reading.line, reading.label_with_unit(), reading.value));
         }
+    }
+    for (const data::BowlFault& fault : data_faults(study)) {
+        const data::Reading& first = study.readings[fault.rows[0]];
+        words.push_back(fmt::format("{}:{}: {}", first.file, first.line, fault.words()));
+    }
+    for (const Rounding& rounding : roundings(study)) {
+        words.push_back(fmt::format("{}: {}", study.file, rounding.words()));
     }
     return words;
 }

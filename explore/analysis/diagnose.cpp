@@ -2,9 +2,11 @@
 
 #include "analysis/groups.h"
 #include "diagnose/evidence.h"
+#include "hypotheses/quantiles.h"
 #include "pavement/effects/effect.h"
 #include "study/candidates.h"
 #include "study/corrections.h"
+#include "study/readings.h"
 
 #include <algorithm>
 #include <chrono>
@@ -163,6 +165,8 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
         readings.push_back(std::move(s));
     }
     std::stable_sort(readings.begin(), readings.end(), [](const auto& a, const auto& b) { return a.power > b.power; });
+    std::stable_partition(readings.begin(), readings.end(),
+                          [&](const auto& own) { return is_at_hand(study, own.reading); });
     return readings;
 }
 
@@ -177,7 +181,9 @@ std::vector<diagnose::Candidate> candidates_of(const study::Study& study, const 
                                       .null = axis.unit(effect.null),
                                       .typical = axis.unit(effect.typical),
                                       .reading = {},
-                                      .layer = layer_stiffened(study.model, variant.applied)};
+                                      .layer = layer_stiffened(study.model, variant.applied),
+                                      .axis = axis};
+        candidate.is_of_readings = changes_readings_alone(study.model, variant.applied, candidate.scaled);
         if (effect.is_error_of_reading) {
             candidate.reading =
                 std::find(layout.rows.begin(), layout.rows.end(), static_cast<std::size_t>(*variant.applied.reading)) -
@@ -186,6 +192,62 @@ std::vector<diagnose::Candidate> candidates_of(const study::Study& study, const 
         list.push_back(std::move(candidate));
     }
     return list;
+}
+
+// The other minima of the study's model that these readings do not reject beside the best one.
+std::vector<std::vector<double>> other_minima(const Diagnosis& d) {
+    constexpr double apart = 0.02; // of a range
+    std::vector<std::vector<double>> kept{d.baseline.model.unit};
+    const double noise = d.variance * std::pow(d.decision.noise_factor, 2);
+    for (const diagnose::Model& minimum : d.minima) {
+        const auto is_near = [&](const std::vector<double>& known) {
+            double most = 0.0;
+            for (std::size_t k = 0; k < known.size(); ++k) {
+                most = std::max(most, std::abs(known[k] - minimum.unit[k]));
+            }
+            return most < apart;
+        };
+        if (minimum.sum - d.baseline.model.sum < hypotheses::chi2_95 * noise &&
+            std::none_of(kept.begin(), kept.end(), is_near)) {
+            kept.push_back(minimum.unit);
+        }
+    }
+    kept.erase(kept.begin());
+    return kept;
+}
+
+// Around the model that the answer says: the named one, or the study's over all its minima.
+void set_outputs(DiagnoseResult& result, int threads) {
+    const Diagnosis& d = result.diagnosis;
+    const bool is_named = d.verdict() == diagnose::Verdict::cause_named && d.extended;
+    const bool is_adequate =
+        d.verdict() == diagnose::Verdict::adequate || (d.verdict() == diagnose::Verdict::cause_named && !d.extended);
+    if (is_adequate) {
+        result.minima = other_minima(d);
+    }
+    const double noise = std::sqrt(d.variance) * (is_adequate ? d.decision.noise_factor : 1.0);
+    result.outputs = output_ranges(is_named ? result.after->study : result.study,
+                                   (is_named ? *d.extended : d.baseline).model.unit, noise, threads, result.minima);
+    const DiagnosedModel& shown = result.is_extended() ? *result.after : *result.before;
+    for (OutputUncertainty& range : result.outputs) {
+        if (!is_named && !is_adequate) {
+            range.take_back(shown.evaluation.responses[range.reading]);
+        }
+        if (result.mesh) {
+            result.mesh->outputs.push_back({range.reading, std::expm1(range.of_mesh),
+                                            range.deviation > 0.0 ? range.of_mesh / range.deviation : 0.0});
+        }
+    }
+}
+
+// What a fault of the readings is among hypotheses: of the effects that the catalogue has, the one that it comes to.
+hypotheses::Hypothesis premise_of(const data::BowlFault& fault) {
+    const bool is_of_places =
+        fault.kind == data::BowlFault::Kind::exchanged || fault.kind == data::BowlFault::Kind::reversed;
+    const char* const effect = is_of_places ? "sensor-position" : fault.rows.size() > 1 ? "sensor-gain" : "outlier";
+    return {.kind = hypotheses::Kind::layout,
+            .name = fault.words(),
+            .terms = {{effect, "", std::string(hypotheses::of_readings)}}};
 }
 
 } // namespace
@@ -228,7 +290,9 @@ study::Study as_diagnosed(study::Study study) {
 
 std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& asked, const DiagnoseOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
-    const study::Study study = with_enough_load_steps(as_diagnosed(asked), session);
+    const std::vector<data::BowlFault> faults = data_faults(asked);
+    const std::vector<Rounding> steps = roundings(asked);
+    const study::Study study = with_enough_load_steps(with_rounding(mended(as_diagnosed(asked), faults), steps), session);
     const problem::Problem baseline = study::make_noise_problem(study, study::Scope::fitted);
     if (baseline.noise_is_student()) {
         throw pave::Error({.file = study.file, .line = study.data.noise_line, .key = "[data.noise] loss"},
@@ -239,6 +303,8 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
         study::effect_named(name, {.key = "--without"});
     }
     DiagnoseResult result{.study = study,
+                          .faults = faults,
+                          .roundings = steps,
                           .options = options,
                           .variants = study::variants(study, options.without),
                           .candidates = {},
@@ -300,21 +366,35 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
         const Members& members = d.location->fit.model.members;
         return located(study, extended_study(members), *bench.problem(members), d, result.channels, result.corrections);
     };
-    task.says_where = [&](const Diagnosis& d) {
-        auto says = diagnose::Says::nothing;
-        for (const LocatedCorrection& found : located_in(d)) {
-            says = std::max(says, found.says_where());
+    for (const std::size_t row : result.layout.rows) {
+        task.noise_places.push_back(study::noise_place(study.model.sensors[row]));
+    }
+    for (const data::BowlFault& fault : faults) {
+        if (fault.is_mendable()) {
+            task.premises.push_back(premise_of(fault));
         }
-        return says;
-    };
-    auto diagnosis = diagnose::diagnose(task, options.settings);
-    if (!diagnosis) {
+    }
+    diagnose::Diagnoser diagnoser(task, options.settings);
+    if (!diagnoser.find()) {
         return std::nullopt;
     }
-    result.diagnosis = std::move(*diagnosis);
+    auto says = diagnose::Says::nothing;
+    if (diagnoser.found().location) {
+        result.located = located_in(diagnoser.found());
+        for (const LocatedCorrection& found : result.located) {
+            says = std::max(says, found.says_where());
+        }
+    }
+    if (!diagnoser.conclude(says)) {
+        return std::nullopt;
+    }
+    result.diagnosis = diagnoser.result();
     const Diagnosis& d = result.diagnosis;
     if (result.failed()) {
         return result;
+    }
+    if (!d.shows_location()) {
+        result.located.clear();
     }
     const auto reported = [&](const Judged& judged) { return model_of(result, bench, judged); };
     result.before = reported(d.baseline);
@@ -327,17 +407,26 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     result.mesh = mesh_error(standing, *bench.problem(stands.members), stands.evaluation, stands.unit,
                              std::sqrt(d.variance));
     result.path = path_error(standing, *bench.problem(stands.members), stands.evaluation, std::sqrt(d.variance));
-    const bool is_named = d.verdict == diagnose::Verdict::cause_named;
-    result.outputs =
-        output_ranges(is_named ? result.after->study : study, (is_named ? *d.extended : d.baseline).model.unit,
-                      std::sqrt(d.variance), session.options().threads);
-    if (d.location) {
-        result.located = located_in(d);
-    }
+    set_outputs(result, session.options().threads);
     if (d.is_located()) {
         const diagnose::Model& corrected = d.location->fit.model;
         result.telling = telling_readings(result.after->study, corrected.unit, d.location->covariance,
                                           corrected.unit.size() - corrected.members.size());
+    }
+    const bool is_one = d.explanations.size() == 1 && d.extended && !d.is_corrected();
+    if (is_one) { // what would tell most of its sizes, or a doubtful reading once more
+        const diagnose::Model& model = d.extended->model;
+        for (const std::size_t row : suspected_readings(result.variants, d, 1)) {
+            data::Reading reading = study.readings[row];
+            reading.sigma.reset();
+            reading.noise.absolute = study::candidate_noise(study.model.sensors[row].quantity, reading.measured());
+            result.next.push_back({.reading = std::move(reading), .again = true, .explanations = {}, .values = {}});
+        }
+        if (result.next.empty()) {
+            result.telling = telling_readings(result.after->study, model.unit,
+                                              diagnose::covariance_of(*bench.problem(model.members), model, d.variance),
+                                              model.unit.size() - model.members.size());
+        }
     }
     if (d.to_compare().size() > 1) {
         result.next = separating_readings(study, result.variants, bench, d);

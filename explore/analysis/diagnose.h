@@ -2,6 +2,7 @@
 #pragma once
 
 #include "analysis/candidate_readings.h"
+#include "analysis/data_faults.h"
 #include "analysis/layout.h"
 #include "analysis/located.h"
 #include "analysis/load_steps.h"
@@ -40,7 +41,9 @@ struct SeparatingReading {
 };
 
 struct DiagnoseResult {
-    study::Study study;
+    study::Study study;                    // with its readings mended
+    std::vector<data::BowlFault> faults{}; // seen in them
+    std::vector<Rounding> roundings{};     // added to their noise
     DiagnoseOptions options;
     std::vector<study::Variant> variants; // of effects, in the order of the candidates
     std::vector<diagnose::Candidate> candidates;
@@ -48,11 +51,12 @@ struct DiagnoseResult {
     std::vector<diagnose::Channel> channels;
     Layout layout;
     diagnose::Diagnosis diagnosis;
-    std::optional<DiagnosedModel> before;   // none: failed
-    std::optional<DiagnosedModel> after;    // with the best explanation, or corrected
-    std::optional<MeshError> mesh;
-    std::optional<PathError> path;          // of the extended model where there is one, else of the study's
-    std::vector<OutputUncertainty> outputs; // of the named model where a cause is named, else of the study's
+    std::optional<DiagnosedModel> before;      // none: failed
+    std::optional<DiagnosedModel> after;       // with the best explanation, or corrected
+    std::optional<MeshError> mesh;             // of the extended model where there is one, else of the study's
+    std::optional<PathError> path;             // of the same
+    std::vector<std::vector<double>> minima{}; // of an adequate model, as good as the reported one: unit coordinates
+    std::vector<OutputUncertainty> outputs;    // of the named model where a cause is named, else of the study's
     std::vector<LocatedCorrection> located;
     std::vector<SeparatingReading> next;
     std::vector<TellingReading> telling;         // of the corrections, where they stand; most bits first
@@ -63,7 +67,7 @@ struct DiagnoseResult {
 
     bool failed() const { return !diagnosis.failed.empty(); }
     // Whether there is an extended model that explains the data.
-    bool is_extended() const { return after && diagnosis.verdict != diagnose::Verdict::unexplained; }
+    bool is_extended() const { return after && diagnosis.verdict() != diagnose::Verdict::unexplained; }
     // The study file of the extended model, with data files found from `folder`; is_extended().
     std::string extended_study(const std::string& folder) const;
 };

@@ -1,3 +1,4 @@
+#include "analysis/data_faults.h"
 #include "analysis/fit.h"
 #include "analysis/knowledge_words.h"
 #include "analysis/layout.h"
@@ -352,6 +353,9 @@ std::vector<std::string> findings(const FitResult& result) {
     }
     if (best.converged && local.noise_is_stated && !contradicts_noise(local) && local.degrees_of_freedom > 0) {
         text.push_back(noise_words(local, problem.noise_is_student(), best.alone.has_value()));
+    }
+    for (const std::string& words : fault_words(data_faults(study))) {
+        text.push_back(fmt::format("Before any model: {}.", words));
     }
     if (const std::string weights = weights_words(study); !weights.empty()) {
         text.push_back(weights);

@@ -89,13 +89,16 @@ namespace {
 
 constexpr double shows_in_residuals = 1.0;   // standard deviations of the noise
 constexpr double shows_in_parameters = 0.25; // standard errors
+constexpr double shows_in_outputs = 0.5;     // standard deviations
 
 } // namespace
 
 bool MeshError::shows() const {
-    return beyond >= shows_in_residuals || std::any_of(moved.begin(), moved.end(), [](const Moved& m) {
-               return std::abs(m.standard_errors) >= shows_in_parameters;
-           });
+    return beyond >= shows_in_residuals ||
+           std::any_of(moved.begin(), moved.end(),
+                       [](const Moved& m) { return std::abs(m.standard_errors) >= shows_in_parameters; }) ||
+           std::any_of(outputs.begin(), outputs.end(),
+                       [](const Output& o) { return std::abs(o.deviations) >= shows_in_outputs; });
 }
 
 std::string mesh_words(const study::Study& study, const std::optional<MeshError>& error) {
@@ -111,6 +114,13 @@ std::string mesh_words(const study::Study& study, const std::optional<MeshError>
         if (std::abs(moved) >= shows_in_parameters) {
             changes.push_back(fmt::format("{} would lie {:.1f} standard errors {}", parameter, std::abs(moved),
                                           moved > 0.0 ? "higher" : "lower"));
+        }
+    }
+    for (const MeshError::Output& output : error->outputs) {
+        if (std::abs(output.deviations) >= shows_in_outputs) {
+            changes.push_back(fmt::format("{} would be {:.1f} % {} (its range holds that)",
+                                          study.readings[output.reading].output, 100.0 * std::abs(output.change),
+                                          output.change > 0.0 ? "larger" : "smaller"));
         }
     }
     return fmt::format(

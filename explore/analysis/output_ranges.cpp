@@ -1,11 +1,13 @@
 #include "analysis/output_ranges.h"
 
 #include "analysis/mesh_error.h"
+#include "analysis/output_slopes.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "diagnose/evidence.h"
 #include "diagnose/model_average.h"
 #include "diagnose/workbench.h"
+#include "hypotheses/quantiles.h"
 #include "landscape/minima.h"
 #include "pavement/effects/effect.h"
 #include "run/parallel.h"
@@ -133,31 +135,6 @@ std::vector<Batch> batches_of(const std::vector<Hypothesis>& hypotheses, Index p
     return batches;
 }
 
-// e: of the problem at that point, with jacobian.
-std::optional<Slopes> slopes_of(const problem::Problem& problem, const VectorXd& at, const problem::Evaluation& e,
-                                const std::vector<std::size_t>& outputs, double noise) {
-    if (!e.converged()) {
-        return std::nullopt;
-    }
-    Slopes slopes{.at = at,
-                  .residuals = problem.residuals(e) / noise,
-                  .rows = problem.residual_jacobian(e) / noise,
-                  .outputs = VectorXd(static_cast<Index>(outputs.size())),
-                  .output_rows = MatrixXd(static_cast<Index>(outputs.size()), at.size())};
-    for (Index o = 0; o < slopes.outputs.size(); ++o) {
-        const std::size_t row = outputs[static_cast<std::size_t>(o)];
-        slopes.outputs[o] = std::log(std::abs(e.responses[row]));
-        for (Index k = 0; k < at.size(); ++k) {
-            const auto axis = static_cast<std::size_t>(k);
-            slopes.output_rows(o, k) =
-                e.jacobian(static_cast<Index>(row), k) * problem.space.axes[axis].d_physical(at[k]) / e.responses[row];
-        }
-    }
-    const bool is_finite = slopes.residuals.allFinite() && slopes.rows.allFinite() && slopes.outputs.allFinite() &&
-                           slopes.output_rows.allFinite();
-    return is_finite ? std::optional(std::move(slopes)) : std::nullopt;
-}
-
 // What slopes are taken on: the coarse mesh, or the study's own where that has no answer.
 struct Sloped {
     const study::Study& study;
@@ -261,7 +238,7 @@ Slopes slopes_at_best(const Sloped& sloped, const problem::Problem& problem, con
         const auto sum = [&](const Slopes& there) {
             const VectorXd own = reach.fullPivLu().solve(there.at.tail(hypothesis.none.size()) - hypothesis.none);
             return there.residuals.squaredNorm() + own.squaredNorm() +
-                   (there.at.head(parameters).array() - 0.5).square().sum() / diagnose::box_variance;
+                   (there.at.head(parameters).array() - 0.5).square().sum() / hypotheses::box_variance;
         };
         const double before = sum(slopes);
         VectorXd move = diagnose::say(slopes, parameters, hypothesis.none, reach).best - slopes.at;
@@ -282,33 +259,10 @@ Slopes slopes_at_best(const Sloped& sloped, const problem::Problem& problem, con
     return slopes;
 }
 
-// By how much the mesh is off in ln|output|, by Richardson's extrapolation from a finer one (second order); 0 where
-// there is none.
-VectorXd mesh_errors(const study::Study& study, const problem::Evaluation& best,
-                     const std::vector<std::size_t>& outputs) {
-    VectorXd errors = VectorXd::Zero(static_cast<Index>(outputs.size()));
-    const auto refined = on_finer_mesh(study);
-    if (!refined) {
-        return errors;
-    }
-    try {
-        const problem::Problem finer = study::make_problem(*refined, study::Scope::everything);
-        const auto outcome = finer.function->evaluate(best.parameters, false, *finer.function->make_workspace());
-        const double ratio = refined->model.settings.refine / study.model.settings.refine;
-        for (Index o = 0; outcome && o < errors.size(); ++o) {
-            const std::size_t row = outputs[static_cast<std::size_t>(o)];
-            const double change = std::log(std::abs(outcome->responses[row] / best.responses[row]));
-            errors[o] = std::isfinite(change) ? change / (1.0 - 1.0 / (ratio * ratio)) : 0.0;
-        }
-    } catch (const pave::Error&) { // too large
-    }
-    return errors;
-}
-
 } // namespace
 
 std::vector<OutputUncertainty> output_ranges(const study::Study& study, const std::vector<double>& unit, double noise,
-                                             int threads) {
+                                             int threads, const std::vector<std::vector<double>>& others) {
     std::vector<std::size_t> outputs = study.outputs();
     if (outputs.empty() || !(noise > 0.0)) {
         return {};
@@ -326,10 +280,7 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
         return {};
     }
     const Slopes unbounded = *right_slopes;
-    for (const landscape::BoundMet& bound : landscape::bounds_met(unit)) { // the model as it is gives way no further
-        right_slopes->rows.col(static_cast<Index>(bound.axis)).setZero();
-        right_slopes->output_rows.col(static_cast<Index>(bound.axis)).setZero();
-    }
+    hold_bounds(*right_slopes, unit);
     const Said right = diagnose::say(*right_slopes, n, VectorXd(0), MatrixXd(0, 0));
     const study::Study coarse = on_coarser_mesh(study);
     const problem::Problem coarse_plain = study::make_noise_problem(coarse, study::Scope::everything);
@@ -404,9 +355,9 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
         shares[whose[i]] += weights[i];
     }
     const auto leads = static_cast<std::size_t>(std::max_element(shares.begin(), shares.end()) - shares.begin());
-    const VectorXd of_mesh = mesh_errors(study, best, outputs);
+    const VectorXd of_mesh = mesh_errors(study, plain, *right_slopes, best, outputs, noise);
+    const Right if_right = right_at(plain, right, best, others, outputs, noise);
     constexpr double tail = 0.025;
-    const double reach = gsl_cdf_ugaussian_Pinv(1.0 - tail);
     std::vector<OutputUncertainty> ranges;
     for (std::size_t o = 0; o < outputs.size(); ++o) {
         const auto at = static_cast<Index>(o);
@@ -417,24 +368,37 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
             deviations.push_back(std::hypot(larger * said.deviation[at], of_mesh[at]));
         }
         const double value = best.responses[outputs[o]];
-        const double half = reach * right.deviation[at];
+        const auto [low, high] = range_if_right(if_right, at, std::abs(of_mesh[at]), tail);
         const double below = diagnose::mixture_quantile(weights, means, deviations, tail);
         const double above = diagnose::mixture_quantile(weights, means, deviations, 1.0 - tail);
         OutputUncertainty range{.reading = outputs[o],
                                 .best = value,
-                                .low = value * std::exp(-half),
-                                .high = value * std::exp(half),
-                                .wide_low = value * std::exp(below),
-                                .wide_high = value * std::exp(above),
+                                .low = low,
+                                .high = high,
+                                .wide_low = value * std::exp(std::min(below, 0.0)),
+                                .wide_high = value * std::exp(std::max(above, 0.0)),
+                                .of_mesh = of_mesh[at],
+                                .deviation = right.deviation[at],
                                 .channel = hypotheses[leads].name,
                                 .share = shares[leads]};
         if (value < 0.0) {
-            std::swap(range.low, range.high);
             std::swap(range.wide_low, range.wide_high);
+        }
+        if (others.size() > 0) { // other minima are no less possible where the model lacks something
+            range.wide_low = std::min(range.wide_low, range.low);
+            range.wide_high = std::max(range.wide_high, range.high);
         }
         ranges.push_back(std::move(range));
     }
     return ranges;
+}
+
+void OutputUncertainty::take_back(double shown) {
+    may_be_right = false;
+    wide_low = std::min(wide_low, shown);
+    wide_high = std::max(wide_high, shown);
+    low = wide_low;
+    high = wide_high;
 }
 
 std::vector<std::string> output_words(const study::Study& study, const std::vector<OutputUncertainty>& ranges) {
@@ -442,10 +406,13 @@ std::vector<std::string> output_words(const study::Study& study, const std::vect
     for (const OutputUncertainty& r : ranges) {
         const data::Reading& output = study.readings[r.reading];
         words.push_back(fmt::format(
-            "If the model may lack something, {} lies between {} and {} {} (95 %; {} to {} if it is right): what these "
+            "If the model may lack something, {} lies between {} and {} {} (95 %{}): what these "
             "data allow of a smooth error in one layer or kind of reading, or of an effect of the catalogue{}.",
             output.output, pave::figure(output.in_unit(r.wide_low)), pave::figure(output.in_unit(r.wide_high)),
-            output.unit.name, pave::figure(output.in_unit(r.low)), pave::figure(output.in_unit(r.high)),
+            output.unit.name,
+            r.may_be_right ? fmt::format("; {} to {} if it is right", pave::figure(output.in_unit(r.low)),
+                                         pave::figure(output.in_unit(r.high)))
+                           : "",
             r.share > 0.5 ? fmt::format(", chiefly {}", r.channel) : ""));
     }
     return words;

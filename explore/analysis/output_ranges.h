@@ -16,16 +16,23 @@ namespace explore::analysis {
 struct OutputUncertainty {
     std::size_t reading = 0;                // of the study
     double best = 0.0;                      // SI, as the following
-    double low = 0.0, high = 0.0;           // 95 %, if the model is right: to first order, or as set
+    double low = 0.0, high = 0.0;           // 95 %, if the model is right: to first order over all minima, or as set
     double wide_low = 0.0, wide_high = 0.0; // 95 %, if it lacks something; need not hold the other
+    double of_mesh = 0.0;                   // error of ln|output| by the mesh, which is in both
+    double deviation = 0.0;                 // standard deviation of ln|output| by the noise at the best minimum
     std::string channel;                    // or effect, that the data and the strengths allow most: "base-depth"
     double share = 0.0;                     // its probability among them
+    bool may_be_right = true;               // the model; else low and high are the wide range
+
+    // Where the model is not right: nothing is said of what it would be if it were. shown: a value that stands beside
+    // the range, which it holds.
+    void take_back(double shown);
 };
 
-// Of every output with a value other than 0. unit: the answer; noise: standard deviation of a residual of
-// study::make_noise_problem. Empty: no output, or no run has an answer.
+// Of every output with a value other than 0. unit: the answer; others: minima that are as good; noise: standard
+// deviation of a residual of study::make_noise_problem. Empty: no output, or no run has an answer.
 std::vector<OutputUncertainty> output_ranges(const study::Study& study, const std::vector<double>& unit, double noise,
-                                             int threads);
+                                             int threads, const std::vector<std::vector<double>>& others = {});
 
 // A sentence each.
 std::vector<std::string> output_words(const study::Study& study, const std::vector<OutputUncertainty>& ranges);

@@ -1,7 +1,11 @@
 // Which effect does the model lack? Everything that is computed to say so.
+//
+// A diagnosis is a list of steps (diagnose/steps), each of which fits models and writes what it learnt into one ledger;
+// the verdict is what `decide` makes of that (diagnose/decision.h).
 #pragma once
 
-#include "diagnose/residual_tests.h"
+#include "diagnose/decision.h"
+#include "diagnose/judged.h"
 #include "landscape/multistart.h"
 
 namespace explore::diagnose {
@@ -11,12 +15,6 @@ struct Fold {
     std::string name;
     std::vector<std::size_t> terms; // of the misfit
 };
-
-struct Diagnosis;
-
-// What readings say of where a correction is: nothing, that the model errs more at one place than at another, or that
-// it errs at some place.
-enum class Says { nothing, between_places, at_places };
 
 struct DiagnosisTask {
     Workbench& bench;
@@ -28,8 +26,10 @@ struct DiagnosisTask {
     std::vector<Channel> channels{}; // of corrections
     // The sample by a quicker model of the baseline; empty: on the coarse mesh. Nothing: interrupted.
     std::function<std::optional<std::vector<problem::Evaluation>>(const search::Design& sample)> explore = {};
-    // What is known of corrections (those of its location); without: all.
-    std::function<Says(const Diagnosis& diagnosis)> says_where = {};
+    // Where each term was read, for what errors may have in common; empty: that is not asked.
+    std::vector<data::NoisePlace> noise_places{};
+    // What was seen in the readings before any model, and mended in them.
+    std::vector<hypotheses::Hypothesis> premises{};
 };
 
 struct DiagnosisSettings {
@@ -37,34 +37,6 @@ struct DiagnosisSettings {
     int starts = 8;     // searches from them
     int bootstrap = 40; // fits of simulated data
 };
-
-// A fitted model and what the data say of it.
-struct Judged {
-    Model model;
-    double chi2 = 0.0;
-    int dof = 0;          // readings - directions that the parameters can follow
-    double p_value = 1.0; // of chi2; 1 without stated noise
-    double aicc = 0.0;
-    PatternTest pattern;
-
-    // Whether the size of this member, or of any, is where its range ends.
-    bool ends_range(std::size_t member) const;
-    bool ends_range() const;
-};
-
-// Akaike's criterion, up to a constant of the data. sum: of the squared residuals. In units of their noise where it is
-// stated: chi2 + 2 k, for the optimism of chi2 is then 2 k exactly (Akaike 1973). Else the noise counts as one more
-// parameter, with the correction for few data (Hurvich and Tsai 1989), infinite where the parameters are too many for
-// it.
-double aicc(double sum, std::size_t readings, std::size_t parameters, bool noise_is_stated);
-
-struct Interval {
-    double value = 0.0, low = 0.0, high = 0.0; // physical
-};
-// 95 % interval of a parameter within its range. unit, variance: its unit coordinate and the variance of that.
-Interval interval_within(const problem::Axis& axis, double unit, double variance);
-// The same of a fitted model, to first order.
-Interval interval_of(const problem::Problem& problem, const Model& model, std::size_t axis, double variance);
 
 // Another variant of an effect, which these readings do not tell from the one that explains most.
 struct Alike {
@@ -87,10 +59,11 @@ struct EffectResult {
     std::vector<Alike> alike; // within what the data tell apart (95 %, one degree of freedom), nearest first
 };
 
-// A set of effects that explains the data, and how much worse than the best it is.
+// A set of effects that explains the data, and how much less probable than the best it is.
 struct Explanation {
+    std::size_t row = 0; // of the ledger
     Judged fit;
-    double behind = 0.0; // chi2 above that of the best explanation, with 2 ln(variants) for having chosen among them
+    double behind = 0.0; // twice the logarithm of how much more probable the best one is
 };
 
 // How well two effects can be told apart by these readings.
@@ -130,18 +103,18 @@ struct Correction {
 struct Location {
     std::vector<Correction> corrections; // in the order in which they were found
     Judged fit;                 // sum and chi2: with the penalties of the coefficients, whose expectation is dof
+    int numbers = 0;            // coefficients, as far as the data set them free
     Eigen::MatrixXd covariance; // of the unit coordinates of the fit
     Target pull;                // what held the coefficients in it
 };
 
-enum class Verdict { adequate, cause_named, ambiguous, unexplained, located };
-inline constexpr std::string_view verdict_names[] = {"adequate", "cause-named", "ambiguous", "unexplained", "located"};
-
 struct Diagnosis {
-    Verdict verdict = Verdict::adequate;
+    Ledger ledger;
+    Decision decision;
     std::string failed;    // why there is none
     double variance = 1.0; // of one residual
     Judged baseline;
+    std::vector<Model> minima;     // of the baseline, lowest first
     std::vector<GroupTest> groups; // at the baseline
     std::vector<Constancy> constancy;
     Screening screening;               // on the baseline
@@ -150,28 +123,52 @@ struct Diagnosis {
     double bartlett = 1.0; // mean gain in simulated data without the effect, in units of what linear theory expects
     int bootstrap = 0;     // simulated data that were fitted; how many of them gained as much:
     int bootstrap_above = 0;
-    std::vector<Explanation> explanations; // that the data do not tell apart, best first
-    std::vector<Explanation> nearest;      // where none explains the data: those that come nearest, best first
-    bool leaves_more_than_noise = false;   // the best of them
-    double noise_factor = 1.0; // by which the stated noise would have to be larger for what the answer's model leaves
+    std::vector<Explanation> explanations; // the names of the decision, best first
+    std::vector<Explanation> nearest;      // where there are none: those that come nearest, best first
     bool noise_is_overstated = false; // the baseline leaves less than the stated noise makes in one case of a hundred
-    bool asks_for_correction = false; // beside what would be named, a correction explains more
-    std::vector<std::string> causes;  // names, most probable first
     std::vector<Confounding> confounding; // of the effects with the best explanation's
-    // Corrections: in place of names where the verdict is that, or such as explain the data nearly as well as a name.
-    std::optional<Location> location;
-    std::optional<Judged> extended; // the best explanation, or the corrected model
-    std::optional<HeldOut> places, loads;
+    std::optional<Location> location;     // corrections that were found, whatever is made of them
+    std::optional<Judged> extended;       // the model of the decision
+    std::optional<HeldOut> places, loads; // by it
 
-    bool is_located() const { return verdict == Verdict::located; }
+    Verdict verdict() const { return decision.verdict; }
+    bool is_located() const { return decision.is_located(); }
+    // Whether the corrections are part of the answer, its rival, or what comes nearest.
+    bool shows_location() const { return location && decision.correction; }
+    // Whether the reported model is that of the corrections.
+    bool is_corrected() const {
+        return decision.model && ledger.rows()[*decision.model].hypothesis.kind == hypotheses::Kind::correction;
+    }
 
     // What a further reading might tell apart.
     const std::vector<Explanation>& to_compare() const {
-        return verdict == Verdict::unexplained ? nearest : explanations;
+        return verdict() == Verdict::unexplained ? nearest : explanations;
     }
 };
 
-// Nothing: interrupted.
-std::optional<Diagnosis> diagnose(const DiagnosisTask& task, const DiagnosisSettings& settings);
+class Investigation;
+
+// In two parts, for only who knows what a correction means can say which places it knows.
+class Diagnoser {
+public:
+    // task, settings: to outlive this.
+    Diagnoser(const DiagnosisTask& task, const DiagnosisSettings& settings);
+    ~Diagnoser();
+
+    // Fits everything. False: interrupted.
+    bool find();
+    // What has been found; a location is there if the decision may rest on it.
+    const Diagnosis& found() const;
+    // Decides. says: of the location, if there is one. False: interrupted.
+    bool conclude(Says says);
+    Diagnosis result();
+
+private:
+    std::unique_ptr<Investigation> investigation_;
+};
+
+// Both, where it is known beforehand what corrections say. Nothing: interrupted.
+std::optional<Diagnosis> diagnose(const DiagnosisTask& task, const DiagnosisSettings& settings,
+                                  Says says = Says::at_places);
 
 } // namespace explore::diagnose

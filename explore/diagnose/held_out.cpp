@@ -12,13 +12,14 @@ namespace {
 
 class LeftOut {
 public:
-    LeftOut(const DiagnosisTask& task, const Diagnosis& d, const std::vector<Explored>& explored,
-            const OnCoarse& extended, const Fold& fold)
-        : task_(task),
-          d_(d),
-          explored_(explored),
+    LeftOut(const LeftOutTask& asked, const OnCoarse& extended, const Fold& fold)
+        : task_(asked.task),
+          d_(asked.d),
+          best_(asked.extended.model),
+          pull_(asked.pull),
+          explored_(asked.explored),
           extended_(extended),
-          target_(leaving_out(fold.terms, static_cast<std::size_t>(d.baseline.model.residuals.size()))) {}
+          target_(leaving_out(fold.terms, static_cast<std::size_t>(d_.baseline.model.residuals.size()))) {}
 
     // The baseline without these readings, from where it is with them and from the best of what was explored; nothing:
     // no answer.
@@ -38,20 +39,17 @@ public:
 
     // The extended model, from where it is with them and from `before` with no effect and no correction.
     std::optional<Model> after(const Model& before, int number) const {
-        const Model& best = d_.extended->model;
         Target target = target_;
-        if (d_.is_located()) {
-            target.penalty = d_.location->pull.penalty;
-            target.centre = d_.location->pull.centre;
-        }
-        std::optional<Model> found = fit(best.members, number, best.unit, target,
+        target.penalty = pull_.penalty;
+        target.centre = pull_.centre;
+        std::optional<Model> found = fit(best_.members, number, best_.unit, target,
                                          for_residuals(&extended_.evaluation, d_.variance), extended_.shift);
         std::vector<double> none = before.unit;
-        for (const std::size_t m : best.members) {
+        for (const std::size_t m : best_.members) {
             none.push_back(m < task_.candidates.size() ? task_.candidates[m].null : no_correction);
         }
-        keep_lower(found, fit(best.members, number + 1, none, target, below(found), extended_.shift));
-        return confirmed(std::move(found), number, target, best);
+        keep_lower(found, fit(best_.members, number + 1, none, target, below(found), extended_.shift));
+        return confirmed(std::move(found), number, target, best_);
     }
 
 private:
@@ -99,6 +97,8 @@ private:
 
     const DiagnosisTask& task_;
     const Diagnosis& d_;
+    const Model& best_;
+    const Target& pull_;
     const std::vector<Explored>& explored_;
     const OnCoarse& extended_;
     Target target_;
@@ -106,11 +106,11 @@ private:
 
 } // namespace
 
-std::optional<HeldOut> predict_left_out(const DiagnosisTask& task, const Diagnosis& d,
-                                        const std::vector<Explored>& explored, const std::vector<Fold>& folds,
-                                        int number) {
+std::optional<HeldOut> predict_left_out(const LeftOutTask& asked, const std::vector<Fold>& folds, int number) {
+    const DiagnosisTask& task = asked.task;
+    const Diagnosis& d = asked.d;
     std::set<std::size_t> wrong;
-    for (const std::size_t c : d.extended->model.members) {
+    for (const std::size_t c : asked.extended.model.members) {
         if (c < task.candidates.size() && task.candidates[c].reading) {
             wrong.insert(*task.candidates[c].reading);
         }
@@ -119,12 +119,12 @@ std::optional<HeldOut> predict_left_out(const DiagnosisTask& task, const Diagnos
         double before = 0.0, after = 0.0;
         std::size_t count = 0;
     };
-    const OnCoarse extended = on_coarse(task.bench, d.extended->model, number);
+    const OnCoarse extended = on_coarse(task.bench, asked.extended.model, number);
     std::vector<Squares> squares(folds.size());
     tbb::task_arena arena(run::concurrency(task.bench.threads()));
     run::Progress progress("held out", static_cast<std::int64_t>(folds.size()));
     run::for_each_index(arena, folds.size(), [&](std::size_t f) {
-        const LeftOut left_out(task, d, explored, extended, folds[f]);
+        const LeftOut left_out(asked, extended, folds[f]);
         const int own = number + 10 * static_cast<int>(f);
         const auto before = left_out.before(own);
         const auto after = before ? left_out.after(*before, own) : std::nullopt;

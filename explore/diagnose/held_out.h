@@ -11,11 +11,17 @@ struct Explored {
     Eigen::VectorXd residuals; // on the coarse mesh
 };
 
-// Every fold is left out once and predicted by the baseline and by the extended model of the diagnosis, both fitted to
-// the rest from points that know nothing of the fold. A reading that an effect declares wrong is nobody's to predict.
-// number: of the first evaluation that is kept; 10 a fold. Nothing: no reading is left to predict, or interrupted.
-std::optional<HeldOut> predict_left_out(const DiagnosisTask& task, const Diagnosis& d,
-                                        const std::vector<Explored>& explored, const std::vector<Fold>& folds,
-                                        int number);
+struct LeftOutTask {
+    const DiagnosisTask& task;
+    const Diagnosis& d;
+    const Judged& extended; // the model that predicts
+    const Target& pull;     // what holds its coefficients
+    const std::vector<Explored>& explored;
+};
+
+// Every fold is left out once and predicted by the baseline and by the extended model, both fitted to the rest from
+// points that know nothing of the fold. A reading that an effect declares wrong is nobody's to predict. number: of the
+// first evaluation that is kept; 10 a fold. Nothing: no reading is left to predict, or interrupted.
+std::optional<HeldOut> predict_left_out(const LeftOutTask& asked, const std::vector<Fold>& folds, int number);
 
 } // namespace explore::diagnose

@@ -1,6 +1,8 @@
 #include "diagnose/location.h"
 
 #include "diagnose/evidence.h"
+#include "diagnose/steps/investigation.h"
+#include "hypotheses/quantiles.h"
 #include "run/parallel.h"
 #include "run/progress.h"
 
@@ -16,13 +18,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double level_correction = 0.05; // of being due to chance
-constexpr double level_beyond = 0.01;     // a correction finds more than what was named
-constexpr double as_good = 6.0;           // chi2 by which one explanation has to be worse than another
 constexpr std::size_t most_corrections = 3;
-
-// Numbers of evaluations that are kept: + 100 times the corrections so far.
-constexpr int slope_number = 40'000;
-constexpr int corrected_fit_number = 41'000;
 
 class Locator {
 public:
@@ -66,13 +62,15 @@ public:
         return true;
     }
 
-    // The chance that noise makes as much of a correction of the base as there is. False: interrupted.
-    bool test_base(double& p) {
+    // The chance that noise makes as much of a correction of the base as there is, of every channel. False:
+    // interrupted.
+    bool test_base(std::vector<double>& p) {
         if (!differentiate()) {
             return false;
         }
-        const auto tests = test();
-        p = tests[best_of(tests)].p_familywise;
+        for (const ChannelTest& own : test()) {
+            p.push_back(own.p_familywise);
+        }
         return true;
     }
 
@@ -295,6 +293,7 @@ private:
         location_.pull = penalised(*problem_, model_.members);
         location_.covariance = covariance();
         location_.fit = judge();
+        location_.numbers = static_cast<int>(numbers());
         const Mimicry beyond = mimicry();
         for (std::size_t i = 0; i < accepted_.size(); ++i) {
             Correction& correction = location_.corrections[i];
@@ -310,19 +309,38 @@ private:
         const MatrixXd jacobian = problem_->residual_jacobian(model_.evaluation) / noise_;
         const MatrixXd pulls = penalised(*problem_, model_.members).penalty / noise_;
         MatrixXd precision = jacobian.transpose() * jacobian + pulls.transpose() * pulls;
-        constexpr double box_variance = 1.0 / 12.0;
         constexpr double weak = 0.01; // as of every interval
-        precision.diagonal().head(static_cast<Index>(followed_)).array() += weak / box_variance;
+        precision.diagonal().head(static_cast<Index>(followed_)).array() += weak / hypotheses::box_variance;
         return precision.llt().solve(MatrixXd::Identity(precision.rows(), precision.cols()));
     }
 
-    // Of the model: its coefficients count as far as the data set them free.
-    double aicc_now() const {
+    // Coefficients, as far as the data set them free.
+    std::size_t numbers() const {
         const MatrixXd pulls = penalised(*problem_, model_.members).penalty / noise_;
         const double held = (covariance() * (pulls.transpose() * pulls)).trace();
         const auto free = static_cast<double>(model_.unit.size() - followed_) - held;
+        return static_cast<std::size_t>(std::lround(std::max(0.0, free)));
+    }
+    double aicc_now() const {
         return aicc(model_.residuals.squaredNorm(), static_cast<std::size_t>(model_.residuals.size()),
-                    followed_ + static_cast<std::size_t>(std::lround(std::max(0.0, free))), !estimated_);
+                    followed_ + numbers(), !estimated_);
+    }
+
+    // Coefficients as they are held by what is known of them beforehand; their strength was chosen by the data.
+    hypotheses::Evidence evidence(const MatrixXd& jacobian) const {
+        const auto followed = static_cast<Index>(followed_);
+        const MatrixXd pulls = penalised(*problem_, model_.members).penalty / noise_;
+        const Index count = static_cast<Index>(model_.unit.size()) - followed;
+        VectorXd away(count);
+        for (Index i = 0; i < count; ++i) {
+            away[i] = model_.unit[static_cast<std::size_t>(followed + i)] - no_correction;
+        }
+        auto prior = hypotheses::Prior::of_parameters(followed);
+        prior.add_normal((pulls.transpose() * pulls).bottomRightCorner(count, count), away);
+        constexpr double chosen = 1.0; // what the best strength says more than strengths do on average, about
+        prior.log_volume -= chosen * static_cast<double>(accepted_.size());
+        return hypotheses::evidence(model_.residuals.squaredNorm() / d_.variance, model_.residuals.size(), jacobian,
+                                    prior, estimated_ ? hypotheses::any_noise() : hypotheses::NoisePrior{});
     }
 
     Judged judge() const {
@@ -336,6 +354,7 @@ private:
         const MatrixXd jacobian = problem_->residual_jacobian(model_.evaluation) / noise_;
         fit.pattern = test_pattern(model_.residuals / noise_, Mimicry(jacobian, model_.unit, model_.residuals / noise_),
                                    task_.groups);
+        fit.evidence = evidence(jacobian);
         fit.model = model_;
         return fit;
     }
@@ -385,88 +404,14 @@ private:
     bool is_done_ = false;
 };
 
-// The corrections in place of what was named; not where nothing is known of them at any place.
-void take(const DiagnosisTask& task, Diagnosis& d, Location location) {
-    const Diagnosis named = d;
-    d.verdict = Verdict::located;
-    d.causes.clear();
-    if (d.nearest.empty()) {
-        d.nearest = std::move(d.explanations);
-    }
-    d.explanations.clear();
-    d.location = std::move(location);
-    d.extended = d.location->fit;
-    d.leaves_more_than_noise = d.extended->p_value < level_noise;
-    d.noise_factor = d.leaves_more_than_noise ? std::sqrt(d.extended->chi2 / d.extended->dof) : 1.0;
-    // What explains the data by its name gives way to what is known of places only.
-    const Says needed = named.verdict == Verdict::unexplained ? Says::between_places : Says::at_places;
-    if (task.says_where && task.says_where(d) < needed) {
-        d = named;
-    }
-}
-
-// Whether the corrections say of the layer that the effect changes what the effect says of it, only less sharply.
-bool is_in_its_place(const DiagnosisTask& task, const Location& location, const Judged& named) {
-    const std::string& layer = task.candidates[named.model.members[0]].layer;
-    return named.model.members.size() == 1 && !layer.empty() &&
-           std::all_of(location.corrections.begin(), location.corrections.end(),
-                       [&](const Correction& c) { return task.channels[c.channel].layer == layer; });
-}
-
 } // namespace
 
-bool locate(const DiagnosisTask& task, Diagnosis& d) {
-    // No name explains the data as it is: what is left is more than noise, or its size is where its range ends.
-    const bool is_weak = d.verdict == Verdict::ambiguous && (d.leaves_more_than_noise || d.extended->ends_range());
-    const bool is_named = d.verdict == Verdict::cause_named;
-    if (!(d.verdict == Verdict::unexplained || is_weak || is_named)) {
-        return true;
-    }
-    const bool is_pair = is_named && d.extended->model.members.size() > 1;
-    if (task.channels.empty()) {
-        d.verdict = is_pair ? Verdict::ambiguous : d.verdict;
-        return true;
-    }
-    std::optional<Location> location;
-    if (!Locator(task, d, d.baseline.model).run(is_named ? d.extended->aicc + as_good : INFINITY, location)) {
-        return false;
-    }
-    if (d.verdict == Verdict::unexplained) {
-        if (location) {
-            take(task, d, std::move(*location));
-        }
-        return true;
-    }
-    const double behind = location ? location->fit.aicc - d.extended->aicc : INFINITY;
-    if (is_weak) {
-        // What came near stands where corrections do not come nearer; noise that was stated too small is no reason for
-        // them.
-        if (behind < (d.leaves_more_than_noise ? -as_good : as_good)) {
-            take(task, d, std::move(*location));
-        }
-        return true;
-    }
-    const bool says_the_same = location && is_in_its_place(task, *location, *d.extended);
-    // One correction that does what it takes two effects for is the simpler explanation.
-    if (behind < (is_pair && location->corrections.size() == 1 ? as_good : -as_good) && !says_the_same) {
-        take(task, d, *location);
-        if (d.is_located()) {
-            return true;
-        }
-    }
-    const bool has_rival = behind < (says_the_same ? -as_good : as_good);
-    double p_beyond = 1.0;
-    if (!has_rival && !is_pair && !Locator(task, d, d.extended->model).test_base(p_beyond)) {
-        return false;
-    }
-    d.asks_for_correction = p_beyond < level_beyond;
-    if (has_rival || is_pair || d.asks_for_correction) {
-        d.verdict = Verdict::ambiguous;
-    }
-    if (has_rival) {
-        d.location = std::move(location);
-    }
-    return true;
+bool find_corrections(const DiagnosisTask& task, const Diagnosis& d, double worth, std::optional<Location>& location) {
+    return Locator(task, d, d.baseline.model).run(worth, location);
+}
+
+bool test_beside(const DiagnosisTask& task, const Diagnosis& d, const Model& base, std::vector<double>& p) {
+    return Locator(task, d, base).test_base(p);
 }
 
 } // namespace explore::diagnose

@@ -6,16 +6,13 @@
 namespace explore::diagnose {
 
 // Adds corrections to the baseline, best evidence first (diagnose/evidence.h), while the next one is due to chance in
-// less than one case of twenty, and fits the full model with them after each. By AICc, in which each coefficient counts
-// as far as the data set it free, the verdict becomes `located` where
-// - no effect of the catalogue explains the data, or
-// - one does that leaves more than noise, or that was named, and corrections are clearly better and say something else,
-//   or
-// - one does that is at the end of its range, or it takes two, and corrections, of two effects a single one, are not
-//   clearly worse.
-// What was named is `ambiguous` where corrections are not clearly worse and say something else, or are clearly better
-// and say the same of the same layer in another shape, where a correction finds more beside it, and where it takes two
-// effects: one thing that a catalogue lacks may do as much. False: interrupted.
-bool locate(const DiagnosisTask& task, Diagnosis& diagnosis);
+// less than one case of twenty, and fits the full model with them after each; nothing in the location: none, or none
+// whose AICc, in which each coefficient counts as far as the data set it free, promises to come below `worth`. False:
+// interrupted.
+bool find_corrections(const DiagnosisTask& task, const Diagnosis& d, double worth, std::optional<Location>& location);
+
+// p: of every channel, the chance that noise makes as much of a correction beside this model as there is. False:
+// interrupted.
+bool test_beside(const DiagnosisTask& task, const Diagnosis& d, const Model& base, std::vector<double>& p);
 
 } // namespace explore::diagnose

@@ -12,8 +12,6 @@
 
 namespace explore::diagnose {
 
-inline constexpr double box_variance = 1.0 / 12.0; // of a parameter anywhere in its range
-
 // A model at a point, with its derivatives by all coordinates: parameters first, then what the model may lack.
 struct Slopes {
     Eigen::VectorXd at;          // unit coordinates

@@ -142,6 +142,42 @@ std::vector<double> point_of(Workbench& bench, const Model& base, std::size_t ca
     return with_size(base.unit, size_index(bench, with_member(base.members, candidate), candidate), size);
 }
 
+// An effect whose size multiplies readings takes no run.
+class Scaling {
+public:
+    // own: the problem of the base; with: of the base with the effect, whose last axis is the size.
+    Scaling(const problem::Problem& own, const problem::Axis& size, const problem::Evaluation& base,
+            const std::vector<std::size_t>& scaled)
+        : own_(own),
+          size_(size),
+          base_(base),
+          scaled_(scaled) {}
+
+    VectorXd residuals(double size) const {
+        problem::Evaluation e = base_;
+        for (const std::size_t r : scaled_) {
+            e.responses[r] *= size_.physical(size);
+        }
+        return own_.residuals(e);
+    }
+    // By the unit coordinate of the size, where that is 1.
+    VectorXd derivative(double null) const {
+        VectorXd sum = VectorXd::Zero(static_cast<Index>(own_.rows()));
+        for (std::size_t i = 0; i < own_.readings(); ++i) {
+            if (std::find(scaled_.begin(), scaled_.end(), own_.response_of(i)) != scaled_.end()) {
+                sum += own_.change_by_gain(i, base_);
+            }
+        }
+        return sum * size_.d_physical(null);
+    }
+
+private:
+    const problem::Problem& own_;
+    const problem::Axis& size_;
+    const problem::Evaluation& base_;
+    const std::vector<std::size_t>& scaled_;
+};
+
 // At its null value, where the residuals are those of the base: the shift and the derivative by the size.
 void differentiate(Workbench& bench, const Model& base, const std::vector<Candidate>& candidates, std::size_t c,
                    int number, Signature& s) {
@@ -238,6 +274,15 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
                 // A wrong reading moves its own residual, by any amount, and what is expected of those correlated with
                 // it.
                 s.derivative = own->change_by(*candidates[c].reading);
+            } else if (!candidates[c].scaled.empty()) {
+                const Scaling scaling(*own, candidates[c].axis, screening.base.evaluation, candidates[c].scaled);
+                const VectorXd at_base = own->residuals(screening.base.evaluation);
+                s.shift = screening.base.shift;
+                s.derivative = scaling.derivative(candidates[c].null);
+                for (const double size : scan_of(candidates[c])) {
+                    s.sizes.push_back(size);
+                    s.moved.push_back(scaling.residuals(size) - at_base);
+                }
             } else {
                 if (first == nullptr) {
                     differentiate(bench, base, candidates, c, number, s);
@@ -265,7 +310,7 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
     if (scanned > 0) {
         std::vector<std::size_t> order;
         for (std::size_t c = 0; c < candidates.size(); ++c) {
-            if (!signatures[c].sizes.empty()) {
+            if (!signatures[c].sizes.empty() && candidates[c].scaled.empty()) {
                 order.push_back(c);
             }
         }

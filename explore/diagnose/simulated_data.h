@@ -5,9 +5,6 @@
 
 namespace explore::diagnose {
 
-// Evidence is due to chance this rarely where a cause is named.
-inline constexpr double level_evidence = 0.01;
-
 struct SimulationSettings {
     int simulations = 40;      // at most: few where they leave no doubt
     double noise_factor = 1.0; // by which the noise would have to be larger for what the best explanation leaves

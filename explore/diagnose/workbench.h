@@ -16,7 +16,12 @@ struct Candidate {
     double null = 0.0;                  // the size that changes nothing, and one that is seen in practice:
     double typical = 0.0;               // unit coordinates of its axis
     std::optional<std::size_t> reading; // the reading (term of the misfit) that it declares wrong
-    std::string layer; // whose stiffness is all that it changes; empty: it changes more, or other things
+    std::string layer;           // whose stiffness is all that it changes; empty: it changes more, or other things
+    bool is_of_readings = false; // all that it changes is what instruments say
+    std::vector<std::size_t> scaled{}; // responses that its size multiplies, which is all that it does
+    problem::Axis axis{};              // of the size, where it does
+
+    std::string words() const { return effect + (on.empty() ? "" : " (" + on + ")"); }
 };
 
 // Where a smooth correction of the model may act, whatever the cause: so many coefficients, each the logarithm of a

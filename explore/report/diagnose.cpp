@@ -1,6 +1,7 @@
 #include "report/diagnose.h"
 
 #include "analysis/build.h"
+#include "analysis/diagnose_verdict.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "pavement/effects/effect.h"
@@ -148,13 +149,39 @@ Json corrections_json(const DiagnoseResult& f) {
     return list;
 }
 
+Json hypotheses_json(const Diagnosis& d) {
+    Json list = Json::array();
+    for (const auto& [r, probability] : d.decision.hypotheses) {
+        const diagnose::Row& row = d.ledger.rows()[r];
+        Json json = {{"kind", std::string(hypotheses::kind_names[static_cast<int>(row.hypothesis.kind)])},
+                     {"name", row.hypothesis.name},
+                     {"in_words", analysis::row_words(row)},
+                     {"probability", probability}};
+        if (row.is_premise) {
+            json.update({{"log_evidence", nullptr}, {"chi2", nullptr}, {"p_value", nullptr}});
+        } else {
+            json.update({{"log_evidence", row.log_evidence},
+                         {"chi2", row.fit.chi2},
+                         {"p_value", row.fit.p_value},
+                         {"noise", row.noise}});
+        }
+        json["sizes"] = Json::object();
+        for (const diagnose::Sized& size : row.sizes) {
+            json["sizes"][size.name] = {{"value", size.value}, {"low", size.low}, {"high", size.high}};
+        }
+        list.push_back(std::move(json));
+    }
+    return list;
+}
+
 Json diagnosis_json(const DiagnoseResult& f, const std::string& extended_path) {
     const Diagnosis& d = f.diagnosis;
     const bool is_extended = f.is_extended();
     const DiagnosedModel& before = *f.before;
-    Json json = {{"verdict", std::string(diagnose::verdict_names[static_cast<int>(d.verdict)])},
-                 {"causes", d.causes},
-                 {"noise_factor", d.noise_factor},
+    Json json = {{"verdict", std::string(diagnose::verdict_names[static_cast<int>(d.verdict())])},
+                 {"causes", d.decision.causes},
+                 {"hypotheses", hypotheses_json(d)},
+                 {"noise_factor", d.decision.noise_factor},
                  {"baseline", judged_json(d.baseline, before.misfit, f.study.file)}};
     json["baseline"]["parameters"] = intervals_json(before.study.space, before.parameters);
     if (f.study.noise == study::NoiseSource::estimated) {
@@ -432,7 +459,7 @@ std::string diagnosis_page(const DiagnoseResult& f) {
         }
         text += alternatives.text();
     }
-    if (!d.confounding.empty() && d.verdict != Verdict::unexplained) {
+    if (!d.confounding.empty() && d.verdict() != Verdict::unexplained) {
         text += "\nHardest to tell from " + f.candidates[d.confounding[0].a].effect + " with these readings\n";
         Table pairs({"effect", "cosine", "best possible rate"});
         constexpr std::size_t shown = 4;
@@ -442,8 +469,8 @@ std::string diagnosis_page(const DiagnoseResult& f) {
         }
         text += pairs.text();
     }
-    text += d.verdict == Verdict::unexplained ? "\nParameters and outputs of models that do not explain these data\n"
-                                              : "\nParameters and outputs\n";
+    text += d.verdict() == Verdict::unexplained ? "\nParameters and outputs of models that do not explain these data\n"
+                                                : "\nParameters and outputs\n";
     Table values(f.after ? std::vector<std::string>{"", "before", "95 % from", "to", "after", "95 % from", "to", "unit"}
                          : std::vector<std::string>{"", "value", "95 % from", "to", "unit"});
     const auto& space = (f.after ? f.after->study : reported_before.study).space;

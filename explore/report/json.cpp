@@ -165,6 +165,12 @@ void add_model_errors(Json& json, const study::Study& study, const std::optional
         for (const auto& [parameter, standard_errors] : mesh->moved) {
             moved.push_back({{"parameter", parameter}, {"standard_errors", standard_errors}});
         }
+        Json outputs = Json::array();
+        for (const auto& output : mesh->outputs) {
+            outputs.push_back({{"output", study.readings[output.reading].output},
+                               {"change", output.change},
+                               {"standard_deviations", output.deviations}});
+        }
         json["mesh"] = {{"finer_refine", mesh->refine},
                         {"beyond_parameters", mesh->beyond},
                         {"chi2", mesh->chi2},
@@ -172,6 +178,7 @@ void add_model_errors(Json& json, const study::Study& study, const std::optional
                         {"moved", moved},
                         {"reading", study.readings[mesh->reading].label()},
                         {"change", mesh->change},
+                        {"outputs", outputs},
                         {"shows", mesh->shows()}};
     }
     if (path) {

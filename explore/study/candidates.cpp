@@ -38,7 +38,7 @@ std::vector<data::Reading> readings(const Study& study, const Load& load, bool d
             return old.load == m.load && old.quantity == m.quantity && std::abs(old.x_mm - m.x_mm) < 1.0 &&
                    old.y_mm == 0.0 && std::abs(old.depth_mm - m.depth_mm) < 1.0;
         });
-        if (!taken) {
+        if (!taken && (study.possible.empty() || study.is_at_hand(quantity))) {
             list.push_back(std::move(m));
         }
     };

@@ -28,6 +28,7 @@ std::span<const Key> study_keys() {
         solver_time_step,
         mesh_extent,
         mesh_refine,
+        measure_possible,
         data_files,
         data_outside,
         data_misfit,

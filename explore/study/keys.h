@@ -163,6 +163,15 @@ inline constexpr Key mesh_refine{.table = "[mesh]",
                                  .default_value = 1.0,
                                  .meaning = "elements along every edge, times this"};
 
+inline constexpr Key measure_possible{
+    .table = "[measure]",
+    .key = "possible",
+    .kind = texts,
+    .allowed = "quantities of readings: `deflection`, `strain_zz`, `strain_xx`, `strain_yy`, `stress_zz`, `stress_xx`, "
+               "`stress_yy`",
+    .without = "what the study reads comes first",
+    .meaning = "what could still be measured: further readings that are proposed are of these"};
+
 inline constexpr Key data_files{.table = "[data]",
                                 .key = "files",
                                 .kind = texts,

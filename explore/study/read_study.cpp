@@ -140,7 +140,9 @@ void read_effect(const toml::table& table, Study& study) {
     }
     reader.done();
     for (const AppliedEffect& other : model.effects) {
-        if (other.effect == applied.effect) {
+        const bool is_another_reading =
+            effect.is_error_of_reading && applied.reading.value_or(0) != other.reading.value_or(0);
+        if (other.effect == applied.effect && !is_another_reading) {
             throw pave::Error(reader.place("name"), "this effect is given twice",
                               "\"" + std::string(effect.name) + "\"", "each once");
         }
@@ -296,6 +298,7 @@ void read_data(const toml::table& table, Study& study, Readings readings, const 
 
 std::string hash_of(toml::table table, const Study& study) {
     table.erase("title");
+    table.erase("measure");
     std::ostringstream text;
     text << toml::default_formatter(table);
     for (const Load& load : study.model.loads) {
@@ -405,6 +408,13 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
         TableReader r(*mesh, file, "[mesh]");
         study.model.settings.extent = r.has(keys::mesh_extent) ? r.number(keys::mesh_extent) : extent_not_stated;
         study.model.settings.refine = r.number(keys::mesh_refine);
+        r.done();
+    }
+    if (const auto* measure = reader.table("measure")) {
+        TableReader r(*measure, file, "[measure]");
+        for (const std::string& name : r.texts(keys::measure_possible)) {
+            study.possible.push_back(find_quantity(name, r.place(keys::measure_possible)));
+        }
         r.done();
     }
     if (const auto* data = reader.table("data")) {

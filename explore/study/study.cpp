@@ -43,6 +43,15 @@ std::vector<std::string> Study::groups_fitted() const {
     return names;
 }
 
+bool Study::is_at_hand(pave::pavement::Quantity quantity) const {
+    if (!possible.empty()) {
+        return std::find(possible.begin(), possible.end(), quantity) != possible.end();
+    }
+    const auto count = static_cast<std::ptrdiff_t>(measured().size());
+    return std::any_of(model.sensors.begin(), model.sensors.begin() + count,
+                       [&](const auto& sensor) { return sensor.quantity == quantity; });
+}
+
 std::size_t Study::held_out_readings() const {
     std::size_t count = 0;
     for (const Group& group : groups) {

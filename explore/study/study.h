@@ -74,7 +74,8 @@ struct Study {
     problem::ParameterSpace space;
     std::vector<Constraint> constraints;
     DataSettings data;
-    std::vector<Group> groups; // of the measured readings, in their order
+    std::vector<pave::pavement::Quantity> possible{}; // what could still be measured; empty: not stated
+    std::vector<Group> groups;                        // of the measured readings, in their order
     NoiseSource noise = NoiseSource::estimated;
     LoadSteps load_steps = LoadSteps::by_default;
     // Of the measured readings, how many took their noise from the others: their median share of a reading.
@@ -92,6 +93,8 @@ struct Study {
     std::vector<std::size_t> outputs() const;       // which of the readings are outputs
     std::vector<std::string> groups_fitted() const; // their names
     std::size_t held_out_readings() const;
+    // Whether it is known that this can be measured: stated, or measured already.
+    bool is_at_hand(pave::pavement::Quantity quantity) const;
 };
 
 // Throws pave::Error for anything wrong in the study or its data: file, line, key, found, allowed.

@@ -49,12 +49,6 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
         return std::count_if(readings.begin(), readings.end(), same) > 1 &&
                *std::find_if(readings.begin(), readings.end(), same) == i;
     };
-    const auto has_times_at = [&](std::size_t i) {
-        return std::any_of(readings.begin(), readings.end(), [&](std::size_t other) {
-            return study.readings[other].time_ms &&
-                   study.readings[other].place_words() == study.readings[i].place_words();
-        });
-    };
     std::vector<Variant> list;
     for (const Effect* effect : effects()) {
         const bool has_it = std::any_of(study.model.effects.begin(), study.model.effects.end(),
@@ -71,10 +65,8 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
         };
         if (effect->takes_reading) {
             for (const std::size_t i : readings) {
-                // What one place reads under one load alone could as well be an error of that reading. Peaks tell the
-                // gain of one instrument neither from its place nor from the section below it: histories do.
-                const bool stands_for_place = first_of_place(i) && (!effect->takes_quantity || has_times_at(i));
-                if (effect->is_error_of_reading || stands_for_place) {
+                // What one place reads under one load alone could as well be an error of that reading.
+                if (effect->is_error_of_reading || first_of_place(i)) {
                     add({.reading = static_cast<int>(i)},
                         effect->takes_quantity ? "every " + study.readings[i].place_words()
                                                : fmt::format("reading {}: {}", i + 1, study.readings[i].words()));
@@ -108,6 +100,12 @@ Study with_free_effects(Study study, const std::vector<Variant>& variants) {
         study.model.effects.push_back(variant.applied);
         study.model.effects.back().present = true;
         study.space.axes.push_back(size_axis(effect));
+        // One of several wrong readings has a name of its own.
+        const auto same = std::count_if(study.model.effects.begin(), study.model.effects.end(),
+                                        [&](const AppliedEffect& other) { return other.effect == &effect; });
+        if (same > 1) {
+            study.space.axes.back().name = fmt::format("{}-{}.size", effect.name, same);
+        }
         study.parameters.push_back(find_parameter(study.model, study.space.axes.back().name, {.file = study.file}));
         study.hash += fmt::format("+{}({})", effect.name, variant.on);
     }

@@ -240,11 +240,16 @@ void each_parameter(const Case& c, F f, std::string_view only = {}) {
     }
     for (std::size_t i = 0; i < c.effects.size(); ++i) {
         const Effect& effect = *c.effects[i].effect;
-        if (!is_wanted(effect.name, "size")) {
+        // Several wrong readings: the first is "outlier", the second "outlier-2".
+        const auto before = std::count_if(c.effects.begin(), c.effects.begin() + static_cast<std::ptrdiff_t>(i),
+                                          [&](const AppliedEffect& other) { return other.effect == &effect; });
+        const std::string name =
+            std::string(effect.name) + (before > 0 ? "-" + std::to_string(before + 1) : std::string());
+        if (!is_wanted(name, "size")) {
             continue;
         }
         Parameter p;
-        p.path = std::string(effect.name) + ".size";
+        p.path = name + ".size";
         p.in_effect = true;
         p.owner = static_cast<int>(i);
         p.low = effect.low;

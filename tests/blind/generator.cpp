@@ -2,12 +2,17 @@
 // study.toml and data.csv as an engineer would bring them; the truth goes to standard output as one JSON object, where
 // only the judge reads it.
 //
-// usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated | few]
+// usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated | few | DATA]
 //   KIND   none, one, two, the name of an effect, or outside: one that is neither in the catalogue nor of the form of a
 //          correction; LEAST MOST: its strength, in standard deviations (8 20); correlated: errors are tied as those of
 //          repeated drops are, and the study says so; independent.toml and its data say that they are not; few: 11
 //          readings instead of 40 to 59, and further.csv says what instruments at other places and a heavier drop
 //          would read
+//   DATA   what the data have that the study does not state: understated, overstated (errors 1.5 times as large or as
+//          small as stated), heavy (errors of Student's t with four degrees of freedom, of the stated deviation), bad
+//          (two or three readings wrong by 7 to 15 deviations), common (each load's readings share an error of 1 to 3
+//          %), tied (errors of neighbouring readings are alike), fault (of the file: two sensors exchanged, all counted
+//          from the far end, one in another unit)
 //
 // The data come from a mesh 2.5 times as fine and from load paths ten times as exact as the study asks for. Half of the
 // effects that are fields of the section have another form here than in the catalogue. The strength of an effect is
@@ -790,8 +795,100 @@ Json words(const Case& c, const Hidden& hidden) {
     return json;
 }
 
+constexpr const char* kinds_of_data[] = {"understated", "overstated", "heavy", "bad", "common", "tied", "fault"};
+
+// The numbers of the errors, in standard deviations, as the study does not state them.
+void unlike_stated(const Case& c, Draw& draw, const std::string& data, VectorXd& numbers) {
+    if (data == "understated") {
+        numbers *= 1.5;
+    } else if (data == "overstated") {
+        numbers /= 1.5;
+    } else if (data == "heavy") {
+        constexpr double degrees = 4.0;
+        for (double& number : numbers) {
+            number = gsl_cdf_tdist_Pinv(gsl_cdf_ugaussian_P(number), degrees) / std::sqrt(degrees / (degrees - 2.0));
+        }
+    } else if (data == "tied") {
+        constexpr double length = 0.3; // m
+        Eigen::MatrixXd tied = Eigen::MatrixXd::Identity(numbers.size(), numbers.size());
+        for (Eigen::Index i = 0; i < numbers.size(); ++i) {
+            for (Eigen::Index k = 0; k < numbers.size(); ++k) {
+                const Sensor& a = c.sensors[static_cast<std::size_t>(i)];
+                const Sensor& b = c.sensors[static_cast<std::size_t>(k)];
+                if (i != k) {
+                    const double apart = std::hypot(a.x - b.x, a.y - b.y, a.depth - b.depth);
+                    tied(i, k) = a.load == b.load && a.quantity == b.quantity ? std::exp(-apart / length) : 0.0;
+                }
+            }
+        }
+        const Eigen::MatrixXd root = tied.llt().matrixL();
+        numbers = root * numbers;
+    } else if (data == "bad") {
+        const std::size_t count = 2 + draw.below(2);
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto at = static_cast<Eigen::Index>(draw.below(static_cast<std::size_t>(numbers.size())));
+            numbers[at] = std::copysign(draw.uniform(7.0, 15.0), draw.uniform(-1.0, 1.0));
+        }
+    }
+}
+
+// What happens to the file: values and their stated deviations move or change their unit. What, in words.
+Json spoil(const Case& c, Draw& draw, VectorXd& values, VectorXd& spread) {
+    std::vector<double> places;
+    for (const Sensor& sensor : c.sensors) {
+        if (sensor.quantity == Quantity::deflection) {
+            places.push_back(sensor.x);
+        }
+    }
+    std::sort(places.begin(), places.end());
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    const auto at = [&](int load, double x) {
+        for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+            const Sensor& sensor = c.sensors[i];
+            if (sensor.load == load && sensor.quantity == Quantity::deflection && sensor.x == x) {
+                return static_cast<Eigen::Index>(i);
+            }
+        }
+        return Eigen::Index(-1);
+    };
+    const auto exchange = [&](double one, double other) {
+        for (int load = 0; load < static_cast<int>(c.loads.size()); ++load) {
+            const Eigen::Index a = at(load, one);
+            const Eigen::Index b = at(load, other);
+            if (a >= 0 && b >= 0) {
+                std::swap(values[a], values[b]);
+                std::swap(spread[a], spread[b]);
+            }
+        }
+    };
+    switch (draw.below(3)) {
+    case 0: {
+        const std::size_t i = draw.below(places.size() - 2);
+        exchange(places[i], places[i + 1]);
+        return {{"fault", "exchanged"}, {"at_mm", {1e3 * places[i], 1e3 * places[i + 1]}}};
+    }
+    case 1:
+        for (std::size_t i = 0; i < places.size() / 2; ++i) {
+            exchange(places[i], places[places.size() - 1 - i]);
+        }
+        return {{"fault", "counted from the far end"}};
+    default: {
+        constexpr double factors[] = {10.0, 25.4, 1000.0, 1.0 / 25.4};
+        const double factor = factors[draw.below(std::size(factors))];
+        const double place = places[1 + draw.below(places.size() - 3)];
+        for (int load = 0; load < static_cast<int>(c.loads.size()); ++load) {
+            if (const Eigen::Index i = at(load, place); i >= 0) {
+                values[i] *= factor;
+                spread[i] *= factor;
+            }
+        }
+        return {{"fault", "another unit"}, {"at_mm", {1e3 * place}}, {"factor", factor}};
+    }
+    }
+}
+
 int generate(std::uint64_t seed, const std::filesystem::path& folder, const std::string& kind, const Strength& strength,
-             bool correlated, bool few) {
+             bool correlated, bool few, const std::string& data) {
     for (std::uint64_t attempt = 0;; ++attempt) {
         Draw draw(seed, 1000 + attempt);
         Case c = draw_case(draw);
@@ -881,12 +978,36 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
         if (count == 1) {
             add_ceiling(truth, coarse, hidden[0], changes[0], weakest, base, errors);
         }
-        const VectorXd spread = sigma_of(exact);
+        VectorXd spread = sigma_of(exact);
         VectorXd numbers(exact.size());
         for (double& number : numbers) {
             number = draw.normal();
         }
-        const VectorXd values = exact + errors_of(c, spread, common_of(exact)).root * numbers;
+        const VectorXd as_drawn = numbers;
+        unlike_stated(c, draw, data, numbers);
+        VectorXd values = exact + errors_of(c, spread, common_of(exact)).root * numbers;
+        if (data == "bad") {
+            truth["bad"] = Json::array();
+            for (Eigen::Index i = 0; i < numbers.size(); ++i) {
+                if (numbers[i] != as_drawn[i]) {
+                    truth["bad"].push_back(i + 1);
+                }
+            }
+        }
+        if (data == "common") {
+            const double common = draw.uniform(0.01, 0.03);
+            for (std::size_t load = 0; load < c.loads.size(); ++load) {
+                const double error = common * draw.normal();
+                for (Eigen::Index i = 0; i < values.size(); ++i) {
+                    const bool is_of_load =
+                        static_cast<std::size_t>(c.sensors[static_cast<std::size_t>(i)].load) == load;
+                    values[i] += is_of_load ? error * exact[i] : 0.0;
+                }
+            }
+        }
+        if (data == "fault") {
+            truth["spoilt"] = spoil(c, draw, values, spread);
+        }
         if (few && !write_further_readings(c, hidden, draw, folder)) {
             continue;
         }
@@ -937,16 +1058,19 @@ int main(int argc, char** argv) {
     std::vector<std::string> words(argv + 1, argv + argc);
     const bool correlated = !words.empty() && words.back() == "correlated";
     const bool few = !words.empty() && words.back() == "few";
-    if (correlated || few) {
+    const bool is_data = !words.empty() && std::find(std::begin(kinds_of_data), std::end(kinds_of_data),
+                                                     words.back()) != std::end(kinds_of_data);
+    const std::string data = is_data ? words.back() : "";
+    if (correlated || few || is_data) {
         words.pop_back();
     }
     if (words.size() != 3 && words.size() != 5) {
-        std::cerr << "usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated | few]\n";
+        std::cerr << "usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated | few | DATA]\n";
         return 2;
     }
     Strength strength;
     if (words.size() == 5) {
         strength = {std::stod(words[3]), std::stod(words[4])};
     }
-    return generate(std::stoull(words[0]), words[1], words[2], strength, correlated, few);
+    return generate(std::stoull(words[0]), words[1], words[2], strength, correlated, few, data);
 }

@@ -1,11 +1,14 @@
 """Blind trials of `pavescape diagnose`: a generator hides effects in data, the program looks for them, this script judges.
 
-usage: trials.py --program PROGRAM --generator GENERATOR [--one N] [--none N] [--two N] [--removed N] [--power N] [--outside N] [--first SEED] [--jobs J]
+usage: trials.py --program PROGRAM --generator GENERATOR [--one N] [--none N] [--two N] [--removed N] [--power N] [--outside N]
+                 [--understated N] [--overstated N] [--heavy N] [--bad N] [--few N] [--common N] [--tied N] [--fault N] [--first SEED] [--jobs J]
                  [--out FOLDER] [--keep] [--page DOCS] [--correlated [--independent]]
 
 one:     an effect of 8 to 20 standard deviations; none: nothing hidden; two: two effects at once; removed: as `one`, but
          the effect is taken out of the catalogue; power: effects of 2 to 12 standard deviations; outside: physics
          that is neither in the catalogue nor of the form of a correction.
+understated, overstated, heavy, common, tied: nothing hidden, but errors are not as stated: 1.5 times as large or as small, of Student's t, shared by the
+         readings of a load, alike in neighbouring readings; bad: two or three wrong readings; few: as `one`, with 11 readings; fault: of the file.
 --correlated: errors are tied as those of repeated drops are, and the study says so; --independent: it says that they are not.
 Writes a file a case into the folder (a run that was cut off continues), prints the rates. --page: writes tables and pictures of DOCS/diagnose.md too.
 """
@@ -22,7 +25,8 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "shared"))
 from svg import svg
 
-KINDS = ("one", "none", "two", "removed", "power", "outside")
+AMISS = ("understated", "overstated", "heavy", "common", "tied")  # nothing is wrong but what is stated of the errors
+KINDS = ("one", "none", "two", "removed", "power", "outside", *AMISS, "bad", "few", "fault")
 CHEAPER = ["--explore", "48", "--starts", "5", "--bootstrap", "10"]  # than the defaults: a landscape of five parameters
 
 
@@ -40,7 +44,8 @@ def judge(options, kind, seed):
     folder = pathlib.Path(options.out) / f"{kind}-{seed}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    what = {"one": ["one"], "none": ["none"], "two": ["two"], "removed": ["one"], "power": ["one", "2", "12"], "outside": ["outside"]}[kind]
+    what = {"one": ["one"], "none": ["none"], "two": ["two"], "removed": ["one"], "power": ["one", "2", "12"], "outside": ["outside"], "few": ["one", "few"],
+            **{data: ["none", data] for data in (*AMISS, "bad", "fault")}}[kind]
     made = subprocess.run([options.generator, str(seed), folder, *what, *(["correlated"] if options.correlated else [])], capture_output=True, text=True)
     truth = json.loads(made.stdout)
     names = [h["effect"] for h in truth["hidden"]]
@@ -56,7 +61,8 @@ def judge(options, kind, seed):
               "chi2": found["baseline"]["chi2"], "dof": found["baseline"]["dof"], "extended_p": found["extended"]["p_value"],
               "held_out": [found["gain"]["held_out_rmse_before"], found["gain"]["held_out_rmse_after"]],
               "seconds": time.time() - begin, "candidates": found["candidates"][:6],
-              "explanations": found["explanations"][:6], "corrections": found.get("corrections", [])}
+              "explanations": found["explanations"][:6], "corrections": found.get("corrections", []),
+              "noise_factor": found["noise_factor"], "hypotheses": found.get("hypotheses", [])[:8]}
     if kind == "one":
         own = [c for c in found["candidates"] if c["effect"] == names[0]]
         result["own"] = own[0] if own else None
@@ -125,7 +131,31 @@ def rates(results):
         "modulus within its band where seen": (sum(within for *_, within in places), len(places)),
         "no correction without a hidden effect": (sum(not r.get("corrections") for r in of["none"]), len(of["none"])),
     }
+    def finds_all_bad(r):
+        """Whether the first explanation is all wrong readings and nothing else."""
+        named = [e for e in r["explanations"][:1] for e in e["effects"]]
+        return r["causes"] == ["outlier"] and sorted(int(e["on"].split()[1].rstrip(":")) for e in named) == sorted(r["truth"]["bad"])
+
+    def names_fault(r):
+        """Whether what happened to the file is the first hypothesis."""
+        spoilt, first = r["truth"]["spoilt"], (r["hypotheses"] or [{"name": "", "kind": ""}])[0]
+        words = {"exchanged": "exchanged", "counted from the far end": "counted from the far end", "another unit": "another unit"}[spoilt["fault"]]
+        return first["kind"] == "layout" and words in first["name"] and all(f"{at:g} " in first["name"] for at in spoilt.get("at_mm", []))
+
+    few = of["few"]
+    amiss = {
+        **{f"{kind}: a name or a place where nothing is wrong": (sum(r["verdict"] in ("cause-named", "ambiguous", "located") for r in of[kind]), len(of[kind]))
+           for kind in AMISS},
+        "understated: adequate, and the noise larger": (sum(r["verdict"] == "adequate" and r["noise_factor"] > 1 for r in of["understated"]), len(of["understated"])),
+        "two or three wrong readings, all and nothing else": (sum(map(finds_all_bad, of["bad"])), len(of["bad"])),
+        "few readings: truth among the causes": (sum(r["names"][0] in r["causes"] for r in few), len(few)),
+        "few readings: named alone": (sum(r["verdict"] == "cause-named" and r["causes"] == r["names"] for r in few), len(few)),
+        "few readings: wrong name alone": (sum(r["verdict"] == "cause-named" and r["causes"] != r["names"] for r in few), len(few)),
+        "faults of the file named": (sum(map(names_fault, of["fault"])), len(of["fault"])),
+    }
+    alone = [r for r in one if r["verdict"] == "cause-named" and r["causes"] == r["names"]]
     return {
+        "named alone": (len(alone), len(one)),
         "right name first, where it can be told apart": (sum(r["causes"][:1] == r["names"] for r in separable), len(separable)),
         "wrong name alone": (sum(r["verdict"] == "cause-named" and r["names"][0] not in r["causes"] for r in one), len(one)),
         "truth among the causes": (sum(r["names"][0] in r["causes"] for r in one), len(one)),
@@ -139,7 +169,22 @@ def rates(results):
             (sum(map(holds, sized)), len(sized)),
         "held-out data gain from a named effect": (sum(r["held_out"][1] < r["held_out"][0] for r in named), len(named)),
         **outside,
+        **amiss,
     }
+
+
+def calibration(results):
+    """[(from, to, hypotheses given such a probability, how many of them are true)] in steps of 10 %"""
+    bins = [[0, 0] for _ in range(10)]
+    for r in results:
+        if r["kind"] not in ("one", "power", "none", "few"):
+            continue
+        for h in r["hypotheses"]:
+            true = h["kind"] in ("none", "noise") if not r["names"] else h["kind"] in ("effect", "readings") and h["name"].split(" (")[0] == r["names"][0]
+            at = min(9, int(10 * h["probability"]))
+            bins[at][0] += 1
+            bins[at][1] += true
+    return [(10 * i, 10 * (i + 1), count, true) for i, (count, true) in enumerate(bins) if count]
 
 
 def confusion(results):
@@ -233,6 +278,9 @@ def text_of(results):
     curve = power_curve(results)
     parts["power"] = "| strength | right name first | contradiction found | cases |\n|---:|---:|---:|---:|\n" + "".join(
         f"| {d - 1} to {d + 1} | {100 * right:.0f} % | {100 * found:.0f} % | {count} |\n" for d, right, found, count in curve)
+    rows = calibration(results)
+    parts["calibration"] = "| probability | hypotheses | true |\n|---|---:|---:|\n" + "".join(
+        f"| {low} to {high} % | {count} | {100 * true / count:.0f} % |\n" for low, high, count, true in rows)
     table = confusion(results)
     parts["confusion"] = "| hidden | found first |\n|---|---|\n" + "".join(
         f"| {hidden} | " + ", ".join(f"{f} {n}" for f, n in sorted(table[hidden].items(), key=lambda item: -item[1])) + " |\n"
@@ -244,6 +292,8 @@ def write_page(docs, results):
     page = docs / "diagnose.md"
     document = page.read_text()
     for name, text in text_of(results).items():
+        if f"<!-- {name} -->" not in document:
+            continue
         document, found = re.subn(rf"(<!-- {name} -->\n).*?(<!-- end -->)", lambda m: m[1] + text + m[2], document, flags=re.S)
         assert found == 1, f"{page} has one part {name}"
     page.write_text(document)

@@ -262,9 +262,9 @@ TEST(Diagnosis, FindsWhatIsHiddenInLinearModels) {
     for (int t = 0; t < trials; ++t) {
         const auto seed = static_cast<std::uint64_t>(t) + 10;
         World world(seed, candidates);
-        adequate += world.diagnose(seed).verdict == Verdict::adequate;
+        adequate += world.diagnose(seed).verdict() == Verdict::adequate;
         world.noise_is_stated = false;
-        adequate_estimated += world.diagnose(seed).verdict == Verdict::adequate;
+        adequate_estimated += world.diagnose(seed).verdict() == Verdict::adequate;
         world.noise_is_stated = true;
         const VectorXd plain = world.data;
         const pave::RandomStream random(seed, 77);
@@ -273,7 +273,7 @@ TEST(Diagnosis, FindsWhatIsHiddenInLinearModels) {
         world.data += size * world.signatures.col(static_cast<Index>(hidden));
         const auto found = world.diagnose(seed);
         const std::string name = fmt::format("e{}", hidden);
-        right += found.verdict == Verdict::cause_named && found.causes == std::vector<std::string>{name};
+        right += found.verdict() == Verdict::cause_named && found.decision.causes == std::vector<std::string>{name};
         for (const auto& effect : found.effects) {
             if (effect.candidate == hidden && effect.fit) {
                 covered += effect.size.low <= size && size <= effect.size.high;
@@ -282,8 +282,8 @@ TEST(Diagnosis, FindsWhatIsHiddenInLinearModels) {
         const std::size_t second = (hidden + 1) % static_cast<std::size_t>(candidates);
         world.data += 0.5 * world.signatures.col(static_cast<Index>(second));
         const auto two = world.diagnose(seed);
-        const std::set<std::string> causes(two.causes.begin(), two.causes.end());
-        both += two.verdict == Verdict::ambiguous && two.explanations.size() == 1 &&
+        const std::set<std::string> causes(two.decision.causes.begin(), two.decision.causes.end());
+        both += two.verdict() == Verdict::ambiguous && two.explanations.size() == 1 &&
                 causes == std::set<std::string>{name, fmt::format("e{}", second)};
         pair_true += causes.contains(name);
     }
@@ -310,8 +310,9 @@ TEST(Diagnosis, WhatCannotBeToldApartIsAmbiguousWithTheRateOfTheFormula) {
         world.signatures.col(3) = cosine * own + std::sqrt(1.0 - cosine * cosine) * other;
         world.data += size * own;
         const auto found = world.diagnose(seed);
-        ambiguous += found.verdict == Verdict::ambiguous;
-        holds += std::find(found.causes.begin(), found.causes.end(), "e2") != found.causes.end();
+        ambiguous += found.verdict() == Verdict::ambiguous;
+        holds +=
+            std::find(found.decision.causes.begin(), found.decision.causes.end(), "e2") != found.decision.causes.end();
         const double d = std::sqrt(found.effects[0].gain);
         ASSERT_FALSE(found.confounding.empty());
         EXPECT_NEAR(found.confounding[0].cosine, cosine, 1e-3);
@@ -329,7 +330,7 @@ TEST(Diagnosis, WhatNoCandidateExplainsIsLeftUnexplained) {
         World world(seed, 9);
         world.data += 0.6 * world.signatures.col(8);
         world.signatures.conservativeResize(Eigen::NoChange, 8);
-        named += world.diagnose(seed).verdict == Verdict::cause_named;
+        named += world.diagnose(seed).verdict() == Verdict::cause_named;
     }
     EXPECT_LE(named, 4);
 }
@@ -366,7 +367,7 @@ TEST(Diagnosis, WhatStandsIsOfTheStudysMeshHoweverTheCoarseOneErrs) {
         const auto exact = world.diagnose(seed);
         world.coarse_error = 0.05;
         const auto found = world.diagnose(seed);
-        same += found.verdict == exact.verdict && found.causes == exact.causes;
+        same += found.verdict() == exact.verdict() && found.decision.causes == exact.decision.causes;
         EXPECT_NEAR(found.baseline.chi2, exact.baseline.chi2, 0.02);
         ASSERT_TRUE(found.extended && exact.extended && found.places && exact.places);
         EXPECT_NEAR(found.extended->chi2, exact.extended->chi2, 0.02);
@@ -385,7 +386,7 @@ TEST(Diagnosis, TakesTheStudysMeshWhereTheCoarseOneHasNoAnswer) {
     const auto exact = world.diagnose(3);
     world.coarse_error = 1.0;
     const auto found = world.diagnose(3);
-    EXPECT_EQ(found.verdict, exact.verdict);
-    EXPECT_EQ(found.causes, exact.causes);
+    EXPECT_EQ(found.verdict(), exact.verdict());
+    EXPECT_EQ(found.decision.causes, exact.decision.causes);
     EXPECT_NEAR(found.extended->chi2, exact.extended->chi2, 1e-6);
 }

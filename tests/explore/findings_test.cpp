@@ -222,7 +222,8 @@ TEST(FindingsOfADiagnosis, SayTheVerdictAndTheNoise) {
     EXPECT_EQ(text[0], "ADEQUATE: nothing in these data contradicts the model beyond their noise.");
     EXPECT_TRUE(says(text, "leaves chi2 = 1.250 with 2 degrees of freedom: the stated noise explains that (p = 0.54)"));
 
-    result.diagnosis.verdict = diagnose::Verdict::ambiguous;
+    result.diagnosis.decision.verdict = diagnose::Verdict::ambiguous;
+    result.diagnosis.decision.reason = diagnose::Reason::several_names;
     result.diagnosis.baseline.chi2 = 40.0;
     result.diagnosis.baseline.p_value = 1e-9;
     result.diagnosis.extended.emplace();
@@ -248,7 +249,7 @@ TEST(FindingsOfADiagnosis, SayTheVerdictAndTheNoise) {
     result.before->held_out_rms = 0.8;
     result.after->held_out_rms = 0.9;
     EXPECT_TRUE(says(findings(result), warning));
-    result.diagnosis.verdict = diagnose::Verdict::unexplained; // which claims nothing
+    result.diagnosis.decision.verdict = diagnose::Verdict::unexplained; // which claims nothing
     EXPECT_FALSE(says(findings(result), warning));
 }
 

@@ -87,7 +87,6 @@ struct World {
         for (const auto& [candidate, layer] : layers) {
             task.candidates[candidate].layer = layer;
         }
-        task.says_where = [says](const diagnose::Diagnosis&) { return says; };
         task.channels = {{"first", "base", candidates, coefficients},
                          {"second", "subgrade", candidates + coefficients, coefficients}};
         for (std::size_t g = 0; g < 2; ++g) {
@@ -98,7 +97,7 @@ struct World {
             task.places.push_back({group.name, group.terms});
             task.groups.push_back(std::move(group));
         }
-        auto result = diagnose::diagnose(task, {.explore = 8, .starts = 1, .bootstrap = 5});
+        auto result = diagnose::diagnose(task, {.explore = 8, .starts = 1, .bootstrap = 5}, says);
         EXPECT_TRUE(result.has_value());
         return *result;
     }
@@ -116,7 +115,8 @@ TEST(Location, NamesNothingWhereTheModelIsAdequateOrAnEffectExplainsTheData) {
         World one(1000 + seed);
         one.data += 0.7 * one.signatures.col(1);
         const auto found = one.diagnose();
-        named += found.verdict == Verdict::cause_named && found.causes == std::vector<std::string>{"e1"} ? 1 : 0;
+        named +=
+            found.verdict() == Verdict::cause_named && found.decision.causes == std::vector<std::string>{"e1"} ? 1 : 0;
     }
     EXPECT_LE(corrected, 3);
     EXPECT_GE(named, 26);
@@ -136,14 +136,14 @@ TEST(Location, LeavesANameBesideACorrectionThatFitsAsWell) {
         world.signatures.col(1) = world.changes.col(5) + 0.05 * world.signatures.col(1);
         world.data += 0.7 * world.signatures.col(1);
         const auto found = world.diagnose();
-        rivals += found.verdict == Verdict::ambiguous && found.causes == std::vector<std::string>{"e1"} &&
+        rivals += found.verdict() == Verdict::ambiguous && found.decision.causes == std::vector<std::string>{"e1"} &&
                   found.location && found.location->corrections[0].channel == 1;
         world.layers = {{1, "subgrade"}};
-        alone += world.diagnose().verdict == Verdict::cause_named ? 1 : 0;
+        alone += world.diagnose().verdict() == Verdict::cause_named ? 1 : 0;
         world.layers = {{1, "base"}};
-        in_another_layer += world.diagnose().verdict == Verdict::cause_named ? 1 : 0;
+        in_another_layer += world.diagnose().verdict() == Verdict::cause_named ? 1 : 0;
         other.data += 0.7 * other.signatures.col(1);
-        elsewhere += other.diagnose().verdict == Verdict::cause_named ? 1 : 0;
+        elsewhere += other.diagnose().verdict() == Verdict::cause_named ? 1 : 0;
     }
     EXPECT_GE(rivals, 15);
     EXPECT_GE(alone, 17);
@@ -158,8 +158,8 @@ TEST(Location, OfTwoEffectsLeavesRoomForOneThatTheCatalogueLacks) {
         World world(4000 + seed);
         world.data += 0.7 * (world.signatures.col(1) - world.signatures.col(2));
         const auto found = world.diagnose();
-        EXPECT_TRUE(found.verdict == Verdict::ambiguous) << seed;
-        both += found.explanations.size() == 1 && found.causes.size() == 2 ? 1 : 0;
+        EXPECT_TRUE(found.verdict() == Verdict::ambiguous) << seed;
+        both += found.explanations.size() == 1 && found.decision.causes.size() == 2 ? 1 : 0;
     }
     EXPECT_GE(both, 18);
 }
@@ -175,13 +175,13 @@ TEST(Location, FindsTheChannelAndItsCoefficients) {
         const VectorXd truth{{-0.8, -0.6, 0.1, 0.5}};
         world.data += world.changes.rightCols(4) * truth;
         const auto found = world.diagnose();
-        if (found.verdict != Verdict::located) {
+        if (found.verdict() != Verdict::located) {
             continue;
         }
         ASSERT_TRUE(found.location);
         const auto& location = *found.location;
         located += location.corrections[0].channel == 1 ? 1 : 0;
-        EXPECT_TRUE(found.causes.empty());
+        EXPECT_TRUE(found.decision.causes.empty());
         EXPECT_LT(location.corrections[0].p_familywise, 0.05);
         if (location.corrections.size() > 1) {
             continue;
@@ -219,13 +219,13 @@ TEST(Location, OfPlacesThatAreKnownBesideEachOtherTakesNoNameAway) {
         World world(2000 + seed);
         world.data += world.changes.rightCols(4) * VectorXd{{-0.8, -0.6, 0.1, 0.5}};
         using diagnose::Says;
-        unexplained += world.diagnose(Says::nothing).verdict == Verdict::unexplained;
-        located += world.diagnose(Says::between_places).verdict == Verdict::located;
+        unexplained += world.diagnose(Says::nothing).verdict() == Verdict::unexplained;
+        located += world.diagnose(Says::between_places).verdict() == Verdict::located;
         // A name that explains it, but for what one coefficient more does.
         World named(5000 + seed);
         named.signatures.col(1) = named.changes.col(5) + 0.2 * named.changes.col(6);
         named.data += named.changes.col(5) * 0.7;
-        if (named.diagnose(Says::nothing).verdict == Verdict::unexplained) {
+        if (named.diagnose(Says::nothing).verdict() == Verdict::unexplained) {
             continue;
         }
         displaced += named.diagnose(Says::at_places).is_located();

@@ -90,6 +90,56 @@ Case with_effects(const Case& c, int load) {
     return out;
 }
 
+namespace {
+
+// As this load meets it, where numbers that are not given equal themselves.
+Case seen_by_load(const Case& whole, std::size_t load) {
+    Case seen = with_effects(whole, static_cast<int>(load));
+    for (Layer& layer : seen.layers) {
+        std::replace_if(
+            layer.parameters.begin(), layer.parameters.end(), [](double p) { return std::isnan(p); }, 0.0);
+    }
+    return seen;
+}
+
+} // namespace
+
+bool changes_readings_alone(const Case& c, const AppliedEffect& applied, std::vector<std::size_t>& scaled) {
+    scaled.clear();
+    if (!why_impossible(c, applied).empty() || c.loads.empty()) {
+        return false;
+    }
+    Case with = c;
+    with.effects = {applied};
+    with.effects[0].size = applied.effect->typical;
+    Case without = c;
+    without.effects.clear();
+    bool changes = false;
+    bool scales = applied.effect->null == 1.0;
+    for (std::size_t l = 0; l < c.loads.size(); ++l) {
+        const Case here = seen_by_load(with, l);
+        const Case before = seen_by_load(without, l);
+        if (here.layers != before.layers || here.loads != before.loads ||
+            here.sensors.size() != before.sensors.size()) {
+            return false;
+        }
+        for (std::size_t s = 0; s < here.sensors.size(); ++s) {
+            if (static_cast<std::size_t>(here.sensors[s].load) != l || here.sensors[s] == before.sensors[s]) {
+                continue;
+            }
+            changes = true;
+            Sensor scaled_alone = before.sensors[s];
+            scaled_alone.gain *= applied.effect->typical;
+            scales = scales && scaled_alone == here.sensors[s];
+            scaled.push_back(s);
+        }
+    }
+    if (!scales) {
+        scaled.clear();
+    }
+    return changes;
+}
+
 std::string layer_stiffened(const Case& c, const AppliedEffect& applied) {
     if (applied.effect->layer == LayerRole::none || !why_impossible(c, applied).empty() || c.loads.empty()) {
         return "";
@@ -99,16 +149,8 @@ std::string layer_stiffened(const Case& c, const AppliedEffect& applied) {
     with.effects[0].size = applied.effect->typical;
     Case without = c;
     without.effects.clear();
-    const auto seen_by = [](const Case& whole, std::size_t load) {
-        Case seen = with_effects(whole, static_cast<int>(load));
-        for (Layer& layer : seen.layers) { // a number that is not given equals none, not even itself
-            std::replace_if(
-                layer.parameters.begin(), layer.parameters.end(), [](double p) { return std::isnan(p); }, 0.0);
-        }
-        return seen;
-    };
-    const Case plain = seen_by(without, 0);
-    const std::vector<Layer> changed = seen_by(with, 0).layers;
+    const Case plain = seen_by_load(without, 0);
+    const std::vector<Layer> changed = seen_by_load(with, 0).layers;
     std::string name;
     const auto same_but_for_stiffness = [](Layer a, const Layer& b) {
         a.law = b.law;
@@ -139,8 +181,8 @@ std::string layer_stiffened(const Case& c, const AppliedEffect& applied) {
         name = layer.name;
     }
     for (std::size_t l = 0; l < c.loads.size(); ++l) {
-        const Case here = seen_by(with, l);
-        const Case before = seen_by(without, l);
+        const Case here = seen_by_load(with, l);
+        const Case before = seen_by_load(without, l);
         if (here.layers != changed || here.loads != before.loads || here.sensors != before.sensors) {
             return "";
         }

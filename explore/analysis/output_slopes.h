@@ -1,0 +1,37 @@
+// Outputs to first order around points of a model, and what they may be if it is right.
+#pragma once
+
+#include "diagnose/model_average.h"
+#include "study/problems.h"
+
+#include <optional>
+
+namespace explore::analysis {
+
+// Of the outputs at a point. e: of the problem there, with jacobian; outputs: which responses they are; noise: standard
+// deviation of a residual. Nothing: no answer there.
+std::optional<diagnose::Slopes> slopes_of(const problem::Problem& problem, const Eigen::VectorXd& at,
+                                          const problem::Evaluation& e, const std::vector<std::size_t>& outputs,
+                                          double noise);
+
+// The model as it is gives way no further beyond a bound.
+void hold_bounds(diagnose::Slopes& slopes, const std::vector<double>& unit);
+
+// By how much the mesh is off in ln|output|, by Richardson's extrapolation from a finer one (second order), with what
+// parameters would move by, fitted on it (to first order); 0 where there is none. best: what `right` is of.
+Eigen::VectorXd mesh_errors(const study::Study& study, const problem::Problem& plain, const diagnose::Slopes& right,
+                            const problem::Evaluation& best, const std::vector<std::size_t>& outputs, double noise);
+
+// What the model says where it is right, at its best point and at other minima of the fit that are as good.
+struct Right {
+    std::vector<diagnose::Said> said;
+    std::vector<Eigen::VectorXd> values; // of the outputs there
+};
+Right right_at(const problem::Problem& plain, const diagnose::Said& here, const problem::Evaluation& best,
+               const std::vector<std::vector<double>>& others, const std::vector<std::size_t>& outputs, double noise);
+
+// 95 % of an output over all minima, by how probable each is; mesh: error of ln|output|. Where its sign is another at a
+// minimum, that minimum's own range is added.
+std::pair<double, double> range_if_right(const Right& right, Eigen::Index output, double mesh, double tail);
+
+} // namespace explore::analysis

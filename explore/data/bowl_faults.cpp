@@ -1,0 +1,355 @@
+#include "data/bowl_faults.h"
+
+#include "base/text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+#include <optional>
+
+namespace explore::data {
+
+namespace {
+
+constexpr std::array unit_factors{10.0, 25.4, 1000.0, 25400.0, 100.0};
+
+using Bowl = std::vector<BowlReading>; // of one load, from near to far
+
+std::vector<Bowl> bowls_of(const std::vector<BowlReading>& readings) {
+    std::map<int, Bowl> by_load;
+    for (const BowlReading& reading : readings) {
+        by_load[reading.load].push_back(reading);
+    }
+    std::vector<Bowl> bowls;
+    for (auto& [load, bowl] : by_load) {
+        std::stable_sort(bowl.begin(), bowl.end(),
+                         [](const BowlReading& a, const BowlReading& b) { return a.offset < b.offset; });
+        bowls.push_back(std::move(bowl));
+    }
+    return bowls;
+}
+
+double largest(const Bowl& bowl) {
+    double most = 0.0;
+    for (const BowlReading& reading : bowl) {
+        most = std::max(most, std::abs(reading.value));
+    }
+    return most;
+}
+
+// Whether the second, farther one reads clearly more.
+bool rises(const BowlReading& near, const BowlReading& far, double of_bowl) {
+    constexpr double deviations = 4.0;
+    constexpr double share = 0.1;
+    constexpr double of_largest = 0.02;
+    const double rise = far.value - near.value;
+    return far.offset > near.offset && rise > deviations * std::hypot(near.deviation, far.deviation) &&
+           rise > share * std::max(std::abs(near.value), std::abs(far.value)) && rise > of_largest * of_bowl;
+}
+
+// The first place where it rises; none: it falls.
+std::optional<std::pair<std::size_t, std::size_t>> first_rise(const Bowl& bowl) {
+    const double most = largest(bowl);
+    for (std::size_t i = 0; i < bowl.size(); ++i) {
+        for (std::size_t j = i + 1; j < bowl.size(); ++j) {
+            if (rises(bowl[i], bowl[j], most)) {
+                return std::pair(i, j);
+            }
+        }
+    }
+    return std::nullopt;
+}
+
+bool all_fall(const std::vector<Bowl>& bowls) {
+    return std::none_of(bowls.begin(), bowls.end(), [](const Bowl& bowl) { return first_rise(bowl).has_value(); });
+}
+
+// How much the logarithm bends from sensor to sensor, squared, on average.
+double roughness(const std::vector<Bowl>& bowls) {
+    double sum = 0.0;
+    double count = 0.0;
+    for (const Bowl& bowl : bowls) {
+        const double least = 1e-3 * largest(bowl);
+        for (std::size_t i = 1; i + 1 < bowl.size(); ++i) {
+            const auto x = [&](std::size_t k) { return std::sqrt(0.04 + bowl[k].offset * bowl[k].offset); };
+            const auto y = [&](std::size_t k) { return std::log(std::max(bowl[k].value, least)); };
+            if (x(i) - x(i - 1) < 1e-6 || x(i + 1) - x(i) < 1e-6) {
+                continue;
+            }
+            const double bend = (y(i + 1) - y(i)) / (x(i + 1) - x(i)) - (y(i) - y(i - 1)) / (x(i) - x(i - 1));
+            sum += bend * bend;
+            count += 1.0;
+        }
+    }
+    return sum / std::max(1.0, count);
+}
+
+std::vector<double> offsets_of(const std::vector<Bowl>& bowls) {
+    std::vector<double> offsets;
+    for (const Bowl& bowl : bowls) {
+        for (const BowlReading& reading : bowl) {
+            offsets.push_back(reading.offset);
+        }
+    }
+    std::sort(offsets.begin(), offsets.end());
+    constexpr double same = 1e-4; // m
+    offsets.erase(std::unique(offsets.begin(), offsets.end(), [](double a, double b) { return b - a < same; }),
+                  offsets.end());
+    return offsets;
+}
+
+BowlReading* at(Bowl& bowl, double offset) {
+    constexpr double same = 1e-4; // m
+    const auto found = std::find_if(
+        bowl.begin(), bowl.end(), [&](const BowlReading& reading) { return std::abs(reading.offset - offset) < same; });
+    return found == bowl.end() ? nullptr : &*found;
+}
+
+struct Mended {
+    BowlFault fault;
+    std::vector<Bowl> bowls;
+};
+
+// Two sensors exchanged in every bowl that has both.
+Mended exchanged(std::vector<Bowl> bowls, double a, double b) {
+    BowlFault fault{.kind = BowlFault::Kind::exchanged, .rows = {}, .offsets = {a, b}};
+    for (Bowl& bowl : bowls) {
+        BowlReading* one = at(bowl, a);
+        BowlReading* other = at(bowl, b);
+        if (one != nullptr && other != nullptr) {
+            fault.rows.insert(fault.rows.end(), {one->row, other->row});
+            std::swap(one->value, other->value);
+            std::swap(one->deviation, other->deviation);
+            std::swap(one->row, other->row);
+        }
+    }
+    return {std::move(fault), std::move(bowls)};
+}
+
+Mended reversed(std::vector<Bowl> bowls) {
+    BowlFault fault{.kind = BowlFault::Kind::reversed, .rows = {}, .offsets = {}};
+    for (Bowl& bowl : bowls) {
+        const Bowl before = bowl;
+        for (std::size_t i = 0; i < bowl.size(); ++i) {
+            fault.rows.push_back(before[i].row);
+            bowl[i] = before[before.size() - 1 - i];
+            bowl[i].offset = before[i].offset;
+        }
+    }
+    return {std::move(fault), std::move(bowls)};
+}
+
+// only: the load whose reading it is; none: of the sensor, under every load.
+Mended rescaled(std::vector<Bowl> bowls, double offset, double factor, std::optional<std::size_t> only) {
+    BowlFault fault{.kind = BowlFault::Kind::factor, .rows = {}, .offsets = {offset}, .factor = factor};
+    for (std::size_t b = 0; b < bowls.size(); ++b) {
+        BowlReading* reading = only && *only != b ? nullptr : at(bowls[b], offset);
+        if (reading != nullptr) {
+            fault.rows.push_back(reading->row);
+            reading->value /= factor;
+            reading->deviation /= factor;
+        }
+    }
+    return {std::move(fault), std::move(bowls)};
+}
+
+// The least roughness that is left without one of the sensors: what a wrong reading would leave.
+double roughness_without_one(const std::vector<Bowl>& bowls) {
+    double least = INFINITY;
+    for (const double offset : offsets_of(bowls)) {
+        std::vector<Bowl> others = bowls;
+        for (Bowl& bowl : others) {
+            if (const BowlReading* own = at(bowl, offset)) {
+                bowl.erase(bowl.begin() + (own - bowl.data()));
+            }
+        }
+        if (all_fall(others)) {
+            least = std::min(least, roughness(others));
+        }
+    }
+    return least;
+}
+
+// Of those that make every bowl fall the one after which they are smoothest, if by far.
+std::optional<Mended> mended(const std::vector<Bowl>& bowls) {
+    const std::vector<double> offsets = offsets_of(bowls);
+    std::vector<Mended> options;
+    const auto offer = [&](Mended option) {
+        if (all_fall(option.bowls)) {
+            options.push_back(std::move(option));
+        }
+    };
+    offer(reversed(bowls));
+    for (std::size_t i = 0; i < offsets.size(); ++i) {
+        for (std::size_t j = i + 1; j < offsets.size(); ++j) {
+            offer(exchanged(bowls, offsets[i], offsets[j]));
+        }
+        for (const double factor : unit_factors) {
+            for (const double own : {factor, 1.0 / factor}) {
+                offer(rescaled(bowls, offsets[i], own, std::nullopt));
+                for (std::size_t b = 0; bowls.size() > 1 && b < bowls.size(); ++b) {
+                    offer(rescaled(bowls, offsets[i], own, b));
+                }
+            }
+        }
+    }
+    if (options.empty()) {
+        return std::nullopt;
+    }
+    const auto smoothest = std::min_element(options.begin(), options.end(), [](const Mended& a, const Mended& b) {
+        return roughness(a.bowls) < roughness(b.bowls);
+    });
+    // In order it is smoother by far than it was, and not rougher than without a sensor that would be merely wrong.
+    constexpr double smoother = 0.5;
+    constexpr double rougher = 2.0;
+    const double left = roughness(smoothest->bowls);
+    if (left > smoother * roughness(bowls) || left > rougher * roughness_without_one(bowls)) {
+        return std::nullopt;
+    }
+    return *smoothest;
+}
+
+// A sensor in another unit at an end of the line need not make the bowl rise: the next two say what it should read.
+std::optional<Mended> factor_at_end(const std::vector<Bowl>& bowls) {
+    const std::vector<double> offsets = offsets_of(bowls);
+    constexpr std::size_t least = 4; // sensors
+    if (offsets.size() < least) {
+        return std::nullopt;
+    }
+    for (const bool is_first : {true, false}) {
+        const double own = is_first ? offsets.front() : offsets.back();
+        std::vector<double> excess; // of the logarithm
+        for (Bowl bowl : bowls) {
+            const std::size_t n = bowl.size();
+            BowlReading* reading = at(bowl, own);
+            const std::size_t next = is_first ? 1 : n - 2;
+            const std::size_t after = is_first ? 2 : n - 3;
+            constexpr double clear = 8.0; // standard deviations
+            if (n < least || reading == nullptr || !(reading->value > clear * reading->deviation) ||
+                !(bowl[next].value > 0.0) || !(bowl[after].value > 0.0)) {
+                return std::nullopt;
+            }
+            const auto x = [](const BowlReading& r) { return std::sqrt(0.04 + r.offset * r.offset); };
+            const double slope =
+                std::log(bowl[after].value / bowl[next].value) / std::max(1e-6, x(bowl[after]) - x(bowl[next]));
+            const double expected = std::log(bowl[next].value) + slope * (x(*reading) - x(bowl[next]));
+            excess.push_back(std::log(reading->value) - expected);
+        }
+        for (const double factor : unit_factors) {
+            for (const double size : {factor, 1.0 / factor}) {
+                // Bowls are steeper near the load and flatter far from it than the next two say.
+                constexpr double near = 0.75;
+                const bool fits = std::all_of(excess.begin(), excess.end(),
+                                              [&](double e) { return std::abs(e - std::log(size)) < near; });
+                Mended option = rescaled(bowls, own, size, std::nullopt);
+                if (fits && !excess.empty() && all_fall(option.bowls) && (size > 1.0 || factor > 20.0)) {
+                    return option;
+                }
+            }
+        }
+    }
+    return std::nullopt;
+}
+
+bool are_alike(const std::vector<double>& values) {
+    constexpr double same = 1e-9;
+    return std::all_of(values.begin(), values.end(),
+                       [&](double v) { return std::abs(v - values[0]) <= same * std::abs(values[0]); });
+}
+
+void add_constants(const std::vector<Bowl>& bowls, std::vector<BowlFault>& faults) {
+    constexpr std::size_t least = 4;
+    for (const Bowl& bowl : bowls) {
+        BowlFault fault{.kind = BowlFault::Kind::constant, .rows = {}, .offsets = {}};
+        std::vector<double> values;
+        for (const BowlReading& reading : bowl) {
+            values.push_back(reading.value);
+            fault.rows.push_back(reading.row);
+        }
+        if (values.size() >= least && are_alike(values)) {
+            faults.push_back(std::move(fault));
+        }
+    }
+    // A sensor under loads whose other sensors differ.
+    for (const double offset : offsets_of(bowls)) {
+        BowlFault fault{.kind = BowlFault::Kind::constant, .rows = {}, .offsets = {offset}};
+        std::vector<double> own;
+        std::vector<double> others;
+        for (Bowl bowl : bowls) {
+            const BowlReading* reading = at(bowl, offset);
+            double sum = 0.0;
+            for (const BowlReading& other : bowl) {
+                sum += &other == reading ? 0.0 : other.value;
+            }
+            if (reading != nullptr && bowl.size() >= least) {
+                own.push_back(reading->value);
+                others.push_back(sum);
+                fault.rows.push_back(reading->row);
+            }
+        }
+        constexpr double differ = 1.15;
+        const auto [low, high] = std::minmax_element(others.begin(), others.end());
+        if (own.size() > 1 && own[0] != 0.0 && are_alike(own) && *high > differ * *low) {
+            faults.push_back(std::move(fault));
+        }
+    }
+}
+
+std::string mm(double offset) {
+    return pave::figure(1e3 * offset, 4);
+}
+
+} // namespace
+
+std::string BowlFault::words() const {
+    switch (kind) {
+    case Kind::exchanged:
+        return fmt::format("the sensors at {} and {} mm are exchanged", mm(offsets[0]), mm(offsets[1]));
+    case Kind::reversed: return "the sensors are counted from the far end: the bowl rises with distance";
+    case Kind::factor: {
+        const bool is_large = factor > 1.0;
+        return fmt::format("{} at {} mm {} {:g} times too {}: another unit?",
+                           rows.size() > 1 ? "the sensor" : "a reading", mm(offsets[0]),
+                           rows.size() > 1 ? "reads" : "is", is_large ? factor : 1.0 / factor,
+                           is_large ? "large" : "small");
+    }
+    case Kind::constant:
+        return offsets.empty() ? "all sensors read one value under a load"
+                               : fmt::format("the sensor at {} mm reads one value under every load", mm(offsets[0]));
+    case Kind::rises:
+        return fmt::format("the bowl rises from {} to {} mm: no pavement does that", mm(offsets[0]), mm(offsets[1]));
+    }
+    return "";
+}
+
+std::vector<BowlFault> bowl_faults(const std::vector<BowlReading>& readings) {
+    const std::vector<Bowl> bowls = bowls_of(readings);
+    std::vector<BowlFault> faults;
+    add_constants(bowls, faults);
+    if (!faults.empty()) {
+        return faults;
+    }
+    if (all_fall(bowls)) {
+        if (auto found = factor_at_end(bowls)) {
+            faults.push_back(std::move(found->fault));
+        }
+        return faults;
+    }
+    if (auto found = mended(bowls)) {
+        faults.push_back(std::move(found->fault));
+        return faults;
+    }
+    for (const Bowl& bowl : bowls) {
+        if (const auto rise = first_rise(bowl)) {
+            const auto [i, j] = *rise;
+            faults.push_back({.kind = BowlFault::Kind::rises,
+                              .rows = {bowl[i].row, bowl[j].row},
+                              .offsets = {bowl[i].offset, bowl[j].offset}});
+        }
+    }
+    return faults;
+}
+
+} // namespace explore::data

@@ -1,0 +1,108 @@
+#include "diagnose/judged.h"
+
+#include "hypotheses/quantiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gsl/gsl_cdf.h>
+
+namespace explore::diagnose {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+bool Judged::ends_range(std::size_t member) const {
+    constexpr double at_end = 1e-4;
+    const double size = model.unit[model.unit.size() - model.members.size() + member];
+    return size < at_end || size > 1.0 - at_end;
+}
+
+bool Judged::ends_range() const {
+    for (std::size_t m = 0; m < model.members.size(); ++m) {
+        if (ends_range(m)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+double aicc(double sum, std::size_t readings, std::size_t parameters, bool noise_is_stated) {
+    const auto k = static_cast<double>(parameters);
+    if (noise_is_stated) {
+        return sum + 2.0 * k;
+    }
+    const auto n = static_cast<double>(readings);
+    const double free = k + 1.0;
+    return n * std::log(std::max(sum, 1e-300) / n) + 2.0 * free +
+           (n > free + 1.0 ? 2.0 * free * (free + 1.0) / (n - free - 1.0) : INFINITY);
+}
+
+Interval interval_within(const problem::Axis& axis, double unit, double variance) {
+    const double half = hypotheses::two_sided_95 * std::sqrt(variance);
+    return {axis.physical(unit), axis.physical(std::clamp(unit - half, 0.0, 1.0)),
+            axis.physical(std::clamp(unit + half, 0.0, 1.0))};
+}
+
+MatrixXd covariance_of(const problem::Problem& problem, const Model& model, double variance) {
+    const MatrixXd j = problem.residual_jacobian(model.evaluation);
+    MatrixXd h = j.transpose() * j / variance;
+    // A parameter on a bound gives way no further; the box is known beforehand.
+    constexpr double weak = 0.01;
+    h.diagonal().array() += weak / hypotheses::box_variance;
+    return h.llt().solve(MatrixXd::Identity(h.rows(), h.cols()));
+}
+
+Interval interval_of(const problem::Problem& problem, const Model& model, std::size_t axis, double variance) {
+    const auto k = static_cast<Index>(axis);
+    return interval_within(problem.space.axes[axis], model.unit[axis], covariance_of(problem, model, variance)(k, k));
+}
+
+Mimicry Judge::mimicry_of(const Model& model, double variance) const {
+    const double noise = std::sqrt(variance);
+    return {bench_.problem(model.members)->residual_jacobian(model.evaluation) / noise, model.unit,
+            model.residuals / noise};
+}
+
+Judged Judge::judge(Model model, double variance) const {
+    Judged j;
+    const auto problem = bench_.problem(model.members);
+    const double noise = std::sqrt(variance);
+    const MatrixXd jacobian = problem->residual_jacobian(model.evaluation) / noise;
+    const Mimicry mimicry(jacobian, model.unit, model.residuals / noise);
+    j.chi2 = model.sum / variance;
+    j.dof = static_cast<int>(model.residuals.size()) - mimicry.rank();
+    if (noise_is_stated_ && j.dof > 0) {
+        j.p_value = gsl_cdf_chisq_Q(j.chi2, j.dof);
+    }
+    j.aicc = aicc(model.sum, static_cast<std::size_t>(model.residuals.size()), model.unit.size(), noise_is_stated_);
+    j.pattern = test_pattern(model.residuals / noise, mimicry, groups_);
+    const std::size_t parameters = model.unit.size() - model.members.size();
+    auto prior = hypotheses::Prior::of_parameters(static_cast<Index>(parameters));
+    for (std::size_t m = 0; m < model.members.size(); ++m) {
+        const Candidate& candidate = candidates_[model.members[m]];
+        prior.add_size(candidate.null, candidate.typical, model.unit[parameters + m]);
+    }
+    if (!model.members.empty()) {
+        const MatrixXd known = covariance_of(*problem, model, variance);
+        const MatrixXd information = jacobian.transpose() * jacobian + prior.precision;
+        const MatrixXd covariance = information.llt().solve(MatrixXd::Identity(information.rows(), information.cols()));
+        for (std::size_t m = 0; m < model.members.size(); ++m) {
+            const auto at = static_cast<Index>(parameters + m);
+            const double size = model.unit[parameters + m];
+            const double deviation = std::sqrt(covariance(at, at));
+            prior.cut_off(size, deviation);
+            j.sizes.push_back(interval_within(problem->space.axes[parameters + m], size, known(at, at)));
+            const double null = candidates_[model.members[m]].null;
+            const double half = hypotheses::two_sided_95 * deviation;
+            constexpr double at_null = 1e-6; // an end that changes nothing is none
+            j.at_end =
+                j.at_end || (size + half >= 1.0 && null < 1.0 - at_null) || (size - half <= 0.0 && null > at_null);
+        }
+    }
+    j.evidence = hypotheses::evidence(j.chi2, model.residuals.size(), jacobian, prior, noise_prior());
+    j.model = std::move(model);
+    return j;
+}
+
+} // namespace explore::diagnose

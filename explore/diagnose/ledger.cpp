@@ -1,0 +1,53 @@
+#include "diagnose/ledger.h"
+
+#include <algorithm>
+
+namespace explore::diagnose {
+
+double Ledger::chance(const std::string& key) const {
+    double p = 1.0;
+    bool is_known = false;
+    for (const Chance& own : chances_) {
+        if (own.key == key) {
+            p = std::min(p, own.p);
+            is_known = true;
+        }
+    }
+    return is_known ? p : 0.0;
+}
+
+Says Ledger::says(const std::string& key) const {
+    Says says = Says::nothing;
+    for (const Located& own : located_) {
+        says = own.key == key ? std::max(says, own.says) : says;
+    }
+    return says;
+}
+
+double Ledger::rate(const std::string& a, const std::string& b) const {
+    double rate = 1.0;
+    for (const Confounded& own : confounded_) {
+        if ((own.a == a && own.b == b) || (own.a == b && own.b == a)) {
+            rate = std::min(rate, own.rate);
+        }
+    }
+    return rate;
+}
+
+bool Ledger::is_predicted_worse(const std::string& key) const {
+    constexpr double clearly = 1.05;
+    return std::any_of(predicted_.begin(), predicted_.end(),
+                       [&](const Predicted& own) { return own.key == key && own.after > clearly * own.before; });
+}
+
+double Ledger::beyond(const std::string& key, const std::vector<std::string>& subjects) const {
+    double p = 1.0;
+    for (const Beyond& own : beyond_) {
+        if (own.key == key && std::find(subjects.begin(), subjects.end(), own.subject) == subjects.end()) {
+            p = std::min(p, own.p);
+        }
+    }
+    return p;
+}
+
+} // namespace explore::diagnose

@@ -1,0 +1,155 @@
+#include "hypotheses/noise_structure.h"
+
+#include "hypotheses/quantiles.h"
+#include "problem/student.h"
+
+#include <cmath>
+
+namespace explore::hypotheses {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+// The residuals where the coordinates make the best of whitened ones, held a little by their ranges.
+VectorXd best_residuals(const VectorXd& residuals, const MatrixXd& jacobian) {
+    constexpr double weak = 0.01;
+    MatrixXd information = jacobian.transpose() * jacobian;
+    information.diagonal().array() += weak / box_variance;
+    return residuals - jacobian * information.llt().solve(jacobian.transpose() * residuals);
+}
+
+struct Whitened {
+    double chi2 = INFINITY;
+    Evidence evidence;
+};
+
+// Of noise with this covariance, in units of what is stated.
+Whitened judge(const LinearFit& fit, const MatrixXd& covariance, const NoisePrior& noise) {
+    const Eigen::LLT<MatrixXd> root(covariance);
+    if (root.info() != Eigen::Success) {
+        Whitened none;
+        none.evidence.as_stated = none.evidence.any_size = none.evidence.log = -INFINITY;
+        return none;
+    }
+    const VectorXd residuals = root.matrixL().solve(fit.residuals);
+    const MatrixXd jacobian = root.matrixL().solve(fit.jacobian);
+    const double log_determinant = 2.0 * MatrixXd(root.matrixL()).diagonal().array().log().sum();
+    const double sum = best_residuals(residuals, jacobian).squaredNorm();
+    return {sum,
+            evidence(sum, residuals.size(), jacobian, Prior::of_parameters(jacobian.cols()), noise, log_determinant)};
+}
+
+// Over sizes that are equally probable beforehand.
+template <class Covariance>
+NoiseStructure average(std::string key, const LinearFit& fit, const std::vector<double>& sizes, const NoisePrior& noise,
+                       const Covariance& covariance) {
+    NoiseStructure structure{.key = std::move(key), .size = 0.0, .chi2 = 0.0, .evidence = {}};
+    std::vector<double> as_stated;
+    std::vector<double> any_size;
+    std::vector<double> all;
+    double most = -INFINITY;
+    for (const double size : sizes) {
+        const Whitened own = judge(fit, covariance(size), noise);
+        as_stated.push_back(own.evidence.as_stated);
+        any_size.push_back(own.evidence.any_size);
+        all.push_back(own.evidence.log);
+        if (own.evidence.log > most) {
+            most = own.evidence.log;
+            structure.size = size;
+            structure.chi2 = own.chi2;
+            structure.evidence = own.evidence;
+        }
+    }
+    const double each = std::log(static_cast<double>(sizes.size()));
+    structure.evidence.as_stated = log_sum(as_stated) - each;
+    structure.evidence.any_size = log_sum(any_size) - each;
+    structure.evidence.log = log_sum(all) - each;
+    return structure;
+}
+
+} // namespace
+
+NoiseStructure common_errors(const LinearFit& fit, const MatrixXd& common, const NoisePrior& noise) {
+    const Index n = fit.residuals.size();
+    return average("common", fit, {0.005, 0.01, 0.015, 0.02, 0.03}, noise, [&](double share) -> MatrixXd {
+        return MatrixXd::Identity(n, n) + share * share * common * common.transpose();
+    });
+}
+
+NoiseStructure correlated_errors(const LinearFit& fit, const std::vector<data::NoisePlace>& places,
+                                 const NoisePrior& noise) {
+    return average("correlated", fit, {0.1, 0.2, 0.4, 0.8}, noise, [&](double length) {
+        const Index n = fit.residuals.size();
+        MatrixXd covariance = MatrixXd::Identity(n, n);
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            for (std::size_t j = 0; j < i; ++j) {
+                const double tied = data::own_correlation(places[i], places[j], length);
+                covariance(static_cast<Index>(i), static_cast<Index>(j)) = tied;
+                covariance(static_cast<Index>(j), static_cast<Index>(i)) = tied;
+            }
+        }
+        return covariance;
+    });
+}
+
+// The likelihood is that of t where the coordinates are most likely; the volume around it that of normal noise whose
+// variance carries as much information (Lange, Little and Taylor 1989).
+NoiseStructure heavy_tails(const LinearFit& fit, const NoisePrior& noise) {
+    constexpr double degrees = 4.0;
+    const Index n = fit.residuals.size();
+    const double normal_peak = -0.5 * std::log(2.0 * M_PI);
+    const double gained = static_cast<double>(n) * (problem::student_log_peak(degrees) - normal_peak);
+    NoiseStructure structure{.key = "heavy-tailed", .size = degrees, .chi2 = 0.0, .evidence = {}};
+    const auto log_at = [&](double k) {
+        VectorXd residuals = fit.residuals;
+        VectorXd weights(n);
+        const auto weigh = [&] {
+            for (Index i = 0; i < n; ++i) {
+                weights[i] = problem::student_weight(residuals[i] / k, degrees);
+            }
+        };
+        constexpr int sweeps = 20;
+        for (int sweep = 0; sweep < sweeps; ++sweep) {
+            weigh();
+            const VectorXd roots = weights.cwiseSqrt();
+            const VectorXd before = roots.cwiseProduct(fit.residuals);
+            const MatrixXd jacobian = roots.asDiagonal() * fit.jacobian;
+            residuals = best_residuals(before, jacobian).cwiseQuotient(roots);
+        }
+        weigh();
+        double sum = 0.0;
+        for (Index i = 0; i < n; ++i) {
+            sum += std::pow(problem::student_row(residuals[i] / k, degrees), 2);
+        }
+        const MatrixXd informed = std::sqrt(problem::student_information(degrees)) / k * fit.jacobian;
+        const Evidence volume = evidence(0.0, 0, informed, Prior::of_parameters(informed.cols()), noise);
+        structure.chi2 = k == 1.0 ? weights.dot(residuals.cwiseAbs2()) : structure.chi2;
+        return gained - static_cast<double>(n) * std::log(k) - 0.5 * sum + volume.as_stated;
+    };
+    structure.evidence.as_stated = log_at(1.0);
+    constexpr double step = 0.1;
+    constexpr double reach = 3.0;
+    const int steps = static_cast<int>(reach * noise.log_deviation / step);
+    std::vector<double> logarithms;
+    double most = -INFINITY;
+    for (int i = -steps; i <= steps; ++i) {
+        const double z = i * step / noise.log_deviation;
+        const double k = std::exp(i * step);
+        logarithms.push_back(log_at(k) - 0.5 * z * z);
+        if (logarithms.back() > most) {
+            most = logarithms.back();
+            structure.evidence.noise = k;
+        }
+    }
+    structure.evidence.any_size = log_sum(logarithms) + std::log(step / (noise.log_deviation * std::sqrt(2.0 * M_PI)));
+    structure.evidence.log = noise.as_stated > 0.0
+                                 ? log_sum({std::log(noise.as_stated) + structure.evidence.as_stated,
+                                            std::log(1.0 - noise.as_stated) + structure.evidence.any_size})
+                                 : structure.evidence.any_size;
+    return structure;
+}
+
+} // namespace explore::hypotheses

@@ -1,0 +1,10 @@
+// Quantiles and variances that intervals and tests share.
+#pragma once
+
+namespace explore::hypotheses {
+
+inline constexpr double two_sided_95 = 1.959963984540054; // of the standard normal
+inline constexpr double chi2_95 = 3.841458820694124;      // of chi2 with one degree of freedom
+inline constexpr double box_variance = 1.0 / 12.0;        // of a parameter anywhere in its range, unit coordinates
+
+} // namespace explore::hypotheses

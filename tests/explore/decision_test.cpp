@@ -1,0 +1,570 @@
+// What follows from a ledger: ledgers written by hand, and what holds of any.
+#include "diagnose/decision.h"
+
+#include "base/random.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gsl/gsl_cdf.h>
+#include <gtest/gtest.h>
+#include <set>
+
+using namespace explore;
+using diagnose::Ledger;
+using diagnose::Reason;
+using diagnose::Row;
+using diagnose::Says;
+using diagnose::Verdict;
+using hypotheses::Kind;
+
+namespace {
+
+constexpr int free_readings = 40;
+
+// A fit of so many numbers that leaves chi2.
+Row fitted(Kind kind, const std::string& name, double chi2, int numbers, double log_weight) {
+    Row row{.hypothesis = {.kind = kind, .name = name}};
+    row.fit.chi2 = chi2;
+    row.fit.numbers = numbers;
+    row.fit.dof = free_readings - numbers;
+    row.fit.p_value = gsl_cdf_chisq_Q(chi2, row.fit.dof);
+    row.log_evidence = log_weight;
+    return row;
+}
+
+Row nothing(double chi2, double log_weight) {
+    return fitted(Kind::none, "nothing is wrong", chi2, 0, log_weight);
+}
+
+Row noise(double k, double log_weight, const std::string& name = "size") {
+    Row row = fitted(Kind::noise, name, k * k * free_readings, 0, log_weight);
+    row.noise = k;
+    return row;
+}
+
+// "base" changes the stiffness of that layer, "readings" what instruments say, "" something else.
+Row effect(const std::string& name, double chi2, double log_weight, const std::string& subject = "") {
+    Row row = fitted(Kind::effect, name, chi2, 1, log_weight);
+    row.hypothesis.terms = {{name, "", subject}};
+    return row;
+}
+
+Row two(const std::string& a, const std::string& b, double chi2, double log_weight) {
+    Row row = fitted(Kind::effects, a + " with " + b, chi2, 2, log_weight);
+    row.hypothesis.terms = {{a, "", ""}, {b, "", ""}};
+    return row;
+}
+
+Row wrong_readings(std::vector<std::string> which, double chi2, double log_weight) {
+    Row row = fitted(Kind::readings, "", chi2, static_cast<int>(which.size()), log_weight);
+    for (const std::string& own : which) {
+        row.hypothesis.name += own;
+        row.hypothesis.terms.push_back({"outlier", own, "readings"});
+    }
+    return row;
+}
+
+Row correction(double chi2, double log_weight, std::vector<std::string> subjects = {"subgrade"}, int numbers = 4) {
+    Row row = fitted(Kind::correction, "correction", chi2, numbers, log_weight);
+    row.hypothesis.subjects = std::move(subjects);
+    return row;
+}
+const std::string of_correction = "correction: correction";
+
+Row at_end(Row row) {
+    row.fit.at_end = true;
+    return row;
+}
+
+Row with_pattern(Row row, double chi2, int dof) {
+    row.fit.pattern_chi2 = chi2;
+    row.fit.pattern_dof = dof;
+    row.fit.p_pattern = gsl_cdf_chisq_Q(chi2, dof);
+    return row;
+}
+
+struct Case {
+    std::string what;
+    std::vector<Row> rows;
+    Verdict verdict;
+    std::vector<std::string> causes = {};
+    Reason reason = Reason::none;
+    std::vector<Ledger::Chance> chances = {};
+    std::vector<Ledger::Confounded> confounded = {};
+    std::vector<Ledger::Predicted> predicted = {};
+    std::vector<Ledger::Beyond> beyond = {};
+    Says says = Says::at_places;
+    double score = 1e-4; // at the study's model
+    bool noise_is_stated = true;
+};
+
+Ledger ledger_of(const Case& c, const std::vector<Row>& rows) {
+    Ledger ledger(c.noise_is_stated);
+    for (const Row& row : rows) {
+        ledger.add(row);
+        if (row.hypothesis.kind == Kind::correction) {
+            ledger.add(Ledger::Located{row.hypothesis.key(), c.says});
+        }
+    }
+    for (const auto& own : c.chances) {
+        ledger.add(own);
+    }
+    for (const auto& own : c.confounded) {
+        ledger.add(own);
+    }
+    for (const auto& own : c.predicted) {
+        ledger.add(own);
+    }
+    for (const auto& own : c.beyond) {
+        ledger.add(own);
+    }
+    ledger.add_score(c.score);
+    return ledger;
+}
+
+// 40 degrees of freedom: p = 0.05 at 55.8, 0.005 at 66.8. Weights are logarithms.
+std::vector<Case> table() {
+    const Row bad = nothing(120, -60);
+    const Row far = noise(1.73, -30);
+    Row rise = fitted(Kind::layout, "sensors 3 and 4 exchanged", 0, 0, 0);
+    rise.is_premise = true;
+    rise.hypothesis.terms = {{"sensor-position", "", "readings"}};
+    rise.not_tried = "seen in the readings";
+    Row untried = fitted(Kind::effect, "c", 0, 1, 0);
+    untried.not_tried = "not among those that promise most";
+    Row on_coarse = effect("a", 30, -10);
+    on_coarse.fit.mesh = diagnose::Mesh::coarse;
+    std::vector<Case> list;
+    const auto add = [&](Case c) { list.push_back(std::move(c)); };
+    // Nothing is wrong.
+    add({"noise as stated", {nothing(40, 0)}, Verdict::adequate, {}, Reason::none, {}, {}, {}, {}, Says::nothing, 0.4});
+    add({"an effect that gains by chance",
+         {nothing(45, 0), effect("a", 41, -3)},
+         Verdict::adequate,
+         {},
+         Reason::none,
+         {},
+         {},
+         {},
+         {},
+         Says::nothing,
+         0.4});
+    add({"even one that is more probable",
+         {nothing(52, 0), effect("a", 41, 2)},
+         Verdict::adequate,
+         {},
+         Reason::none,
+         {},
+         {},
+         {},
+         {},
+         Says::nothing,
+         0.02});
+    add({"noise of another size", {nothing(90, -45), noise(1.5, -30), effect("a", 80, -34)}, Verdict::adequate});
+    add({"errors that readings share",
+         {bad, noise(1.7, -30), noise(1.0, -12, "shared"), effect("a", 60, -20)},
+         Verdict::adequate});
+    add({"noise of several kinds, together",
+         {nothing(80, -33), noise(1.4, -32), noise(1.0, -32.5, "alike"), effect("a", 60, -31.9)},
+         Verdict::adequate});
+    add({"one score stood out, no fit bears it out", {nothing(50, 0), effect("a", 44, -2)}, Verdict::adequate});
+    add({"noise far larger is no explanation",
+         {nothing(400, -200), noise(3.1, -60)},
+         Verdict::unexplained,
+         {},
+         Reason::nothing_explains});
+    add({"nor is noise with a pattern",
+         {with_pattern(nothing(90, -45), 40, 4), with_pattern(noise(1.5, -30), 40, 4)},
+         Verdict::unexplained,
+         {},
+         Reason::nothing_explains});
+    add({"a pattern that the larger noise makes",
+         {with_pattern(nothing(90, -45), 20, 4), with_pattern(noise(1.5, -30), 20, 4)},
+         Verdict::adequate});
+    // Names.
+    add({"one effect", {bad, far, effect("a", 38, -10)}, Verdict::cause_named, {"a"}});
+    add({"one effect far before another",
+         {bad, far, effect("a", 38, -10), effect("b", 52, -16)},
+         Verdict::cause_named,
+         {"a"}});
+    add({"another one nearly as probable",
+         {bad, far, effect("a", 38, -10), effect("b", 42, -12)},
+         Verdict::ambiguous,
+         {"a", "b"},
+         Reason::several_names});
+    add({"the other leaves more than noise",
+         {bad, far, effect("a", 38, -10), effect("b", 70, -12)},
+         Verdict::cause_named,
+         {"a"}});
+    add({"what readings cannot tell apart",
+         {bad, far, effect("a", 38, -10), effect("b", 52, -16)},
+         Verdict::ambiguous,
+         {"a", "b"},
+         Reason::several_names,
+         {},
+         {{"effect: a", "effect: b", 0.8}}});
+    add({"unless they reject it by far",
+         {bad, far, effect("a", 38, -10), effect("b", 80, -30)},
+         Verdict::cause_named,
+         {"a"},
+         Reason::none,
+         {},
+         {{"effect: a", "effect: b", 0.8}}});
+    add({"variants of one effect are one name",
+         {bad, far, effect("a", 38, -10),
+          [] {
+              Row r = effect("a", 39, -10.5);
+              r.hypothesis.name = "a (other)";
+              return r;
+          }()},
+         Verdict::cause_named,
+         {"a"}});
+    add({"an effect or larger noise",
+         {nothing(75, -32), noise(1.37, -28), effect("a", 50, -26)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::noise});
+    add({"the end of a range within the interval",
+         {bad, far, at_end(effect("a", 38, -10))},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::at_end});
+    add({"evidence that chance makes in 3 % of cases",
+         {bad, far, effect("a", 38, -10)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::weak_evidence,
+         {{"effect: a", 0.03}}});
+    add({"in 20 % of cases",
+         {bad, far, effect("a", 38, -10)},
+         Verdict::unexplained,
+         {},
+         Reason::weak_evidence,
+         {{"effect: a", 0.2}}});
+    add({"more than noise is left",
+         {bad, far, effect("a", 60, -14)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::leaves_more_than_noise});
+    add({"then what is as near stands beside it",
+         {bad, far, effect("a", 60, -14), effect("b", 68, -16)},
+         Verdict::ambiguous,
+         {"a", "b"},
+         Reason::leaves_more_than_noise});
+    add({"far more than noise is left",
+         {bad, far, effect("a", 90, -20)},
+         Verdict::unexplained,
+         {},
+         Reason::nothing_explains});
+    add({"a rejected one does not lead",
+         {bad, far, effect("a", 70, -14), effect("b", 52, -20)},
+         Verdict::ambiguous,
+         {"b", "a"},
+         Reason::several_names});
+    add({"two together, none alone",
+         {bad, far, effect("a", 90, -25), two("a", "b", 38, -12)},
+         Verdict::ambiguous,
+         {"a", "b"},
+         Reason::two_effects});
+    add({"one that leaves noise does not vanish for two",
+         {bad, far, effect("a", 54, -20), two("c", "b", 36, -12)},
+         Verdict::ambiguous,
+         {"c", "b", "a"},
+         Reason::several_names});
+    add({"of two the one that explains more alone comes first",
+         {bad, far, effect("a", 90, -25), effect("b", 75, -22), two("a", "b", 38, -12)},
+         Verdict::ambiguous,
+         {"b", "a"},
+         Reason::two_effects});
+    add({"not fitted is not judged", {bad, far, effect("a", 38, -10), untried}, Verdict::cause_named, {"a"}});
+    add({"the fit on the study's mesh counts",
+         {bad, far, on_coarse, effect("a", 90, -20)},
+         Verdict::unexplained,
+         {},
+         Reason::nothing_explains});
+    add({"nothing was tried", {bad, far}, Verdict::adequate});
+    // Readings.
+    add({"one wrong reading", {bad, far, wrong_readings({"7"}, 40, -12)}, Verdict::cause_named, {"outlier"}});
+    add({"several wrong readings",
+         {bad, far, wrong_readings({"7"}, 80, -25), wrong_readings({"7", "9"}, 40, -12)},
+         Verdict::cause_named,
+         {"outlier"}});
+    add({"several are no less one explanation than an effect",
+         {bad, far, wrong_readings({"7", "9"}, 40, -12), effect("a", 50, -13)},
+         Verdict::ambiguous,
+         {"outlier", "a"},
+         Reason::several_names});
+    add({"corrections that leave more do not displace them",
+         {bad, far, wrong_readings({"7", "9"}, 40, -12), correction(45, -3, {"base"}, 9)},
+         Verdict::cause_named,
+         {"outlier"}});
+    // Corrections.
+    add({"no name, but a place", {bad, far, correction(42, -12)}, Verdict::located});
+    add({"a name that is rejected, and a place",
+         {bad, far, effect("a", 90, -25), correction(42, -12)},
+         Verdict::located});
+    add({"it suffices that places differ",
+         {bad, far, effect("a", 90, -25), correction(42, -12)},
+         Verdict::located,
+         {},
+         Reason::none,
+         {},
+         {},
+         {},
+         {},
+         Says::between_places});
+    add({"no place is known",
+         {bad, far, effect("a", 90, -25), correction(42, -12)},
+         Verdict::unexplained,
+         {},
+         Reason::no_place,
+         {},
+         {},
+         {},
+         {},
+         Says::nothing});
+    add({"what was left out speaks against it",
+         {bad, far, correction(42, -12)},
+         Verdict::unexplained,
+         {},
+         Reason::predicts_worse,
+         {},
+         {},
+         {{of_correction, 1.2, 1.6}}});
+    add({"or for it",
+         {bad, far, correction(42, -12)},
+         Verdict::located,
+         {},
+         Reason::none,
+         {},
+         {},
+         {{of_correction, 1.6, 1.2}}});
+    add({"it is rejected itself", {bad, far, correction(95, -12)}, Verdict::unexplained, {}, Reason::nothing_explains});
+    add({"or larger noise does as well",
+         {nothing(75, -32), noise(1.37, -28), correction(45, -26)},
+         Verdict::unexplained,
+         {},
+         Reason::noise});
+    add({"a name that leaves noise stays",
+         {bad, far, effect("a", 52, -16), correction(36, -8)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::correction});
+    add({"one that leaves more gives way", {bad, far, effect("a", 60, -16), correction(36, -8)}, Verdict::located});
+    add({"but only for a place",
+         {bad, far, effect("a", 60, -16), correction(36, -8)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::leaves_more_than_noise,
+         {},
+         {},
+         {},
+         {},
+         Says::between_places});
+    add({"and for what is clearly more probable",
+         {bad, far, effect("a", 60, -10), correction(50, -8)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::leaves_more_than_noise});
+    add({"one that leaves noise, though less probable, keeps it from that",
+         {bad, far, effect("a", 60, -16), effect("b", 54, -22), correction(36, -8)},
+         Verdict::ambiguous,
+         {"a", "b"},
+         Reason::leaves_more_than_noise});
+    add({"a rival",
+         {bad, far, effect("a", 38, -10), correction(37, -11)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::correction});
+    add({"that knows no place is none",
+         {bad, far, effect("a", 38, -10), correction(37, -11)},
+         Verdict::cause_named,
+         {"a"},
+         Reason::none,
+         {},
+         {},
+         {},
+         {},
+         Says::between_places});
+    add({"that says the same of the layer is none",
+         {bad, far, effect("a", 38, -10, "base"), correction(37, -11, {"base"})},
+         Verdict::cause_named,
+         {"a"}});
+    add({"nor one of instruments beside one of instruments",
+         {bad, far, effect("a", 38, -10, "readings"), correction(37, -11, {"readings"})},
+         Verdict::cause_named,
+         {"a"}});
+    add({"but of another layer",
+         {bad, far, effect("a", 38, -10, "base"), correction(37, -11, {"base", "subgrade"})},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::correction});
+    add({"nor one that is far less probable",
+         {bad, far, effect("a", 38, -10), correction(37, -14)},
+         Verdict::cause_named,
+         {"a"}});
+    add({"a correction finds more beside the name",
+         {bad, far, effect("a", 38, -10, "base")},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::finds_more,
+         {},
+         {},
+         {},
+         {{"effect: a", "subgrade", 0.002}}});
+    add({"more of the same",
+         {bad, far, effect("a", 38, -10, "base")},
+         Verdict::cause_named,
+         {"a"},
+         Reason::none,
+         {},
+         {},
+         {},
+         {{"effect: a", "base", 0.002}}});
+    // What was seen before any model.
+    add({"a fault alone",
+         {rise, nothing(40, 0)},
+         Verdict::cause_named,
+         {"sensor-position"},
+         Reason::none,
+         {},
+         {},
+         {},
+         {},
+         Says::nothing,
+         0.4});
+    add({"a fault beside an effect",
+         {rise, bad, far, effect("a", 38, -10)},
+         Verdict::cause_named,
+         {"sensor-position", "a"}});
+    // Without stated noise the size of chi2 says nothing.
+    add({"no score stands out",
+         {nothing(40, 0)},
+         Verdict::adequate,
+         {},
+         Reason::none,
+         {},
+         {},
+         {},
+         {},
+         Says::nothing,
+         0.3,
+         false});
+    add({"an effect of evidence",
+         {nothing(90, -20), effect("a", 40, -6)},
+         Verdict::cause_named,
+         {"a"},
+         Reason::none,
+         {},
+         {},
+         {},
+         {},
+         Says::nothing,
+         1e-4,
+         false});
+    return list;
+}
+
+} // namespace
+
+TEST(Decision, IsWhatTheTableSays) {
+    const auto cases = table();
+    EXPECT_GE(cases.size(), 40U);
+    for (const Case& c : cases) {
+        const auto found = decide(ledger_of(c, c.rows));
+        EXPECT_EQ(diagnose::verdict_names[static_cast<int>(found.verdict)],
+                  diagnose::verdict_names[static_cast<int>(c.verdict)])
+            << c.what;
+        EXPECT_EQ(found.causes, c.causes) << c.what;
+        if (c.verdict != Verdict::adequate && c.verdict != Verdict::located && c.verdict != Verdict::cause_named) {
+            EXPECT_EQ(static_cast<int>(found.reason), static_cast<int>(c.reason)) << c.what;
+        }
+    }
+}
+
+TEST(Decision, DoesNotDependOnTheOrderOfRows) {
+    for (const Case& c : table()) {
+        const auto expected = decide(ledger_of(c, c.rows));
+        std::vector<Row> rows = c.rows;
+        for (std::size_t turn = 0; turn < rows.size(); ++turn) {
+            std::rotate(rows.begin(), rows.begin() + 1, rows.end());
+            std::swap(rows.front(), rows.back());
+            const auto found = decide(ledger_of(c, rows));
+            EXPECT_EQ(found.verdict, expected.verdict) << c.what;
+            EXPECT_EQ(found.causes, expected.causes) << c.what;
+            EXPECT_EQ(found.of_noise, expected.of_noise) << c.what;
+        }
+    }
+}
+
+TEST(Decision, NeverDropsANameForMoreEvidenceOfIt) {
+    for (const Case& c : table()) {
+        const auto before = decide(ledger_of(c, c.rows));
+        for (std::size_t r = 0; r < c.rows.size(); ++r) {
+            if (!c.rows[r].hypothesis.is_name() || c.rows[r].is_premise) {
+                continue;
+            }
+            for (const double more : {0.5, 2.0, 5.0, 20.0}) {
+                std::vector<Row> rows = c.rows;
+                rows[r].log_evidence += more;
+                const auto after = decide(ledger_of(c, rows));
+                for (const auto& term : c.rows[r].hypothesis.terms) {
+                    const auto names = [&](const auto& causes) {
+                        return std::find(causes.begin(), causes.end(), term.effect) != causes.end();
+                    };
+                    EXPECT_LE(names(before.causes), names(after.causes)) << c.what << " +" << more;
+                }
+            }
+        }
+    }
+}
+
+TEST(Decision, OfAnyLedgerRestsOnItsRows) {
+    const pave::RandomStream random(8, 0);
+    std::uint64_t next = 0;
+    const auto uniform = [&](double low, double high) { return low + (high - low) * random.uniform(next++); };
+    for (int trial = 0; trial < 2000; ++trial) {
+        const double chi2 = uniform(30, 200);
+        Case c{"random", {nothing(chi2, -0.5 * chi2)}, Verdict::adequate};
+        c.rows.push_back(noise(std::max(1.0, std::sqrt(chi2 / free_readings)), uniform(-60, -20)));
+        for (int e = 0; e < 4; ++e) {
+            Row row = effect(std::string(1, static_cast<char>('a' + e)), uniform(25, chi2), uniform(-40, -5),
+                             e == 0 ? "base" : "");
+            row.fit.at_end = uniform(0, 1) < 0.2;
+            c.rows.push_back(row);
+        }
+        if (uniform(0, 1) < 0.5) {
+            c.rows.push_back(
+                correction(uniform(25, chi2), uniform(-40, -5), {uniform(0, 1) < 0.5 ? "base" : "subgrade"}));
+        }
+        c.says = static_cast<Says>(static_cast<int>(uniform(0, 3)));
+        const Ledger ledger = ledger_of(c, c.rows);
+        const auto found = decide(ledger);
+        double sum = 0.0;
+        for (const auto& ranked : found.hypotheses) {
+            sum += ranked.probability;
+        }
+        EXPECT_NEAR(sum, 1.0, 1e-9);
+        EXPECT_TRUE(std::is_sorted(found.hypotheses.begin(), found.hypotheses.end(),
+                                   [](const auto& a, const auto& b) { return a.probability > b.probability; }));
+        const bool has_names = found.verdict == Verdict::cause_named || found.verdict == Verdict::ambiguous;
+        EXPECT_EQ(has_names, !found.names.empty());
+        EXPECT_EQ(has_names, !found.causes.empty());
+        for (const std::size_t r : found.names) {
+            EXPECT_TRUE(ledger.rows()[r].is_tried());
+        }
+        if (found.verdict == Verdict::located) {
+            ASSERT_TRUE(found.correction && found.model == found.correction);
+            EXPECT_GE(ledger.rows()[*found.correction].fit.p_value, 0.005);
+            // A name that leaves noise does not vanish.
+            for (const Row& row : ledger.rows()) {
+                EXPECT_FALSE(row.hypothesis.kind == Kind::effect && row.fit.p_value >= 0.05);
+            }
+        }
+        if (found.verdict == Verdict::cause_named) {
+            EXPECT_EQ(found.names.size(), 1U);
+            EXPECT_FALSE(ledger.rows()[found.names[0]].fit.at_end);
+            EXPECT_GE(ledger.rows()[found.names[0]].fit.p_value, 0.05);
+        }
+    }
+}
