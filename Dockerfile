@@ -5,7 +5,7 @@
 FROM debian:12 AS build
 COPY . /source
 WORKDIR /source
-RUN tools/setup release \
+RUN tools/setup --tests release \
     && cmake -B build/release -DPAVESCAPE_NATIVE=OFF -DBUILD_TESTING=OFF \
     && cmake --build build/release \
     && cpack --config build/release/CPackConfig.cmake -B /package

@@ -3,9 +3,9 @@
 #include "base/text.h"
 #include "call.h"
 #include "pavement/forward.h"
-#include "study/kept_study.h"
 #include "study/problems.h"
 
+#include <filesystem>
 #include <fmt/format.h>
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
@@ -74,9 +74,18 @@ std::unique_ptr<Study> Study::of_state(const py::tuple& state) {
         }
         return of_text(state[2].cast<std::string>(), by_name, name);
     }
-    auto inputs = std::make_shared<const std::vector<explore::data::InputFile>>(std::move(files));
-    auto study = std::make_unique<Study>(explore::study::kept_study(name, inputs));
-    study->source_ = {.in_memory = false, .name = name, .files = *inputs};
+    // The names that the study calls them by: without its own folder.
+    const std::string folder = std::filesystem::path(name).parent_path().string();
+    const std::string before = folder.empty() || folder.ends_with('/') ? folder : folder + "/";
+    std::map<std::string, std::string> by_name;
+    for (std::size_t i = 1; i < files.size(); ++i) {
+        const std::string& path = files[i].path;
+        by_name.emplace(path.starts_with(before) ? path.substr(before.size()) : path, files[i].bytes);
+    }
+    explore::study::Study same = explore::study::study_of(files.at(0).bytes, name, by_name);
+    same.inputs = std::make_shared<const std::vector<explore::data::InputFile>>(files);
+    auto study = std::make_unique<Study>(std::move(same));
+    study->source_ = {.in_memory = false, .name = name, .files = std::move(files)};
     return study;
 }
 

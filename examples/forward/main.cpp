@@ -1,5 +1,6 @@
 // The responses of a study from another program: forward_example STUDY
 #include <cstdio>
+#include <pavement/forward.h>
 #include <study/study.h>
 
 int main(int, char** argv) {

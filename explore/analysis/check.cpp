@@ -165,7 +165,11 @@ std::vector<Estimate> estimates(const study::Study& study, const RunTimes& timin
     const bool is_grid = grid > 0 && grid <= search::most_grid_points;
     const auto points = static_cast<double>(is_grid ? grid : map_points);
     list.push_back({grid > 0 && !is_grid ? "map --design sobol" : "map",
-                    fmt::format("{:.0f}{}", points, is_grid ? " (full grid)" : ""), shared(points * timing.forward)});
+                    fmt::format("{:.0f}{}", points,
+                                is_grid    ? " (full grid)"
+                                : grid > 0 ? " (the grid has too many points)"
+                                           : ""),
+                    shared(points * timing.forward)});
     // What the searches and walks below take was counted on studies of two to five parameters; it varies twofold.
     constexpr int steps = 15; // of a search, on a deflection bowl
     const double with = timing.fitted_with_derivatives;

@@ -1,6 +1,7 @@
 // What would run on a study, and for how long.
 #pragma once
 
+#include "base/outcome.h"
 #include "study/problems.h"
 
 namespace explore::analysis {

@@ -307,7 +307,7 @@ std::optional<CompareResult> compare_studies(Session& session, const std::vector
         study::make_problem(study, study::Scope::fitted);
         result.same_noise = result.same_noise && have_same_noise(studies[0], study);
         options.evidence = options.evidence && study.noise == study::NoiseSource::stated && study.noise_assumed == 0;
-        result.laws.push_back({.law = nullptr, .study = study});
+        result.laws.push_back({.law = nullptr, .study = with_enough_load_steps(study, session)});
     }
     if (!fit_all(session, result, options)) {
         return std::nullopt;

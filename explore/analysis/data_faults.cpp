@@ -11,7 +11,7 @@
 namespace explore::analysis {
 
 using data::BowlFault;
-using data::BowlReading;
+using data::BowlPoint;
 using pave::pavement::Quantity;
 
 namespace {
@@ -78,24 +78,24 @@ void rescale(study::Study& study, std::size_t row, double factor) {
 } // namespace
 
 std::vector<BowlFault> data_faults(const study::Study& study) {
-    std::map<std::pair<int, std::string>, BowlReading> peaks;
+    std::map<std::pair<int, std::string>, BowlPoint> peaks;
     for (std::size_t i = 0; i < study.measured().size(); ++i) {
         if (!is_of_bowl(study, i)) {
             continue;
         }
         const data::Reading& reading = study.readings[i];
         const auto& sensor = study.model.sensors[i];
-        const BowlReading own{.row = i,
-                              .load = sensor.load,
-                              .offset = std::hypot(sensor.x, sensor.y),
-                              .value = reading.measured(),
-                              .deviation = reading.noise.deviation(reading.measured())};
+        const BowlPoint own{.row = i,
+                            .load = sensor.load,
+                            .offset = std::hypot(sensor.x, sensor.y),
+                            .value = reading.measured(),
+                            .deviation = reading.noise.deviation(reading.measured())};
         const auto [at, is_new] = peaks.try_emplace({sensor.load, reading.place_words()}, own);
         if (!is_new && own.value > at->second.value) {
             at->second = own;
         }
     }
-    std::vector<BowlReading> readings;
+    std::vector<BowlPoint> readings;
     readings.reserve(peaks.size());
     for (const auto& [place, reading] : peaks) {
         readings.push_back(reading);

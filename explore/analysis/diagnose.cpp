@@ -118,8 +118,7 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
         const auto fitted = bench.problem(model.members);
         const Eigen::MatrixXd j = fitted->residual_jacobian(model.evaluation);
         Eigen::MatrixXd h = j.transpose() * j / d.variance;
-        constexpr double box_variance = 1.0 / 12.0;
-        h.diagonal().array() += 1.0 / box_variance;
+        h.diagonal().array() += 1.0 / hypotheses::box_variance;
         const Eigen::MatrixXd covariance = h.inverse();
         Predicted f{outcome->responses, {}};
         for (std::size_t i = 0; i < list.readings.size(); ++i) {
@@ -292,7 +291,8 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     const auto begin = std::chrono::steady_clock::now();
     const std::vector<data::BowlFault> faults = data_faults(asked);
     const std::vector<Rounding> steps = roundings(asked);
-    const study::Study study = with_enough_load_steps(with_rounding(mended(as_diagnosed(asked), faults), steps), session);
+    const study::Study study =
+        with_enough_load_steps(with_rounding(mended(as_diagnosed(asked), faults), steps), session);
     const problem::Problem baseline = study::make_noise_problem(study, study::Scope::fitted);
     if (baseline.noise_is_student()) {
         throw pave::Error({.file = study.file, .line = study.data.noise_line, .key = "[data.noise] loss"},
@@ -404,8 +404,8 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     const bool is_extended = result.is_extended();
     const diagnose::Model& stands = (is_extended ? *d.extended : d.baseline).model;
     const study::Study& standing = is_extended ? result.after->study : study;
-    result.mesh = mesh_error(standing, *bench.problem(stands.members), stands.evaluation, stands.unit,
-                             std::sqrt(d.variance));
+    result.mesh =
+        mesh_error(standing, *bench.problem(stands.members), stands.evaluation, stands.unit, std::sqrt(d.variance));
     result.path = path_error(standing, *bench.problem(stands.members), stands.evaluation, std::sqrt(d.variance));
     set_outputs(result, session.options().threads);
     if (d.is_located()) {

@@ -4,8 +4,8 @@
 #include "analysis/candidate_readings.h"
 #include "analysis/data_faults.h"
 #include "analysis/layout.h"
-#include "analysis/located.h"
 #include "analysis/load_steps.h"
+#include "analysis/located.h"
 #include "analysis/mesh_error.h"
 #include "analysis/output_ranges.h"
 #include "analysis/session.h"
@@ -54,7 +54,7 @@ struct DiagnoseResult {
     std::optional<DiagnosedModel> before;      // none: failed
     std::optional<DiagnosedModel> after;       // with the best explanation, or corrected
     std::optional<MeshError> mesh;             // of the extended model where there is one, else of the study's
-    std::optional<PathError> path;             // of the same
+    std::optional<PathError> path{};           // of the same
     std::vector<std::vector<double>> minima{}; // of an adequate model, as good as the reported one: unit coordinates
     std::vector<OutputUncertainty> outputs;    // of the named model where a cause is named, else of the study's
     std::vector<LocatedCorrection> located;

@@ -134,7 +134,7 @@ private:
         if (!next.empty()) {
             const SeparatingReading& best = next[0];
             return fmt::format(
-                "The most informative further reading: {} (to {} {}). It would raise the rate of the right decision "
+                "Best next measurement: {} (to {} {}). It would raise the rate of the right decision "
                 "between the closest two from {} to {}.",
                 best.words(), figure(best.reading.in_unit(best.reading.noise.absolute)), best.reading.unit.name,
                 percent(best.rate_now), percent(best.power));

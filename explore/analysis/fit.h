@@ -43,7 +43,7 @@ struct FitResult {
     std::optional<ReducedProblem> reduced;
     std::optional<WithoutFloor> without_floor;
     std::optional<MeshError> mesh;
-    std::optional<PathError> path;
+    std::optional<PathError> path{};
     std::vector<SensorDrift> drifts;
     std::optional<landscape::PriorInfluence> priors;
     std::vector<Curve> curves; // of the best minimum, by the full model; of the reduced model alone none

@@ -1,6 +1,7 @@
 #include "analysis/load_steps.h"
 
 #include "landscape/multistart.h"
+#include "pavement/forward.h"
 #include "run/parallel.h"
 
 #include <algorithm>
@@ -11,8 +12,8 @@
 namespace explore::analysis {
 namespace {
 
-constexpr double allowed = 0.1; // of the noise
-constexpr double order = 3.0;   // of the path in its steps
+constexpr double allowed = 0.1;                   // of the noise
+constexpr double order = 3.0;                     // of the path in its steps
 constexpr double whole_of_difference = 8.0 / 7.0; // error in n steps, by the difference to 2 n
 constexpr int default_steps = pave::fe::SolverSettings{}.load_steps;
 constexpr int most_steps = 3 * default_steps;
@@ -40,8 +41,7 @@ std::vector<problem::Evaluation> likely_answers(const study::Study& study, const
     }
     std::vector<problem::Evaluation> points = std::move(found->explored);
     std::erase_if(points, [](const problem::Evaluation& e) { return !e.converged(); });
-    std::stable_sort(points.begin(), points.end(),
-                     [](const auto& a, const auto& b) { return a.misfit < b.misfit; });
+    std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.misfit < b.misfit; });
     points.resize(std::min(points.size(), best));
     points.push_back(std::move(found->minima[0].evaluation));
     return points;
@@ -61,7 +61,8 @@ bool follows_load_path(const study::Study& study) {
     const auto& model = study.model;
     const bool has_law = std::any_of(model.layers.begin(), model.layers.end(),
                                      [](const auto& layer) { return layer.law->stress_dependent(); });
-    if (!has_law || model.relaxes() || model.settings.integration != pave::pavement::Integration::incremental) {
+    if (!has_law || model.is_hyperelastic() || model.relaxes() ||
+        model.settings.integration != pave::pavement::Integration::incremental) {
         return false;
     }
     const std::vector<bool> fitted = study::fitted_loads(study);
@@ -115,8 +116,8 @@ study::Study with_enough_load_steps(study::Study study, const Session& session) 
             asked_for[i] = error->enough();
         }
     });
-    const int steps = std::accumulate(asked_for.begin(), asked_for.end(), default_steps,
-                                      [](int a, int b) { return std::max(a, b); });
+    const int steps =
+        std::accumulate(asked_for.begin(), asked_for.end(), default_steps, [](int a, int b) { return std::max(a, b); });
     study.load_steps = study::LoadSteps::chosen;
     study.model.settings.solver.load_steps = std::min(steps, most_steps);
     return study;
@@ -145,10 +146,11 @@ study::Study with_enough_load_steps(study::Study study, double relative_noise) {
 
 std::string path_words(const study::Study& study, const std::optional<PathError>& error) {
     if (error && error->shows()) {
-        return fmt::format("The load path is followed in {} steps, which leave an error of {:.2g} % in {}: {:.2g} of its "
-                           "noise. load_steps = {} under [solver] leaves a tenth.",
-                           error->steps, 100.0 * std::abs(error->change), study.readings[error->reading].words(),
-                           error->share, error->enough());
+        return fmt::format(
+            "The load path is followed in {} steps, which leave an error of {:.2g} % in {}: {:.2g} of its "
+            "noise. load_steps = {} under [solver] leaves a tenth.",
+            error->steps, 100.0 * std::abs(error->change), study.readings[error->reading].words(), error->share,
+            error->enough());
     }
     const int steps = study.model.settings.solver.load_steps;
     if (study.load_steps != study::LoadSteps::chosen || steps == default_steps) {

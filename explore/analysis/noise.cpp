@@ -336,7 +336,8 @@ std::vector<std::string> findings(const NoiseResult& result) {
                                    pave::counted(static_cast<std::size_t>(result.degrees), "repeat", "repeats")));
     }
     text.push_back("Repeats do not show what stays the same from drop to drop: calibration, places of sensors, the "
-                   "model. For readings that are means of n drops divide all but correlation_mm by sqrt(n).");
+                   "model. of_drops = 1 says that this is the noise of one drop: `survey` and `road` then take it "
+                   "for the mean of as many drops as a station has (all but correlation_mm over their root).");
     return text;
 }
 

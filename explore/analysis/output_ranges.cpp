@@ -336,7 +336,7 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
         return {};
     }
     // No hypothesis is exact: the noise counts twice, of the stated size or, where none leaves so little, of that which
-    // the best of them leaves. So much holds the truth in nine of ten blind cases (tools/output-trials).
+    // the best of them leaves. So much holds the truth in nine of ten blind cases (tools/trials/outputs).
     constexpr double inexact = 2.0;
     const double free = static_cast<double>(right_slopes->residuals.size() - n);
     const double larger = inexact * (free > 0.0 ? std::sqrt(std::max(1.0, least / free)) : 1.0);
@@ -364,8 +364,10 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
         std::vector<double> means;
         std::vector<double> deviations;
         for (const Said& said : all) {
-            means.push_back(said.mean[at] - right_slopes->outputs[at]);
-            deviations.push_back(std::hypot(larger * said.deviation[at], of_mesh[at]));
+            // Linear theory reaches no farther: no more than a factor of e as one standard deviation.
+            constexpr double farthest = 1.0;
+            means.push_back(std::clamp(said.mean[at] - right_slopes->outputs[at], -farthest, farthest));
+            deviations.push_back(std::hypot(std::min(farthest, larger * said.deviation[at]), of_mesh[at]));
         }
         const double value = best.responses[outputs[o]];
         const auto [low, high] = range_if_right(if_right, at, std::abs(of_mesh[at]), tail);

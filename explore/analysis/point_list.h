@@ -1,6 +1,7 @@
 // Parameter sets of a file, and the model at each of them.
 #pragma once
 
+#include "base/outcome.h"
 #include "study/study.h"
 
 #include <optional>

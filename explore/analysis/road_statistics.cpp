@@ -332,8 +332,9 @@ void conclude(const RoadState& state, const std::vector<RoadStation>& judged, co
         fit.local.degrees_of_freedom = static_cast<int>(std::lround(j.dof));
         fit.local.p_value = j.dof > 0.0 ? gsl_cdf_chisq_Q(j.chi2, j.dof) : 1.0;
         fit.local.noise_is_stated = true;
+        fit.local.expected_chi2 = j.dof;
         fit.local.widened = result.widened; // by the road's factor, and not by what the station would have
-        fit.local.expected_chi2 = result.widened ? j.chi2 / std::pow(result.noise_factor(), 2) : j.dof;
+        fit.local.widening = result.noise_factor();
         fit.local.noise = result.noise_factor();
     }
     add_common(state, result.stations, by_itself, covariance, quantile, result);

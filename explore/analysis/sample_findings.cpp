@@ -234,7 +234,7 @@ std::vector<std::string> findings(const SampleResult& result) {
     if (!result.telling.empty()) {
         const auto& [reading, bits] = result.telling.front();
         text.push_back(
-            fmt::format("The most informative further reading: {} (noise {} {} assumed), {:.1f} bits; the ranges "
+            fmt::format("Best next measurement: {} (noise {} {} assumed), {:.1f} bits; the ranges "
                         "together would shrink to {:.0f} % of their volume.",
                         reading.words(), figure(reading.in_unit(reading.noise.absolute)), reading.unit.name, bits,
                         100.0 * std::exp2(-bits)));

@@ -3,7 +3,7 @@
 
 #include "reduced/build_settings.h"
 #include "run/engine.h"
-#include "study/study.h"
+#include "study/problems.h"
 
 namespace explore::analysis {
 

@@ -120,8 +120,7 @@ void add_fit(const SurveyResult& result, const StationResult& s, std::vector<std
         words.push_back(fmt::format(
             "chi2 {:.0f} of {} degrees of freedom: {} does not explain what the fit leaves over, and the ranges are "
             "{:.1f} times as wide for it",
-            fit.local.chi2, fit.local.degrees_of_freedom, noise_words(result),
-            std::sqrt(fit.local.chi2 / fit.local.expected_chi2)));
+            fit.local.chi2, fit.local.degrees_of_freedom, noise_words(result), fit.local.widening));
     }
     if (fit.minima > 1) {
         words.push_back(
@@ -281,13 +280,11 @@ void add_sensors(const SurveyResult& result, std::vector<std::string>& words) {
         std::vector<std::string> offsets;
         std::transform(l.offsets_mm.begin(), l.offsets_mm.end(), std::back_inserter(offsets),
                        [](double mm) { return fmt::format("{:g}", mm); });
-        words.push_back(fmt::format("No sensor moved by itself makes these bowls fit; with all of them at {} mm the "
-                                    "model misses them by {:.1f} % "
-                                    "instead of {:.1f} % (median RMS of {} stations, squared misfit {:.2g} times): do "
-                                    "the sensors stand where the "
-                                    "file says?",
-                                    pave::join(offsets), l.rms_percent, l.rms_percent_of_file, l.stations,
-                                    l.misfit_ratio));
+        words.push_back(
+            fmt::format("With the sensors at {} mm, a usual layout, the model misses these bowls by {:.1f} % instead "
+                        "of {:.1f} % (median RMS of "
+                        "{} stations, squared misfit {:.2g} times): do the sensors stand where the file says?",
+                        pave::join(offsets), l.rms_percent, l.rms_percent_of_file, l.stations, l.misfit_ratio));
     }
     std::vector<std::string> wave;
     for (const SensorResidual& r : result.residuals) {

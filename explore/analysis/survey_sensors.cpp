@@ -214,7 +214,7 @@ void judge_sensors(SurveyResult& result) {
     std::optional<std::size_t> least;
     const SensorResidual* best = nullptr;
     for (const SensorResidual& r : result.residuals) {
-        const auto left = left_over_without(result, r.offset_mm);
+        const auto left = r.one_sign ? left_over_without(result, r.offset_mm) : std::nullopt;
         if (left && (!least || *left < *least)) {
             least = left;
             best = &r;

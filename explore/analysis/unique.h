@@ -36,7 +36,7 @@ struct UniqueResult {
     NextReading next;
     std::optional<UniqueLandscape> landscape;
     std::optional<MeshError> mesh;
-    std::optional<PathError> path;
+    std::optional<PathError> path{};
     std::vector<OutputUncertainty> outputs;
     std::optional<PosteriorRanges> posterior; // nothing: not asked for, or no range was walked
     std::optional<ReducedProblem> reduced;

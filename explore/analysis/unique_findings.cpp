@@ -316,7 +316,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
             of_outputs += fmt::format(", of the output {} to {:.0f} %", study.readings[outputs[o]].output,
                                       100.0 * e.predictions[o]);
         }
-        say(fmt::format("The most informative further reading: {} (noise {} {} assumed): the standard error of {} "
+        say(fmt::format("Best next measurement: {} (noise {} {} assumed): the standard error of {} "
                         "falls to {:.0f} %{} of "
                         "what it is.",
                         reading.words(), figure(reading.in_unit(reading.noise.absolute)), reading.unit.name,

@@ -37,12 +37,12 @@ void print_study(const study::Study& study) {
     fmt::print("  {}\n", counted(study.outputs().size(), "output", "outputs"));
 }
 
-struct Options {
+struct CheckArguments {
     CommonOptions common;
     bool time = false; // by runs
 };
 
-int check_study(const Options& chosen) {
+int check_study(const CheckArguments& chosen) {
     const CommonOptions& options = chosen.common;
     const study::Study study = study::load_study(options.study);
     const int threads = run::usable_threads(options.threads);
@@ -115,7 +115,7 @@ int check_study(const Options& chosen) {
 
 void add_check(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("check", "checks a whole study, and says what each command would take");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<CheckArguments>();
     command->add_option("STUDY", options->common.study, "study file (TOML)")->required();
     command
         ->add_option("--threads", options->common.threads,

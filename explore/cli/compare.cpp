@@ -6,13 +6,13 @@
 namespace explore::cli {
 namespace {
 
-struct Options {
+struct CompareArguments {
     CommonOptions common;
     analysis::CompareOptions compare;
     std::vector<std::string> others;
 };
 
-int compare(const Options& options) {
+int compare(const CompareArguments& options) {
     const study::Study study = study::load_study(options.common.study);
     std::vector<study::Study> studies{study};
     for (const std::string& other : options.others) {
@@ -37,7 +37,7 @@ int compare(const Options& options) {
 void add_compare(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand(
         "compare", "the same data, another law in the same layer, or another study: which do they prefer?");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<CompareArguments>();
     add_common(*command, options->common);
     auto* layer = command->add_option("--layer", options->compare.layer,
                                       "the layer in question (default: the one whose law depends on stress)");

@@ -6,12 +6,12 @@
 namespace explore::cli {
 namespace {
 
-struct Options {
+struct DiagnoseArguments {
     CommonOptions common;
     analysis::DiagnoseOptions diagnose;
 };
 
-int diagnose(const Options& options) {
+int diagnose(const DiagnoseArguments& options) {
     const study::Study study = study::load_study(options.common.study);
     analysis::Session session(options.common.run(study));
     const auto result = analysis::diagnose(session, study, options.diagnose);
@@ -35,7 +35,7 @@ int diagnose(const Options& options) {
 void add_diagnose(CLI::App& app, Action& action) {
     auto* command =
         app.add_subcommand("diagnose", "what the simulation gets wrong, the cause, the extended model, the gain");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<DiagnoseArguments>();
     add_common(*command, options->common);
     add_model(*command, options->diagnose.model, false); // effects change what a reduced model is made for
     command

@@ -6,13 +6,13 @@
 namespace explore::cli {
 namespace {
 
-struct Options {
+struct FitArguments {
     CommonOptions common;
     analysis::FitOptions fit;
     std::vector<std::string> starts, from;
 };
 
-int fit(const Options& options) {
+int fit(const FitArguments& options) {
     const study::Study study = study::load_study(options.common.study);
     analysis::FitOptions asked = options.fit;
     for (const std::string& values : options.starts) {
@@ -39,7 +39,7 @@ int fit(const Options& options) {
 
 void add_fit(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("fit", "explore, then refine the best starts: the main job");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<FitArguments>();
     add_common(*command, options->common);
     add_model(*command, options->fit.model);
     std::vector<std::string> names;

@@ -36,14 +36,14 @@ std::vector<std::string> write_fields(const study::Study& study, const pave::pav
     return written;
 }
 
-struct Options {
+struct ForwardArguments {
     CommonOptions common;
     bool jacobian = false;
     std::string vtu, points;
     std::vector<std::string> set;
 };
 
-int forward_at_points(const Options& options, study::Study study) {
+int forward_at_points(const ForwardArguments& options, study::Study study) {
     const auto known = parameter_paths(study.model);
     auto points = analysis::read_points(options.points, {known.begin(), known.end()});
     const auto computed = analysis::compute_points(study, std::move(points), options.points, options.common.threads);
@@ -60,7 +60,7 @@ int forward_at_points(const Options& options, study::Study study) {
     return done;
 }
 
-int forward(const Options& options) {
+int forward(const ForwardArguments& options) {
     std::vector<study::NamedValue> values;
     for (const std::string& text : options.set) {
         values.push_back(study::named_value(text, {.key = "--set"}));
@@ -79,10 +79,7 @@ int forward(const Options& options) {
     }
     const auto outcome =
         model.run(at, options.jacobian ? study.parameters : std::vector<pave::pavement::Parameter>{}, *workspace);
-    report::Json json = report::forward_json(study, model, outcome);
-    for (const auto& [name, value] : values) {
-        json["set"][name] = value;
-    }
+    report::Json json = report::forward_json(study, model, outcome, values);
     if (!outcome) {
         return hand_over_failure(options.common, json,
                                  std::string(to_string(outcome.status())) + ": " + outcome.failure().reason);
@@ -95,12 +92,7 @@ int forward(const Options& options) {
         fmt::print("{}\n", report::json_text(json));
         return done;
     }
-    std::vector<std::string> set;
-    for (const auto& [name, value] : values) {
-        set.push_back(fmt::format("{} = {}", name, value));
-    }
-    fmt::print("{}{}", set.empty() ? "" : fmt::format("at {}\n", pave::join(set)),
-               report::forward_text(study, *outcome));
+    fmt::print("{}", report::forward_text(study, *outcome, values));
     for (const std::string& file : fields) {
         fmt::print("  fields for ParaView: {}\n", file);
     }
@@ -114,7 +106,7 @@ int forward(const Options& options) {
 
 void add_forward(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("forward", "responses at the study's own parameter values, or at others");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<ForwardArguments>();
     add_common(*command, options->common);
     auto* jacobian =
         command->add_flag("--jacobian", options->jacobian, "also the derivative of every response by every parameter");

@@ -8,12 +8,12 @@
 namespace explore::cli {
 namespace {
 
-struct Options {
+struct MapArguments {
     CommonOptions common;
     analysis::MapOptions map;
 };
 
-int map(const Options& options) {
+int map(const MapArguments& options) {
     if (const int points = options.map.points;
         options.map.design == analysis::MapDesign::adaptive && points > 0 && points < landscape::least_adaptive) {
         throw pave::Error({.key = "--points"}, "too few points for an adaptive map", fmt::format("{}", points),
@@ -37,7 +37,7 @@ int map(const Options& options) {
 
 void add_map(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("map", "the misfit landscape over a grid or a space-filling design");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<MapArguments>();
     add_common(*command, options->common);
     add_model(*command, options->map.model);
     command

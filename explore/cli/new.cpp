@@ -10,20 +10,20 @@
 namespace explore::cli {
 namespace {
 
-struct Options {
+struct NewArguments {
     std::string file, from, station, columns;
     bool pulses = false;
 };
 
 // Of a station, unless it is named.
-std::string file_of(const Options& options) {
+std::string file_of(const NewArguments& options) {
     return options.file.empty() ? analysis::plain_name(std::filesystem::path(options.from).stem().string() +
                                                        (options.station.empty() ? "" : "-" + options.station)) +
                                       ".toml"
                                 : options.file;
 }
 
-int write_study(const Options& options) {
+int write_study(const NewArguments& options) {
     const std::string file = file_of(options);
     const std::filesystem::path path(file);
     if (path.extension() != ".toml") {
@@ -71,7 +71,7 @@ int write_study(const Options& options) {
 
 void add_new(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("new", "writes a commented study to start from");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<NewArguments>();
     auto* file = command->add_option("FILE", options->file, "NAME.toml; the readings go to NAME.csv beside it");
     auto* from = command
                      ->add_option("--from", options->from,

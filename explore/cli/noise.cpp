@@ -7,13 +7,13 @@
 namespace explore::cli {
 namespace {
 
-struct Options {
+struct NoiseArguments {
     std::vector<std::string> files;
     std::string columns;
     bool json = false;
 };
 
-int noise(const Options& options) {
+int noise(const NoiseArguments& options) {
     const auto result = analysis::noise_of_drops(data::read_fwd_files(options.files, options.columns));
     fmt::print("{}", options.json ? report::json_text(report::noise_json(result)) + "\n" : report::noise_text(result));
     return done;
@@ -23,7 +23,7 @@ int noise(const Options& options) {
 
 void add_noise(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("noise", "the noise of FWD readings, from repeated drops");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<NoiseArguments>();
     command->add_option("FILE", options->files, "measured FWD files")->required();
     add_columns(*command, options->columns);
     command->add_flag("--json", options->json, "print one JSON object and nothing else");

@@ -11,7 +11,7 @@
 namespace explore::cli {
 namespace {
 
-struct Options {
+struct PlotArguments {
     std::string folder, out;
     std::vector<std::string> figures, pair;
     report::FigureFormat format = report::FigureFormat::svg;
@@ -24,7 +24,7 @@ void check_gnuplot() {
     }
 }
 
-int plot(const Options& options) {
+int plot(const PlotArguments& options) {
     const report::RunFolder folder = report::read_run_folder(options.folder, keepers_of_runs());
     const report::FolderContents contents{folder.results, folder.evaluations};
     std::vector<std::string> known;
@@ -80,7 +80,7 @@ int plot(const Options& options) {
 
 void add_plot(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("plot", "figures of a run as files, for a paper, with their numbers as CSV");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<PlotArguments>();
     command->add_option("RUN", options->folder, "folder of the run")->required();
     command->add_option("FIGURE", options->figures,
                         "landscape, landscape-close, profiles, fit, residuals, candidates, corrections, sensitivity, "

@@ -7,12 +7,12 @@
 namespace explore::cli {
 namespace {
 
-struct Options {
+struct SampleArguments {
     CommonOptions common;
     analysis::SampleOptions sample;
 };
 
-int sample(const Options& options) {
+int sample(const SampleArguments& options) {
     const study::Study study = study::load_study(options.common.study);
     analysis::Session session(options.common.run(study));
     const auto result = analysis::sample(session, study, options.sample);
@@ -37,7 +37,7 @@ int sample(const Options& options) {
 
 void add_sample(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("sample", "the posterior: what the data leave of every parameter and output");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<SampleArguments>();
     add_common(*command, options->common);
     add_model(*command, options->sample.model);
     auto* model = command->get_option("--model")->default_str("auto where the study has a reduced model, else full");

@@ -6,12 +6,12 @@
 namespace explore::cli {
 namespace {
 
-struct Options {
+struct SensitivityArguments {
     CommonOptions common;
     analysis::SensitivityOptions sensitivity;
 };
 
-int sensitivity(const Options& options) {
+int sensitivity(const SensitivityArguments& options) {
     const study::Study study = study::load_study(options.common.study);
     analysis::Session session(options.common.run(study));
     const auto result = analysis::sensitivity(session, study, options.sensitivity);
@@ -36,7 +36,7 @@ int sensitivity(const Options& options) {
 
 void add_sensitivity(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("sensitivity", "how much each parameter moves each response");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<SensitivityArguments>();
     add_common(*command, options->common);
     command
         ->add_option("--parameter", options->sensitivity.parameters,

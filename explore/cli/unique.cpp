@@ -5,12 +5,12 @@
 namespace explore::cli {
 namespace {
 
-struct Options {
+struct UniqueArguments {
     CommonOptions common;
     analysis::UniqueOptions unique;
 };
 
-int unique(const Options& options) {
+int unique(const UniqueArguments& options) {
     const study::Study study = study::load_study(options.common.study);
     analysis::Session session(options.common.run(study));
     const auto result = analysis::unique(session, study, options.unique);
@@ -30,7 +30,7 @@ int unique(const Options& options) {
 void add_unique(CLI::App& app, Action& action) {
     auto* command =
         app.add_subcommand("unique", "is the answer unique? valleys, profiles, and what they do to the outputs");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<UniqueArguments>();
     add_common(*command, options->common);
     add_model(*command, options->unique.model);
     command->add_option("--explore", options->unique.settings.explore, "points of the Sobol sample, with derivatives")

@@ -1,7 +1,5 @@
 #include "data/bowl_faults.h"
 
-#include "base/text.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,17 +13,17 @@ namespace {
 
 constexpr std::array unit_factors{10.0, 25.4, 1000.0, 25400.0, 100.0};
 
-using Bowl = std::vector<BowlReading>; // of one load, from near to far
+using Bowl = std::vector<BowlPoint>; // of one load, from near to far
 
-std::vector<Bowl> bowls_of(const std::vector<BowlReading>& readings) {
+std::vector<Bowl> bowls_of(const std::vector<BowlPoint>& readings) {
     std::map<int, Bowl> by_load;
-    for (const BowlReading& reading : readings) {
+    for (const BowlPoint& reading : readings) {
         by_load[reading.load].push_back(reading);
     }
     std::vector<Bowl> bowls;
     for (auto& [load, bowl] : by_load) {
         std::stable_sort(bowl.begin(), bowl.end(),
-                         [](const BowlReading& a, const BowlReading& b) { return a.offset < b.offset; });
+                         [](const BowlPoint& a, const BowlPoint& b) { return a.offset < b.offset; });
         bowls.push_back(std::move(bowl));
     }
     return bowls;
@@ -33,14 +31,37 @@ std::vector<Bowl> bowls_of(const std::vector<BowlReading>& readings) {
 
 double largest(const Bowl& bowl) {
     double most = 0.0;
-    for (const BowlReading& reading : bowl) {
+    for (const BowlPoint& reading : bowl) {
         most = std::max(most, std::abs(reading.value));
     }
     return most;
 }
 
+std::vector<double> offsets_of(const std::vector<Bowl>& bowls) {
+    std::vector<double> offsets;
+    for (const Bowl& bowl : bowls) {
+        for (const BowlPoint& reading : bowl) {
+            offsets.push_back(reading.offset);
+        }
+    }
+    std::sort(offsets.begin(), offsets.end());
+    constexpr double same = 1e-4; // m
+    offsets.erase(std::unique(offsets.begin(), offsets.end(), [](double a, double b) { return b - a < same; }),
+                  offsets.end());
+    return offsets;
+}
+
+// BowlPoint* or const BowlPoint*, as the bowl is.
+template <class OneBowl>
+auto at(OneBowl& bowl, double offset) -> decltype(bowl.data()) {
+    constexpr double same = 1e-4; // m
+    const auto found = std::find_if(bowl.begin(), bowl.end(),
+                                    [&](const BowlPoint& reading) { return std::abs(reading.offset - offset) < same; });
+    return found == bowl.end() ? nullptr : &*found;
+}
+
 // Whether the second, farther one reads clearly more.
-bool rises(const BowlReading& near, const BowlReading& far, double of_bowl) {
+bool rises(const BowlPoint& near, const BowlPoint& far, double of_bowl) {
     constexpr double deviations = 4.0;
     constexpr double share = 0.1;
     constexpr double of_largest = 0.02;
@@ -62,7 +83,32 @@ std::optional<std::pair<std::size_t, std::size_t>> first_rise(const Bowl& bowl) 
     return std::nullopt;
 }
 
+// Whether bowls rise from one sensor to another under all loads together, each by too little to be sure of.
+bool rise_together(const std::vector<Bowl>& bowls, double near, double far) {
+    constexpr double deviations = 4.0;
+    constexpr double share = 0.1;
+    double sum = 0.0; // of rises in standard deviations (Stouffer's test)
+    double count = 0.0;
+    bool is_clear = true;
+    for (const Bowl& bowl : bowls) {
+        const BowlPoint* a = at(bowl, near);
+        const BowlPoint* b = at(bowl, far);
+        if (a != nullptr && b != nullptr && a->deviation > 0.0 && b->deviation > 0.0) {
+            sum += (b->value - a->value) / std::hypot(a->deviation, b->deviation);
+            count += 1.0;
+            is_clear = is_clear && b->value - a->value > share * std::abs(b->value);
+        }
+    }
+    return count > 1.0 && is_clear && sum > deviations * std::sqrt(count);
+}
+
 bool all_fall(const std::vector<Bowl>& bowls) {
+    const std::vector<double> offsets = offsets_of(bowls);
+    for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
+        if (rise_together(bowls, offsets[i], offsets[i + 1])) {
+            return false;
+        }
+    }
     return std::none_of(bowls.begin(), bowls.end(), [](const Bowl& bowl) { return first_rise(bowl).has_value(); });
 }
 
@@ -86,27 +132,6 @@ double roughness(const std::vector<Bowl>& bowls) {
     return sum / std::max(1.0, count);
 }
 
-std::vector<double> offsets_of(const std::vector<Bowl>& bowls) {
-    std::vector<double> offsets;
-    for (const Bowl& bowl : bowls) {
-        for (const BowlReading& reading : bowl) {
-            offsets.push_back(reading.offset);
-        }
-    }
-    std::sort(offsets.begin(), offsets.end());
-    constexpr double same = 1e-4; // m
-    offsets.erase(std::unique(offsets.begin(), offsets.end(), [](double a, double b) { return b - a < same; }),
-                  offsets.end());
-    return offsets;
-}
-
-BowlReading* at(Bowl& bowl, double offset) {
-    constexpr double same = 1e-4; // m
-    const auto found = std::find_if(
-        bowl.begin(), bowl.end(), [&](const BowlReading& reading) { return std::abs(reading.offset - offset) < same; });
-    return found == bowl.end() ? nullptr : &*found;
-}
-
 struct Mended {
     BowlFault fault;
     std::vector<Bowl> bowls;
@@ -116,8 +141,8 @@ struct Mended {
 Mended exchanged(std::vector<Bowl> bowls, double a, double b) {
     BowlFault fault{.kind = BowlFault::Kind::exchanged, .rows = {}, .offsets = {a, b}};
     for (Bowl& bowl : bowls) {
-        BowlReading* one = at(bowl, a);
-        BowlReading* other = at(bowl, b);
+        BowlPoint* one = at(bowl, a);
+        BowlPoint* other = at(bowl, b);
         if (one != nullptr && other != nullptr) {
             fault.rows.insert(fault.rows.end(), {one->row, other->row});
             std::swap(one->value, other->value);
@@ -145,7 +170,7 @@ Mended reversed(std::vector<Bowl> bowls) {
 Mended rescaled(std::vector<Bowl> bowls, double offset, double factor, std::optional<std::size_t> only) {
     BowlFault fault{.kind = BowlFault::Kind::factor, .rows = {}, .offsets = {offset}, .factor = factor};
     for (std::size_t b = 0; b < bowls.size(); ++b) {
-        BowlReading* reading = only && *only != b ? nullptr : at(bowls[b], offset);
+        BowlPoint* reading = only && *only != b ? nullptr : at(bowls[b], offset);
         if (reading != nullptr) {
             fault.rows.push_back(reading->row);
             reading->value /= factor;
@@ -161,7 +186,7 @@ double roughness_without_one(const std::vector<Bowl>& bowls) {
     for (const double offset : offsets_of(bowls)) {
         std::vector<Bowl> others = bowls;
         for (Bowl& bowl : others) {
-            if (const BowlReading* own = at(bowl, offset)) {
+            if (const BowlPoint* own = at(bowl, offset)) {
                 bowl.erase(bowl.begin() + (own - bowl.data()));
             }
         }
@@ -198,6 +223,11 @@ std::optional<Mended> mended(const std::vector<Bowl>& bowls) {
     if (options.empty()) {
         return std::nullopt;
     }
+    // A whole line that falls from its far end can be nothing else.
+    constexpr std::size_t line = 4; // sensors
+    if (options[0].fault.kind == BowlFault::Kind::reversed && offsets.size() >= line) {
+        return options[0];
+    }
     const auto smoothest = std::min_element(options.begin(), options.end(), [](const Mended& a, const Mended& b) {
         return roughness(a.bowls) < roughness(b.bowls);
     });
@@ -223,7 +253,7 @@ std::optional<Mended> factor_at_end(const std::vector<Bowl>& bowls) {
         std::vector<double> excess; // of the logarithm
         for (Bowl bowl : bowls) {
             const std::size_t n = bowl.size();
-            BowlReading* reading = at(bowl, own);
+            BowlPoint* reading = at(bowl, own);
             const std::size_t next = is_first ? 1 : n - 2;
             const std::size_t after = is_first ? 2 : n - 3;
             constexpr double clear = 8.0; // standard deviations
@@ -231,23 +261,46 @@ std::optional<Mended> factor_at_end(const std::vector<Bowl>& bowls) {
                 !(bowl[next].value > 0.0) || !(bowl[after].value > 0.0)) {
                 return std::nullopt;
             }
-            const auto x = [](const BowlReading& r) { return std::sqrt(0.04 + r.offset * r.offset); };
+            const auto x = [](const BowlPoint& r) { return std::sqrt(0.04 + r.offset * r.offset); };
             const double slope =
                 std::log(bowl[after].value / bowl[next].value) / std::max(1e-6, x(bowl[after]) - x(bowl[next]));
             const double expected = std::log(bowl[next].value) + slope * (x(*reading) - x(bowl[next]));
             excess.push_back(std::log(reading->value) - expected);
         }
+        // Bowls are steeper near the load and flatter far from it than the next two say.
+        constexpr double near = 0.75;
+        std::optional<Mended> best;
+        double nearest = near;
         for (const double factor : unit_factors) {
             for (const double size : {factor, 1.0 / factor}) {
-                // Bowls are steeper near the load and flatter far from it than the next two say.
-                constexpr double near = 0.75;
-                const bool fits = std::all_of(excess.begin(), excess.end(),
-                                              [&](double e) { return std::abs(e - std::log(size)) < near; });
-                Mended option = rescaled(bowls, own, size, std::nullopt);
-                if (fits && !excess.empty() && all_fall(option.bowls) && (size > 1.0 || factor > 20.0)) {
-                    return option;
+                std::optional<std::size_t> only; // the load of which it is
+                std::size_t count = 0;
+                double away = 0.0;
+                bool are_plain = true; // the others
+                for (std::size_t b = 0; b < excess.size(); ++b) {
+                    const double distance = std::abs(excess[b] - std::log(size));
+                    if (distance < near) {
+                        ++count;
+                        only = b;
+                        away = std::max(away, distance);
+                    } else {
+                        are_plain = are_plain && std::abs(excess[b]) < near;
+                    }
+                }
+                const bool is_whole = count == excess.size();
+                if (count == 0 || !are_plain || (!is_whole && count > 1) || away >= nearest ||
+                    (size < 1.0 && factor < 20.0)) {
+                    continue;
+                }
+                Mended option = rescaled(bowls, own, size, is_whole ? std::nullopt : only);
+                if (all_fall(option.bowls)) {
+                    nearest = away;
+                    best = std::move(option);
                 }
             }
+        }
+        if (best) {
+            return best;
         }
     }
     return std::nullopt;
@@ -264,7 +317,7 @@ void add_constants(const std::vector<Bowl>& bowls, std::vector<BowlFault>& fault
     for (const Bowl& bowl : bowls) {
         BowlFault fault{.kind = BowlFault::Kind::constant, .rows = {}, .offsets = {}};
         std::vector<double> values;
-        for (const BowlReading& reading : bowl) {
+        for (const BowlPoint& reading : bowl) {
             values.push_back(reading.value);
             fault.rows.push_back(reading.row);
         }
@@ -278,9 +331,9 @@ void add_constants(const std::vector<Bowl>& bowls, std::vector<BowlFault>& fault
         std::vector<double> own;
         std::vector<double> others;
         for (Bowl bowl : bowls) {
-            const BowlReading* reading = at(bowl, offset);
+            const BowlPoint* reading = at(bowl, offset);
             double sum = 0.0;
-            for (const BowlReading& other : bowl) {
+            for (const BowlPoint& other : bowl) {
                 sum += &other == reading ? 0.0 : other.value;
             }
             if (reading != nullptr && bowl.size() >= least) {
@@ -298,7 +351,7 @@ void add_constants(const std::vector<Bowl>& bowls, std::vector<BowlFault>& fault
 }
 
 std::string mm(double offset) {
-    return pave::figure(1e3 * offset, 4);
+    return fmt::format("{:g}", std::round(1e4 * offset) / 10.0);
 }
 
 } // namespace
@@ -324,7 +377,7 @@ std::string BowlFault::words() const {
     return "";
 }
 
-std::vector<BowlFault> bowl_faults(const std::vector<BowlReading>& readings) {
+std::vector<BowlFault> bowl_faults(const std::vector<BowlPoint>& readings) {
     const std::vector<Bowl> bowls = bowls_of(readings);
     std::vector<BowlFault> faults;
     add_constants(bowls, faults);
@@ -347,6 +400,20 @@ std::vector<BowlFault> bowl_faults(const std::vector<BowlReading>& readings) {
             faults.push_back({.kind = BowlFault::Kind::rises,
                               .rows = {bowl[i].row, bowl[j].row},
                               .offsets = {bowl[i].offset, bowl[j].offset}});
+        }
+    }
+    const std::vector<double> offsets = offsets_of(bowls);
+    for (std::size_t i = 0; faults.empty() && i + 1 < offsets.size(); ++i) {
+        if (rise_together(bowls, offsets[i], offsets[i + 1])) {
+            BowlFault fault{.kind = BowlFault::Kind::rises, .rows = {}, .offsets = {offsets[i], offsets[i + 1]}};
+            for (const Bowl& bowl : bowls) {
+                for (const double offset : fault.offsets) {
+                    if (const BowlPoint* reading = at(bowl, offset)) {
+                        fault.rows.push_back(reading->row);
+                    }
+                }
+            }
+            faults.push_back(std::move(fault));
         }
     }
     return faults;

@@ -9,7 +9,7 @@
 namespace explore::data {
 
 // What one sensor read under one load.
-struct BowlReading {
+struct BowlPoint {
     std::size_t row = 0; // whoever asks: which of his readings
     int load = 0;
     double offset = 0.0;    // m, from the load
@@ -37,8 +37,9 @@ struct BowlFault {
 };
 
 // Readings of sensors on one line under circles of pressure at its beginning, of any number of loads. A rise counts
-// where it is four standard deviations, a tenth of the reading and a fiftieth of the largest; a fault is named where
+// where it is four standard deviations, of one load or of several together, a tenth of the reading and a fiftieth of the
+// largest; a fault is named where
 // mending it makes every bowl fall, and nothing else does as smoothly.
-std::vector<BowlFault> bowl_faults(const std::vector<BowlReading>& readings);
+std::vector<BowlFault> bowl_faults(const std::vector<BowlPoint>& readings);
 
 } // namespace explore::data

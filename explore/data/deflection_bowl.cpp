@@ -34,7 +34,9 @@ public:
     Making(const FwdStation& station, const DropChoice& choice)
         : station_(station),
           choice_(choice),
-          scatter_(choice.scatter.value_or(RepeatScatter{})) {}
+          scatter_(choice.scatter.value_or(RepeatScatter{})) {
+        scatter_.resolution_um = choice.resolution_um;
+    }
 
     pave::Outcome<StationBowls> bowls() && {
         const auto rejected = [](std::string reason) { return pave::Failure{.reason = std::move(reason)}; };
@@ -111,7 +113,8 @@ private:
             }
         }
         if (choice_.numbers.empty() &&
-            first_is_seating(drops, choice_.first_of_two_seats, choice_.scatter ? scatter_.at(0.0) : 0.0)) {
+            first_is_seating(drops, choice_.first_of_two_seats, choice_.scatter ? scatter_.at(0.0) : 0.0,
+                             choice_.resolution_um)) {
             result_.left_out.push_back({drops[0]->number, LeftOut::seating, {}});
             seating_ = drops[0];
             drops.erase(drops.begin());
@@ -164,7 +167,7 @@ private:
         for (const FwdDrop* d : level) {
             for (const FwdReading& r : d->readings) {
                 if (std::isfinite(r.deflection_um)) {
-                    read[place_of(r)].push_back(
+                    add(read[place_of(r)],
                         {d->number, r.deflection_um * (bowl.pressure_kPa / d->pressure_kPa), r.deflection_um});
                 }
             }
@@ -210,6 +213,16 @@ private:
         }
         remark_on_disagreement();
         return bowl;
+    }
+
+    // Of two sensors at one place a drop has one reading, their mean.
+    static void add(std::vector<LevelReading>& readings, const LevelReading& r) {
+        if (!readings.empty() && readings.back().drop == r.drop) {
+            readings.back().um = (readings.back().um + r.um) / 2.0;
+            readings.back().read_um = (readings.back().read_um + r.read_um) / 2.0;
+        } else {
+            readings.push_back(r);
+        }
     }
 
     static std::vector<double> deflections_of(const std::vector<LevelReading>& readings) {

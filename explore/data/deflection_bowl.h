@@ -70,6 +70,7 @@ struct DropChoice {
     std::optional<double> target_pressure_kPa{}; // the level nearest to it, within 15 %
     std::optional<double> target_force_kN{};     // the same as a force on the plate
     std::optional<RepeatScatter> scatter{};      // of the road; nothing: what sensors repeat within
+    double resolution_um = 0.0;                  // of the station's file; 0: not known
     bool keeps_contradicted = false;             // drops and readings that their repeats contradict
     bool first_of_two_seats = false; // also the first of two drops of different pressure seats the plate, as elsewhere
 };

@@ -61,7 +61,7 @@ double spread(const std::vector<double>& values) {
 struct DropAgainstOthers {
     double off = 0.0, others_apart = 0.0;
 };
-std::optional<DropAgainstOthers> against_others(const LevelReadings& level, int drop) {
+std::optional<DropAgainstOthers> against_others(const LevelReadings& level, int drop, double resolution_um) {
     std::vector<double> off;
     std::vector<double> apart;
     for (const auto& [offset, readings] : level) {
@@ -70,8 +70,9 @@ std::optional<DropAgainstOthers> against_others(const LevelReadings& level, int 
         if (own == nullptr || others.size() < 2) {
             continue;
         }
+        const bool is_rounding = std::abs(own->um - median(others)) <= rounded_apart * resolution_um;
         std::transform(others.begin(), others.end(), others.begin(), logarithm);
-        off.push_back(logarithm(own->um) - median(others));
+        off.push_back(is_rounding ? 0.0 : logarithm(own->um) - median(others));
         apart.push_back(spread(others));
     }
     return off.empty() ? std::nullopt : std::optional(DropAgainstOthers{median(off), median(apart)});
@@ -128,7 +129,7 @@ struct ReadingAgainstOthers {
     double times() const { return std::abs(off_um) / limit_um; }
 };
 ReadingAgainstOthers against_others(const std::vector<LevelReading>& readings, const LevelReading& own,
-                                    const std::map<int, double>& effects, double scatter) {
+                                    const std::map<int, double>& effects, double scatter, double resolution_um) {
     std::vector<double> others; // as they would be in this drop
     for (const LevelReading& r : readings) {
         if (r.drop != own.drop) {
@@ -137,7 +138,8 @@ ReadingAgainstOthers against_others(const std::vector<LevelReading>& readings, c
     }
     const double middle = median(others);
     return {.off_um = own.um - middle,
-            .limit_um = std::max(sensor_um + sensor_share * std::abs(middle), far_off * scatter * std::abs(middle)),
+            .limit_um = std::max(sensor_um + sensor_share * std::abs(middle), far_off * scatter * std::abs(middle)) +
+                        rounded_apart * resolution_um,
             .others_apart_um = spread(others)};
 }
 
@@ -217,7 +219,7 @@ std::vector<ContradictedDrop> take_out_drops(LevelReadings& level, const RepeatS
         std::optional<ContradictedDrop> worst;
         double worst_off = limit;
         for (const int drop : drops_of(level)) {
-            const auto there = against_others(level, drop);
+            const auto there = against_others(level, drop, scatter.resolution_um);
             if (there && std::abs(there->off) > worst_off &&
                 there->others_apart < others_agree * std::abs(there->off)) {
                 worst_off = std::abs(there->off);
@@ -248,7 +250,7 @@ std::vector<ContradictedReading> take_out_readings(LevelReadings& level, const R
             const LevelReading* worst = nullptr;
             double worst_times = 1.0;
             for (const LevelReading& r : readings) {
-                const auto there = against_others(readings, r, effects, own);
+                const auto there = against_others(readings, r, effects, own, scatter.resolution_um);
                 if (there.times() > worst_times && there.others_apart_um < others_agree * std::abs(there.off_um)) {
                     worst_times = there.times();
                     worst = &r;
@@ -260,7 +262,8 @@ std::vector<ContradictedReading> take_out_readings(LevelReadings& level, const R
             out.push_back(take_out(readings, worst->drop));
             out.back().offset_mm = offset;
         }
-        if (all == 2 && against_others(readings, readings[0], effects, std::sqrt(2.0) * own).times() > 1.0) {
+        if (all == 2 &&
+            against_others(readings, readings[0], effects, std::sqrt(2.0) * own, scatter.resolution_um).times() > 1.0) {
             if (const auto drop = beside_neighbours(level, sensor)) {
                 out.push_back(take_out(readings, *drop));
                 out.back().offset_mm = offset;
@@ -282,7 +285,8 @@ std::vector<Disagreement> disagreements(const LevelReadings& level, const Repeat
         const double mean = mean_of(readings);
         const double apart = spread(values);
         const double share = std::max(disagree_share, disagree_scatter * scatter.at(offset));
-        if (apart > std::max(disagree_um, share * std::abs(mean)) && mean > 0.0) {
+        if (apart > std::max(disagree_um, share * std::abs(mean)) + rounded_apart * scatter.resolution_um &&
+            mean > 0.0) {
             const auto [low, high] = std::minmax_element(values.begin(), values.end());
             found.push_back({.offset_mm = offset, .share = apart / mean, .low_um = *low, .high_um = *high});
         }

@@ -19,11 +19,15 @@
 
 namespace explore::data {
 
+// Deflections within as many steps of the file of each other may only be rounded apart.
+inline constexpr double rounded_apart = 1.5;
+
 // Standard deviation of ln(deflection / pressure) over repeated drops: of the middle one of a road's groups of drops,
 // so that single readings do not rule it.
 struct RepeatScatter {
     std::map<double, double> of_sensor{}; // by offset, where enough groups tell
     double overall = 0.02;                // what sensors repeat within, unless the road tells better
+    double resolution_um = 0.0;           // steps of the file
 
     double at(double offset_mm) const;
 };

@@ -1,5 +1,6 @@
 #include "data/drop_levels.h"
 
+#include "data/drop_agreement.h"
 #include "data/median.h"
 
 #include <algorithm>
@@ -36,7 +37,8 @@ double place_of(const FwdReading& reading) {
     return std::abs(reading.offset_mm) < centre_tolerance_mm ? 0.0 : reading.offset_mm;
 }
 
-bool first_is_seating(const std::vector<const FwdDrop*>& drops, bool first_of_two_seats, double scatter) {
+bool first_is_seating(const std::vector<const FwdDrop*>& drops, bool first_of_two_seats, double scatter,
+                      double resolution_um) {
     if (drops.size() < 3) {
         return drops.size() == 2 && first_of_two_seats &&
                !are_one_level(drops[0]->pressure_kPa, drops[1]->pressure_kPa);
@@ -67,7 +69,8 @@ bool first_is_seating(const std::vector<const FwdDrop*>& drops, bool first_of_tw
     const double middle = median(repeats);
     const bool agree = std::all_of(repeats.begin(), repeats.end(),
                                    [&](double c) { return std::abs(c / middle - 1.0) <= repeats_agree; });
-    const double differs = std::max(seating_differs, seating_scatter * scatter);
+    const double rounding = rounded_apart * resolution_um / (middle * first);
+    const double differs = std::max(seating_differs, seating_scatter * scatter) + rounding;
     return agree && std::abs(compliance(*drops[0]) / middle - 1.0) > differs;
 }
 

@@ -15,7 +15,9 @@ double pressure_of(const Level& level);
 // Where it reads; the centre is 0.
 double place_of(const FwdReading& reading);
 
-// Whether the first of these drops seats the plate. scatter: of ln(deflection / pressure) at the centre over drops.
-bool first_is_seating(const std::vector<const FwdDrop*>& drops, bool first_of_two_seats, double scatter);
+// Whether the first of these drops seats the plate. scatter: of ln(deflection / pressure) at the centre over drops;
+// resolution_um: steps of the file.
+bool first_is_seating(const std::vector<const FwdDrop*>& drops, bool first_of_two_seats, double scatter,
+                      double resolution_um);
 
 } // namespace explore::data

@@ -23,8 +23,8 @@ struct Noise {
     // The rest of the errors of two readings of one quantity: see own_correlation().
     double correlation_length = 0.0; // m
     double correlation_time = 0.0;   // s
-    // SI: what a sensor has drifted by this reading, times a standard normal number that all readings of the sensor
-    // have in common.
+    // SI: what a sensor has drifted by this reading, or errs by in all drops alike, times a standard normal number that
+    // all readings of the sensor have in common.
     double drift = 0.0;
     // Of Student's t distribution, whose scale the deviations then are: more large errors than a normal one has; 0:
     // normal.

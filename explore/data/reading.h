@@ -30,6 +30,7 @@ struct Reading {
     std::optional<double> time_ms{}; // under a load with a history: when; none: the extreme over time
     Unit unit{};                     // of the value; of an output the one it is reported in
     std::optional<double> sigma;     // one standard deviation that the file states, in `unit`
+    int drops = 0;                   // that it is the mean of, where its noise hangs on that; 0: not known
     std::string file;
     int line = 0;
     std::string output{}; // the name of an output; empty: measured

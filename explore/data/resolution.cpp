@@ -84,9 +84,17 @@ double rounding_variance(double resolution_um, double scatter_um, int drops) {
     if (!(resolution_um > 0.0)) {
         return 0.0;
     }
-    const double steps = scatter_um / resolution_um;
-    const double alike = std::exp(-4.0 * std::numbers::pi * std::numbers::pi * steps * steps);
-    return resolution_um * resolution_um / 12.0 * (alike + (1.0 - alike) / drops);
+    constexpr int harmonics = 100;
+    const double square = std::pow(resolution_um, 2);
+    const double turn = 2.0 * std::numbers::pi * scatter_um / resolution_um;
+    double alike = 0.0; // covariance of the rounding errors of two drops
+    for (int k = 1; k <= harmonics; ++k) {
+        alike += square / (2.0 * std::numbers::pi * std::numbers::pi * k * k) * std::exp(-std::pow(turn * k, 2));
+    }
+    // Those beyond: the sum of 1 / k^2 from there on.
+    alike += square / (2.0 * std::numbers::pi * std::numbers::pi * (harmonics + 0.5)) *
+             std::exp(-std::pow(turn * harmonics, 2));
+    return alike + (square / 12.0 - alike) / drops;
 }
 
 } // namespace explore::data

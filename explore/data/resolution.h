@@ -16,9 +16,10 @@ std::string resolution_words(double resolution_um);
 
 // Variance [um^2] that rounding to steps q adds to the mean of n repeated readings which scatter by s [um] before they
 // are rounded:
-//     q^2 / 12 (1 / n + (1 - 1 / n) exp(-4 pi^2 s^2 / q^2)).
-// Rounding errors of readings that scatter by much less than a step are the same in all of them, of those that scatter
-// by more independent (Widrow 1956: their correlation by the first term of the characteristic function).
+//     c + (q^2 / 12 - c) / n,   c = sum over k of q^2 / (2 pi^2 k^2) exp(-(2 pi k s / q)^2),
+// c the covariance of the rounding errors of two of them, from the Fourier series of what rounding takes off, whatever
+// the value is (Widrow 1956 on the characteristic function of rounding). Errors of readings that scatter by much less
+// than a step are the same in all of them, of those that scatter by more independent.
 double rounding_variance(double resolution_um, double scatter_um, int drops);
 
 } // namespace explore::data

@@ -1,6 +1,7 @@
 // The bowls of a road's stations, which tell of each other.
 #pragma once
 
+#include "base/outcome.h"
 #include "data/deflection_bowl.h"
 
 namespace explore::data {

@@ -18,6 +18,7 @@ constexpr double level_finds_more = 0.01;  // a correction finds more than what 
 constexpr double least_rate = 0.95;        // of telling two effects apart
 constexpr double most_noise = 2.2;         // times the stated noise: more is no matter of noise
 constexpr double little = 0.05;            // probability that keeps a name from standing alone
+constexpr double doubtful = 0.1; // that errors are larger than stated: chance names something in some of such cases
 
 class Decider {
 public:
@@ -69,6 +70,8 @@ private:
             }
             if (own.hypothesis.is_of_noise()) {
                 d_.of_noise += probability;
+                of_size_ += own.is_independent ? probability : 0.0;
+                of_tails_ += own.has_tails ? probability : 0.0;
                 noise_ = noise_ ? noise_ : std::optional(r);
             } else if (own.hypothesis.kind == Kind::correction) {
                 correction_ = correction_ ? correction_ : std::optional(r);
@@ -266,6 +269,10 @@ private:
             conclude_unexplained(Reason::weak_evidence);
             return;
         }
+        if (of_size_ - said_of_tails(first) >= doubtful) {
+            conclude_unexplained(Reason::noise);
+            return;
+        }
         d_.verdict = Verdict::ambiguous;
         d_.reason = reason_against(first, chance);
         if (d_.reason == Reason::none) {
@@ -283,6 +290,9 @@ private:
         name_causes();
     }
 
+    // Noise that makes single readings err far does not contradict that these do.
+    double said_of_tails(const Row& first) const { return first.hypothesis.kind == Kind::readings ? of_tails_ : 0.0; }
+
     Reason reason_against(const Row& first, double chance) const {
         if (d_.leaves_more_than_noise) {
             return Reason::leaves_more_than_noise;
@@ -290,7 +300,7 @@ private:
         if (d_.names.size() > 1) {
             return Reason::several_names;
         }
-        if (d_.of_noise >= little) {
+        if (d_.of_noise - said_of_tails(first) >= little) {
             return Reason::noise;
         }
         if (first.fit.at_end) {
@@ -312,13 +322,16 @@ private:
         return chance < level_evidence ? Reason::none : Reason::weak_evidence;
     }
 
-    // A correction that is about as probable, knows a place, and says something else.
+    // A correction that is about as probable, or, by Akaike's criterion, explains as much for what it takes, knows a
+    // place, and says something else.
     bool is_rival(const Row& first) const {
         if (!correction_) {
             return false;
         }
         const Row& own = row(*correction_);
-        return behind(own, first) < margin && !is_outdone(own) && !is_rejected(own) && !says_the_same(own, first) &&
+        const auto akaike = [](const Row& of) { return of.fit.chi2 + 2.0 * of.fit.numbers; };
+        const bool is_near = behind(own, first) < margin || akaike(own) - akaike(first) < margin;
+        return is_near && !is_outdone(own) && !is_rejected(own) && !says_the_same(own, first) &&
                ledger_.says(own.hypothesis.key()) == Says::at_places;
     }
 
@@ -364,6 +377,8 @@ private:
     const Ledger& ledger_;
     Decision d_;
     std::vector<std::size_t> names_; // most probable first
+    double of_size_ = 0.0;           // probability of noise whose readings have nothing in common
+    double of_tails_ = 0.0;          // of such with heavy tails
     std::optional<std::size_t> none_, noise_, correction_, best_;
 };
 

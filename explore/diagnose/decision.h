@@ -9,11 +9,13 @@
 // from
 //   the most probable one, and, of one effect that leaves noise, where only a hypothesis with more numbers is.
 // - `cause-named`: one name that leaves noise, whose sizes' intervals end within their ranges, and that no correction
-//   rivals: none that is as probable, says something of a place, and says something else.
+//   rivals: none that is as probable, or explains as much for what it takes, says something of a place, and says
+//   something else.
 // - `located`: no name leaves noise, and a correction does at places that it knows, which is not rejected itself,
 // predicts
 //   what was left out no worse, and is not outdone by a hypothesis with fewer numbers.
-// - `ambiguous`: names that do not stand alone. `unexplained`: the rest.
+// - `ambiguous`: names that do not stand alone. `unexplained`: the rest; where noise of another size is possible
+//   (10 %), too, with the names as what comes nearest.
 #pragma once
 
 #include "diagnose/ledger.h"

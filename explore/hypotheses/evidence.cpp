@@ -44,7 +44,8 @@ void Prior::add_size(double null, double typical, double size) {
     const double density = 1.0 / (std::numbers::pi * scale * mass);
     // So that cut off at the range it is a density: where the data say nothing, the hypothesis is as probable as
     // without it.
-    const double precision_there = 2.0 * std::numbers::pi * std::pow(mass * density, 2);
+    const double sides = null <= 0.0 || null >= 1.0 ? 0.5 : 1.0;
+    const double precision_there = 2.0 * std::numbers::pi * std::pow(sides * density, 2);
     append(precision, MatrixXd::Constant(1, 1, precision_there));
     const double away = (size - null) / scale;
     log_volume += std::log(density / (1.0 + away * away)) + 0.5 * std::log(2.0 * std::numbers::pi);
@@ -84,8 +85,10 @@ Evidence evidence(double sum, Index rows, const MatrixXd& jacobian, const Prior&
     const Eigen::LLT<MatrixXd> root(prior.precision);
     const MatrixXd half = root.matrixL().solve(information);
     const MatrixXd standard = root.matrixL().solve(half.transpose());
-    const VectorXd weights =
-        Eigen::SelfAdjointEigenSolver<MatrixXd>(standard, Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0.0);
+    VectorXd weights; // of no coordinates: none
+    if (standard.cols() > 0) {
+        weights = Eigen::SelfAdjointEigenSolver<MatrixXd>(standard, Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0.0);
+    }
     const double log_prior_determinant = 2.0 * MatrixXd(root.matrixL()).diagonal().array().log().sum();
     const auto at = [&](double k) {
         const double k2 = k * k;

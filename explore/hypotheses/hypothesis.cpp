@@ -14,6 +14,7 @@ constexpr double bad_readings = 0.1;
 constexpr double corrections = 0.05;
 constexpr double layouts = 0.05;
 constexpr double tails = 0.02;
+constexpr double tied = 0.05; // of what an effect has: errors in common that nobody states are rarer than a wrong load
 
 double share(std::size_t count) {
     return 1.0 / static_cast<double>(std::max<std::size_t>(1, count));
@@ -44,7 +45,7 @@ double log_prior(Kind kind, const Counts& counts, std::size_t variants, std::siz
 }
 
 double log_prior_of_structure(std::string_view key, const Counts& counts) {
-    return key == "heavy-tailed" ? std::log(tails) : std::log(one_effect * share(counts.effects) / 2.0);
+    return std::log(key == "heavy-tailed" ? tails : tied * one_effect * share(counts.effects));
 }
 
 } // namespace explore::hypotheses

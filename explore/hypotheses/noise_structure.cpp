@@ -3,6 +3,7 @@
 #include "hypotheses/quantiles.h"
 #include "problem/student.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace explore::hypotheses {
@@ -72,11 +73,28 @@ NoiseStructure average(std::string key, const LinearFit& fit, const std::vector<
 
 } // namespace
 
+// Beside the stated errors, or a part of them: then the rest is smaller by as much.
 NoiseStructure common_errors(const LinearFit& fit, const MatrixXd& common, const NoisePrior& noise) {
     const Index n = fit.residuals.size();
-    return average("common", fit, {0.005, 0.01, 0.015, 0.02, 0.03}, noise, [&](double share) -> MatrixXd {
-        return MatrixXd::Identity(n, n) + share * share * common * common.transpose();
+    const MatrixXd signs = common.unaryExpr([](double v) { return v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0; });
+    const NoiseStructure more =
+        average("common", fit, {0.005, 0.01, 0.015, 0.02, 0.03}, noise, [&](double share) -> MatrixXd {
+            return MatrixXd::Identity(n, n) + share * share * common * common.transpose();
+        });
+    NoiseStructure within = average("common", fit, {0.25, 0.5, 0.75, 0.9}, noise, [&](double part) -> MatrixXd {
+        return (1.0 - part) * MatrixXd::Identity(n, n) + part * signs * signs.transpose();
     });
+    // The part as a share of the values: of the median reading.
+    VectorXd lengths = common.rowwise().norm();
+    std::sort(lengths.begin(), lengths.end());
+    const double median = n > 0 ? lengths[n / 2] : 0.0;
+    within.size = median > 0.0 ? std::sqrt(within.size) / median : 0.0;
+    NoiseStructure both = within.evidence.log > more.evidence.log ? within : more;
+    const auto half = [](double first, double second) { return log_sum({first, second}) - std::log(2.0); };
+    both.evidence.as_stated = half(more.evidence.as_stated, within.evidence.as_stated);
+    both.evidence.any_size = half(more.evidence.any_size, within.evidence.any_size);
+    both.evidence.log = half(more.evidence.log, within.evidence.log);
+    return both;
 }
 
 NoiseStructure correlated_errors(const LinearFit& fit, const std::vector<data::NoisePlace>& places,

@@ -23,8 +23,8 @@ struct NoiseStructure {
     Evidence evidence; // averaged over the sizes that are thought of
 };
 
-// Errors that the readings of a load share, of a share of their values; common: d(residuals)/d(ln value) of all
-// readings of one load, a column each load.
+// Errors that the readings of a load share, of a share of their values, beside the stated ones or as a part of them;
+// common: d(residuals)/d(ln value) of all readings of one load, a column each load.
 NoiseStructure common_errors(const LinearFit& fit, const Eigen::MatrixXd& common, const NoisePrior& noise);
 // Errors of readings of one quantity under one load that are alike the nearer they are (data::own_correlation).
 NoiseStructure correlated_errors(const LinearFit& fit, const std::vector<data::NoisePlace>& places,

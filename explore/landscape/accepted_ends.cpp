@@ -3,6 +3,22 @@
 #include <algorithm>
 
 namespace explore::landscape {
+namespace {
+
+std::vector<const Branch*> walks_of(const Uniqueness& u) {
+    std::vector<const Branch*> walks;
+    for (const Branch& trace : u.traces) {
+        walks.push_back(&trace);
+    }
+    for (const Range& range : u.parameters) {
+        for (const Branch& branch : range.branches) {
+            walks.push_back(&branch);
+        }
+    }
+    return walks;
+}
+
+} // namespace
 
 std::vector<Beyond> beyond_ends(const problem::ParameterSpace& space, const Uniqueness& u) {
     constexpr double hair = 2e-3; // of the box
@@ -28,13 +44,8 @@ std::vector<Beyond> beyond_ends(const problem::ParameterSpace& space, const Uniq
             }
         }
     };
-    for (const Branch& trace : u.traces) {
-        std::for_each(trace.points.begin(), trace.points.end(), look_at);
-    }
-    for (const Range& range : u.parameters) {
-        for (const Branch& branch : range.branches) {
-            std::for_each(branch.points.begin(), branch.points.end(), look_at);
-        }
+    for (const Branch* branch : walks_of(u)) {
+        std::for_each(branch->points.begin(), branch->points.end(), look_at);
     }
     std::vector<Beyond> beyond;
     for (std::size_t i = 0; i < furthest.size(); ++i) {
@@ -70,6 +81,34 @@ void walked_on(const problem::Problem& problem, Beyond from, Branch walked, Rang
     (up ? range.high_bounds : range.low_bounds) = own->on_bound;
     (up ? range.high_limits : range.low_limits) = own->on_limit;
     (up ? range.high_set : range.low_set) = problem.space.physical(own->limit_unit);
+}
+
+void reach_accepted(const problem::ParameterSpace& space, Uniqueness& u) {
+    std::vector<const std::vector<double>*> accepted;
+    for (const Branch* branch : walks_of(u)) {
+        for (const ProfilePoint& p : branch->points) {
+            if (p.rise <= u.acceptance->threshold) {
+                accepted.push_back(&p.unit);
+            }
+        }
+        if (!branch->limit_unit.empty()) {
+            accepted.push_back(&branch->limit_unit);
+        }
+    }
+    for (const std::vector<double>* unit : accepted) {
+        for (std::size_t k = 0; k < u.parameters.size(); ++k) {
+            Range& range = u.parameters[k];
+            const double value = space.axes[k].physical((*unit)[k]);
+            if (value < range.low) {
+                range.low = value;
+                range.low_set = space.physical(*unit);
+            }
+            if (value > range.high) {
+                range.high = value;
+                range.high_set = space.physical(*unit);
+            }
+        }
+    }
 }
 
 } // namespace explore::landscape

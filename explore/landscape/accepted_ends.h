@@ -19,4 +19,7 @@ std::vector<Beyond> beyond_ends(const problem::ParameterSpace& space, const Uniq
 // The profile goes on from that point by the walk that began there.
 void walked_on(const problem::Problem& problem, Beyond from, Branch walked, Range& range);
 
+// Ranges reach as far as any set that a walk met and the data accept: what is a hair beyond an end needs no walk.
+void reach_accepted(const problem::ParameterSpace& space, Uniqueness& u);
+
 } // namespace explore::landscape

@@ -20,18 +20,23 @@ Eigen::VectorXd difference(const std::vector<double>& a, const std::vector<doubl
     return d;
 }
 
+// What a change of every reading by the rounding of models makes of the misfit.
+double rounding_of_misfit(const run::Endpoint& end, const problem::Problem& by_noise) {
+    constexpr double rounding = 1e-5; // of a reading
+    double squares = 0.0;
+    for (std::size_t i = 0; i < by_noise.readings(); ++i) {
+        squares += by_noise.change_by_gain(i, end.evaluation).squaredNorm();
+    }
+    return rounding * std::sqrt(squares);
+}
+
 double noise_of_misfit(const run::Endpoint& lower, const problem::Problem& by_noise) {
     if (by_noise.noise_is_stated()) {
         return 1.0;
     }
     const int free = std::max(1, by_noise.degrees_of_freedom(by_noise.space.axes.size()));
-    constexpr double rounding = 1e-5; // of a reading
-    double squares = 0.0;
-    for (std::size_t i = 0; i < by_noise.readings(); ++i) {
-        squares += by_noise.change_by_gain(i, lower.evaluation).squaredNorm();
-    }
     return std::max(by_noise.misfit(lower.evaluation) / std::sqrt(static_cast<double>(free)),
-                    rounding * std::sqrt(squares));
+                    rounding_of_misfit(lower, by_noise));
 }
 
 } // namespace
@@ -43,6 +48,10 @@ bool fit_alike(const run::Endpoint& lower, const run::Endpoint& other, const pro
 }
 
 bool are_one_minimum(const run::Endpoint& lower, const run::Endpoint& other, const problem::Problem& by_noise) {
+    if (!by_noise.noise_is_stated() && by_noise.degrees_of_freedom(by_noise.space.axes.size()) < 0 &&
+        by_noise.misfit(other.evaluation) <= rounding_of_misfit(other, by_noise)) {
+        return true; // both meet every reading, and parameters are left
+    }
     const Eigen::VectorXd d = difference(other.search.unit, lower.search.unit);
     return d.lpNorm<Eigen::Infinity>() < 0.01 ||
            (fit_alike(lower, other, by_noise) &&
@@ -109,6 +118,21 @@ std::vector<std::string> bound_words(const problem::ParameterSpace& space, const
     return words;
 }
 
+namespace {
+
+// Whether an end stands for its minimum better than that which does: off bounds, where nothing else tells the two
+// apart. Of a flat valley that reaches a bound the lowest end is anywhere, and on the bound the valley is not seen.
+bool stands_for(const run::Endpoint& end, const Minimum& minimum, const run::Endpoint& lowest,
+                const problem::Problem& by_noise) {
+    constexpr double nothing = 1e-4; // of the variance of a residual
+    const auto square = [&](const problem::Evaluation& e) { return std::pow(by_noise.misfit(e), 2); };
+    return end.search.converged && bounds_met(end.search.unit).size() < minimum.on_bound.size() &&
+           square(end.evaluation) - square(lowest.evaluation) <=
+               nothing * std::pow(noise_of_misfit(lowest, by_noise), 2);
+}
+
+} // namespace
+
 std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem) {
     const problem::Problem by_noise = problem.in_units_of_noise();
     std::vector<const run::Endpoint*> order;
@@ -145,7 +169,15 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, con
             minima.push_back(std::move(m));
             home = minima.end() - 1;
         }
-        home->members.push_back(end->start);
+        if (stands_for(*end, *home, *of[static_cast<std::size_t>(home - minima.begin())].front(), by_noise)) {
+            home->evaluation = end->evaluation;
+            home->unit = end->search.unit;
+            home->converged = true;
+            home->on_bound = bounds_met(home->unit);
+            home->members.insert(home->members.begin(), end->start);
+        } else {
+            home->members.push_back(end->start);
+        }
         for (std::size_t k = 0; k < parameters.size(); ++k) {
             home->lowest[k] = std::min(home->lowest[k], parameters[k]);
             home->highest[k] = std::max(home->highest[k], parameters[k]);
@@ -176,7 +208,8 @@ Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem
     a.p_value = goodness.p_value;
     a.widened = a.p_value < contradicted;
     if (a.widened) {
-        noise.head(readings) *= std::sqrt(a.chi2 / goodness.expected);
+        a.widening = std::sqrt(a.chi2 / goodness.expected);
+        noise.head(readings) *= a.widening;
     }
     a.noise = noise.head(readings).norm() / std::sqrt(static_cast<double>(readings));
     return noise;

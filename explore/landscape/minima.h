@@ -53,14 +53,15 @@ struct Minimum {
 // them apart by less than its own noise: they fit alike (the misfit differs by less than a tenth of one noise level,
 // the residuals by less than one), and so do the linearised residuals between them. The noise is the stated one;
 // without, s with s2 = f^2 / (data - parameters) of the lower of the two, but no less than a change of every reading by
-// 1e-5 of it: below that no misfit tells anything. by_noise: residuals in units of it, where it
-// is stated; lower: the end with the lower misfit.
+// 1e-5 of it: below that no misfit tells anything, and where parameters are left over all such ends are one. by_noise:
+// residuals in units of it, where it is stated; lower: the end with the lower misfit.
 bool fit_alike(const run::Endpoint& lower, const run::Endpoint& other, const problem::Problem& by_noise);
 bool are_one_minimum(const run::Endpoint& lower, const run::Endpoint& other, const problem::Problem& by_noise);
 
 // Ends that are one minimum with the next, one after the other, are one: a flat valley is one minimum whose members
 // spread. Sorted by misfit. Ends that break a constraint are none. An end whose search was ended early is no minimum:
-// it belongs to one that it is one with; the lowest of all is listed whether it converged or not.
+// it belongs to one that it is one with; the lowest of all is listed whether it converged or not. The lowest end stands
+// for a minimum; of those that are lower by nothing that counts (1e-4 of chi2) one with fewest parameters on bounds.
 std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, const problem::Problem& problem);
 
 // Stated noise whose chi2 is less probable than this does not explain the misfit: it is then taken larger.
@@ -78,6 +79,7 @@ struct LocalAnalysis {
     double p_value = 1.0;       // of it
     // The stated noise is contradicted: all of it is taken larger, so that it explains the misfit.
     bool widened = false;
+    double widening = 1.0; // factor of the noise, and of the ranges
     // Of each parameter in unit coordinates; infinity: not determined. J^+ W J^+^T for the inverse J^+ of the jacobian
     // and the variances W of the residuals (the least squares estimator's, whatever its weights). Parameters on a bound
     // count as unknown like the others; inequalities tell nothing here (held_ranges.h).

@@ -80,7 +80,7 @@ std::optional<std::set<std::size_t>> joined_with_best(run::Engine& engine, const
         joined.insert(gap.minimum);
     }
     std::deque<run::Endpoint> found;
-    constexpr int rounds = 3;
+    constexpr int rounds = 5;
     int number = first_between;
     for (int round = 0; round < rounds && !gaps.empty(); ++round) {
         std::vector<std::vector<double>> starts;

@@ -77,7 +77,7 @@ Pass pass_between(run::Chain& chain, const Acceptance& acceptance, const std::ve
             const double rise =
                 e.converged() ? acceptance.rise(e.misfit, best_misfit) : std::numeric_limits<double>::infinity();
             pass.rise = std::max(pass.rise, rise);
-            pass.way.push_back({forth[i].value, rise, unit, std::move(e)});
+            pass.way.push_back({.value = forth[i].value, .rise = rise, .unit = unit, .evaluation = std::move(e)});
         }
         pass.way.insert(pass.way.end(), back.rend() - static_cast<std::ptrdiff_t>(j) - 1, back.rend());
         if (pass.rise < best.rise) {
@@ -102,8 +102,10 @@ Pass pass_between(run::Chain& chain, const Acceptance& acceptance, const std::ve
             const double rise =
                 e.converged() ? acceptance.rise(e.misfit, best_misfit) : std::numeric_limits<double>::infinity();
             best.rise = std::max(best.rise, rise);
-            best.way.insert(best.way.begin() + left + 1,
-                            ProfilePoint{0.5 * (a.value + b.value), rise, unit, std::move(e)});
+            best.way.insert(best.way.begin() + left + 1, ProfilePoint{.value = 0.5 * (a.value + b.value),
+                                                                      .rise = rise,
+                                                                      .unit = unit,
+                                                                      .evaluation = std::move(e)});
         }
     }
     return best;

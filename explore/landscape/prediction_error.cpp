@@ -30,7 +30,7 @@ double prediction_error(const Eigen::VectorXd& gradient, const Minimum& minimum,
     if (!local.noise_is_stated) {
         return local.noise * row.norm();
     }
-    const double wider = local.widened ? std::sqrt(local.chi2 / local.expected_chi2) : 1.0;
+    const double wider = local.widening;
     return wider * row.cwiseProduct(problem.noise(minimum.evaluation)).norm();
 }
 

@@ -300,6 +300,7 @@ private:
         if (!walk_on(round, best_misfit)) {
             return false;
         }
+        reach_accepted(problem.space, result_);
         result_.outputs.clear();
         if (!predicted.empty()) {
             // The minima once more, with every response.

@@ -268,7 +268,7 @@ namespace {
 // part.
 std::pair<double, double> shown_of(double low, double high, bool log, double accepted_low, double accepted_high) {
     const auto at = [log](double value) { return log ? std::log(value) : value; };
-    const auto value = [log](double at) { return log ? std::exp(at) : at; };
+    const auto value = [log](double x) { return log ? std::exp(x) : x; };
     const double whole = at(high) - at(low);
     const double accepted = at(accepted_high) - at(accepted_low);
     constexpr double least = 1e-3; // of the whole: where the data accept a point

@@ -207,10 +207,10 @@ std::string fit_text(const FitResult& result, const analysis::RunOptions& run) {
     const Minimum& best = result.best();
     const int evaluations = landscape::search_evaluations(result.searches.ends);
     const run::Tally& tally = result.tally;
-    std::string text =
-        fmt::format("{}\n  explored {}, then {} searches by {} ({} evaluations, {:.0f} a search)\n",
-                    study_summary(study), result.design.name, ends.size(), result.options.multistart.method,
-                    evaluations, static_cast<double>(evaluations) / static_cast<double>(ends.size()));
+    std::string text = study_summary(study) + sentences(findings(result)) + "\n";
+    text += fmt::format("Explored {}, then {} searches by {} ({} evaluations, {:.0f} a search)\n", result.design.name,
+                        ends.size(), result.options.multistart.method, evaluations,
+                        static_cast<double>(evaluations) / static_cast<double>(ends.size()));
     text += fmt::format("  {} computed in {} ({:.1f} runs/s), {} kept from before\n",
                         counted(static_cast<std::size_t>(tally.computed), "run", "runs"),
                         run::duration_words(tally.seconds),
@@ -274,7 +274,7 @@ std::string fit_text(const FitResult& result, const analysis::RunOptions& run) {
         row.push_back(remark);
         minima.add(std::move(row));
     }
-    text += minima.text() + "\nWhat this means\n" + sentences(findings(result));
+    text += minima.text();
     return text + fmt::format("\n  results: {}/fit.json; every evaluation: pavescape export {} --command fit\n",
                               run.folder, run::shell_word(run.folder));
 }

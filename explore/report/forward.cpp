@@ -12,8 +12,11 @@ using pave::counted;
 using pave::pavement::Response;
 
 Json forward_json(const study::Study& study, const pave::pavement::ForwardModel& model,
-                  const pave::Outcome<Response>& outcome) {
+                  const pave::Outcome<Response>& outcome, const std::vector<study::NamedValue>& values) {
     Json json = {{"status", std::string(to_string(outcome.status()))}};
+    for (const auto& [name, value] : values) {
+        json["set"][name] = value;
+    }
     if (!outcome) {
         json["reason"] = outcome.failure().reason;
         return json;
@@ -46,9 +49,13 @@ Json forward_json(const study::Study& study, const pave::pavement::ForwardModel&
     return json;
 }
 
-std::string forward_text(const study::Study& study, const Response& response) {
+std::string forward_text(const study::Study& study, const Response& response,
+                         const std::vector<study::NamedValue>& values) {
     const auto& s = response.statistics;
     std::string text = study_summary(study);
+    for (const auto& [name, value] : values) {
+        text += fmt::format("  at {} = {}\n", name, value);
+    }
     text += fmt::format("  converged: {}, {}{}, unbalanced force {:.0e} of the load\n\n",
                         study.model.settings.integration == pave::pavement::Integration::secant
                             ? counted(static_cast<std::size_t>(s.newton_steps), "Newton step", "Newton steps")

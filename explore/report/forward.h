@@ -2,15 +2,19 @@
 #pragma once
 
 #include "analysis/point_list.h"
+#include "base/outcome.h"
 #include "pavement/forward.h"
 #include "report/json.h"
+#include "study/values.h"
 
 namespace explore::report {
 
+// values: of the study that were set to others.
 Json forward_json(const study::Study& study, const pave::pavement::ForwardModel& model,
-                  const pave::Outcome<pave::pavement::Response>& outcome);
+                  const pave::Outcome<pave::pavement::Response>& outcome, const std::vector<study::NamedValue>& values);
 // Of a run with an answer.
-std::string forward_text(const study::Study& study, const pave::pavement::Response& response);
+std::string forward_text(const study::Study& study, const pave::pavement::Response& response,
+                         const std::vector<study::NamedValue>& values);
 // A line a point: its values, the readings and outputs there, and how it ended.
 std::string points_csv(const study::Study& study, const analysis::ComputedPoints& computed);
 Json points_json(const study::Study& study, const analysis::ComputedPoints& computed);

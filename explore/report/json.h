@@ -1,8 +1,8 @@
 // Numbers of runs as JSON.
 #pragma once
 
-#include "analysis/located.h"
 #include "analysis/load_steps.h"
+#include "analysis/located.h"
 #include "analysis/mesh_error.h"
 #include "analysis/output_ranges.h"
 #include "analysis/session.h"
@@ -56,8 +56,8 @@ Json output_range_json(const data::Reading& output, const analysis::OutputUncert
 // apart.
 Json contrast_json(const analysis::LocatedCorrection& found);
 
-// Adds "mesh", what a finer one would do to an answer of the study, and "path", what the steps of the load path leave of
-// error there.
+// Adds "mesh", what a finer one would do to an answer of the study, and "path", what the steps of the load path leave
+// of error there.
 void add_model_errors(Json& json, const study::Study& study, const std::optional<analysis::MeshError>& mesh,
                       const std::optional<analysis::PathError>& path);
 

@@ -31,7 +31,7 @@ std::string noise_block(const NoiseModel& model) {
                                                  : fmt::format("{} = {:.3g}\n", key, value);
         }
     }
-    return text;
+    return text + "of_drops = 1\n";
 }
 
 Json noise_json(const analysis::NoiseResult& result) {

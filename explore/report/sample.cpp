@@ -265,11 +265,11 @@ std::string sample_text(const SampleResult& s, const analysis::RunOptions& run) 
 std::string samples_csv(const SampleResult& s) {
     std::string text = "population,weight,log_likelihood";
     for (const auto& axis : s.problem.space.axes) {
-        text += "," + axis.name;
+        text += ',' + axis.name;
     }
     const auto outputs = s.study.outputs();
     for (const std::size_t o : outputs) {
-        text += "," + s.study.readings[o].label_with_unit();
+        text += ',' + s.study.readings[o].label_with_unit();
     }
     text += "\n";
     const double mean = std::accumulate(s.descent.weight.begin(), s.descent.weight.end(), 0.0) /

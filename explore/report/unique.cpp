@@ -341,7 +341,8 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
     const analysis::NextReading& next = result.next;
     const auto outputs = study.outputs();
     std::string text = fmt::format(
-        "{}\n  {} explored, {}; {} computed in {}, {} kept from before\n{}", study_summary(study), u.sample.name,
+        "{}{}{}\n  {} explored, {}; {} computed in {}, {} kept from before\n{}", study_summary(study),
+        sentences(findings(result)), warning_lines(result.best().evaluation), u.sample.name,
         counted(u.ends.size(), "search", "searches"), counted(static_cast<std::size_t>(result.computed), "run", "runs"),
         run::duration_words(result.seconds), result.kept, result.reduced ? reduced_words(*result.reduced) : "");
     if (result.options.model.confirmed()) {
@@ -369,7 +370,6 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
             text += fmt::format("    {} ended: {}\n", count, landscape::end_kind_names[kind]);
         }
     }
-    text += "\n" + sentences(findings(result)) + warning_lines(result.best().evaluation);
     if (!u.parameters.empty()) {
         text += fmt::format("\nWhat the data accept (95 %)\n");
         if (!outputs.empty()) {

@@ -1,8 +1,8 @@
 #include "run/program.h"
 
 #include "run/interrupt.h"
-#include <algorithm>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>

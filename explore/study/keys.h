@@ -112,14 +112,14 @@ inline constexpr Key solver_load_steps{.table = "[solver]",
                                        .without = "12; an analysis that fits readings of stated noise takes as many as "
                                                   "that noise asks for",
                                        .meaning = "steps of every load path, the same at all points of a search"};
-inline constexpr Key solver_path{
-    .table = "[solver]",
-    .key = "path_tolerance",
-    .kind = number,
-    .low = 1e-7,
-    .high = 0.1,
-    .without = "`load_steps`",
-    .meaning = "in place of `load_steps`: 12 (0.002/path_tolerance)^(1/3) of them, rounded up"};
+inline constexpr Key solver_path{.table = "[solver]",
+                                 .key = "path_tolerance",
+                                 .kind = number,
+                                 .low = 1e-7,
+                                 .high = 0.1,
+                                 .without = "`load_steps`",
+                                 .meaning =
+                                     "in place of `load_steps`: 12 (0.002/path_tolerance)^(1/3) of them, rounded up"};
 inline constexpr Key solver_equilibrium{.table = "[solver]",
                                         .key = "equilibrium_tolerance",
                                         .kind = number,
@@ -270,6 +270,34 @@ inline constexpr Key noise_drift{
     .default_value = 0.0,
     .meaning =
         "standard deviation of the rate at which each sensor's deflections under a history drift from time 0 on"};
+inline constexpr Key noise_of_drops{
+    .table = "[data.noise]",
+    .key = "of_drops",
+    .kind = whole_number,
+    .low = 1,
+    .high = 1000,
+    .without = "that of the readings as they are",
+    .meaning =
+        "of `survey` and `road`: how many drops the reading is the mean of whose noise is stated; a mean of n has "
+        "relative, absolute and common_relative times the root of this / n"};
+inline constexpr Key noise_shared_relative{
+    .table = "[data.noise]",
+    .key = "shared_relative",
+    .kind = number,
+    .low = 0.0,
+    .high = 10.0,
+    .default_value = 0.0,
+    .meaning =
+        "of `survey` and `road`: what each sensor errs by in all drops of a load alike, which no mean makes less: "
+        "standard deviation over the reading"};
+inline constexpr Key noise_shared_common_relative{
+    .table = "[data.noise]",
+    .key = "shared_common_relative",
+    .kind = number,
+    .low = 0.0,
+    .high = 10.0,
+    .default_value = 0.0,
+    .meaning = "the same of the one error that all sensors share, as of the load cell"};
 inline constexpr std::string_view noise_losses[] = {"normal", "student"};
 inline constexpr Key noise_loss{.table = "[data.noise]",
                                 .key = "loss",

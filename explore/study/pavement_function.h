@@ -1,6 +1,7 @@
 // The forward model as the explorer sees it, and its way to another process.
 #pragma once
 
+#include "base/outcome.h"
 #include "pavement/forward.h"
 #include "problem/forward_function.h"
 

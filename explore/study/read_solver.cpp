@@ -1,6 +1,7 @@
 #include "study/read_solver.h"
 
 #include "base/units.h"
+#include "pavement/forward.h"
 #include "study/keys.h"
 #include "study/table_reader.h"
 

@@ -5,6 +5,7 @@
 #include "data/fwd.h"
 #include "material/catalog.h"
 #include "pavement/effects/catalog.h"
+#include "pavement/forward.h"
 #include "pavement/tie.h"
 #include "study/constraints.h"
 #include "study/corrections.h"
@@ -140,9 +141,8 @@ void read_effect(const toml::table& table, Study& study) {
     }
     reader.done();
     for (const AppliedEffect& other : model.effects) {
-        const bool is_another_reading =
-            effect.is_error_of_reading && applied.reading.value_or(0) != other.reading.value_or(0);
-        if (other.effect == applied.effect && !is_another_reading) {
+        if (other.effect == applied.effect && // another wrong reading is another effect
+            !(effect.is_error_of_reading && applied.reading.value_or(0) != other.reading.value_or(0))) {
             throw pave::Error(reader.place("name"), "this effect is given twice",
                               "\"" + std::string(effect.name) + "\"", "each once");
         }
@@ -222,7 +222,6 @@ void read_parameter(const toml::table& table, Study& study) {
     study.space.axes.push_back(std::move(axis));
 }
 
-// A tied number.
 void read_tie(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[[parameters]]");
     const std::string path = reader.text(keys::parameter_name);
@@ -308,7 +307,8 @@ std::string hash_of(toml::table table, const Study& study) {
     }
     const bool has_path = std::any_of(study.model.layers.begin(), study.model.layers.end(),
                                       [](const Layer& layer) { return layer.law->stress_dependent(); });
-    if (has_path && study.model.settings.integration == Integration::incremental) { // the default is the program's own
+    if (has_path && !study.model.is_hyperelastic() &&
+        study.model.settings.integration == Integration::incremental) { // the default is the program's own
         text << fmt::format("\n{} load steps", study.model.settings.solver.load_steps);
     }
     return hash_with_readings(text.str(), study.measured());
@@ -358,8 +358,7 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
                           std::string(error.description()), "see toml.io for the format");
     }
     TableReader reader(table, file, "");
-    reader.expect(root_keys());
-    reader.refuse_others(); // before something is missing because it is called otherwise
+    reader.refuse_others(root_keys()); // before something is missing because it is called otherwise
     reader.integer(keys::schema);
     study.title = reader.text(keys::title, study.stem());
 
@@ -478,24 +477,8 @@ Study load_study(const std::string& file, Readings readings) {
         inputs.push_back({path, data::read_file(path, what)});
         return NamedText{path, inputs.back().bytes};
     };
-    const std::string text = inputs[0].bytes;
-    Study study = parse(text, file, readings, beside);
+    Study study = parse(inputs[0].bytes, file, readings, beside);
     study.inputs = std::make_shared<const std::vector<data::InputFile>>(std::move(inputs));
-    return study;
-}
-
-Study kept_study(const std::string& file, std::shared_ptr<const std::vector<data::InputFile>> inputs) {
-    const auto kept = [&inputs, folder = std::filesystem::path(file).parent_path()](
-                          const std::string& name, const pave::Place& place, std::string_view what) {
-        const std::string path = (folder / name).string();
-        const auto found = std::find_if(inputs->begin(), inputs->end(), [&](const auto& f) { return f.path == path; });
-        if (found == inputs->end()) {
-            throw pave::Error(place, fmt::format("this {} was not kept", what), "\"" + path + "\"");
-        }
-        return NamedText{path, found->bytes};
-    };
-    Study study = parse(inputs->at(0).bytes, file, Readings::own, kept);
-    study.inputs = std::move(inputs);
     return study;
 }
 

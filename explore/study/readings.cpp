@@ -3,6 +3,7 @@
 #include "base/units.h"
 #include "data/hash.h"
 #include "data/history.h"
+#include "pavement/forward.h"
 
 #include <algorithm>
 #include <cmath>
@@ -163,6 +164,9 @@ void read_noise(const toml::table& table, Study& study, const TableReader& of_da
     study.data.noise_correlation_length = unit::mm * reader.number(keys::noise_correlation);
     study.data.noise_correlation_time = unit::ms * reader.number(keys::noise_correlation_time);
     study.data.noise_drift = unit::um / unit::ms * reader.number(keys::noise_drift);
+    study.data.noise_of_drops = reader.has(keys::noise_of_drops) ? reader.integer(keys::noise_of_drops) : 0;
+    study.data.noise_shared_relative = reader.number(keys::noise_shared_relative);
+    study.data.noise_shared_common_relative = reader.number(keys::noise_shared_common_relative);
     const bool is_student = reader.choice(keys::noise_loss) == 1;
     if (!is_student && reader.has(keys::noise_degrees)) {
         throw pave::Error(reader.place(keys::noise_degrees), "degrees are of loss = \"student\"", "no such loss",
@@ -172,11 +176,13 @@ void read_noise(const toml::table& table, Study& study, const TableReader& of_da
     study.data.noise_degrees = is_student ? degrees : 0.0;
     if (study.data.shapes_noise() && study.data.misfit != problem::MisfitKind::weighted) {
         throw pave::Error(
-            reader.place(study.data.noise_common_relative > 0.0      ? keys::noise_common_relative
-                         : study.data.noise_correlation_length > 0.0 ? keys::noise_correlation
-                         : study.data.noise_correlation_time > 0.0   ? keys::noise_correlation_time
-                         : study.data.noise_drift > 0.0              ? keys::noise_drift
-                                                                     : keys::noise_loss),
+            reader.place(study.data.noise_common_relative > 0.0          ? keys::noise_common_relative
+                         : study.data.noise_shared_relative > 0.0        ? keys::noise_shared_relative
+                         : study.data.noise_shared_common_relative > 0.0 ? keys::noise_shared_common_relative
+                         : study.data.noise_correlation_length > 0.0     ? keys::noise_correlation
+                         : study.data.noise_correlation_time > 0.0       ? keys::noise_correlation_time
+                         : study.data.noise_drift > 0.0                  ? keys::noise_drift
+                                                                         : keys::noise_loss),
             study.data.correlates_noise() ? "errors that readings have in common need a misfit by the stated noise"
                                           : "a distribution of errors needs a misfit by the stated noise",
             fmt::format("misfit = \"{}\"", to_string(study.data.misfit)), "misfit = \"weighted\" in [data]");
@@ -213,6 +219,12 @@ data::NoisePlace noise_place(const Sensor& sensor) {
 
 namespace {
 
+// By how much the noise of a reading differs from what is stated: a mean of n drops has the root of n-th part of what
+// one has.
+double drops_factor(const DataSettings& data, const data::Reading& m) {
+    return data.noise_of_drops > 0 && m.drops > 0 ? std::sqrt(static_cast<double>(data.noise_of_drops) / m.drops) : 1.0;
+}
+
 // Adds to what each reading states what ties the errors of a load, and their distribution.
 void shape_noise(Study& study) {
     const DataSettings& data = study.data;
@@ -228,8 +240,12 @@ void shape_noise(Study& study) {
     }
     for (std::size_t i = 0; i < measured.size(); ++i) {
         data::Noise& noise = measured[i].noise;
-        noise.relative = std::hypot(noise.relative, data.noise_common_relative);
-        noise.common_relative = data.noise_common_relative;
+        noise.common_relative = drops_factor(data, measured[i]) * data.noise_common_relative;
+        if (measured[i].drops > 0) { // what its drops share
+            noise.common_relative = std::hypot(noise.common_relative, data.noise_shared_common_relative);
+            noise.drift = data.noise_shared_relative * std::abs(measured[i].measured());
+        }
+        noise.relative = std::hypot(noise.relative, noise.common_relative);
         noise.correlation_length = data.noise_correlation_length;
         noise.correlation_time = data.noise_correlation_time;
         const Sensor& sensor = study.model.sensors[i];
@@ -262,9 +278,11 @@ void set_noise(Study& study) {
         if (m.sigma) {
             m.noise.absolute = *m.sigma * m.unit.to_si;
         } else {
-            m.noise.relative = study.data.noise_relative.value_or(0.0);
-            m.noise.absolute = std::hypot(study.data.noise_floor.value_or(0.0) * largest[i],
-                                          study.data.noise_absolute[static_cast<std::size_t>(m.unit.dimension)]);
+            const double factor = drops_factor(study.data, m);
+            m.noise.relative = factor * study.data.noise_relative.value_or(0.0);
+            m.noise.absolute =
+                factor * std::hypot(study.data.noise_floor.value_or(0.0) * largest[i],
+                                    study.data.noise_absolute[static_cast<std::size_t>(m.unit.dimension)]);
         }
     }
     // A reading without one, where others state theirs: their median share, of its own group if it has one there.
@@ -311,6 +329,9 @@ std::string hash_with_readings(std::string text, std::span<const data::Reading> 
                             m.value, m.unit.name, m.sigma.value_or(0.0));
         if (m.time_ms) {
             text += fmt::format(",{}", *m.time_ms);
+        }
+        if (m.drops > 0) {
+            text += fmt::format(",{} drops", m.drops);
         }
     }
     return data::hash_of(text);

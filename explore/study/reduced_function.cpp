@@ -16,7 +16,7 @@ using namespace pave::pavement;
 using Json = nlohmann::json;
 
 // Of this layout of the file, and of the algorithm that builds.
-constexpr int format_version = 6;
+constexpr int format_version = 7;
 
 class ReducedFunction final : public problem::ForwardFunction {
 public:

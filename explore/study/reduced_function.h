@@ -1,6 +1,7 @@
 // The reduced model (src/reduced) as the explorer sees it: built for a study's box, kept in a file, checked before use.
 #pragma once
 
+#include "base/outcome.h"
 #include "reduced/reduced_load.h"
 #include "study/problems.h"
 

@@ -77,6 +77,8 @@ Study station_study(const Study& survey, const data::FwdStation& station,
         applied.load.reset(); // every load of the station is its plate's
     }
     const bool noise_is_stated = study.data.states_noise();
+    const bool counts_drops = study.data.noise_of_drops > 0 || study.data.noise_shared_relative > 0.0 ||
+                              study.data.noise_shared_common_relative > 0.0;
     std::vector<data::Reading> measurements;
     for (const data::DeflectionBowl* bowl : bowls) {
         auto load = plate;
@@ -93,6 +95,7 @@ Study station_study(const Study& survey, const data::FwdStation& station,
                                     .sigma = noise_is_stated
                                                  ? std::nullopt
                                                  : std::optional(bowl_sigma_um(reading, repeatability.value_or(0.0))),
+                                    .drops = counts_drops ? reading.drops : 0,
                                     .file = station.file,
                                     .line = station.line});
         }

@@ -38,10 +38,18 @@ struct DataSettings {
     double noise_correlation_time = 0.0;   // s
     double noise_drift = 0.0;              // m/s, of deflections in time
     double noise_degrees = 0.0;            // of Student's t distribution; 0: normal
-    int noise_line = 0;                    // of [data.noise]
+    // Of means of drops (data::Reading::drops): how many the noise above is of, 0: of the readings as they are; and
+    // what the drops of a load share, each sensor by itself and all sensors alike.
+    int noise_of_drops = 0;
+    double noise_shared_relative = 0.0;
+    double noise_shared_common_relative = 0.0;
+    int noise_line = 0; // of [data.noise]
 
     bool correlates_readings() const { return noise_correlation_length > 0.0 || noise_correlation_time > 0.0; }
-    bool correlates_noise() const { return noise_common_relative > 0.0 || noise_drift > 0.0 || correlates_readings(); }
+    bool correlates_noise() const {
+        return noise_common_relative > 0.0 || noise_shared_common_relative > 0.0 || noise_shared_relative > 0.0 ||
+               noise_drift > 0.0 || correlates_readings();
+    }
     bool shapes_noise() const { return correlates_noise() || noise_degrees > 0.0; }
     bool states_noise() const { return noise_relative || noise_floor || noise_absolute != std::array<double, 3>{}; }
 };

@@ -206,8 +206,12 @@ public:
 
     // Every key of the table must have been asked for.
     void done() const { refuse_all_but(used_); }
-    // Or is expected.
-    void refuse_others() const { refuse_all_but(expected_); }
+    // Every key of the table is one of these.
+    template <class Keys>
+    void refuse_others(const Keys& keys) {
+        expect(keys);
+        refuse_all_but(expected_);
+    }
 
 private:
     void refuse_all_but(const std::set<std::string, std::less<>>& allowed) const {

@@ -53,20 +53,21 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
             best = name;
         }
     }
-    // Cut short, or with more to it: "noise_rel", "modulus".
+    // Cut short, as "noise_rel" is, or with more to it. Two letters that differ are less likely than a cut.
     constexpr std::size_t shortest = 3; // letters
     const auto begins = [](std::string_view part, std::string_view whole) {
         return part.size() >= shortest && whole.starts_with(part);
     };
+    std::string whole;
+    std::string part;
     for (const std::string& name : names) {
-        const std::size_t apart = name.size() > word.size() ? name.size() - word.size() : word.size() - name.size();
-        const bool is_nearer = best.empty() || apart < best_distance;
-        if (is_nearer && best_distance > 0 && (begins(word, name) || begins(name, word))) {
-            best_distance = apart;
-            best = name;
-        }
+        whole = begins(word, name) && (whole.empty() || name.size() < whole.size()) ? name : whole;
+        part = begins(name, word) && name.size() > part.size() ? name : part;
     }
-    return best;
+    if (!whole.empty() && (best.empty() || best_distance > 1)) {
+        return whole;
+    }
+    return best.empty() ? part : best;
 }
 
 std::string join(const std::vector<std::string>& names, std::string_view separator) {

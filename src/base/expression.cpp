@@ -122,7 +122,7 @@ Expression::Expression(std::string text, const std::vector<std::string>& known) 
             check_function(text_.substr(i, end - i), known);
         } else if (std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.') {
             end = end_of_number(text_, i);
-        } else if (std::string_view("+-*/^(), \t").find(c) == std::string_view::npos) {
+        } else if (std::string_view("+-*/^(), \t\r\n").find(c) == std::string_view::npos) {
             throw std::invalid_argument("it may hold numbers, names, parentheses, + - * / ^ and the functions " +
                                         all_functions());
         }

@@ -243,8 +243,7 @@ void each_parameter(const Case& c, F f, std::string_view only = {}) {
         // Several wrong readings: the first is "outlier", the second "outlier-2".
         const auto before = std::count_if(c.effects.begin(), c.effects.begin() + static_cast<std::ptrdiff_t>(i),
                                           [&](const AppliedEffect& other) { return other.effect == &effect; });
-        const std::string name =
-            std::string(effect.name) + (before > 0 ? "-" + std::to_string(before + 1) : std::string());
+        const std::string name = std::string(effect.name) + (before > 0 ? "-" + std::to_string(before + 1) : "");
         if (!is_wanted(name, "size")) {
             continue;
         }

@@ -1,6 +1,7 @@
 // A load that was recorded over time: its steps, and what is read under it.
 #pragma once
 
+#include "fe/solver.h"
 #include "pavement/section.h"
 
 namespace pave::pavement {

@@ -176,8 +176,9 @@ std::vector<double> smooth_scales(const Case& c, int load, const std::vector<dou
     return scale;
 }
 
-void correct(const Basis& basis, const Case& values, int load, const std::vector<fe::LayerMaterial>& layers,
-             const std::vector<fe::Variation>& variations, LoadModel::Reading& reading) {
+std::vector<double> correct(const Basis& basis, const Case& values, int load,
+                            const std::vector<fe::LayerMaterial>& layers, const std::vector<fe::Variation>& variations,
+                            LoadModel::Reading& reading) {
     const Load& on = values.loads[static_cast<std::size_t>(load)];
     Eigen::VectorXd x(static_cast<Eigen::Index>(basis.coordinates.size()));
     for (Eigen::Index k = 0; k < x.size(); ++k) {
@@ -186,6 +187,7 @@ void correct(const Basis& basis, const Case& values, int load, const std::vector
     const std::vector<double> scale = smooth_scales(values, load, reading.values);
     const std::vector<double> uncorrected = reading.values;
     const Eigen::MatrixXd slopes = reading.derivatives;
+    std::vector<double> reaches(scale.size(), 1.0);
     for (std::size_t i = 0; i < scale.size(); ++i) {
         if (values.sensors[i].load != load) {
             continue;
@@ -195,6 +197,7 @@ void correct(const Basis& basis, const Case& values, int load, const std::vector
         const double lack = basis.correction[i].at(x, variations.empty() ? nullptr : &gradient);
         reading.values[i] += scale[i] * lack;
         reading.errors[i] += std::abs(scale[i] * lack);
+        reaches[i] = std::pow(basis.correction[i].reach(x), 2);
         if (!variations.empty()) {
             Eigen::RowVectorXd scale_rate = uncorrected[i] * slopes.row(row);
             for (std::size_t j = 0; j < scale.size(); ++j) {
@@ -216,6 +219,7 @@ void correct(const Basis& basis, const Case& values, int load, const std::vector
             }
         }
     }
+    return reaches;
 }
 
 namespace {
@@ -242,6 +246,7 @@ void members(Archive& archive, T& basis) {
         archive(c.places);
         archive(c.factors);
         archive(c.mean);
+        archive(c.spacing);
     });
     archive(basis.factor, archive);
     archive(basis.floor, archive);

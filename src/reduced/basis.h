@@ -37,7 +37,8 @@ struct Basis {
     std::vector<Coordinate> coordinates;
     std::vector<Kriging> correction; // of every sensor of the nominal case. Empty: none
     // Of every sensor of the nominal case: the error of a reading, relative to scales(), is taken as factor times what
-    // the coarse model misses and the correction adds, plus floor. Empty: 1 and 0.
+    // the coarse model misses and the correction adds, plus floor, and both times the square of the correction's reach.
+    // Empty: 1 and 0.
     std::vector<double> factor, floor;
 };
 
@@ -55,9 +56,10 @@ std::vector<double> smooth_scales(const pavement::Case& c, int load, const std::
 std::vector<double> scales(const pavement::Case& c, int load, const std::vector<double>& values);
 
 // Adds to the readings of a load what they are known to lack: of each sensor smooth_scales() times its correction, with
-// the derivatives; |what is added| is added to their errors.
-void correct(const Basis& basis, const pavement::Case& values, int load, const std::vector<fe::LayerMaterial>& layers,
-             const std::vector<fe::Variation>& variations, pavement::LoadModel::Reading& reading);
+// the derivatives; |what is added| is added to their errors. Returns the squares of the corrections' reaches.
+std::vector<double> correct(const Basis& basis, const pavement::Case& values, int load,
+                            const std::vector<fe::LayerMaterial>& layers, const std::vector<fe::Variation>& variations,
+                            pavement::LoadModel::Reading& reading);
 
 // Whether these sensors read the same, gains aside, which are not part of a reading; and the failure where they do not.
 bool reads_the_same(const std::vector<pavement::Sensor>& one, const std::vector<pavement::Sensor>& other);

@@ -11,9 +11,9 @@ using namespace pavement;
 namespace {
 
 // At runs that were not learnt from, runs x sensors: what the correction adds to a reading, and by how much that is
-// still missed.
+// still missed; the square of its reach.
 struct Unseen {
-    Eigen::MatrixXd missed, added;
+    Eigen::MatrixXd missed, added, reach;
 };
 
 // What the readings lack, learnt from all these runs: the modes are few beside the snapshots of the runs that they
@@ -45,7 +45,8 @@ Unseen learn_correction(Basis& basis, const Case& c, int load, const std::vector
         }
     }
     Unseen unseen{.missed = lacks.cwiseProduct(scale).bottomRows(count - known).cwiseAbs(),
-                  .added = Eigen::MatrixXd::Zero(count - known, lacks.cols())};
+                  .added = Eigen::MatrixXd::Zero(count - known, lacks.cols()),
+                  .reach = Eigen::MatrixXd::Ones(count - known, lacks.cols())};
     if (basis.coordinates.empty()) {
         return unseen;
     }
@@ -61,6 +62,7 @@ Unseen learn_correction(Basis& basis, const Case& c, int load, const std::vector
             const double added = first.at(places.col(k), nullptr);
             unseen.missed(k - known, sensor) = std::abs(all[k] - added) * scale(k, sensor);
             unseen.added(k - known, sensor) = std::abs(added) * scale(k, sensor);
+            unseen.reach(k - known, sensor) = std::pow(first.reach(places.col(k)), 2);
         }
         basis.correction[i] = krige(places, all);
     });
@@ -74,7 +76,7 @@ double calibrate(Basis& basis, const Case& c, int load, const std::vector<Compar
     const std::size_t count = runs.size() - of_modes;
     const Unseen unseen = learn_correction(basis, c, load, runs, of_modes, for_each);
     const std::size_t sensors = c.sensors.size();
-    std::vector<std::vector<double>> error(count), estimate(count);
+    std::vector<std::vector<double>> error(count), within(count), estimate(count); // within: by the reach
     for (std::size_t k = 0; k < count; ++k) {
         const Comparison& run = runs[of_modes + k];
         const auto scale = scales(c, load, run.full);
@@ -82,6 +84,7 @@ double calibrate(Basis& basis, const Case& c, int load, const std::vector<Compar
             const auto row = static_cast<Eigen::Index>(k);
             const auto sensor = static_cast<Eigen::Index>(i);
             error[k].push_back(unseen.missed(row, sensor) / scale[i]);
+            within[k].push_back(error[k].back() / unseen.reach(row, sensor));
             estimate[k].push_back((run.quick.errors[i] + unseen.added(row, sensor)) / scale[i]);
         }
     }
@@ -91,8 +94,8 @@ double calibrate(Basis& basis, const Case& c, int load, const std::vector<Compar
     };
     basis.floor.assign(sensors, 0.0);
     for (std::size_t i = 0; i < sensors; ++i) {
-        std::vector<double> own(error.size());
-        std::transform(error.begin(), error.end(), own.begin(), [i](const auto& e) { return e[i]; });
+        std::vector<double> own(within.size());
+        std::transform(within.begin(), within.end(), own.begin(), [i](const auto& e) { return e[i]; });
         basis.floor[i] = quantile(own, 0.5);
     }
     std::vector<double> largest(error.size());
@@ -109,7 +112,7 @@ double calibrate(Basis& basis, const Case& c, int load, const std::vector<Compar
             for (std::size_t k = 0; k < count; ++k) {
                 if (floor > 0.0) {
                     guesses.push_back(share * estimate[k][i] + floor);
-                    ratio.push_back(error[k][i] / guesses.back());
+                    ratio.push_back(within[k][i] / guesses.back());
                 }
             }
             const double factor = quantile(ratio, 0.95);
@@ -124,9 +127,9 @@ double calibrate(Basis& basis, const Case& c, int load, const std::vector<Compar
     std::vector<double> ratio;
     for (std::size_t k = 0; k < count; ++k) {
         double worst = 0.0;
-        for (std::size_t i = 0; i < error[k].size(); ++i) {
+        for (std::size_t i = 0; i < within[k].size(); ++i) {
             const double guess = basis.factor[i] * estimate[k][i] + basis.floor[i];
-            worst = std::max(worst, guess > 0.0 ? error[k][i] / guess : 0.0);
+            worst = std::max(worst, guess > 0.0 ? within[k][i] / guess : 0.0);
         }
         ratio.push_back(worst);
     }

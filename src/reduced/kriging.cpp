@@ -1,8 +1,10 @@
 #include "reduced/kriging.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace pave::reduced {
 namespace {
@@ -28,6 +30,21 @@ Eigen::MatrixXd kernels(const Eigen::MatrixXd& scaled) {
     return k;
 }
 
+// Of nine samples of ten the distance to the nearest other one is at most this.
+double spacing_of(const Eigen::MatrixXd& scaled) {
+    std::vector<double> nearest;
+    for (Eigen::Index i = 0; i < scaled.cols(); ++i) {
+        double least = std::numeric_limits<double>::infinity();
+        for (Eigen::Index j = 0; j < scaled.cols(); ++j) {
+            least = i == j ? least : std::min(least, (scaled.col(i) - scaled.col(j)).squaredNorm());
+        }
+        nearest.push_back(std::sqrt(least));
+    }
+    const auto at = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() * 9 / 10);
+    std::nth_element(nearest.begin(), at, nearest.end());
+    return *at;
+}
+
 } // namespace
 
 double Kriging::at(const Eigen::VectorXd& x, Eigen::VectorXd* gradient) const {
@@ -44,6 +61,11 @@ double Kriging::at(const Eigen::VectorXd& x, Eigen::VectorXd* gradient) const {
         }
     }
     return value;
+}
+
+double Kriging::reach(const Eigen::VectorXd& x) const {
+    const double nearest = std::sqrt((places.colwise() - x.cwiseQuotient(lengths)).colwise().squaredNorm().minCoeff());
+    return spacing > 0.0 && std::isfinite(spacing) ? std::max(1.0, nearest / spacing) : 1.0;
 }
 
 Kriging krige(const Eigen::MatrixXd& places, const Eigen::VectorXd& values) {
@@ -95,6 +117,7 @@ Kriging krige(const Eigen::MatrixXd& places, const Eigen::VectorXd& values) {
             }
         }
     }
+    best.spacing = spacing_of(best.places);
     return best;
 }
 

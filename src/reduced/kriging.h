@@ -12,9 +12,12 @@ struct Kriging {
     Eigen::MatrixXd places;  // coordinates x samples, each divided by its length
     Eigen::VectorXd factors; // of each sample
     double mean = 0.0;
+    double spacing = 0.0; // distance, in lengths, within which nine samples of ten have another one
 
     // The value at x; with `gradient`, its derivatives by x.
     double at(const Eigen::VectorXd& x, Eigen::VectorXd* gradient) const;
+    // Distance from x to the nearest sample by the spacing of the samples, at least 1: beyond it the value is a guess.
+    double reach(const Eigen::VectorXd& x) const;
 };
 
 // Of samples at places (coordinates x samples, each coordinate about from -1 to 1). The lengths and the noise are those

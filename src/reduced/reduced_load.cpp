@@ -96,8 +96,8 @@ private:
     };
     struct Own : Workspace {
         fe::LoadPath<State> path;
-        // Squares of the strains of the modes at the points of the cubature, in the metric of C, a column a point: lower
-        // triangles, column by column.
+        // Squares of the strains of the modes at the points of the cubature, in the metric of C, a column a point:
+        // lower triangles, column by column.
         Eigen::MatrixXf squares;
         Eigen::VectorXf stiffness; // weight E of each point
         Eigen::VectorXf packed;    // lower triangle of the part of the matrix from stress-dependent layers
@@ -377,8 +377,7 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
         return true;
     };
     const int steps = values.settings.solver.load_steps;
-    if (const auto failure =
-            path.follow(steps, fe::Deadline(values.settings.solver.time_limit), rate, [](double) {})) {
+    if (const auto failure = path.follow(steps, fe::Deadline(values.settings.solver.time_limit), rate, [](double) {})) {
         return *failure;
     }
 
@@ -420,13 +419,14 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
         }
         reading.errors[i] = std::abs(gap);
     }
+    std::vector<double> reaches(reading.errors.size(), 1.0);
     if (!basis_.correction.empty()) {
-        correct(basis_, values, load_, layers, variations, reading);
+        reaches = correct(basis_, values, load_, layers, variations, reading);
     }
     const auto scale = scales(values, load_, reading.values);
     for (std::size_t i = 0; i < reading.errors.size(); ++i) {
         if (!basis_.floor.empty()) {
-            reading.errors[i] = basis_.factor[i] * reading.errors[i] + basis_.floor[i] * scale[i];
+            reading.errors[i] = reaches[i] * (basis_.factor[i] * reading.errors[i] + basis_.floor[i] * scale[i]);
         }
         if (!std::isfinite(reading.values[i]) || !std::isfinite(reading.errors[i])) {
             return Failure{Status::failed, "the solution is not a finite number"};

@@ -61,5 +61,7 @@ TEST(NearestName, KnowsAWordThatIsCutShortOrGoesOn) {
     EXPECT_EQ(pave::nearest_name("modulus", keys), "modulus_MPa");
     EXPECT_EQ(pave::nearest_name("noise_relative_percent", keys), "noise_relative");
     EXPECT_EQ(pave::nearest_name("noise_flor", keys), "noise_floor");
+    EXPECT_EQ(pave::nearest_name("time", {"name", "time_ms"}), "time_ms"); // not two letters that differ
+    EXPECT_EQ(pave::nearest_name("weight", {"weighting", "weights"}), "weights");
     EXPECT_EQ(pave::nearest_name("viscosity", keys), "");
 }

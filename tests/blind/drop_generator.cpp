@@ -3,7 +3,7 @@
 //
 // usage: drop_generator STATIONS DROPS SEED FOLDER
 //
-// Writes drops.csv and study.toml, which states the noise of a mean of so many drops and seeks three moduli. Every
+// Writes drops.csv and study.toml, which states the noise of one drop and seeks three moduli. Every
 // sensor errs by 2 % and 1 um, correlated over 600 mm, all sensors of a drop by another 1.2 % in common; drops differ
 // in load. DROPS 0: one drop without errors at 700 kPa, and no noise stated. What is true, the output under a pressure
 // of 1 kPa, goes to standard output as JSON.
@@ -79,11 +79,10 @@ std::string study_text(int drops) {
         "\"weighted\"\n\n",
         1e3 * radius);
     if (drops > 0) {
-        const double root = std::sqrt(drops);
         text +=
             fmt::format("[data.noise]\nrelative = {}\nabsolute = {{ um = {} }}\ncommon_relative = {}\ncorrelation_mm = "
-                        "{}\n\n",
-                        relative / root, absolute_um / root, common_relative / root, correlation_mm);
+                        "{}\nof_drops = 1\n\n",
+                        relative, absolute_um, common_relative, correlation_mm);
     }
     return text +
            fmt::format("[[outputs]]\nname = \"strain\"\nload = \"fwd\"\nquantity = \"strain_zz\"\ndepth_mm = {:g}\n",

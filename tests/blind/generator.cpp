@@ -867,9 +867,18 @@ Json spoil(const Case& c, Draw& draw, VectorXd& values, VectorXd& spread) {
         exchange(places[i], places[i + 1]);
         return {{"fault", "exchanged"}, {"at_mm", {1e3 * places[i], 1e3 * places[i + 1]}}};
     }
-    case 1:
-        for (std::size_t i = 0; i < places.size() / 2; ++i) {
-            exchange(places[i], places[places.size() - 1 - i]);
+    case 1: // the line of each load's own sensors
+        for (int load = 0; load < static_cast<int>(c.loads.size()); ++load) {
+            std::vector<Eigen::Index> line;
+            for (const double place : places) {
+                if (const Eigen::Index i = at(load, place); i >= 0) {
+                    line.push_back(i);
+                }
+            }
+            for (std::size_t i = 0; i < line.size() / 2; ++i) {
+                std::swap(values[line[i]], values[line[line.size() - 1 - i]]);
+                std::swap(spread[line[i]], spread[line[line.size() - 1 - i]]);
+            }
         }
         return {{"fault", "counted from the far end"}};
     default: {

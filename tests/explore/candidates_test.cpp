@@ -61,7 +61,8 @@ TEST(TheLoadRaised, IsKnownWhereTheLoadIs) {
     EXPECT_TRUE(list.model.ties.empty());
 }
 
-// Of four moduli and the pressure only ratios can be known: no multiple of that pressure tells its size.
+// Of the moduli and the pressure only ratios can be known from deflections and strains, which go with pressure over modulus:
+// no multiple of that pressure tells its size. (A stress goes with the pressure and the ratios of the moduli: it does.)
 TEST(TheMostInformativeReading, IsNotPromisedToTellAPressureThatItIsAMultipleOf) {
     analysis::Session session({.threads = 1, .show_progress = false});
     const auto result = analysis::unique(session, test::layered_study(test::layered_bowl(), pressure),
@@ -69,7 +70,7 @@ TEST(TheMostInformativeReading, IsNotPromisedToTellAPressureThatItIsAMultipleOf)
     ASSERT_TRUE(result && !result->next.effects.empty());
     for (const auto& effect : result->next.effects) {
         const auto& reading = result->next.candidates[effect.candidate];
-        if (reading.load.starts_with("fwd")) {
+        if (reading.load.starts_with("fwd") && reading.quantity != "stress_zz") {
             EXPECT_GT(effect.parameters[3], 0.9) << reading.words();
         }
     }

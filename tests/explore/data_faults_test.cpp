@@ -6,21 +6,22 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <map>
 
 using namespace explore;
 using data::BowlFault;
-using data::BowlReading;
+using data::BowlPoint;
 
 namespace {
 
 const std::vector<double> offsets{0.0, 0.2, 0.3, 0.45, 0.6, 0.9, 1.2, 1.5};
 
 // D0 / (1 + (r / length)^1.5) under so many loads, 1 % and 1 um of noise.
-std::vector<BowlReading> bowls(std::uint64_t seed, int loads = 2) {
+std::vector<BowlPoint> bowls(std::uint64_t seed, int loads = 2) {
     const pave::RandomStream random(seed, 0);
     std::uint64_t next = 0;
     const double length = 0.2 + 0.4 * random.uniform(next++);
-    std::vector<BowlReading> list;
+    std::vector<BowlPoint> list;
     for (int load = 0; load < loads; ++load) {
         for (const double r : offsets) {
             const double value = 0.4e-3 * (1.0 + 0.8 * load) / (1.0 + std::pow(r / length, 1.5));
@@ -31,7 +32,7 @@ std::vector<BowlReading> bowls(std::uint64_t seed, int loads = 2) {
     return list;
 }
 
-void exchange(std::vector<BowlReading>& list, std::size_t a, std::size_t b) {
+void exchange(std::vector<BowlPoint>& list, std::size_t a, std::size_t b) {
     for (std::size_t first = 0; first < list.size(); first += offsets.size()) {
         std::swap(list[first + a].value, list[first + b].value);
         std::swap(list[first + a].deviation, list[first + b].deviation);
@@ -68,6 +69,32 @@ TEST(BowlFaults, TwoSensorsExchangedAreNamed) {
     auto list = bowls(1);
     exchange(list, 4, 5);
     EXPECT_EQ(data::bowl_faults(list)[0].words(), "the sensors at 600 and 900 mm are exchanged");
+}
+
+// A rise of three and a half standard deviations under each load is five and more under all of them.
+TEST(BowlFaults, TwoSensorsExchangedAreNamedByAllLoadsTogether) {
+    for (const double rise : {3.5, 0.5}) {
+        auto list = bowls(1);
+        exchange(list, 3, 4);
+        std::map<int, std::pair<double, double>> of_load; // what the two sensors read
+        for (const auto& reading : list) {
+            if (reading.offset == offsets[3]) {
+                of_load[reading.load].first = reading.value;
+            } else if (reading.offset == offsets[4]) {
+                of_load[reading.load].second = reading.value;
+            }
+        }
+        ASSERT_GT(of_load.size(), 1U);
+        for (auto& reading : list) {
+            const auto& [near, far] = of_load[reading.load];
+            reading.deviation = (far - near) / (rise * std::sqrt(2.0));
+        }
+        const auto found = data::bowl_faults(list);
+        EXPECT_EQ(found.size(), rise > 1.0 ? 1U : 0U) << "of " << rise;
+        if (!found.empty()) {
+            EXPECT_EQ(found[0].kind, BowlFault::Kind::exchanged);
+        }
+    }
 }
 
 TEST(BowlFaults, SensorsCountedFromTheFarEndAreNamed) {

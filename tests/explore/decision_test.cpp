@@ -221,6 +221,29 @@ std::vector<Case> table() {
          {"a"}});
     add({"an effect or larger noise",
          {nothing(75, -32), noise(1.37, -28), effect("a", 50, -26)},
+         Verdict::unexplained,
+         {},
+         Reason::noise});
+    add({"larger noise is hardly possible",
+         {nothing(75, -32), noise(1.37, -28.6), effect("a", 50, -26)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::noise});
+    Row shared = noise(1.0, -28, "shared");
+    shared.is_independent = false;
+    Row tails = noise(1.0, -14.0, "tails");
+    tails.has_tails = true;
+    add({"wrong readings, whether their errors have heavy tails or not",
+         {bad, far, tails, wrong_readings({"7", "9"}, 40, -12)},
+         Verdict::cause_named,
+         {"outlier"}});
+    add({"which an effect would have to be told from",
+         {bad, far, tails, effect("a", 40, -12)},
+         Verdict::unexplained,
+         {},
+         Reason::noise});
+    add({"an effect or errors that readings share",
+         {nothing(75, -40), shared, effect("a", 50, -26)},
          Verdict::ambiguous,
          {"a"},
          Reason::noise});
@@ -400,7 +423,7 @@ std::vector<Case> table() {
          {"a"},
          Reason::correction});
     add({"nor one that is far less probable",
-         {bad, far, effect("a", 38, -10), correction(37, -14)},
+         {bad, far, effect("a", 38, -10), correction(45, -14)},
          Verdict::cause_named,
          {"a"}});
     add({"a correction finds more beside the name",

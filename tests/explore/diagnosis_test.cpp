@@ -90,7 +90,8 @@ struct World {
     std::vector<diagnose::Candidate> candidates() const {
         std::vector<diagnose::Candidate> list;
         for (Index j = 0; j < signatures.cols(); ++j) {
-            list.push_back({.effect = fmt::format("e{}", j), .on = "", .null = 0.5, .typical = 0.7, .reading = {}});
+            list.push_back(
+                {.effect = fmt::format("e{}", j), .on = "", .null = 0.5, .typical = 0.7, .reading = {}, .layer = ""});
         }
         return list;
     }

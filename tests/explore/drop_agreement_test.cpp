@@ -79,6 +79,19 @@ std::vector<pave::Outcome<data::StationBowls>> bowls_of(const std::vector<FwdSta
 
 } // namespace
 
+// Two sensors at 600 mm, 130 and 150 um in the first drop, 130 and 134 um in the second: 140 and 132, and of all 136.
+TEST(Drops, OfTwoSensorsAtOnePlaceHaveOneReading) {
+    FwdStation made = station("A", {plain, plain});
+    made.drops[0].readings.push_back({600.0, 150.0});
+    made.drops[1].readings.push_back({600.0, 134.0});
+    const auto bowls = data::bowls_of(made, {.keeps_contradicted = true});
+    ASSERT_TRUE(bowls);
+    EXPECT_NEAR(deflection(*bowls, 3), 136.0, 1e-9);
+    EXPECT_EQ(bowls->bowl().readings[3].drops, 2);
+    made.drops.pop_back(); // of one drop alone there is nothing to compare with
+    EXPECT_NEAR(deflection(*data::bowls_of(made, {}), 3), 140.0, 1e-9);
+}
+
 TEST(DropAgreement, TheMeanOfTheDropsIsTaken) {
     const auto bowls = data::bowls_of(station("A", {whole(0.99), whole(1.0), whole(1.02)}));
     EXPECT_NEAR(deflection(*bowls, 0), 400.0 * 3.01 / 3.0, 1e-9);
@@ -146,6 +159,19 @@ TEST(DropAgreement, NoiseIsNoContradiction) {
         left_out += s->left_out.size() + s->readings_left_out.size();
     }
     EXPECT_LE(left_out, 2U);
+}
+
+TEST(DropAgreement, RoundingIsNoContradiction) {
+    // Far sensors in whole hundredths of a millimetre: 50 um of two drops and 60 um of one, 17 % apart by rounding.
+    std::vector<double> high = plain;
+    high[4] = 90.0 / 80.0;
+    high[5] = 60.0 / 50.0;
+    const FwdStation s = station("A", {plain, high, plain});
+    const auto bowls = data::bowls_of(s, {.resolution_um = 10.0});
+    EXPECT_TRUE(bowls->readings_left_out.empty() && bowls->left_out.empty() && bowls->disagreements.empty());
+    EXPECT_NEAR(deflection(*bowls, 5), 160.0 / 3.0, 1e-9);
+    // Read to the micrometre it contradicts its repeats.
+    EXPECT_FALSE(data::bowls_of(s, {.resolution_um = 1.0})->readings_left_out.empty());
 }
 
 TEST(DropAgreement, OneSpikeDoesNotRuleARoad) {

@@ -1,6 +1,7 @@
 // In how many steps load paths are followed. Reference: the same readings in 200 steps.
 #include "analysis/load_steps.h"
 #include "base/error.h"
+#include "pavement/forward.h"
 
 #include <algorithm>
 #include <cmath>
@@ -62,12 +63,12 @@ min = 30
 max = 200
 scale = "log"
 )";
-    const char* places[] = {"deflection,0,0,0",   "deflection,300,0,0",  "deflection,900,0,0", "strain_zz,0,0,90",
-                            "strain_zz,0,0,180", "strain_zz,0,0,265", "strain_zz,0,0,400", "strain_xx,0,0,49"};
-    std::string csv = "load,quantity,x_mm,y_mm,depth_mm,value,unit,sigma\n";
+    const char* places[] = {"deflection,0,0,0",  "deflection,300,0,0", "deflection,900,0,0", "strain_zz,0,0,90",
+                            "strain_zz,0,0,180", "strain_zz,0,0,265",  "strain_zz,0,0,400",  "strain_xx,0,0,49"};
+    std::string csv = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n";
     for (std::size_t i = 0; i < std::size(places); ++i) {
         const double value = values.empty() ? 1.0 : values[i] * (i < 3 ? 1e3 : 1e6);
-        csv += std::string("fwd,") + places[i] + "," + std::to_string(value) + (i < 3 ? ",mm," : ",microstrain,") +
+        csv += std::string("fwd,") + places[i] + ",0," + std::to_string(value) + (i < 3 ? ",mm," : ",microstrain,") +
                (share > 0.0 ? std::to_string(share * std::abs(value)) : "") + "\n";
     }
     return study::study_of(text + (solver.empty() ? "" : "[solver]\n" + solver + "\n"), "steps.toml",
@@ -113,8 +114,8 @@ TEST(LoadSteps, AreStatedByTheirNumberOrByTheOlderTolerance) {
     EXPECT_EQ(steps_with(""), by_default);
     EXPECT_EQ(steps_with("load_steps = 31"), 31);
     EXPECT_EQ(steps_with("path_tolerance = 2e-3"), by_default);
-    EXPECT_EQ(steps_with("path_tolerance = 2.5e-4"), 2 * by_default);   // an eighth
-    EXPECT_EQ(steps_with("path_tolerance = 1e-5"), 71);                 // 12 x 200^(1/3) = 70.2
+    EXPECT_EQ(steps_with("path_tolerance = 2.5e-4"), 2 * by_default); // an eighth
+    EXPECT_EQ(steps_with("path_tolerance = 1e-5"), 71);               // 12 x 200^(1/3) = 70.2
     EXPECT_THROW(steps_with("path_tolerance = 1e-5\nload_steps = 31"), pave::Error);
     EXPECT_THROW(steps_with("load_steps = 0"), pave::Error);
     // Another number is another study, for the run store.

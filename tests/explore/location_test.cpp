@@ -82,7 +82,7 @@ struct World {
         diagnose::DiagnosisTask task{.bench = bench, .candidates = {}, .groups = {}, .places = {}, .loads = {}};
         for (std::size_t j = 0; j < candidates; ++j) {
             task.candidates.push_back(
-                {.effect = fmt::format("e{}", j), .on = "", .null = 0.5, .typical = 0.7, .reading = {}});
+                {.effect = fmt::format("e{}", j), .on = "", .null = 0.5, .typical = 0.7, .reading = {}, .layer = ""});
         }
         for (const auto& [candidate, layer] : layers) {
             task.candidates[candidate].layer = layer;
@@ -122,8 +122,9 @@ TEST(Location, NamesNothingWhereTheModelIsAdequateOrAnEffectExplainsTheData) {
     EXPECT_GE(named, 26);
 }
 
-// An effect that one coefficient of the second channel follows almost: what is named may be something else there. Not
-// where both say the same of one layer, nor where the correction has another signature.
+// An effect that one coefficient of the second channel follows almost, and data of that channel: what is named may be
+// something else there. Not where both say the same of one layer and the effect explains all, nor where the correction
+// has another signature.
 TEST(Location, LeavesANameBesideACorrectionThatFitsAsWell) {
     int rivals = 0;
     int alone = 0;
@@ -134,14 +135,16 @@ TEST(Location, LeavesANameBesideACorrectionThatFitsAsWell) {
         World world(3000 + seed);
         World other = world;
         world.signatures.col(1) = world.changes.col(5) + 0.05 * world.signatures.col(1);
+        World shaped = world; // beside the effect's own shape a little of another: more than it says
+        shaped.data += 0.7 * world.changes.col(5) + 0.1 * world.changes.col(6);
         world.data += 0.7 * world.signatures.col(1);
-        const auto found = world.diagnose();
+        const auto found = shaped.diagnose();
         rivals += found.verdict() == Verdict::ambiguous && found.decision.causes == std::vector<std::string>{"e1"} &&
                   found.location && found.location->corrections[0].channel == 1;
         world.layers = {{1, "subgrade"}};
         alone += world.diagnose().verdict() == Verdict::cause_named ? 1 : 0;
-        world.layers = {{1, "base"}};
-        in_another_layer += world.diagnose().verdict() == Verdict::cause_named ? 1 : 0;
+        shaped.layers = {{1, "base"}};
+        in_another_layer += shaped.diagnose().verdict() == Verdict::cause_named ? 1 : 0;
         other.data += 0.7 * other.signatures.col(1);
         elsewhere += other.diagnose().verdict() == Verdict::cause_named ? 1 : 0;
     }
@@ -228,10 +231,11 @@ TEST(Location, OfPlacesThatAreKnownBesideEachOtherTakesNoNameAway) {
         if (named.diagnose(Says::nothing).verdict() == Verdict::unexplained) {
             continue;
         }
-        displaced += named.diagnose(Says::at_places).is_located();
+        const auto known = named.diagnose(Says::at_places);
+        displaced += known.is_located() && known.effects[0].fit->p_value >= diagnose::level_noise;
         EXPECT_FALSE(named.diagnose(Says::between_places).is_located()) << seed;
     }
     EXPECT_GE(unexplained, 11);
     EXPECT_GE(located, 11);
-    EXPECT_GT(displaced, 0);
+    EXPECT_EQ(displaced, 0);
 }

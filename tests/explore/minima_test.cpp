@@ -12,6 +12,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using test::Formula;
 
+namespace minima_test { // of names that other tests have too
 namespace {
 
 constexpr double sigma = 0.05;
@@ -109,6 +110,22 @@ TEST(Minima, EndsThatDifferByRoundingAreOne) {
         2);
 }
 
+// The valley p0 + p1 = 0.5 of one reading with noise: its lowest end lies on a bound, by rounding.
+TEST(Minima, StandsOffItsBoundsWhereTheMisfitTellsNothing) {
+    const auto problem = test::problem_of(2, linear(MatrixXd::Ones(1, 2)), {0.5}, sigma);
+    run::Engine engine(problem, nullptr, 0, {.threads = 1, .show_progress = false});
+    const auto lowest = end_at(engine, {0.5, 0.0}, 0, true);
+    const auto inside = end_at(engine, {0.3, 0.2 + 1e-9}, 1, true);
+    ASSERT_LT(lowest.search.misfit, inside.search.misfit);
+    const auto minima = landscape::distinct_minima({lowest, inside}, problem);
+    ASSERT_EQ(minima.size(), 1);
+    EXPECT_TRUE(minima[0].on_bound.empty());
+    EXPECT_EQ(minima[0].members, (std::vector<int>{1, 0}));
+    // A bound that the readings ask for stays.
+    const auto higher = end_at(engine, {0.3, 0.2 + 0.05 * sigma}, 1, true);
+    EXPECT_EQ(landscape::distinct_minima({lowest, higher}, problem)[0].on_bound.size(), 1);
+}
+
 // The profile over the triangle that the limit leaves, by a grid: of the rise of chi2 above its lowest value there.
 TEST(HeldRanges, EndWhereTheProfileOverWhatIsAllowedDoes) {
     const MatrixXd a = two_by_three();
@@ -134,15 +151,17 @@ TEST(HeldRanges, EndWhereTheProfileOverWhatIsAllowedDoes) {
         const auto of_quantity = landscape::held_range(problem, best, local, slope);
         constexpr int steps = 1000;
         double lowest = INFINITY;
+        const Eigen::Matrix<double, 3, 2> slopes = a;
+        const Eigen::Vector3d wanted = VectorXd::Map(measured.data(), 3);
         const auto chi2 = [&](double x, double y) {
-            return (a * Eigen::Vector2d(x, y) - VectorXd::Map(measured.data(), 3)).squaredNorm() / (sigma * sigma);
+            return (slopes * Eigen::Vector2d(x, y) - wanted).squaredNorm() / (sigma * sigma);
         };
         const auto each = [&](const auto& visit) {
             for (int i = 0; i <= steps; ++i) {
                 for (int j = 0; j <= steps; ++j) {
                     const double x = static_cast<double>(i) / steps;
                     const double y = static_cast<double>(j) / steps;
-                    if (x + y <= bound) {
+                    if (x + y <= bound + 1e-12) { // nodes on it count
                         visit(x, y, chi2(x, y));
                     }
                 }
@@ -164,9 +183,12 @@ TEST(HeldRanges, EndWhereTheProfileOverWhatIsAllowedDoes) {
             if (const auto& range = ranges.parameters[static_cast<std::size_t>(k)]) {
                 EXPECT_NEAR(range->low, low[k], 2.5e-3) << bound << " p" << k;
                 EXPECT_NEAR(range->high, high[k], 2.5e-3) << bound << " p" << k;
-            } else { // the error tells it
-                const double half = 1.96 * local.standard_error[static_cast<std::size_t>(k)];
-                EXPECT_NEAR(best.unit[static_cast<std::size_t>(k)] - half, low[k], 0.1 * (high[k] - low[k])) << bound;
+            } else { // the standard error tells it
+                const MatrixXd normal = a.transpose() * a;
+                const double half = 1.96 * sigma * std::sqrt(normal.inverse()(k, k));
+                const double width = high[k] - low[k];
+                EXPECT_NEAR(best.unit[static_cast<std::size_t>(k)] - half, low[k], 0.06 * width) << bound << " p" << k;
+                EXPECT_NEAR(best.unit[static_cast<std::size_t>(k)] + half, high[k], 0.06 * width) << bound << " p" << k;
             }
         }
         if (of_quantity) {
@@ -212,3 +234,5 @@ TEST(AllowedShare, IsTheVolumeThatConstraintsLeave) {
     EXPECT_NEAR(plane->log, std::log(std::sqrt(2.0 * std::acos(-1.0)) * Sum::tolerance * 0.6), 4.0 * plane->error);
     EXPECT_LT(plane->error, 0.25);
 }
+
+} // namespace minima_test

@@ -136,15 +136,16 @@ TEST(EndOfAProfile, BesideAHoleIsTheLastPointThatHasAnAnswer) {
 }
 
 // The best point lies on the bounds p1 = 0 and p2 = 0. Where p0 grows p1 leaves its bound and follows, p2 stays: the
-// valley reaches to p0 = 1 on one side. On the other p1 cannot follow, and p0 falls to 0 at a rise of 0.16 and less.
+// valley reaches to p0 = 1 on one side. On the other p1 cannot follow, and p0 falls to 0: a rise of less than 0.2
+// either way.
 TEST(ValleyThatIsWalked, GoesOnWhereABoundIsLeftOrMet) {
     const auto model = [](const VectorXd& x, VectorXd& r, MatrixXd& j) {
         r.resize(3);
         j = MatrixXd::Zero(3, 3);
-        r << x[1] - (x[0] - 0.4), 0.1 * (x[0] - 0.2), 0.5 * (x[2] + 0.5);
+        r << x[1] - (x[0] - 0.4), 0.5 * (x[0] - 0.2), 0.5 * (x[2] + 0.5);
         j(0, 0) = -1.0;
         j(0, 1) = 1.0;
-        j(1, 0) = 0.1;
+        j(1, 0) = 0.5;
         j(2, 2) = 0.5;
     };
     const auto u = analyse(problem_of(3, Formula(model), {0.0, 0.0, 0.0}, 1.0));

@@ -173,7 +173,7 @@ TEST(Student, DerivativesAreExactWithCorrelationAndWeights) {
     VectorXd y = readings();
     y[4] -= 0.4;
     const problem::Problem problem = line_problem(y, {.correlation_length = 0.3, .factor = 0.4});
-    const VectorXd unit = Eigen::Vector2d(0.47, 0.41);
+    const VectorXd unit{{0.47, 0.41}};
     const MatrixXd j = problem.residual_jacobian(at(problem, unit));
     constexpr double step = 1e-5;
     for (Index k = 0; k < 2; ++k) {
@@ -217,7 +217,7 @@ TEST(Student, PValuesAreUniform) {
     int low = 0;
     int lower_half = 0;
     int covered = 0;
-    const VectorXd truth = Eigen::Vector2d(0.4, 0.3);
+    const VectorXd truth{{0.4, 0.3}};
     for (int trial = 0; trial < trials; ++trial) {
         const pave::RandomStream random(11, static_cast<std::uint64_t>(trial));
         VectorXd y = line() * truth;

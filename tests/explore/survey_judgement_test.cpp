@@ -9,7 +9,9 @@
 #include "base/random.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <gtest/gtest.h>
 
 using namespace explore;

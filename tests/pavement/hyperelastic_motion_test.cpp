@@ -9,7 +9,7 @@ using namespace test;
 namespace {
 
 // A base that little confines at rest on a soft subgrade over rock, hit by a drop; read where it lasts.
-Case dropped(bool hyperelastic, double until = 0.3) {
+Case dropped(bool hyperelastic, double until = 0.5) {
     Case c;
     c.layers = {linear_layer("asphalt", 0.08, 2500e6, 0.35), {}, linear_layer("subgrade", 2.0, 70e6, 0.4)};
     c.layers[1] = uzan_layer("base", 0.25, {.k1 = 2200, .k2 = 0.5, .k3 = -0.3, .n = 0.4});
@@ -18,7 +18,7 @@ Case dropped(bool hyperelastic, double until = 0.3) {
         c.layers[1].parameters = {0.0, 2200, 0.5, 0.4, 0.35, 0.35, material::not_given, 5e3};
     }
     for (Layer& layer : c.layers) {
-        layer.damping_time = 1e-3;
+        layer.damping_time = 5e-3; // so that nothing swings at the end
     }
     Load load = plate(0.15, 700e3);
     load.history = haversine_history(0.025, until);
@@ -44,13 +44,20 @@ TEST(HyperelasticPulse, GivesAllStrainBack) {
     for (std::size_t i = 0; i < given_back->values.size(); i += 2) {
         EXPECT_LT(std::abs(given_back->values[i + 1]), 1e-3 * std::abs(given_back->values[i])) << i;
     }
-    EXPECT_TRUE(given_back->warnings.empty()) << given_back->warnings.front();
+    const auto warned = [](const Response& response) {
+        for (const std::string& warning : response.warnings) {
+            if (warning.find("of its largest strain after the pulse") != std::string::npos) {
+                return warning;
+            }
+        }
+        return std::string();
+    };
+    EXPECT_EQ(warned(*given_back), "");
     // The law of moduli beside it does not, and says what would.
     const auto kept = run(dropped(false));
     ASSERT_TRUE(kept);
     EXPECT_GT(kept->statistics.kept_share, 0.2);
-    ASSERT_EQ(kept->warnings.size(), 1u);
-    EXPECT_NE(kept->warnings[0].find("\"hyperelastic\""), std::string::npos);
+    EXPECT_NE(warned(*kept).find("\"hyperelastic\""), std::string::npos) << warned(*kept);
 }
 
 // Slow against every wave, the section is at rest under each load.

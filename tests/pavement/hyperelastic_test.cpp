@@ -150,7 +150,6 @@ TEST(HyperelasticSection, IsTheLinearCrossAnisotropicOneWithoutAnExponent) {
     Case c = hyperelastic_captif({.k = 0.0});
     Case linear = c;
     linear.layers[1] = uzan_layer("base", 0.277, {.k1 = 1800, .k2 = 0.0, .k3 = 0.0, .n = 0.4});
-    linear.settings.solver.load_steps = 16;
     const auto found = run(c, {"base.k1", "base.n"});
     const auto expected = run(linear, {"base.k1", "base.n"});
     ASSERT_TRUE(found && expected);
@@ -160,27 +159,26 @@ TEST(HyperelasticSection, IsTheLinearCrossAnisotropicOneWithoutAnExponent) {
     EXPECT_LT((found->jacobian - expected->jacobian).norm(), 1e-9 * expected->jacobian.norm());
 }
 
-// The load path of the same law, by its tangents, ends at the minimum of the energy: the nearer the finer its steps.
+// The load path of the same law, by its tangents, ends at the minimum of the energy: the nearer the more steps it has,
+// with their third power.
 template <class Kind>
 void expect_end_of_the_path(const Case& c) {
     const auto parts = parts_of<Kind>(c, 0);
     fe::Solver<typename Kind::Element> solver(parts.model);
     const auto at_once = solver.hyperelastic(parts.layers, parts.load, {}, c.settings.solver);
     ASSERT_TRUE(at_once) << at_once.failure().reason;
-    double before = 1.0;
-    for (const int steps : {8, 16, 32}) {
-        const double tolerance = 1e-2 * std::pow(steps / 8.0, -3.0); // of third order
+    double before = 0.05;
+    for (const int steps : {12, 24, 48}) {
         fe::SolverSettings settings = c.settings.solver;
         settings.load_steps = steps;
         settings.linear_tolerance = 1e-9;
         const auto path = solver.incremental(parts.layers, parts.load, {}, settings);
         ASSERT_TRUE(path) << path.failure().reason;
         const double error = (path->displacement - at_once->displacement).norm() / at_once->displacement.norm();
-        EXPECT_LT(error, 3.0 * tolerance);
-        EXPECT_LT(error, before);
+        EXPECT_LT(error, before / 4.0) << steps;
         before = error;
-        EXPECT_LT((path->stress - at_once->stress).norm(), 30.0 * tolerance * at_once->stress.norm());
     }
+    EXPECT_LT(before, 1e-4);
 }
 
 TEST(HyperelasticSection, IsWhereEveryLoadPathEnds) {
@@ -204,9 +202,10 @@ TEST(HyperelasticSection, ConvergesUnderRefinementOfTheMesh) {
         values.push_back(found->values);
     }
     for (std::size_t i = 0; i < values[0].size(); ++i) {
-        const auto gap = [&](std::size_t mesh) { return std::abs(values[mesh][i] / values[3][i] - 1.0); };
-        EXPECT_LT(gap(1), 0.01) << i;
-        EXPECT_LT(gap(2), std::max(0.5 * gap(0), 1e-4)) << i;
+        const double scale = std::max(std::abs(values[3][i]), 5e-5); // a far deflection changes its sign
+        const auto gap = [&](std::size_t mesh) { return std::abs(values[mesh][i] - values[3][i]) / scale; };
+        EXPECT_LT(gap(1), 0.02) << i;
+        EXPECT_LT(gap(2), std::max(0.5 * gap(0), 1e-3)) << i;
     }
 }
 
@@ -281,7 +280,7 @@ TEST(HyperelasticBesideOtherLaws, IsFollowedAlongTheirLoadPath) {
     const auto at_once = run(c);
     c.layers[2] = uzan_layer("subgrade", 1.193, {.k1 = 450, .k2 = 0.0, .k3 = 0.0, .n = 1.0});
     c.layers[2].parameters[5] = c.layers[2].parameters[6] = 0.4; // the linear subgrade: 45 MPa
-    c.settings.solver.load_steps = 33;
+    c.settings.solver.load_steps = 48;
     const auto along = run(c);
     ASSERT_TRUE(at_once && along);
     EXPECT_EQ(at_once->statistics.load_steps, 1);

@@ -1,13 +1,12 @@
-// The load path in a fixed sequence of steps: readings are as smooth in the parameters as the law is, and end where finer
-// steps end. Reference: the cubic through neighbours on a line, and the same path in many more steps.
+// The load path in a fixed sequence of steps: readings are as smooth in the parameters as the law is, and end where
+// finer steps end. Reference: the cubic through neighbours on a line, and the same path in many more steps.
 #include "base/random.h"
-#include "reduced/reduced_load.h"
 #include "support/sections.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <gtest/gtest.h>
-#include <map>
 
 using namespace pave;
 using namespace pave::pavement;

@@ -75,8 +75,7 @@ TEST(Reference, IsApproachedWhenMeshAndLoadStepsAreRefined) {
             c.settings.refine = refine;
             c.settings.solver.load_steps = steps;
             const Worst now = compare(reference, c);
-            std::printf("    %6.1f  %5d  %29.4f %%  %5.3f %%\n", refine, steps, 100 * now.deflection,
-                        100 * now.strain);
+            std::printf("    %6.1f  %5d  %29.4f %%  %5.3f %%\n", refine, steps, 100 * now.deflection, 100 * now.strain);
             if (refine > 0.5) {
                 // The last step meets the reference's own error.
                 EXPECT_LT(now.deflection, std::max(last.deflection, 0.0005));

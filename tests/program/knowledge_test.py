@@ -217,6 +217,7 @@ def test_noise_of_every_shape_goes_through_the_commands():
             assert done.returncode == 0, f"{command} with {shape}: {done.stderr}"
 
 
+@pytest.mark.long
 def test_sample_takes_priors_and_constraints(answer):
     k1, _ = answer
     for name, text in (("prior", after("base.k1", f"prior = {{ mean = {k1}, sd = 0.1 }}")), ("constraint", WEIGHTED + LIMIT.format(f"base.k1 <= {k1}"))):

@@ -1,5 +1,5 @@
-"""The steps of the load path in what the program says: chosen by the noise of the readings, the same when the run goes on, stated by the study.
-usage: load_steps_test.py PROGRAM"""
+"""The steps of the load path in what the program says: chosen by the noise of the readings, the same when the run goes on, stated by the study."""
+import functools
 import json
 
 from support import *
@@ -67,13 +67,15 @@ def forward(name, solver):
     return json.loads(done.stdout)
 
 
-FINE = forward("fine", STEPS.format(200))["responses"]
+@functools.cache
+def fine():
+    return forward("fine", STEPS.format(200))["responses"]
 
 
 def fitted(name, share, solver="", *options):
     """The fit to readings along a path of 200 steps that state this share of their value as noise."""
     data = "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + "".join(
-        f"fwd,{q},{x},0,{z},0,{r['value']},{r['unit']},{share * abs(r['value'])}\n" for (q, x, z), r in zip(PLACES, FINE))
+        f"fwd,{q},{x},0,{z},0,{r['value']},{r['unit']},{share * abs(r['value'])}\n" for (q, x, z), r in zip(PLACES, fine()))
     done = run("fit", write_study(folder / name, STUDY + solver + FITTED, data), "--json", "--explore", "16", "--starts", "2", *options)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)

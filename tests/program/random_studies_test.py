@@ -87,7 +87,7 @@ def no_command_refuses_what_check_takes(studies):
 
 
 def test_what_check_takes_no_command_refuses():
-    no_command_refuses_what_check_takes(5)
+    no_command_refuses_what_check_takes(2)
 
 
 @pytest.mark.long

@@ -177,7 +177,7 @@ def test_the_landscape_holds_the_lowest_misfits_of_the_map(reported, browsed):
 def test_text_is_text_and_nothing_is_too_wide(browsed):
     _, _, _, dom = browsed
     assert '"objects":false' in dom, "no object is printed as such"
-    assert "&gt; range" in dom, "a standard error beyond the range of the study is said so"
+    assert "(not determined)" in dom, "a standard error beyond half of the range of the study is said so"
     assert overflow(dom) == [], f"nothing is wider than the page: {overflow(dom)}"
 
 

@@ -44,6 +44,17 @@ def test_check_says_what_would_run(new):
     assert 0 < times["forward"] < times["map"] and times["forward --jacobian"] < times["fit"], f"times: {times}"
 
 
+def test_check_runs_the_model_only_where_its_time_is_asked_for():
+    # No run of it ends in time, and check without --time makes none.
+    impossible = write_study(folder / "impossible", STUDY.replace("refine = 0.4", "refine = 6") + "\n[solver]\ntime_limit_s = 0.01\n")
+    assert run("forward", impossible).returncode == 1
+    page = run("check", impossible)
+    assert page.returncode == 0 and "estimated from sizes" in page.stdout, page.stdout + page.stderr
+    assert max(map(len, page.stdout.splitlines())) <= 100, "no line is wide"
+    timed = run("check", impossible, "--time")
+    assert timed.returncode == 1 and "no answer at its own values" in timed.stderr, timed.stderr
+
+
 def test_the_new_study_can_be_fitted_as_it_stands(new):
     study, _ = new
     fitted = json.loads(run("fit", study, "--explore", "16", "--starts", "2", "--out", folder / "run", "--json").stdout)

@@ -108,7 +108,7 @@ def test_noise_without_effect_is_said():
 def test_check_tells_the_time_of_diagnose():
     # What diagnose takes is timed with its effects by finite elements, where the study's own linear layers cost next to nothing.
     layered = made("layered", LAYERED, LAYERED_BOWL)
-    times = {c["command"]: c["seconds"] for c in json.loads(run("check", layered, "--threads", 1, "--json").stdout)["commands"]}
+    times = {c["command"]: c["seconds"] for c in json.loads(run("check", layered, "--time", "--threads", 1, "--json").stdout)["commands"]}
     spent = os.times()
     answer("diagnose", layered, "--threads", 1)
     spent = os.times().children_user - spent.children_user

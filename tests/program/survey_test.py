@@ -61,7 +61,7 @@ def test_without_a_study_ratios_alone(made):
     result = call(road, "--out", folder / "ratios")
     stations = {s["station"]: s for s in result["stations"]}
     assert list(stations) == ["A", "nonsense", "B", "C"], "stations stand along the road"
-    assert result["counts"] == {"stations": 4, "rejected": 1, "pass": 2, "fail": 1, "fitted": 0, "doubtful": 0, "no_fit": 0, "failed": 0}, f"counts: {result['counts']}"
+    assert result["counts"] == {"stations": 4, "rejected": 1, "pass": 2, "fail": 1, "no_ratio": 0, "fitted": 0, "doubtful": 0, "no_fit": 0, "failed": 0}, f"counts: {result['counts']}"
     assert stations["nonsense"]["status"] == "rejected" and "rises from 200 um at 300 mm" in stations["nonsense"]["reason"], "nonsense has its reason"
     for row in rows[:3]:
         s = stations[row[0]]

@@ -330,6 +330,33 @@ TEST(ReducedModel, HasDerivativesThatAgreeWithDifferencesOfItsReadings) {
     }
 }
 
+// Its load path takes the same steps everywhere, as the full model's does: of five points in a row the middle one lies
+// on the cubic through the others.
+TEST(ReducedModel, HasReadingsOnTheCubicThroughTheirNeighbours) {
+    const ForwardModel reduced = reduced_model();
+    auto space = reduced.make_workspace();
+    const auto by = parameters(section());
+    for (const Case& from : samples(section(), 6, 9)) {
+        std::vector<std::vector<double>> at;
+        for (int i = 0; i < 15; ++i) {
+            Case c = from;
+            for (std::size_t k = 0; k < by.size(); ++k) {
+                by[k].in(c) *= 1.0 + 0.004 * i * (k % 2 == 0 ? 1.0 : -1.0);
+            }
+            const auto response = reduced.run(c, {}, *space);
+            ASSERT_TRUE(response);
+            at.push_back(response->values);
+        }
+        const auto scale = reduced::scales(from, 0, at[0]);
+        for (std::size_t i = 2; i + 2 < at.size(); ++i) {
+            for (std::size_t r = 0; r < scale.size(); ++r) {
+                const double cubic = (4.0 * (at[i - 1][r] + at[i + 1][r]) - at[i - 2][r] - at[i + 2][r]) / 6.0;
+                EXPECT_NEAR(at[i][r] / scale[r], cubic / scale[r], 1e-5) << "sensor " << r;
+            }
+        }
+    }
+}
+
 TEST(ReducedModel, SurvivesBeingPackedAndKnowsWhatIsNoBasis) {
     const std::string bytes = reduced::packed(basis());
     const auto again = reduced::unpacked(bytes);

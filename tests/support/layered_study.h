@@ -33,9 +33,9 @@ inline explore::study::Study layered_study(const std::string& readings, const st
 
 // Deflections that those layers have to about three digits, with an error of 2 %.
 inline std::string layered_bowl() {
-    return "fwd,deflection,0,0,0,0,0.4283,mm,0.0086\nfwd,deflection,200,0,0,0,0.3512,mm,0.0070\n"
-           "fwd,deflection,300,0,0,0,0.3019,mm,0.0060\nfwd,deflection,600,0,0,0,0.1985,mm,0.0040\n"
-           "fwd,deflection,900,0,0,0,0.1420,mm,0.0028\nfwd,deflection,1500,0,0,0,0.0876,mm,0.0018\n";
+    return "fwd,deflection,0,0,0,0,0.4308,mm,0.0086\nfwd,deflection,200,0,0,0,0.3610,mm,0.0072\n"
+           "fwd,deflection,300,0,0,0,0.3196,mm,0.0064\nfwd,deflection,600,0,0,0,0.2296,mm,0.0046\n"
+           "fwd,deflection,900,0,0,0,0.1733,mm,0.0035\nfwd,deflection,1500,0,0,0,0.1093,mm,0.0022\n";
 }
 
 } // namespace test

@@ -139,6 +139,7 @@ void Investigation::record_noise() {
         row.log_evidence = structure.evidence.log;
         row.noise = structure.evidence.any_size > structure.evidence.as_stated ? structure.evidence.noise : 1.0;
         row.model = 0;
+        row.is_independent = row.has_tails = structure.key == "heavy-tailed";
         d_.ledger.add(std::move(row));
     };
     std::map<int, Index> column;

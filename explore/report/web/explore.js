@@ -64,8 +64,7 @@
         let here = state.minima[0].at.slice(); // where the sliders stand
         let point = null; // what the model reads there
         let lowest = null; // the minimum with the readings as they are taken to be
-        let full = null; // the full model's answer here
-        let grid = null;
+        let full = null, grid = null; // the full model's answer here; the landscape that is drawn
         const taken = readings.map((r) => r.measured);
         const first = state.minima[0];
         const changes = () => readings.flatMap((r, i) => (taken[i] === r.measured ? [] : [`${i}:${exact(taken[i])}`])).join(",");
@@ -83,8 +82,7 @@
             }
             const rise = point.chi2 - bestChi2();
             const accepted = state.limit === null || rise <= state.limit;
-            const p = (lowest || first).p_value;
-            const contradicted = p !== null && p !== undefined && p < 0.01; // then the readings accept no point at all
+            const p = (lowest || first).p_value ?? 1, contradicted = p < 0.01; // then the readings accept no point at all
             sentence.className = accepted && !contradicted ? "state" : "state outside";
             sentence.textContent = `χ² = ${figure(point.chi2)}, ${rise < 5e-4 ? "the minimum" : figure(rise) + " above the minimum"}` +
                 (state.limit === null ? "" : contradicted

@@ -6,6 +6,7 @@
 // usage: compare_calculix STUDY [LOAD]
 #include "base/error.h"
 #include "base/units.h"
+#include "pavement/load_model.h"
 #include "run/blas.h"
 #include "study/study.h"
 
