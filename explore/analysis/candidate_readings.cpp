@@ -51,6 +51,9 @@ bool is_at_hand(const study::Study& study, const data::Reading& reading) {
 
 std::vector<TellingReading> telling_readings(const study::Study& study, const std::vector<double>& unit,
                                              const Eigen::MatrixXd& covariance, std::size_t others) {
+    if (study.has_own_model) {
+        return {};
+    }
     CandidateReadings candidates(study);
     const auto there = candidates.at(unit, true);
     std::vector<TellingReading> telling;

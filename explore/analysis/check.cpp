@@ -19,6 +19,7 @@
 #include "study/variants.h"
 
 #include <algorithm>
+#include <chrono>
 #include <fmt/format.h>
 
 namespace explore::analysis {
@@ -131,6 +132,22 @@ pave::Outcome<RunTimes> measure(const study::Study& study) {
     return timing;
 }
 
+// The time of one run; nothing without one.
+pave::Outcome<std::vector<Estimate>> check_own_model(const study::Study& study, Timing by) {
+    if (by == Timing::sizes) {
+        return std::vector<Estimate>{};
+    }
+    const problem::Problem problem = study::make_prediction_problem(study);
+    const auto begin = std::chrono::steady_clock::now();
+    const auto outcome = problem.function->evaluate(study.model.corrections[0].factors, false,
+                                                    *problem.function->make_workspace());
+    if (!outcome) {
+        return outcome.failure();
+    }
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+    return std::vector<Estimate>{{"forward", "1", passed.count()}};
+}
+
 RunTimes foreseen(const study::Study& study) {
     using pave::pavement::ForwardModel;
     const auto times_of = [](const study::Study& s, const std::vector<bool>& loads, double& plain,
@@ -223,6 +240,9 @@ pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int thread
         refuse_contradictions(study);
         study::make_noise_problem(study, study::Scope::fitted);
     }
+    if (study.has_own_model) {
+        return check_own_model(study, by);
+    }
     if (by == Timing::sizes) {
         return estimates(study, foreseen(study), threads);
     }
@@ -236,6 +256,9 @@ pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int thread
 std::vector<std::string> doubtful_readings(const study::Study& study) {
     using pave::pavement::Quantity;
     std::vector<std::string> words;
+    if (study.has_own_model) {
+        return words;
+    }
     for (std::size_t i = 0; i < study.measured().size(); ++i) {
         const data::Reading& reading = study.readings[i];
         const double value = reading.value * reading.unit.to_si;

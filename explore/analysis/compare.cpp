@@ -280,6 +280,7 @@ bool have_same_noise(const study::Study& first, const study::Study& other) {
 
 std::optional<CompareResult> compare(Session& session, const study::Study& study, const CompareOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
+    study::refuse_own_model(study, "compare with laws");
     study::make_problem(study, study::Scope::fitted); // complains of what is missing
     if (options.evidence) {
         check_noise_for_sample(study);

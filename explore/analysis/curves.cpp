@@ -63,6 +63,9 @@ std::vector<Curve> lines_of(const study::Study& study, const study::Group& group
 } // namespace
 
 std::vector<Curve> curves(const study::Study& study, const std::vector<double>& parameters) {
+    if (study.has_own_model) { // it reads where it is asked to
+        return {};
+    }
     std::vector<Curve> lines;
     std::vector<bool> loads(study.model.loads.size(), false);
     for (const study::Group& group : study.groups) {

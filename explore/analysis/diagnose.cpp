@@ -289,6 +289,7 @@ study::Study as_diagnosed(study::Study study) {
 
 std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& asked, const DiagnoseOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
+    study::refuse_own_model(asked, "diagnose");
     const std::vector<data::BowlFault> faults = data_faults(asked);
     const std::vector<Rounding> steps = roundings(asked);
     const study::Study study =

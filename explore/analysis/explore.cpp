@@ -36,6 +36,7 @@ landscape::Minimum minimum_of(const run::Endpoint& end) {
 } // namespace
 
 std::unique_ptr<Explorer> Explorer::make(Session& session, study::Study study, double limit_percent) {
+    study::refuse_own_model(study, "explore");
     std::unique_ptr<Explorer> explorer(new Explorer(std::move(study), session.engine_settings()));
     const problem::Problem full = study::make_noise_problem(explorer->study_, study::Scope::fitted);
     explorer->why_full_ = study::why_no_reduced_model(explorer->study_);

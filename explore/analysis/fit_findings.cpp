@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "external/model.h"
 #include "landscape/confirmation.h"
 #include "landscape/readings_alone.h"
 
@@ -394,6 +395,9 @@ std::vector<std::string> findings(const FitResult& result) {
     }
     if (std::string words = path_words(study, result.path); !words.empty()) {
         text.push_back(std::move(words));
+    }
+    if (study.external && !study.external->derivative_words().empty()) {
+        text.push_back(study.external->derivative_words());
     }
     return text;
 }

@@ -19,6 +19,9 @@ using Eigen::VectorXd;
 std::optional<study::Study> on_finer_mesh(const study::Study& study) {
     constexpr double finer = 1.5;
     constexpr double most_memory = 0.5e9; // bytes
+    if (study.has_own_model) {
+        return std::nullopt;
+    }
     study::Study refined = study;
     refined.model.settings.refine *= finer;
     try {

@@ -8,6 +8,9 @@ namespace explore::analysis {
 
 NextReading next_reading(const study::Study& study, const problem::Problem& problem, const landscape::Uniqueness& u) {
     NextReading next;
+    if (study.has_own_model) { // what else it can read it does not say
+        return next;
+    }
     CandidateReadings candidates(study);
     const auto& best = u.minima[0];
     const auto here = candidates.at(best.unit, true);

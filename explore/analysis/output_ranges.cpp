@@ -264,7 +264,7 @@ Slopes slopes_at_best(const Sloped& sloped, const problem::Problem& problem, con
 std::vector<OutputUncertainty> output_ranges(const study::Study& study, const std::vector<double>& unit, double noise,
                                              int threads, const std::vector<std::vector<double>>& others) {
     std::vector<std::size_t> outputs = study.outputs();
-    if (outputs.empty() || !(noise > 0.0)) {
+    if (outputs.empty() || !(noise > 0.0) || study.has_own_model) {
         return {};
     }
     const auto n = static_cast<Index>(unit.size());

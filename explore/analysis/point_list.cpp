@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "data/csv.h"
 #include "run/parallel.h"
-#include "study/pavement_function.h"
+#include "study/problems.h"
 #include "study/values.h"
 
 #include <algorithm>
@@ -68,7 +68,7 @@ PointList read_points(const std::string& file, const std::vector<std::string>& k
 std::optional<ComputedPoints> compute_points(study::Study study, PointList points, const std::string& file,
                                              int threads) {
     const auto parameters = study::changeable(study, points.names, {.file = file});
-    const auto function = study::make_function(study.model, parameters, {});
+    const auto function = study::function_of(study, parameters, {});
     const int count = run::usable_threads(threads);
     const tbb::global_control most(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count));
     tbb::task_arena arena(count);

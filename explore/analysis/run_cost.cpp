@@ -9,6 +9,9 @@
 namespace explore::analysis {
 
 pave::pavement::ForwardModel::Cost affordable_cost(const study::Study& study, int threads) {
+    if (study.has_own_model) { // not known
+        return {};
+    }
     constexpr double giga = 1e9;
     const auto cost = pave::pavement::ForwardModel(study.model).cost();
     const double limit = pave::memory_limit();

@@ -4,6 +4,7 @@
 
 #include "analysis/build.h"
 #include "base/text.h"
+#include "external/model.h"
 #include "run/files.h"
 #include "run/message.h"
 #include "run/parallel.h"
@@ -65,6 +66,10 @@ int Session::begin(const study::Study& study, const std::string& name, const std
                                                      .directory = std::filesystem::current_path().string(),
                                                      .threads = run::concurrency(options_.threads)});
         store_->keep_inputs({}, options_.inputs);
+    }
+    if (study.external) {
+        external_ = study.external;
+        external_->simulator().keep_in((std::filesystem::path(options_.folder) / "runs").string());
     }
     if (study.inputs) {
         store_->keep_inputs(study.file_hash, *study.inputs);
@@ -132,10 +137,18 @@ std::optional<ReducedProblem> Session::reduced(const problem::Problem& fitted, c
 void Session::keep(const std::string& name, const std::string& json) {
     if (store_) {
         store_->put_result(newest_, json);
-        if (const std::size_t count = store_->over_time(); count > 0) {
+        if (const std::size_t count = store_->over_time(); count > 0 && external_) {
+            run::message("{} had no answer for reasons that may pass and {} not kept: the same command tries {} again\n",
+                         pave::counted(count, "run", "runs"), count == 1 ? "is" : "are", count == 1 ? "it" : "them");
+        } else if (count > 0) {
             run::message("{} took longer than [solver] time_limit_s allows and {} not kept: the same command tries {} "
                          "again\n",
                          pave::counted(count, "run", "runs"), count == 1 ? "is" : "are", count == 1 ? "it" : "them");
+        }
+    }
+    if (external_) {
+        if (const std::string words = external_->simulator().kept_words(); !words.empty()) {
+            run::message("{}\n", words);
         }
     }
     if (!options_.folder.empty()) {

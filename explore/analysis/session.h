@@ -74,6 +74,7 @@ public:
 private:
     RunOptions options_;
     std::optional<run::Store> store_;
+    std::shared_ptr<const external::Model> external_; // of the study begun last, where it has one
     int newest_ = 0;
 };
 

@@ -3,8 +3,8 @@
 #include "analysis/load_steps.h"
 #include "base/error.h"
 #include "base/random.h"
-#include "pavement/forward.h"
 #include "problem/student.h"
+#include "study/problems.h"
 #include "study/readings.h"
 
 #include <Eigen/Cholesky>
@@ -76,8 +76,8 @@ TwinResult twin(study::Study study, const TwinOptions& options) {
                           "[data] files = [...]: their values are replaced, their places kept");
     }
     TwinResult result{.study = study, .options = options};
-    const pave::pavement::ForwardModel model(study.model);
-    const auto outcome = model.run(study.model, {}, *model.make_workspace());
+    const auto model = study::function_of(study, {}, {});
+    const auto outcome = model->evaluate({}, false, *model->make_workspace());
     result.status = outcome.status();
     if (!outcome) {
         result.reason = outcome.failure().reason;
@@ -88,7 +88,7 @@ TwinResult twin(study::Study study, const TwinOptions& options) {
     const auto drifted = drifts(study, pave::RandomStream(options.seed, 2));
     for (std::size_t i = 0; i < measured.size(); ++i) {
         data::Reading reading = measured[i];
-        const double exact = reading.in_unit(outcome->values[i]);
+        const double exact = reading.in_unit(outcome->responses[i]);
         reading.value = exact * (1.0 + errors[i]) + (options.noise > 0.0 ? reading.in_unit(drifted[i]) : 0.0);
         reading.sigma = options.noise > 0.0 ? std::optional(options.noise * std::abs(exact)) : std::nullopt;
         result.exact.push_back(exact);

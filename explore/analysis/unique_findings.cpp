@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "external/model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -339,6 +340,9 @@ std::vector<std::string> findings(const UniqueResult& result) {
     }
     if (std::string words = path_words(study, result.path); !words.empty()) {
         say(std::move(words));
+    }
+    if (study.external && !study.external->derivative_words().empty()) {
+        say(study.external->derivative_words());
     }
     if (const std::string weights = weights_words(study); !weights.empty()) {
         say(weights);

@@ -20,23 +20,6 @@ using pave::counted;
 
 constexpr double giga = 1e9;
 
-void print_study(const study::Study& study) {
-    fmt::print("{}", report::study_summary(study));
-    if (study.measured().empty()) {
-        fmt::print("  no readings: nothing can be fitted\n");
-    } else {
-        fmt::print("  {}, their noise {}:\n", counted(study.measured().size(), "reading", "readings"),
-                   study.noise == study::NoiseSource::stated ? study.noise_name() : "to be estimated from the fit");
-        for (const auto& group : study.groups) {
-            fmt::print("    {}: {}{}\n", group.name, group.rows.size(),
-                       group.held_out        ? ", held out"
-                       : group.weight != 1.0 ? fmt::format(", weight {:g}", group.weight)
-                                             : "");
-        }
-    }
-    fmt::print("  {}\n", counted(study.outputs().size(), "output", "outputs"));
-}
-
 struct CheckArguments {
     CommonOptions common;
     bool time = false; // by runs
@@ -89,15 +72,16 @@ int check_study(const CheckArguments& chosen) {
                                       {"commands", commands}}));
         return done;
     }
-    print_study(study);
-    for (const std::string& words : analysis::doubtful_readings(study)) {
-        fmt::print("  {}\n", words);
+    fmt::print("{}", report::readings_summary(study));
+    std::vector<std::string> remarks = analysis::doubtful_readings(study);
+    remarks.push_back(analysis::repeated_rows_words(study));
+    remarks.push_back(analysis::noise_key_words(study));
+    for (const std::string& words : remarks) {
+        fmt::print("{}", words.empty() ? "" : "  " + words + "\n");
     }
-    if (const std::string words = analysis::repeated_rows_words(study); !words.empty()) {
-        fmt::print("  {}\n", words);
-    }
-    if (const std::string words = analysis::noise_key_words(study); !words.empty()) {
-        fmt::print("  {}\n", words);
+    if (list->empty()) {
+        fmt::print("\n  What commands take is not known of a model of one's own; --time runs it once.\n");
+        return done;
     }
     fmt::print("\n  Time on {}, {}\n", counted(static_cast<std::size_t>(threads), "thread", "threads"),
                chosen.time ? "from runs made just now at the study's own values"

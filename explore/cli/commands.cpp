@@ -22,6 +22,7 @@ std::span<const Command> commands() {
         {"report", add_report},
         {"plot", add_plot},
         {"explore", add_explore},
+        {"serve", add_serve},
         {"export", add_export},
         {"rerun", add_rerun},
     };

@@ -23,6 +23,7 @@ void add_road(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
 void add_plot(CLI::App& app, Action& action);
 void add_explore(CLI::App& app, Action& action);
+void add_serve(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
 void add_rerun(CLI::App& app, Action& action);
 

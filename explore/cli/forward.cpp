@@ -2,39 +2,15 @@
 #include "report/forward.h"
 #include "cli/commands.h"
 #include "report/vtu.h"
-#include "run/files.h"
 #include "run/message.h"
+#include "study/problems.h"
 #include "study/values.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <fmt/format.h>
-#include <stdexcept>
 
 namespace explore::cli {
 namespace {
-
-// FILE for a study of one load, FILE with "-LOAD" before its ending for more. The files that were written.
-std::vector<std::string> write_fields(const study::Study& study, const pave::pavement::ForwardModel& model,
-                                      const pave::pavement::Case& at, const std::string& file) {
-    std::vector<std::string> written;
-    for (std::size_t l = 0; l < study.model.loads.size(); ++l) {
-        const auto fields = model.fields(at, static_cast<int>(l));
-        if (!fields) {
-            throw std::runtime_error(fields.failure().reason);
-        }
-        std::filesystem::path path(file);
-        if (study.model.loads.size() > 1) {
-            std::string load = study.model.loads[l].name;
-            std::replace(load.begin(), load.end(), '/', '_'); // a name is no folder
-            path.replace_filename(path.stem().string() + "-" + load + path.extension().string());
-        }
-        const std::string folder = path.parent_path().string();
-        run::write_file(folder.empty() ? "." : folder, path.filename().string(), report::vtu_text(fields.value()));
-        written.push_back(path.string());
-    }
-    return written;
-}
 
 struct ForwardArguments {
     CommonOptions common;
@@ -44,7 +20,7 @@ struct ForwardArguments {
 };
 
 int forward_at_points(const ForwardArguments& options, study::Study study) {
-    const auto known = parameter_paths(study.model);
+    const auto known = study::names_of_numbers(study);
     auto points = analysis::read_points(options.points, {known.begin(), known.end()});
     const auto computed = analysis::compute_points(study, std::move(points), options.points, options.common.threads);
     if (!computed) {
@@ -71,20 +47,26 @@ int forward(const ForwardArguments& options) {
         around.model = at; // what the points do not name
         return forward_at_points(options, std::move(around));
     }
-    const pave::pavement::ForwardModel model(study.model);
-    const auto workspace = model.make_workspace();
+    if (!options.vtu.empty()) {
+        study::refuse_own_model(study, "--vtu");
+    }
+    std::optional<pave::pavement::ForwardModel> model;
+    if (!study.has_own_model) {
+        model.emplace(study.model);
+    }
     if (options.jacobian && study.parameters.empty()) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "--jacobian needs parameters to differentiate by",
                           {}, "at least one [[parameters]]");
     }
-    const auto outcome =
-        model.run(at, options.jacobian ? study.parameters : std::vector<pave::pavement::Parameter>{}, *workspace);
-    report::Json json = report::forward_json(study, model, outcome, values);
+    const std::vector<pave::pavement::Parameter> none;
+    const auto outcome = model ? model->run(at, options.jacobian ? study.parameters : none, *model->make_workspace())
+                               : study::own_response(study, at, options.jacobian);
+    report::Json json = report::forward_json(study, model ? &*model : nullptr, outcome, values);
     if (!outcome) {
         return hand_over_failure(options.common, json,
                                  std::string(to_string(outcome.status())) + ": " + outcome.failure().reason);
     }
-    const auto fields = options.vtu.empty() ? std::vector<std::string>{} : write_fields(study, model, at, options.vtu);
+    const auto fields = options.vtu.empty() ? std::vector<std::string>{} : report::write_fields(study, *model, at, options.vtu);
     if (options.common.json) {
         if (!fields.empty()) {
             json["vtu"] = fields;

@@ -266,6 +266,9 @@ std::string read_file(const std::string& file, std::string_view what, Encoding e
         }
         text = with_plain_blanks(text);
     }
+    if (encoding == Encoding::bytes) {
+        return text;
+    }
     if (const std::size_t at = pave::first_not_utf8(text); at != std::string::npos) {
         const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
         throw pave::Error({.file = file, .line = static_cast<int>(line)}, "this is not text in UTF-8",

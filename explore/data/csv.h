@@ -54,8 +54,9 @@ CsvTable parse_table(std::string_view text, const std::string& file);
 // when it is not text. what: "measurement file".
 enum class Encoding {
     utf8,
-    of_instruments // UTF-8, UTF-16, else Windows-1252: all become UTF-8, zero bytes and no-break spaces blanks, lone
-                   // carriage returns line ends
+    of_instruments, // UTF-8, UTF-16, else Windows-1252: all become UTF-8, zero bytes and no-break spaces blanks, lone
+                    // carriage returns line ends
+    bytes           // whatever they are, no text
 };
 std::string read_file(const std::string& file, std::string_view what, Encoding encoding = Encoding::utf8);
 

@@ -5,14 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
+#include <mutex>
+#include <set>
 #include <stdexcept>
 
 namespace explore::data {
 namespace {
 
-enum Column : std::size_t { load, quantity, x_mm, y_mm, depth_mm, gauge_mm, value, unit, sigma, time_ms, columns };
+enum Column : std::size_t { load, quantity, x_mm, y_mm, depth_mm, gauge_mm, value, unit, sigma, time_ms, name, columns };
 constexpr std::array<std::string_view, columns> names = {"load",     "quantity", "x_mm", "y_mm",  "depth_mm",
-                                                         "gauge_mm", "value",    "unit", "sigma", "time_ms"};
+                                                         "gauge_mm", "value",    "unit", "sigma", "time_ms", "name"};
 
 } // namespace
 
@@ -33,7 +35,22 @@ const Unit& unit_named(std::string_view name) {
     return *found;
 }
 
+Unit any_unit(std::string_view name) {
+    const auto all = units();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Unit& u) { return u.name == name; });
+    if (found != all.end()) {
+        return *found;
+    }
+    static std::mutex mutex;
+    static std::set<std::string, std::less<>> names; // a unit holds a view of its name
+    const std::scoped_lock lock(mutex);
+    return {*names.emplace(name).first, Dimension::other, 1.0};
+}
+
 std::string Reading::label() const {
+    if (is_measured() && !name.empty()) {
+        return name;
+    }
     return is_measured() ? fmt::format("{}@{:g},{:g},{:g}", group(), x_mm, y_mm, depth_mm) +
                                (time_ms ? fmt::format(",{:g}ms", *time_ms) : "")
                          : output;
@@ -44,6 +61,9 @@ std::string Reading::label_with_unit() const {
 }
 
 std::string Reading::place_words() const {
+    if (!name.empty()) {
+        return name;
+    }
     std::string at;
     if (y_mm != 0.0) {
         at = fmt::format(" at x = {:g}, y = {:g} mm", x_mm, y_mm);
@@ -56,6 +76,9 @@ std::string Reading::place_words() const {
 }
 
 std::string Reading::words() const {
+    if (!name.empty()) {
+        return name;
+    }
     return place_words() + " under " + load + (time_ms ? fmt::format(" at {:g} ms", *time_ms) : "");
 }
 
@@ -64,7 +87,7 @@ std::string_view measurement_header() {
 }
 
 std::string measurement_row(const Reading& r) {
-    return fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_cell(r.load), r.quantity, r.x_mm, r.y_mm, r.depth_mm,
+    return fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_cell(r.load), csv_cell(r.quantity), r.x_mm, r.y_mm, r.depth_mm,
                        r.gauge_mm, r.value, r.unit.name, r.sigma ? fmt::format("{}", *r.sigma) : "");
 }
 
@@ -73,6 +96,13 @@ bool has_times(std::span<const Reading> readings) {
 }
 
 std::string measurement_rows(std::span<const Reading> readings) {
+    if (std::any_of(readings.begin(), readings.end(), [](const Reading& r) { return !r.name.empty(); })) {
+        std::string text = fmt::format("name,time_ms,{}\n", measurement_header());
+        for (const Reading& r : readings) {
+            text += csv_cell(r.name) + (r.time_ms ? fmt::format(",{},", *r.time_ms) : ",,") + measurement_row(r);
+        }
+        return text;
+    }
     if (!has_times(readings)) {
         std::string text = fmt::format("{}\n", measurement_header());
         for (const Reading& r : readings) {
@@ -87,10 +117,14 @@ std::string measurement_rows(std::span<const Reading> readings) {
     return text;
 }
 
-std::vector<Reading> measurements_of(std::string_view text, const std::string& file) {
+namespace {
+
+std::vector<Reading> readings_of(std::string_view text, const std::string& file, bool any_model) {
     const CsvTable table = parse_table(text, file);
     const auto& rows = table.rows;
-    const std::string header_words = "the header " + std::string(measurement_header());
+    const std::string header_words =
+        any_model ? "a header with value and any of name, load, quantity, x_mm, y_mm, depth_mm, gauge_mm, time_ms, unit, sigma"
+                  : "the header " + std::string(measurement_header());
     if (rows.empty()) {
         throw pave::Error({.file = file}, "the file holds no measurements", "nothing but comments or blank lines",
                           header_words + " and at least one row");
@@ -99,9 +133,10 @@ std::vector<Reading> measurements_of(std::string_view text, const std::string& f
     place_of.fill(rows[0].cells.size());
     for (std::size_t i = 0; i < rows[0].cells.size(); ++i) {
         const auto cell = trimmed(rows[0].cells[i]);
-        const auto known = std::find(names.begin(), names.end(), cell);
-        if (known == names.end()) {
-            const std::string near = pave::nearest_name(cell, {names.begin(), names.end()});
+        const auto last = any_model ? names.end() : names.begin() + name;
+        const auto known = std::find(names.begin(), last, cell);
+        if (known == last) {
+            const std::string near = pave::nearest_name(cell, {names.begin(), last});
             throw pave::Error({.file = file, .line = rows[0].line},
                               near.empty() ? "unknown column" : "unknown column, did you mean \"" + near + "\"?",
                               "\"" + std::string(cell) + "\"", header_words);
@@ -114,7 +149,8 @@ std::vector<Reading> measurements_of(std::string_view text, const std::string& f
         place = i;
     }
     for (std::size_t c = 0; c < columns; ++c) {
-        if (c != time_ms && place_of[c] == rows[0].cells.size()) {
+        const bool is_optional = c == time_ms || c == name || (any_model && c != value);
+        if (!is_optional && place_of[c] == rows[0].cells.size()) {
             throw pave::Error({.file = file, .line = rows[0].line, .key = std::string(names[c])}, "column missing", {},
                               header_words);
         }
@@ -126,16 +162,25 @@ std::vector<Reading> measurements_of(std::string_view text, const std::string& f
             throw pave::Error({.file = file, .line = row.line}, "wrong number of cells",
                               std::to_string(row.cells.size()), std::to_string(rows[0].cells.size()));
         }
-        const auto cell = [&](Column c) { return trimmed(row.cells[place_of[c]]); };
+        const auto cell = [&](Column c) {
+            return place_of[c] < row.cells.size() ? trimmed(row.cells[place_of[c]]) : std::string_view();
+        };
         const auto place = [&](Column c) {
             return pave::Place{.file = file, .line = row.line, .key = std::string(names[c])};
         };
-        const auto cell_number = [&](Column c) { return table.number(cell(c), place(c)); };
+        const auto cell_number = [&](Column c) {
+            return any_model && c != value && cell(c).empty() ? 0.0 : table.number(cell(c), place(c));
+        };
         Reading m;
         m.file = file;
         m.line = row.line;
         m.load = cell(load);
         m.quantity = cell(quantity);
+        m.name = cell(name);
+        if (any_model) {
+            m.load = m.load.empty() ? "model" : m.load;
+            m.quantity = m.quantity.empty() ? "reading" : m.quantity;
+        }
         m.x_mm = cell_number(x_mm);
         m.y_mm = cell_number(y_mm);
         m.depth_mm = cell_number(depth_mm);
@@ -151,6 +196,8 @@ std::vector<Reading> measurements_of(std::string_view text, const std::string& f
             unit_names.emplace_back(u.name);
             found = u.name == cell(unit) ? &u : found;
         }
+        const Unit other = any_unit(any_model && !cell(unit).empty() ? cell(unit) : "-");
+        found = any_model && found == nullptr ? &other : found;
         if (found == nullptr) {
             throw pave::Error(place(unit), "unknown unit", "\"" + std::string(cell(unit)) + "\"",
                               pave::join(unit_names));
@@ -163,7 +210,7 @@ std::vector<Reading> measurements_of(std::string_view text, const std::string& f
                                   "more than 0, or empty");
             }
         }
-        if (place_of[time_ms] < row.cells.size() && !cell(time_ms).empty()) {
+        if (!cell(time_ms).empty()) {
             m.time_ms = cell_number(time_ms);
         }
         measurements.push_back(std::move(m));
@@ -172,6 +219,16 @@ std::vector<Reading> measurements_of(std::string_view text, const std::string& f
         throw pave::Error({.file = file}, "the file holds no measurements", "a header and no rows", "at least one row");
     }
     return measurements;
+}
+
+} // namespace
+
+std::vector<Reading> measurements_of(std::string_view text, const std::string& file) {
+    return readings_of(text, file, false);
+}
+
+std::vector<Reading> named_measurements_of(std::string_view text, const std::string& file) {
+    return readings_of(text, file, true);
 }
 
 } // namespace explore::data

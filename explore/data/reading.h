@@ -11,7 +11,8 @@
 
 namespace explore::data {
 
-enum class Dimension { length, strain, pressure };
+// other: of a model that is not ours, to which a unit is a name.
+enum class Dimension { length, strain, pressure, other };
 
 struct Unit {
     std::string_view name;
@@ -21,6 +22,8 @@ struct Unit {
 std::span<const Unit> units();
 // One of them. Throws std::out_of_range.
 const Unit& unit_named(std::string_view name);
+// One of them or, with this name, one of another dimension.
+Unit any_unit(std::string_view name);
 
 struct Reading {
     std::string load;
@@ -34,6 +37,7 @@ struct Reading {
     std::string file;
     int line = 0;
     std::string output{}; // the name of an output; empty: measured
+    std::string name{};   // that the file gives it, for a model that is not ours; empty: it is known by its place
     // The error as it is assumed: stated, by the study's rule, or taken from others.
     Noise noise{};
 
@@ -55,6 +59,9 @@ struct Reading {
 // empty. Columns may come in any order; the ones named must all be there and, but for time_ms, no others. text: of a
 // file that messages call `file`. Throws pave::Error.
 std::vector<Reading> measurements_of(std::string_view text, const std::string& file);
+// The same of readings of a model that is not ours: any units, and of the columns value alone must be there. A further
+// one, name, says how messages and results call a reading.
+std::vector<Reading> named_measurements_of(std::string_view text, const std::string& file);
 
 // The header line of that format, and a reading as a row of it.
 std::string_view measurement_header();

@@ -1,6 +1,7 @@
 #include "problem/problem.h"
 
 #include "base/over_time.h"
+#include "base/passing_failure.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -58,7 +59,7 @@ Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
     e.status = outcome.status();
     if (!outcome) {
         e.reason = outcome.failure().reason;
-        e.over_time = pave::is_over_time(e.reason);
+        e.over_time = pave::is_over_time(e.reason) || pave::is_passing(e.reason);
         return e;
     }
     Prediction prediction = std::move(outcome).value();

@@ -11,7 +11,7 @@ namespace explore::report {
 using pave::counted;
 using pave::pavement::Response;
 
-Json forward_json(const study::Study& study, const pave::pavement::ForwardModel& model,
+Json forward_json(const study::Study& study, const pave::pavement::ForwardModel* model,
                   const pave::Outcome<Response>& outcome, const std::vector<study::NamedValue>& values) {
     Json json = {{"status", std::string(to_string(outcome.status()))}};
     for (const auto& [name, value] : values) {
@@ -24,12 +24,14 @@ Json forward_json(const study::Study& study, const pave::pavement::ForwardModel&
     const Response& response = *outcome;
     const auto& s = response.statistics;
     json["responses"] = responses_json(study, response.values);
-    json["newton_steps"] = s.newton_steps;
-    json["load_steps"] = s.load_steps;
-    json["factorizations"] = s.factorizations;
-    json["iterations"] = s.iterations;
-    json["unknowns"] = model.unknowns();
-    json["residual_relative"] = s.residual_relative;
+    if (model != nullptr) {
+        json["newton_steps"] = s.newton_steps;
+        json["load_steps"] = s.load_steps;
+        json["factorizations"] = s.factorizations;
+        json["iterations"] = s.iterations;
+        json["unknowns"] = model->unknowns();
+        json["residual_relative"] = s.residual_relative;
+    }
     json["warnings"] = response.warnings;
     if (response.jacobian.cols() > 0) {
         Json names = Json::array();
@@ -56,7 +58,9 @@ std::string forward_text(const study::Study& study, const Response& response,
     for (const auto& [name, value] : values) {
         text += fmt::format("  at {} = {}\n", name, value);
     }
-    text += fmt::format("  converged: {}, {}{}, unbalanced force {:.0e} of the load\n\n",
+    text += study.has_own_model
+                ? "\n"
+                : fmt::format("  converged: {}, {}{}, unbalanced force {:.0e} of the load\n\n",
                         study.model.settings.integration == pave::pavement::Integration::secant
                             ? counted(static_cast<std::size_t>(s.newton_steps), "Newton step", "Newton steps")
                             : counted(static_cast<std::size_t>(s.load_steps), "load step", "load steps"),
@@ -71,7 +75,7 @@ std::string forward_text(const study::Study& study, const Response& response,
 }
 
 std::string points_csv(const study::Study& study, const analysis::ComputedPoints& computed) {
-    std::string text = "# " + std::string(sign_convention) + "\n";
+    std::string text = "# " + std::string(signs(study)) + "\n";
     for (const std::string& name : computed.points.names) {
         text += data::csv_cell(name) + ",";
     }

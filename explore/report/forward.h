@@ -9,8 +9,8 @@
 
 namespace explore::report {
 
-// values: of the study that were set to others.
-Json forward_json(const study::Study& study, const pave::pavement::ForwardModel& model,
+// model: none of a study with its own. values: of the study that were set to others.
+Json forward_json(const study::Study& study, const pave::pavement::ForwardModel* model,
                   const pave::Outcome<pave::pavement::Response>& outcome, const std::vector<study::NamedValue>& values);
 // Of a run with an answer.
 std::string forward_text(const study::Study& study, const pave::pavement::Response& response,

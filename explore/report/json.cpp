@@ -40,6 +40,9 @@ Json place_json(const data::Reading& r) {
     if (r.time_ms) {
         json["time_ms"] = *r.time_ms;
     }
+    if (!r.name.empty()) {
+        json["name"] = r.name;
+    }
     return json;
 }
 

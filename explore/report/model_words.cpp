@@ -38,6 +38,9 @@ void say(std::string& text, const std::vector<std::string>& names, const std::st
 } // namespace
 
 std::string model_words(const study::Study& study) {
+    if (study.has_own_model) {
+        return "The study has a model of its own.";
+    }
     const auto& model = study.model;
     std::vector<std::string> isotropic, cross_anisotropic, joints;
     for (std::size_t l = 0; l < model.layers.size(); ++l) {

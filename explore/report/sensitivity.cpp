@@ -102,7 +102,7 @@ std::string elasticities_text(const SensitivityResult& s) {
         table.add(std::move(row));
     }
     return fmt::format("\nAt the study's own values: % of the response for 1 % of the parameter\n  {}\n{}",
-                       sign_convention, table.text());
+                       signs(s.study), table.text());
 }
 
 std::string curves_text(const SensitivityResult& s) {

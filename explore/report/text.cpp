@@ -16,7 +16,9 @@ std::string study_summary(const study::Study& study) {
     for (const auto& layer : study.model.layers) {
         text += fmt::format("{} {:g} mm ({}) / ", layer.name, layer.thickness / pave::unit::mm, layer.law->name());
     }
-    text += study.model.half_space ? "half-space\n" : "rigid floor\n";
+    text += study.has_own_model      ? "a model of its own\n"
+            : study.model.half_space ? "half-space\n"
+                                     : "rigid floor\n";
     for (const auto& applied : study.model.effects) {
         text += fmt::format("  with {} = {:g} [{}]\n", applied.effect->name, applied.size, applied.effect->unit);
     }
@@ -25,6 +27,25 @@ std::string study_summary(const study::Study& study) {
                             study.noise_assumed, pave::counted(study.measured().size(), "reading", "readings"));
     }
     return text;
+}
+
+std::string readings_summary(const study::Study& study) {
+    using pave::counted;
+    std::string text = study_summary(study);
+    if (study.measured().empty()) {
+        text += "  no readings: nothing can be fitted\n";
+    } else {
+        text += fmt::format("  {}, their noise {}:\n", counted(study.measured().size(), "reading", "readings"),
+                            study.noise == study::NoiseSource::stated ? study.noise_name()
+                                                                      : "to be estimated from the fit");
+        for (const auto& group : study.groups) {
+            text += fmt::format("    {}: {}{}\n", group.name, group.rows.size(),
+                                group.held_out        ? ", held out"
+                                : group.weight != 1.0 ? fmt::format(", weight {:g}", group.weight)
+                                                      : "");
+        }
+    }
+    return text + fmt::format("  {}\n", counted(study.outputs().size(), "output", "outputs"));
 }
 
 std::string response_table(const study::Study& study, const std::vector<double>& responses,
@@ -45,7 +66,7 @@ std::string response_table(const study::Study& study, const std::vector<double>&
         const auto plain = [](double value) { return fmt::format("{:g}", value); };
         std::vector<std::string> row{
             r.load,
-            r.is_measured() ? r.quantity : r.output,
+            !r.is_measured() ? r.output : r.name.empty() ? r.quantity : r.name,
             plain(r.x_mm),
             plain(r.y_mm),
             plain(r.depth_mm),
@@ -63,7 +84,11 @@ std::string response_table(const study::Study& study, const std::vector<double>&
         }
         table.add(std::move(row));
     }
-    return fmt::format("  {}\n{}", sign_convention, table.text());
+    return fmt::format("  {}\n{}", signs(study), table.text());
+}
+
+std::string_view signs(const study::Study& study) {
+    return study.has_own_model ? "readings as the study's own model gives them" : sign_convention;
 }
 
 std::string reduced_words(const analysis::ReducedProblem& reduced) {

@@ -13,9 +13,15 @@ namespace explore::report {
 // "asphalt 30 mm linear | base 277 mm uzan | ..." and what is varied.
 std::string study_summary(const study::Study& study);
 
+// The same with what is measured and asked for.
+std::string readings_summary(const study::Study& study);
+
 // What the header of every table of responses says.
 inline constexpr std::string_view sign_convention =
     "deflection: positive down; strain and load-induced stress: positive in compression";
+
+// The same, or that a model of the study's own has its own.
+std::string_view signs(const study::Study& study);
 
 // Measured against modelled, one row a response, with the line that states the signs. weights: of some of the
 // responses, in a column of its own where there are any.

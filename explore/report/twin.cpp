@@ -12,7 +12,7 @@ std::string twin_csv(const analysis::TwinResult& twin) {
     std::string text =
         fmt::format("# Synthetic: {}, noise {:g} of each value, seed {}\n"
                     "# {}\n",
-                    pave::printable(twin.study.title), twin.options.noise, twin.options.seed, sign_convention);
+                    pave::printable(twin.study.title), twin.options.noise, twin.options.seed, signs(twin.study));
     for (const auto& applied : twin.study.model.effects) {
         text += fmt::format("# effect: {} = {} [{}]\n", applied.effect->name, applied.size, applied.effect->unit);
     }

@@ -373,7 +373,7 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
     if (!u.parameters.empty()) {
         text += fmt::format("\nWhat the data accept (95 %)\n");
         if (!outputs.empty()) {
-            text += fmt::format("  {}\n", sign_convention);
+            text += fmt::format("  {}\n", signs(study));
         }
         Table table({"", "best", "low", "high", "unit", "", "low end set by", "high end set by"});
         for (std::size_t k = 0; k < u.parameters.size(); ++k) {

@@ -1,13 +1,16 @@
 #include "report/vtu.h"
 
 #include "base/units.h"
+#include "run/files.h"
 
 #include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fmt/format.h>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 namespace explore::report {
@@ -108,6 +111,27 @@ std::string vtu_text(const Fields& f) {
             real_array("n", 1, f.horizontal_modulus.cwiseQuotient(f.vertical_modulus)) + "</PointData>\n<CellData>\n" +
             data_array("Int32", "layer", 1, layers) + "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
     return text;
+}
+
+std::vector<std::string> write_fields(const study::Study& study, const pave::pavement::ForwardModel& model,
+                                      const pave::pavement::Case& at, const std::string& file) {
+    std::vector<std::string> written;
+    for (std::size_t l = 0; l < study.model.loads.size(); ++l) {
+        const auto fields = model.fields(at, static_cast<int>(l));
+        if (!fields) {
+            throw std::runtime_error(fields.failure().reason);
+        }
+        std::filesystem::path path(file);
+        if (study.model.loads.size() > 1) {
+            std::string load = study.model.loads[l].name;
+            std::replace(load.begin(), load.end(), '/', '_'); // a name is no folder
+            path.replace_filename(path.stem().string() + "-" + load + path.extension().string());
+        }
+        const std::string folder = path.parent_path().string();
+        run::write_file(folder.empty() ? "." : folder, path.filename().string(), vtu_text(fields.value()));
+        written.push_back(path.string());
+    }
+    return written;
 }
 
 } // namespace explore::report

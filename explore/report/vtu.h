@@ -2,6 +2,8 @@
 #pragma once
 
 #include "pavement/fields.h"
+#include "pavement/forward.h"
+#include "study/study.h"
 
 #include <string>
 
@@ -13,5 +15,10 @@ namespace explore::report {
 // theta_kPa and tau_kPa of the total stress, horizontal_modulus_MPa, vertical_modulus_MPa and n, their ratio.
 // Cell data: layer, counted from 1 at the top.
 std::string vtu_text(const pave::pavement::Fields& fields);
+
+// The fields under every load at these values: FILE for a study of one load, FILE with "-LOAD" before its ending for
+// more. The files that were written. Throws std::runtime_error where there is no answer.
+std::vector<std::string> write_fields(const study::Study& study, const pave::pavement::ForwardModel& model,
+                                      const pave::pavement::Case& at, const std::string& file);
 
 } // namespace explore::report

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "pavement/tie.h"
+#include "study/values.h"
 
 #include <algorithm>
 #include <array>
@@ -21,7 +22,7 @@ struct Reads {
         std::size_t reading = 0;
         double to_si = 1.0;
     };
-    std::vector<std::string> paths; // "" for an output
+    std::vector<std::optional<Parameter>> numbers; // none: an output
     std::vector<Output> outputs;
 
     Reads(const Study& study, const pave::Expression& side) {
@@ -29,15 +30,15 @@ struct Reads {
             const auto all = study.outputs();
             const auto output =
                 std::find_if(all.begin(), all.end(), [&](std::size_t i) { return study.readings[i].output == name; });
-            paths.push_back(output == all.end() ? name : "");
+            numbers.push_back(output == all.end() ? std::optional(number_named(study, name, {})) : std::nullopt);
             outputs.push_back(output == all.end() ? Output{} : Output{*output, study.readings[*output].unit.to_si});
         }
     }
     std::vector<double> values(const Case& c, std::span<const double> responses) const {
         std::vector<double> list;
-        for (std::size_t i = 0; i < paths.size(); ++i) {
+        for (std::size_t i = 0; i < numbers.size(); ++i) {
             const std::size_t r = outputs[i].reading;
-            list.push_back(!paths[i].empty()      ? find_parameter(c, paths[i], {}).get(c)
+            list.push_back(numbers[i]             ? numbers[i]->get(c)
                            : r < responses.size() ? responses[r] / outputs[i].to_si
                                                   : std::numeric_limits<double>::quiet_NaN());
         }
@@ -92,10 +93,10 @@ public:
         const Case here = at(parameters);
         std::vector<double> changed(responses.begin(), responses.end());
         for (const Reads* side : {&left_, &right_}) {
-            for (std::size_t i = 0; i < side->paths.size(); ++i) {
+            for (std::size_t i = 0; i < side->numbers.size(); ++i) {
                 const std::size_t r = side->outputs[i].reading;
                 const bool is_first = side == &left_ || !reads_output(left_, r);
-                if (!side->paths[i].empty() || !is_first || r >= responses.size()) {
+                if (side->numbers[i] || !is_first || r >= responses.size()) {
                     continue;
                 }
                 const auto by_response = [&](double offset) {
@@ -112,8 +113,8 @@ public:
 
 private:
     static bool reads_output(const Reads& side, std::size_t reading) {
-        for (std::size_t i = 0; i < side.paths.size(); ++i) {
-            if (side.paths[i].empty() && side.outputs[i].reading == reading) {
+        for (std::size_t i = 0; i < side.numbers.size(); ++i) {
+            if (!side.numbers[i] && side.outputs[i].reading == reading) {
                 return true;
             }
         }
@@ -153,7 +154,7 @@ Constraint read_constraint(const Study& study, const std::string& text, const pa
         throw pave::Error(place, "a constraint compares two sides", "\"" + text + "\"",
                           "one of <=, >= and == between them");
     }
-    std::vector<std::string> names = parameter_paths(study.model);
+    std::vector<std::string> names = names_of_numbers(study);
     for (const std::size_t i : study.outputs()) {
         names.push_back(study.readings[i].output);
     }
@@ -208,8 +209,8 @@ std::vector<bool> constrained_loads(const Study& study) {
     for (const Constraint& constraint : study.constraints) {
         for (const auto* side : {&constraint.left, &constraint.right}) {
             const Reads reads(study, *side);
-            for (std::size_t i = 0; i < reads.paths.size(); ++i) {
-                if (reads.paths[i].empty()) {
+            for (std::size_t i = 0; i < reads.numbers.size(); ++i) {
+                if (!reads.numbers[i]) {
                     loads[static_cast<std::size_t>(study.model.sensors[reads.outputs[i].reading].load)] = true;
                 }
             }

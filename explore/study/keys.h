@@ -45,6 +45,125 @@ inline constexpr Key schema{
 inline constexpr Key title{
     .table = "", .key = "title", .allowed = "a text", .without = "the name of the file", .meaning = "heads reports"};
 
+inline constexpr std::string_view model_types[] = {"program", "um-bridge"};
+
+inline constexpr Key model_type{.table = "[model]",
+                                .key = "type",
+                                .kind = word,
+                                .choices = model_types,
+                                .meaning = "a model of one's own in place of layers and loads: a program that is run, "
+                                           "or a server that speaks UM-Bridge (docs/any-model.md)"};
+inline constexpr Key model_command{.table = "[model]",
+                                   .key = "command",
+                                   .kind = texts,
+                                   .allowed = "the program and its arguments, as in `[\"python3\", \"model.py\"]`",
+                                   .without = "of a program: must be given",
+                                   .meaning = "run without a shell, in a folder of its own for each run"};
+inline constexpr Key model_inputs{.table = "[model]",
+                                  .key = "inputs",
+                                  .kind = Key::Kind::table,
+                                  .allowed = "a list of `{ template, file }`",
+                                  .without = "of a program: must be given",
+                                  .meaning = "what the program reads"};
+inline constexpr Key model_input_template{
+    .table = "inputs of a program",
+    .key = "template",
+    .allowed = "a file with places `{{NAME}}` or `{{NAME:%12.5e}}`",
+    .meaning = "where the values of parameters go; one that is wider than its format says is no answer"};
+inline constexpr Key model_input_file{.table = "inputs of a program",
+                                      .key = "file",
+                                      .allowed = "a name in the folder of the run",
+                                      .meaning = "what it is written as"};
+inline constexpr Key model_files{.table = "[model]",
+                                 .key = "files",
+                                 .kind = texts,
+                                 .allowed = "a list of files in the study's folder",
+                                 .without = "none",
+                                 .meaning = "linked into the folder of every run; what they hold belongs to the study"};
+inline constexpr Key model_outputs{.table = "[model]",
+                                   .key = "outputs",
+                                   .kind = Key::Kind::table,
+                                   .allowed = "a list of `{ reading, file, line, column }`, `{ file, by }` and "
+                                              "`{ file, at }`",
+                                   .without = "of a program: must be given",
+                                   .meaning = "where the readings stand in what the program writes; its standard "
+                                              "output is stdout.txt"};
+inline constexpr Key model_output_file{.table = "outputs of a program",
+                                       .key = "file",
+                                       .allowed = "a name in the folder of the run",
+                                       .meaning = "that the program writes"};
+inline constexpr Key model_output_reading{.table = "outputs of a program",
+                                          .key = "reading",
+                                          .allowed = "the name of a reading or an output",
+                                          .without = "all that no other entry names",
+                                          .meaning = "which one this is"};
+inline constexpr Key model_output_line{
+    .table = "outputs of a program",
+    .key = "line",
+    .allowed = "`12`, `after 'TEXT'`, `3 after 'TEXT'`, `with 'TEXT'`; `last` before the text: its last line",
+    .without = "`by` or `at`",
+    .meaning = "the line with the number"};
+inline constexpr Key model_output_column{.table = "outputs of a program",
+                                         .key = "column",
+                                         .kind = whole_number,
+                                         .low = 1,
+                                         .high = 100000,
+                                         .default_value = 1,
+                                         .meaning = "of that line, between blanks, commas and semicolons"};
+inline constexpr Key model_output_by{
+    .table = "outputs of a program",
+    .key = "by",
+    .kind = texts,
+    .allowed = "columns of a CSV table: name, load, quantity, x_mm, y_mm, depth_mm, gauge_mm, time_ms",
+    .without = "`line` or `at`",
+    .meaning = "which together tell the reading of a row"};
+inline constexpr Key model_output_value{.table = "outputs of a program",
+                                        .key = "value",
+                                        .allowed = "the name of a column",
+                                        .without = "`value`",
+                                        .meaning = "of that table, in the reading's unit"};
+inline constexpr Key model_output_at{
+    .table = "outputs of a program",
+    .key = "at",
+    .allowed = "a JSON pointer",
+    .without = "`line` or `by`",
+    .meaning = "to a number, to a list in the order of the readings and outputs, or to an object by their names"};
+inline constexpr Key model_time_limit{.table = "[model]",
+                                      .key = "time_limit_s",
+                                      .kind = number,
+                                      .low = 0.0,
+                                      .high = 1e7,
+                                      .low_is_open = true,
+                                      .without = "none",
+                                      .meaning = "after which a run is ended, with all that it started"};
+inline constexpr std::string_view model_keeps[] = {"failed", "all", "none"};
+inline constexpr Key model_keep{.table = "[model]",
+                                .key = "keep",
+                                .kind = word,
+                                .default_value = 0,
+                                .choices = model_keeps,
+                                .meaning = "which folders of runs stay, in `runs` of the results; of failed ones the "
+                                           "first twenty"};
+inline constexpr Key model_url{.table = "[model]",
+                               .key = "url",
+                               .allowed = "`http://HOST:PORT`",
+                               .without = "of a server: `urls`",
+                               .meaning = "where the server listens"};
+inline constexpr Key model_urls{.table = "[model]",
+                                .key = "urls",
+                                .kind = texts,
+                                .allowed = "a list of `http://HOST:PORT`",
+                                .without = "of a server: `url`",
+                                .meaning = "several servers with the same model, asked at once"};
+inline constexpr Key model_name{
+    .table = "[model]", .key = "name", .allowed = "a text", .without = "`forward`", .meaning = "of the server's model"};
+inline constexpr Key model_config{.table = "[model]",
+                                  .key = "config",
+                                  .kind = Key::Kind::table,
+                                  .allowed = "whatever the model knows",
+                                  .without = "empty",
+                                  .meaning = "handed to the server's model with every request"};
+
 inline constexpr Key section_bottom{
     .table = "[section]",
     .key = "bottom",
@@ -335,6 +454,11 @@ inline constexpr Key output_quantity{.table = "[[outputs]]",
                                      .key = "quantity",
                                      .allowed = "a quantity, as in measurement files",
                                      .meaning = "what is wanted"};
+inline constexpr Key output_unit{.table = "[[outputs]]",
+                                 .key = "unit",
+                                 .allowed = "a text",
+                                 .without = "`-`",
+                                 .meaning = "with [model]: the unit of its value; there `name` alone must be given"};
 inline constexpr Key output_x{.table = "[[outputs]]",
                               .key = "x_mm",
                               .kind = number,
@@ -482,6 +606,14 @@ inline constexpr Key prior_sd{.table = "prior of a parameter",
                               .high = 1e9,
                               .low_is_open = true,
                               .meaning = "its standard deviation; with scale `log` that of the natural logarithm"};
+inline constexpr Key parameter_value{.table = "[[parameters]]",
+                                     .key = "value",
+                                     .kind = number,
+                                     .low = -1e300,
+                                     .high = 1e300,
+                                     .without = "the middle of the range",
+                                     .meaning = "with [model]: where the study itself stands; of the built-in model the "
+                                                "layers and loads say it"};
 inline constexpr Key parameter_equals{
     .table = "[[parameters]]",
     .key = "equals",

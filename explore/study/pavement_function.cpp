@@ -1,5 +1,6 @@
 #include "study/pavement_function.h"
 
+#include "external/model.h"
 #include "material/catalog.h"
 #include "pavement/effects/catalog.h"
 #include "pavement/tie.h"
@@ -252,6 +253,9 @@ make_function(const Case& model, const std::vector<Parameter>& parameters, const
 
 std::shared_ptr<const problem::ForwardFunction> make_function(const std::string& description) {
     try {
+        if (external::is_description(description)) {
+            return external::function_of(description);
+        }
         const Json all = Json::from_cbor(description);
         Case model;
         Unpacker::unpack(all.at(0), model);

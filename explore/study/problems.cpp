@@ -1,6 +1,7 @@
 #include "study/problems.h"
 
 #include "base/error.h"
+#include "external/model.h"
 #include "study/constraints.h"
 #include "study/pavement_function.h"
 #include "study/readings.h"
@@ -67,19 +68,47 @@ problem::Problem problem_of(const Study& study, const std::vector<bool>& loads, 
                           fmt::format("{}", study.space.dimension()), fmt::format("at most {}", most_parameters));
     }
     const std::vector<bool> needed = loads.empty() ? loads : with_constrained(loads, study); // empty: all
-    problem::Problem problem(study.space, make_function(study.model, study.parameters, needed), std::move(misfit));
+    problem::Problem problem(study.space, function_of(study, study.parameters, needed), std::move(misfit));
     problem.limits = limits_of(study);
     return problem;
 }
 
 } // namespace
 
+std::shared_ptr<const problem::ForwardFunction>
+function_of(const Study& study, const std::vector<pave::pavement::Parameter>& parameters,
+            const std::vector<bool>& loads) {
+    if (!study.has_own_model) {
+        return make_function(study.model, parameters, loads);
+    }
+    std::vector<std::size_t> which;
+    for (const auto& parameter : parameters) {
+        which.push_back(parameter.place);
+    }
+    return external::make_function(study.external, study.model.corrections[0].factors, std::move(which));
+}
+
+pave::Outcome<pave::pavement::Response> own_response(const Study& study, const pave::pavement::Case& at,
+                                                     bool with_jacobian) {
+    const auto function = function_of(study, study.parameters, {});
+    auto outcome = function->evaluate(at.corrections[0].factors, with_jacobian, *function->make_workspace());
+    if (!outcome) {
+        return outcome.failure();
+    }
+    problem::Prediction prediction = std::move(outcome).value();
+    pave::pavement::Response response;
+    response.values = std::move(prediction.responses);
+    response.jacobian = std::move(prediction.jacobian);
+    response.warnings = std::move(prediction.warnings);
+    return response;
+}
+
 problem::Problem make_prediction_problem(const Study& study) {
     return problem_of(study, {}, problem::Misfit(study.data.misfit, {}));
 }
 
 problem::Problem make_prediction_problem(const Study& study, const std::vector<bool>& loads) {
-    return {study.space, make_function(study.model, study.parameters, loads), problem::Misfit(study.data.misfit, {})};
+    return {study.space, function_of(study, study.parameters, loads), problem::Misfit(study.data.misfit, {})};
 }
 
 std::vector<bool> computed_loads(const Study& study) {

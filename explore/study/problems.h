@@ -1,12 +1,23 @@
 // The calibration problems of a study.
 #pragma once
 
+#include "pavement/forward.h"
 #include "problem/problem.h"
 #include "study/study.h"
 
 namespace explore::study {
 
 inline constexpr std::size_t most_parameters = 40; // of a problem
+
+// The responses as a function of these parameters, in file units, whatever the model; the others stand at the study's
+// own values. loads: which to compute, empty: all.
+std::shared_ptr<const problem::ForwardFunction> function_of(const Study& study,
+                                                            const std::vector<pave::pavement::Parameter>& parameters,
+                                                            const std::vector<bool>& loads);
+
+// The response of a study's own model at the values that `at` has, with derivatives by all parameters or without.
+pave::Outcome<pave::pavement::Response> own_response(const Study& study, const pave::pavement::Case& at,
+                                                     bool with_jacobian);
 
 // What a problem computes at every point: all responses, or those of the loads with readings that are fitted (the
 // others are then not numbers).

@@ -10,7 +10,9 @@
 #include "study/constraints.h"
 #include "study/corrections.h"
 #include "study/prior_correlations.h"
+#include "study/read_layer.h"
 #include "study/read_load.h"
+#include "study/read_model.h"
 #include "study/read_solver.h"
 #include "study/readings.h"
 #include "study/table_reader.h"
@@ -24,58 +26,11 @@ namespace {
 using namespace pave::pavement;
 namespace unit = pave::unit;
 
-// meshed: of the lowest layer of a half-space, how deep it is meshed unless it says so [m]; none: of any other layer.
-Layer read_layer(const toml::table& table, const std::string& file, std::optional<double> meshed) {
-    TableReader reader(table, file, "[[layers]]");
-    Layer layer;
-    layer.name = reader.text(keys::layer_name);
-    reader.rename("layer \"" + layer.name + "\"");
-    std::vector<std::string> law_names;
-    for (const auto* law : pave::material::laws()) {
-        law_names.emplace_back(law->name());
-    }
-    layer.law = pave::material::laws()[reader.choice(keys::layer_law, law_names)];
-    reader.expect(layer_keys());
-    reader.expect(layer.law->parameters());
-    for (const KeyInfo& key : layer_keys()) {
-        auto fallback = key.default_value;
-        if (key.key == "damping_time_ms" && layer.law->relaxes()) { // it damps by itself
-            fallback = 0.0;
-        }
-        if (meshed && key.changes_geometry) {
-            fallback = *meshed / key.to_si;
-        }
-        key.of(layer) = key.to_si * reader.number(key.key, key.low, key.high, key.low_is_open, fallback);
-    }
-    for (const auto& info : layer.law->parameters()) {
-        if (!info.choices.empty()) {
-            const std::vector<std::string> words(info.choices.begin(), info.choices.end());
-            std::optional<std::size_t> fallback;
-            if (info.default_value) {
-                fallback = static_cast<std::size_t>(*info.default_value);
-            }
-            layer.parameters.push_back(static_cast<double>(reader.choice(info.key, words, fallback)));
-        } else {
-            layer.parameters.push_back(
-                info.to_si * reader.number(info.key, info.low, info.high, info.low_is_open, info.default_value));
-        }
-    }
-    reader.done();
-    if (const std::string why = layer.law->impossible(layer.parameters); !why.empty()) {
-        std::vector<std::string> found;
-        for (std::size_t i = 0; i < layer.parameters.size(); ++i) {
-            const auto fades = layer.law->relaxation_derivative(layer.parameters, i);
-            const bool is_share = std::any_of(fades.begin(), fades.end(), [](const auto& f) { return f.share != 0.0; });
-            if (is_share || !layer.law->unit_stiffness_derivative(layer.parameters, {}, i).isZero(0.0)) {
-                found.push_back(fmt::format("{} = {:g}", layer.law->parameters()[i].key, layer.parameters[i]));
-            }
-        }
-        throw pave::Error(reader.place(""), "no material has these parameters", pave::join(found), why);
-    }
-    return layer;
-}
-
 void read_output(const toml::table& table, Study& study) {
+    if (study.has_own_model) {
+        read_own_output(table, study);
+        return;
+    }
     TableReader reader(table, study.file, "[[outputs]]");
     data::Reading output;
     output.output = reader.text(keys::output_name);
@@ -165,7 +120,9 @@ void read_parameter(const toml::table& table, Study& study) {
     reader.expect(std::array{keys::parameter_equals}); // of a number that is not searched
     problem::Axis axis;
     axis.name = reader.text(keys::parameter_name);
-    const Parameter parameter = find_parameter(study.model, axis.name, reader.place("name"));
+    const Parameter parameter = study.has_own_model
+                                    ? add_own_parameter(study, axis.name, reader.place("name"))
+                                    : find_parameter(study.model, axis.name, reader.place("name"));
     if (study.model.half_space && !parameter.in_load && parameter.changes_geometry() &&
         parameter.owner + 1 == static_cast<int>(study.model.layers.size())) {
         throw pave::Error(reader.place("name"), "the lowest layer of a half-space has no bottom to move",
@@ -184,6 +141,9 @@ void read_parameter(const toml::table& table, Study& study) {
                           fmt::format("min = {}, max = {}", axis.low, axis.high), "min < max");
     }
     axis.level = static_cast<problem::Level>(reader.choice(keys::parameter_level));
+    if (study.has_own_model) {
+        parameter.in(study.model) = own_value(reader, axis);
+    }
     axis.start = parameter.get(study.model);
     if (!std::isfinite(axis.start)) {
         throw pave::Error(reader.place("name"), "the layer does not state this key, so it cannot be varied",
@@ -288,14 +248,15 @@ void read_data(const toml::table& table, Study& study, Readings readings, const 
             }
         }
         read.emplace_back(file, path);
-        for (auto& m : data::measurements_of(text, path)) {
+        for (auto& m : study.has_own_model ? data::named_measurements_of(text, path) : data::measurements_of(text, path)) {
             add_measurement(study, std::move(m));
         }
     }
     set_groups(study, reader.place(keys::data_held_out), held_out, weights);
 }
 
-std::string hash_of(toml::table table, const Study& study) {
+// own_files: what the files of a model of its own hold.
+std::string hash_of(toml::table table, const Study& study, const std::string& own_files) {
     table.erase("title");
     table.erase("measure");
     std::ostringstream text;
@@ -305,6 +266,7 @@ std::string hash_of(toml::table table, const Study& study) {
             text << fmt::format("\n{},{},{}", time, share * load.pressure, share * load.total_force());
         }
     }
+    text << own_files;
     const bool has_path = std::any_of(study.model.layers.begin(), study.model.layers.end(),
                                       [](const Layer& layer) { return layer.law->stress_dependent(); });
     if (has_path && !study.model.is_hyperelastic() &&
@@ -362,6 +324,10 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
     reader.integer(keys::schema);
     study.title = reader.text(keys::title, study.stem());
 
+    const auto* own_model = reader.table("model");
+    if (own_model != nullptr) {
+        begin_own_model(study, table);
+    }
     // Layers and loads share one list of names: parameter paths begin with one.
     std::set<std::string> names;
     const auto check_name = [&](const std::string& name, const toml::table& item) {
@@ -393,10 +359,10 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
         study.model.loads.push_back(read_load(*load, study, table["data"]["outside"].value_or(false), read_text));
         check_name(study.model.loads.back().name, *load);
     }
-    if (study.model.layers.empty()) {
+    if (study.model.layers.empty() && own_model == nullptr) {
         throw pave::Error({.file = file, .key = "layers"}, "the section has no layers", {}, "at least one [[layers]]");
     }
-    if (study.model.loads.empty()) {
+    if (study.model.loads.empty() && own_model == nullptr) {
         throw pave::Error({.file = file, .key = "loads"}, "the study has no loads", {}, "at least one [[loads]]");
     }
     if (const auto* solver = reader.table("solver")) {
@@ -453,12 +419,13 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
         r.done();
     }
     reader.done();
+    const std::string own_files = own_model != nullptr ? read_model(*own_model, study, read_text) : "";
     check_steps(study);
     if (readings == Readings::own && study.model.sensors.empty()) {
         throw pave::Error({.file = file}, "the study asks for nothing", "neither measurements nor outputs",
                           "[data] files, or [[outputs]]");
     }
-    study.hash = study.file_hash = hash_of(table, study);
+    study.hash = study.file_hash = hash_of(table, study, own_files);
     study.text = std::move(text);
     return study;
 }
@@ -474,7 +441,9 @@ Study load_study(const std::string& file, Readings readings) {
             throw pave::Error(place, fmt::format("this {} does not exist", what), "\"" + path + "\"",
                               "a path relative to the study's own folder");
         }
-        inputs.push_back({path, data::read_file(path, what)});
+        inputs.push_back(
+            {path, data::read_file(path, what,
+                                   what == file_of_program ? data::Encoding::bytes : data::Encoding::utf8)});
         return NamedText{path, inputs.back().bytes};
     };
     Study study = parse(inputs[0].bytes, file, readings, beside);

@@ -4,6 +4,7 @@
 #include "data/hash.h"
 #include "data/history.h"
 #include "pavement/forward.h"
+#include "study/read_model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -84,7 +85,7 @@ Sensor sensor_of(const data::Reading& m, const Case& model) {
 } // namespace
 
 void add_measurement(Study& study, data::Reading reading) {
-    study.model.sensors.push_back(sensor_of(reading, study.model));
+    study.model.sensors.push_back(study.has_own_model ? own_sensor(study, reading) : sensor_of(reading, study.model));
     study.readings.push_back(std::move(reading));
 }
 
@@ -332,6 +333,9 @@ std::string hash_with_readings(std::string text, std::span<const data::Reading> 
         }
         if (m.drops > 0) {
             text += fmt::format(",{} drops", m.drops);
+        }
+        if (!m.name.empty()) {
+            text += "," + m.name;
         }
     }
     return data::hash_of(text);

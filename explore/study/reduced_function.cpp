@@ -102,6 +102,9 @@ constexpr std::ptrdiff_t hash_length = 32;
 } // namespace
 
 std::string why_no_reduced_model(const Study& study) {
+    if (study.has_own_model) {
+        return "a model of one's own is not projected";
+    }
     const auto loads = fitted_loads(study);
     for (std::size_t l = 0; l < loads.size(); ++l) {
         if (loads[l]) {

@@ -15,6 +15,7 @@ namespace unit = pave::unit;
 
 Study load_survey_study(const std::string& file) {
     Study study = load_study(file, Readings::elsewhere);
+    refuse_own_model(study, "a survey");
     auto& loads = study.model.loads;
     const auto is_plate = [](const pave::pavement::Load& load) { return load.type == pave::pavement::LoadType::plate; };
     const auto plates = std::count_if(loads.begin(), loads.end(), is_plate);

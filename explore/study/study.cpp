@@ -72,7 +72,15 @@ bool leaves_folder(const std::filesystem::path& folder, const std::filesystem::p
     return leaves_folder(path) || (!error && leaves_folder(target.lexically_relative(own)));
 }
 
+void refuse_own_model(const Study& study, const std::string& what) {
+    if (study.has_own_model) {
+        throw pave::Error({.file = study.file, .key = "model"}, what + " knows the built-in model alone", "[model]",
+                          "a study with [[layers]] and [[loads]]");
+    }
+}
+
 Study with_measurements(Study study, std::vector<data::Reading> measurements) {
+    refuse_own_model(study, "what brings readings of its own");
     study.model.sensors.clear();
     study.readings.clear();
     if (study.model.settings.wall_follows) {
@@ -115,6 +123,7 @@ const Effect& effect_named(const std::string& name, const pave::Place& place) {
 }
 
 Study with_effect(Study study, const std::string& name, double size, const pave::Place& place) {
+    refuse_own_model(study, "an effect of the catalogue");
     const Effect* effect = &effect_named(name, place);
     if (!(size >= effect->low && size <= effect->high)) {
         throw pave::Error(place, "size out of range", fmt::format("{} = {}", name, size),

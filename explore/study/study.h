@@ -14,6 +14,10 @@
 #include <map>
 #include <memory>
 
+namespace explore::external {
+class Model;
+}
+
 namespace explore::study {
 
 // Who says in how many steps the load path is followed (model.settings.solver.load_steps). by_default: an analysis may
@@ -31,7 +35,7 @@ struct DataSettings {
     // of that load and quantity)^2 + noise_absolute^2), v the value without error.
     std::optional<double> noise_relative;
     std::optional<double> noise_floor;
-    std::array<double, 3> noise_absolute{}; // SI, of every data::Dimension
+    std::array<double, 4> noise_absolute{}; // SI, of every data::Dimension
     // What adds to the error of every reading, whoever states it, and ties those of a load: see data::Noise.
     double noise_common_relative = 0.0;
     double noise_correlation_length = 0.0; // m
@@ -51,7 +55,7 @@ struct DataSettings {
                noise_drift > 0.0 || correlates_readings();
     }
     bool shapes_noise() const { return correlates_noise() || noise_degrees > 0.0; }
-    bool states_noise() const { return noise_relative || noise_floor || noise_absolute != std::array<double, 3>{}; }
+    bool states_noise() const { return noise_relative || noise_floor || noise_absolute != std::array<double, 4>{}; }
 };
 
 // The readings of one quantity under one load: what is weighed, held out and judged together.
@@ -92,6 +96,10 @@ struct Study {
     // Of the file as it was read: a study that was derived from it (other laws, effects, readings) keeps it.
     std::string file_hash;
     std::shared_ptr<const std::vector<data::InputFile>> inputs; // the file, then its data files; null: from memory
+    // [model]: a forward function that is not ours. Then `model` holds loads and sensors by name alone, and the values of
+    // the parameters as the factors of a correction that acts on nothing.
+    bool has_own_model = false;
+    std::shared_ptr<const external::Model> external{};
 
     // Name without folder and ending: the default folder of its results.
     std::string stem() const;
@@ -129,6 +137,9 @@ void check_effect(const Study& study, const pave::pavement::AppliedEffect& appli
 // name. place: of whoever asks for it. Throws pave::Error for an unknown name, a size out of range, and an effect that
 // this study cannot have.
 Study with_effect(Study study, const std::string& name, double size, const pave::Place& place);
+
+// Throws pave::Error for a study with a model of its own, which `what` is not for.
+void refuse_own_model(const Study& study, const std::string& what);
 
 // Whether a path that is read from a folder may lead out of it.
 bool leaves_folder(const std::filesystem::path& path);

@@ -12,6 +12,17 @@ namespace explore::study {
 
 using pave::pavement::Parameter;
 
+namespace {
+
+std::vector<std::string> names_of_axes(const problem::ParameterSpace& space) {
+    std::vector<std::string> names;
+    std::transform(space.axes.begin(), space.axes.end(), std::back_inserter(names),
+                   [](const problem::Axis& axis) { return axis.name; });
+    return names;
+}
+
+} // namespace
+
 NamedValue named_value(std::string_view text, const pave::Place& place) {
     const std::size_t equals = text.rfind('=');
     if (equals == std::string_view::npos) {
@@ -34,11 +45,30 @@ std::vector<NamedValue> named_values(std::string_view text, const pave::Place& p
     return values;
 }
 
+std::vector<std::string> names_of_numbers(const Study& study) {
+    return study.has_own_model ? names_of_axes(study.space) : parameter_paths(study.model);
+}
+
+Parameter number_named(const Study& study, const std::string& name, const pave::Place& place) {
+    if (!study.has_own_model) {
+        return find_parameter(study.model, name, place);
+    }
+    const auto found = std::find_if(study.parameters.begin(), study.parameters.end(),
+                                    [&](const Parameter& parameter) { return parameter.path == name; });
+    if (found == study.parameters.end()) {
+        const auto names = names_of_numbers(study);
+        const std::string near = pave::nearest_name(name, names);
+        throw pave::Error(place, "this parameter names nothing in the study", "\"" + name + "\"",
+                          (near.empty() ? "" : "did you mean \"" + near + "\"? ") + "one of " + pave::join(names));
+    }
+    return *found;
+}
+
 std::vector<Parameter> changeable(Study& study, const std::vector<std::string>& names, const pave::Place& place) {
     std::vector<Parameter> parameters;
     std::set<std::string> seen;
     for (const std::string& name : names) {
-        const Parameter parameter = find_parameter(study.model, name, place);
+        const Parameter parameter = number_named(study, name, place);
         if (!seen.insert(name).second) {
             throw pave::Error(place, "this number is given twice", "\"" + name + "\"", "each once");
         }

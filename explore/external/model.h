@@ -1,0 +1,42 @@
+// The model of a study that is not ours, and functions of it for the explorer.
+#pragma once
+
+#include "external/differences.h"
+#include "problem/forward_function.h"
+
+#include <memory>
+#include <mutex>
+
+namespace explore::external {
+
+// Shared by all functions of a study: its noise is estimated once.
+class Model {
+public:
+    // Of all parameters of the study; to_si: of each response's unit.
+    Model(std::shared_ptr<const Simulator> simulator, problem::ParameterSpace space, std::vector<double> to_si);
+
+    const Simulator& simulator() const { return *simulator_; }
+    const problem::ParameterSpace& space() const { return space_; }
+    const std::vector<double>& to_si() const { return to_si_; }
+    // Runs the model where that is not known yet.
+    const Differences& differences() const;
+    // How derivatives are made, in words; "" where the model offers them.
+    std::string derivative_words() const;
+
+private:
+    std::shared_ptr<const Simulator> simulator_;
+    problem::ParameterSpace space_;
+    std::vector<double> to_si_;
+    mutable std::once_flag once_;
+    mutable Differences differences_;
+};
+
+// The responses [SI] as a function of the parameters number `which` of the study; the others stand at `nominal`.
+std::shared_ptr<const problem::ForwardFunction> make_function(std::shared_ptr<const Model> model,
+                                                              std::vector<double> nominal,
+                                                              std::vector<std::size_t> which);
+// The same from its description(). Throws nlohmann::json::exception for bytes that are none.
+std::shared_ptr<const problem::ForwardFunction> function_of(const std::string& description);
+bool is_description(const std::string& bytes);
+
+} // namespace explore::external

@@ -1,0 +1,27 @@
+// [model]: a forward function that is not ours, and what a study then holds in place of a section. Private to study/.
+#pragma once
+
+#include "problem/parameter_space.h"
+#include "study/read_load.h"
+#include "study/table_reader.h"
+
+namespace explore::study {
+
+// What a TextReader is asked for where it may be no text: a file in the folder of every run.
+inline constexpr std::string_view file_of_program = "file of the program";
+
+// Before anything else is read. Throws pave::Error for tables that belong to the built-in model.
+void begin_own_model(Study& study, const toml::table& table);
+
+pave::pavement::Parameter add_own_parameter(Study& study, const std::string& name, const pave::Place& place);
+// The value of a parameter where the study itself stands: stated, or the middle of its range.
+double own_value(TableReader& reader, const problem::Axis& axis);
+// A sensor for a reading, by its place alone.
+pave::pavement::Sensor own_sensor(Study& study, const data::Reading& reading);
+void read_own_output(const toml::table& table, Study& study);
+
+// When all parameters, readings and outputs are known: makes study.external. What its files hold that changes its
+// responses. Throws pave::Error.
+std::string read_model(const toml::table& table, Study& study, const TextReader& read_text);
+
+} // namespace explore::study
