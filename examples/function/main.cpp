@@ -28,7 +28,9 @@ struct Decay final : problem::ForwardFunction {
 int main() {
     std::vector<problem::Misfit::Term> terms;
     for (int t = 1; t <= Decay::readings; ++t) { // measured: rates of 0.2 and 0.8
-        terms.push_back({.response = static_cast<std::size_t>(t - 1), .measured = std::exp(-0.2 * t) + std::exp(-0.8 * t), .scale = 0.01});
+        terms.push_back({.response = static_cast<std::size_t>(t - 1),
+                         .measured = std::exp(-0.2 * t) + std::exp(-0.8 * t),
+                         .scale = 0.01});
     }
     const problem::Axis rate{.name = "rate", .low = 0.02, .high = 4.0, .scale = problem::Scale::log};
     const problem::Problem decay({{rate, rate}}, std::make_shared<Decay>(), {problem::MisfitKind::weighted, terms});

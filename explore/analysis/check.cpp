@@ -139,8 +139,8 @@ pave::Outcome<std::vector<Estimate>> check_own_model(const study::Study& study, 
     }
     const problem::Problem problem = study::make_prediction_problem(study);
     const auto begin = std::chrono::steady_clock::now();
-    const auto outcome = problem.function->evaluate(study.model.corrections[0].factors, false,
-                                                    *problem.function->make_workspace());
+    const auto outcome =
+        problem.function->evaluate(study.model.corrections[0].factors, false, *problem.function->make_workspace());
     if (!outcome) {
         return outcome.failure();
     }

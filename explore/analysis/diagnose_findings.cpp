@@ -133,11 +133,10 @@ private:
         }
         if (!next.empty()) {
             const SeparatingReading& best = next[0];
-            return fmt::format(
-                "Best next measurement: {} (to {} {}). It would raise the rate of the right decision "
-                "between the closest two from {} to {}.",
-                best.words(), figure(best.reading.in_unit(best.reading.noise.absolute)), best.reading.unit.name,
-                percent(best.rate_now), percent(best.power));
+            return fmt::format("Best next measurement: {} (to {} {}). It would raise the rate of the right decision "
+                               "between the closest two from {} to {}.",
+                               best.words(), figure(best.reading.in_unit(best.reading.noise.absolute)),
+                               best.reading.unit.name, percent(best.rate_now), percent(best.power));
         }
         if (!telling.empty()) {
             const auto& [reading, bits] = telling.front();

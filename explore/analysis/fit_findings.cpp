@@ -23,14 +23,17 @@ using landscape::Minimum;
 using pave::counted;
 using pave::figure;
 
-// Minima whose misfit the noise cannot tell from the best one: within one noise level, or 5 % without degrees of
-// freedom.
-std::vector<const Minimum*> rivals(const std::vector<Minimum>& minima, const landscape::LocalAnalysis& best) {
-    const double f0 = minima[0].evaluation.misfit;
-    const double margin = best.noise > 0.0 ? std::sqrt(f0 * f0 + best.noise * best.noise) : 1.05 * f0;
+// Minima whose misfit the noise of each reading cannot tell from the best one: within one noise level, or 5 % without
+// degrees of freedom.
+std::vector<const Minimum*> rivals(const std::vector<Minimum>& minima, const problem::Problem& problem,
+                                   const landscape::LocalAnalysis& best) {
+    const problem::Problem by_noise = problem.in_units_of_noise();
+    const double f0 = by_noise.misfit(minima[0].evaluation);
+    const double noise = best.noise_is_stated ? best.widening : best.noise;
+    const double margin = noise > 0.0 ? std::sqrt(f0 * f0 + noise * noise) : 1.05 * f0;
     std::vector<const Minimum*> list;
     for (const Minimum& m : minima) {
-        if (m.evaluation.misfit <= margin) {
+        if (by_noise.misfit(m.evaluation) <= margin) {
             list.push_back(&m);
         }
     }
@@ -257,7 +260,7 @@ std::vector<std::string> findings(const FitResult& result) {
     const std::vector<Minimum>& minima = result.searches.minima;
     const Minimum& best = result.best();
     const std::size_t starts = result.searches.ends.size();
-    const auto close = rivals(minima, local);
+    const auto close = rivals(minima, problem, local);
     // What matters most comes first: what is not known, then where the searches ended.
     if (!best.converged) {
         text.push_back(fmt::format("The search that came lowest had not converged ({}): the misfit may fall further. "
@@ -342,10 +345,14 @@ std::vector<std::string> findings(const FitResult& result) {
                                    starts, asked, result.options.multistart.start_distance));
     }
     const std::string change = direction_words(problem.space, best.unit, local.weakest);
-    if (local.noise > 0.0 && local.weakest_growth < 3.0 * local.noise && !change.empty()) {
-        text.push_back(fmt::format("The data are hardly sensitive to this change: {}. It changes the residuals by {}, "
-                                   "where their noise is {}.",
-                                   change, figure(local.weakest_growth), figure(local.noise)));
+    // In units of the noise of what it changes; the change is a tenth of the box.
+    const Eigen::Map<const Eigen::VectorXd> weakest(local.weakest.data(),
+                                                    static_cast<Eigen::Index>(local.weakest.size()));
+    const double growth = local.root.cols() > 0 ? 0.1 * (local.root * weakest).norm() : INFINITY;
+    if (growth < 3.0 && !change.empty()) {
+        text.push_back(fmt::format("The data are hardly sensitive to this change: {}. It changes the residuals by {} "
+                                   "times their noise.",
+                                   change, figure(growth)));
     }
     if (problem.noise_is_student()) {
         text.push_back(downweighted(result));

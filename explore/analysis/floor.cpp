@@ -22,7 +22,8 @@ std::optional<WithoutFloor> fit_without_floor(const study::Study& study, const s
     const auto moves_floor = [](const pave::pavement::AppliedEffect& applied) {
         return applied.effect->name == "floor-depth";
     };
-    if (study.has_own_model || study.model.half_space || std::any_of(study.parameters.begin(), study.parameters.end(), is_of_the_floor) ||
+    if (study.has_own_model || study.model.half_space ||
+        std::any_of(study.parameters.begin(), study.parameters.end(), is_of_the_floor) ||
         std::any_of(study.model.effects.begin(), study.model.effects.end(), moves_floor) ||
         !std::all_of(study.model.loads.begin(), study.model.loads.end(), is_plane)) {
         return std::nullopt;

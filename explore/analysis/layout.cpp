@@ -76,7 +76,7 @@ std::string noise_key_words(const study::Study& study) {
     if (data.noise_floor) {
         idle.emplace_back("noise_floor");
     }
-    if (data.noise_absolute != std::array<double, 3>{}) {
+    if (data.noise_absolute != std::array<double, 4>{}) {
         idle.emplace_back("absolute");
     }
     std::vector<std::string> acting;

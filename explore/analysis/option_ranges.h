@@ -29,5 +29,7 @@ inline constexpr Whole compare_verify{1, 100'000};
 inline constexpr Real sensitivity_range{0.1, 100.0}; // %
 inline constexpr Whole sensitivity_points{2, 1001};
 inline constexpr Whole sensitivity_samples{0, 1'000'000};
+inline constexpr Real design_reliability{50.0, 97.5}; // %, within the 95 % range
+inline constexpr Real design_years{0.1, 200.0};
 
 } // namespace explore::analysis::allowed

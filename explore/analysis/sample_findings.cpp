@@ -233,11 +233,10 @@ std::vector<std::string> findings(const SampleResult& result) {
     say_correlations(result, text);
     if (!result.telling.empty()) {
         const auto& [reading, bits] = result.telling.front();
-        text.push_back(
-            fmt::format("Best next measurement: {} (noise {} {} assumed), {:.1f} bits; the ranges "
-                        "together would shrink to {:.0f} % of their volume.",
-                        reading.words(), figure(reading.in_unit(reading.noise.absolute)), reading.unit.name, bits,
-                        100.0 * std::exp2(-bits)));
+        text.push_back(fmt::format("Best next measurement: {} (noise {} {} assumed), {:.1f} bits; the ranges "
+                                   "together would shrink to {:.0f} % of their volume.",
+                                   reading.words(), figure(reading.in_unit(reading.noise.absolute)), reading.unit.name,
+                                   bits, 100.0 * std::exp2(-bits)));
     }
     const auto& posterior = result.posterior;
     if (posterior.answered < 0.999) {

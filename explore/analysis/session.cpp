@@ -138,8 +138,9 @@ void Session::keep(const std::string& name, const std::string& json) {
     if (store_) {
         store_->put_result(newest_, json);
         if (const std::size_t count = store_->over_time(); count > 0 && external_) {
-            run::message("{} had no answer for reasons that may pass and {} not kept: the same command tries {} again\n",
-                         pave::counted(count, "run", "runs"), count == 1 ? "is" : "are", count == 1 ? "it" : "them");
+            run::message(
+                "{} had no answer for reasons that may pass and {} not kept: the same command tries {} again\n",
+                pave::counted(count, "run", "runs"), count == 1 ? "is" : "are", count == 1 ? "it" : "them");
         } else if (count > 0) {
             run::message("{} took longer than [solver] time_limit_s allows and {} not kept: the same command tries {} "
                          "again\n",

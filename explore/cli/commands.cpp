@@ -12,6 +12,7 @@ std::span<const Command> commands() {
         {"sensitivity", add_sensitivity, true},
         {"unique", add_unique, true},
         {"sample", add_sample, true},
+        {"design", add_design, true},
         {"diagnose", add_diagnose, true},
         {"compare", add_compare, true},
         {"twin", add_twin},

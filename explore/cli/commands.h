@@ -13,6 +13,7 @@ void add_fit(CLI::App& app, Action& action);
 void add_sensitivity(CLI::App& app, Action& action);
 void add_unique(CLI::App& app, Action& action);
 void add_sample(CLI::App& app, Action& action);
+void add_design(CLI::App& app, Action& action);
 void add_diagnose(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action);
 void add_twin(CLI::App& app, Action& action);

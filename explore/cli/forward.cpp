@@ -66,7 +66,8 @@ int forward(const ForwardArguments& options) {
         return hand_over_failure(options.common, json,
                                  std::string(to_string(outcome.status())) + ": " + outcome.failure().reason);
     }
-    const auto fields = options.vtu.empty() ? std::vector<std::string>{} : report::write_fields(study, *model, at, options.vtu);
+    const auto fields =
+        options.vtu.empty() ? std::vector<std::string>{} : report::write_fields(study, *model, at, options.vtu);
     if (options.common.json) {
         if (!fields.empty()) {
             json["vtu"] = fields;

@@ -7,54 +7,11 @@
 
 #include <filesystem>
 #include <fmt/format.h>
-#include <set>
 
 namespace explore::cli {
 namespace {
 
 using report::Json;
-
-// What was computed when, and how fast.
-Json sessions_in(const run::Store& store) {
-    Json sessions = Json::array();
-    for (const run::Session& s : store.sessions()) {
-        sessions.push_back({{"began", s.began},
-                            {"arguments", s.arguments},
-                            {"version", s.version},
-                            {"libraries", s.libraries},
-                            {"threads", s.threads},
-                            {"evaluations", s.evaluations},
-                            {"seconds", s.seconds}});
-    }
-    return sessions;
-}
-
-// The studies that the results came from, as they were run. store: may be nullptr.
-Json studies_of(const Json& results, const run::Store* store) {
-    Json studies = Json::array();
-    std::set<std::string> seen;
-    for (const auto& [command, result] : results.items()) {
-        if (!result.contains("study")) {
-            continue;
-        }
-        const Json& of = result["study"];
-        const std::string file = of.value("file", "");
-        const std::string hash = of.value("hash", "");
-        if (!seen.insert(file + hash).second) {
-            continue;
-        }
-        Json study = {{"file", std::filesystem::path(file).filename().string()},
-                      {"title", of.value("title", "")},
-                      {"hash", hash}};
-        if (const auto text = store != nullptr ? store->study_text(hash) : std::nullopt) {
-            study["text"] = *text;
-        } else {
-            study["note"] = "This run has not kept the text of its study.";
-        }
-        studies.push_back(std::move(study));
-    }
-    return studies;
-}
 
 int make_report(const std::string& folder, const std::string& out) {
     report::RunFolder read = report::read_run_folder(folder, keepers_of_runs());
@@ -62,8 +19,8 @@ int make_report(const std::string& folder, const std::string& out) {
     if (std::filesystem::exists(std::filesystem::path(folder) / "run.sqlite")) {
         store.emplace(folder);
     }
-    Json sessions = store ? sessions_in(*store) : Json::array();
-    Json studies = studies_of(read.results, store ? &*store : nullptr);
+    Json sessions = store ? report::sessions_json(*store) : Json::array();
+    Json studies = report::studies_json(read.results, store ? &*store : nullptr);
     const std::string text = report::page({{"folder", std::filesystem::canonical(folder).filename().string()},
                                            {"version", analysis::version},
                                            {"results", std::move(read.results)},

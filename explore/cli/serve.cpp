@@ -21,10 +21,11 @@ void add_serve(CLI::App& app, Action& action) {
     command->callback([=, &action] {
         action = [=] {
             run::catch_interrupts();
-            report::serve_model(study::load_study(options->study), *port, options->threads, [](const std::string& address) {
-                fmt::print("model \"forward\" at {}\nCtrl-C ends it.\n", address);
-                std::fflush(stdout);
-            });
+            report::serve_model(study::load_study(options->study), *port, options->threads,
+                                [](const std::string& address) {
+                                    fmt::print("model \"forward\" at {}\nCtrl-C ends it.\n", address);
+                                    std::fflush(stdout);
+                                });
             return static_cast<int>(done);
         };
     });

@@ -37,9 +37,8 @@ struct BowlFault {
 };
 
 // Readings of sensors on one line under circles of pressure at its beginning, of any number of loads. A rise counts
-// where it is four standard deviations, of one load or of several together, a tenth of the reading and a fiftieth of the
-// largest; a fault is named where
-// mending it makes every bowl fall, and nothing else does as smoothly.
+// where it is four standard deviations, of one load or of several together, a tenth of the reading and a fiftieth of
+// the largest; a fault is named where mending it makes every bowl fall, and nothing else does as smoothly.
 std::vector<BowlFault> bowl_faults(const std::vector<BowlPoint>& readings);
 
 } // namespace explore::data

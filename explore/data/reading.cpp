@@ -12,9 +12,22 @@
 namespace explore::data {
 namespace {
 
-enum Column : std::size_t { load, quantity, x_mm, y_mm, depth_mm, gauge_mm, value, unit, sigma, time_ms, name, columns };
-constexpr std::array<std::string_view, columns> names = {"load",     "quantity", "x_mm", "y_mm",  "depth_mm",
-                                                         "gauge_mm", "value",    "unit", "sigma", "time_ms", "name"};
+enum Column : std::size_t {
+    load,
+    quantity,
+    x_mm,
+    y_mm,
+    depth_mm,
+    gauge_mm,
+    value,
+    unit,
+    sigma,
+    time_ms,
+    name,
+    columns
+};
+constexpr std::array<std::string_view, columns> names = {
+    "load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm", "value", "unit", "sigma", "time_ms", "name"};
 
 } // namespace
 
@@ -87,8 +100,8 @@ std::string_view measurement_header() {
 }
 
 std::string measurement_row(const Reading& r) {
-    return fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_cell(r.load), csv_cell(r.quantity), r.x_mm, r.y_mm, r.depth_mm,
-                       r.gauge_mm, r.value, r.unit.name, r.sigma ? fmt::format("{}", *r.sigma) : "");
+    return fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_cell(r.load), csv_cell(r.quantity), r.x_mm, r.y_mm,
+                       r.depth_mm, r.gauge_mm, r.value, r.unit.name, r.sigma ? fmt::format("{}", *r.sigma) : "");
 }
 
 bool has_times(std::span<const Reading> readings) {
@@ -122,9 +135,9 @@ namespace {
 std::vector<Reading> readings_of(std::string_view text, const std::string& file, bool any_model) {
     const CsvTable table = parse_table(text, file);
     const auto& rows = table.rows;
-    const std::string header_words =
-        any_model ? "a header with value and any of name, load, quantity, x_mm, y_mm, depth_mm, gauge_mm, time_ms, unit, sigma"
-                  : "the header " + std::string(measurement_header());
+    const std::string header_words = any_model ? "a header with value and any of name, load, quantity, x_mm, y_mm, "
+                                                 "depth_mm, gauge_mm, time_ms, unit, sigma"
+                                               : "the header " + std::string(measurement_header());
     if (rows.empty()) {
         throw pave::Error({.file = file}, "the file holds no measurements", "nothing but comments or blank lines",
                           header_words + " and at least one row");

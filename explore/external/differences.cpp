@@ -120,7 +120,7 @@ Differences estimate_differences(const RunAt& run, const std::vector<double>& st
     result.central = result.noise > exact;
     // Where the error by curvature and that by noise are equal, of responses that bend over `length`.
     result.step = result.central ? std::clamp(length * std::cbrt(3.0 * result.noise), narrowest, widest)
-                                 : 2.0 * length * std::sqrt(std::max(result.noise, 1e-16));
+                                 : 2.0 * length * std::sqrt(std::max(result.noise, 1e-14));
     return result;
 }
 

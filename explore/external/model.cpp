@@ -44,9 +44,9 @@ public:
             if (!jacobian) {
                 return jacobian.failure();
             }
-            prediction.jacobian = Eigen::Map<const Eigen::VectorXd>(to_si.data(), static_cast<Index>(to_si.size()))
-                                      .asDiagonal() *
-                                  std::move(jacobian).value();
+            prediction.jacobian =
+                Eigen::Map<const Eigen::VectorXd>(to_si.data(), static_cast<Index>(to_si.size())).asDiagonal() *
+                std::move(jacobian).value();
         }
         return prediction;
     }
@@ -153,9 +153,8 @@ std::string Model::derivative_words() const {
     return simulator_->has_jacobian() ? "" : differences().words();
 }
 
-std::shared_ptr<const problem::ForwardFunction> make_function(std::shared_ptr<const Model> model,
-                                                              std::vector<double> nominal,
-                                                              std::vector<std::size_t> which) {
+std::shared_ptr<const problem::ForwardFunction>
+make_function(std::shared_ptr<const Model> model, std::vector<double> nominal, std::vector<std::size_t> which) {
     return std::make_shared<ExternalFunction>(std::move(model), std::move(nominal), std::move(which));
 }
 
@@ -175,9 +174,9 @@ std::shared_ptr<const problem::ForwardFunction> function_of(const std::string& d
                               .start = a.at(4)});
     }
     auto simulator = of_simulator.at("type") == "program" ? program_of(of_simulator) : client_of(of_simulator);
-    return make_function(std::make_shared<Model>(std::move(simulator), std::move(space),
-                                                 all.at("to_si").get<std::vector<double>>()),
-                         all.at("nominal").get<std::vector<double>>(), all.at("which").get<std::vector<std::size_t>>());
+    return make_function(
+        std::make_shared<Model>(std::move(simulator), std::move(space), all.at("to_si").get<std::vector<double>>()),
+        all.at("nominal").get<std::vector<double>>(), all.at("which").get<std::vector<std::size_t>>());
 }
 
 } // namespace explore::external

@@ -32,9 +32,8 @@ private:
 };
 
 // The responses [SI] as a function of the parameters number `which` of the study; the others stand at `nominal`.
-std::shared_ptr<const problem::ForwardFunction> make_function(std::shared_ptr<const Model> model,
-                                                              std::vector<double> nominal,
-                                                              std::vector<std::size_t> which);
+std::shared_ptr<const problem::ForwardFunction>
+make_function(std::shared_ptr<const Model> model, std::vector<double> nominal, std::vector<std::size_t> which);
 // The same from its description(). Throws nlohmann::json::exception for bytes that are none.
 std::shared_ptr<const problem::ForwardFunction> function_of(const std::string& description);
 bool is_description(const std::string& bytes);

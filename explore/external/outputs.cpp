@@ -259,8 +259,8 @@ std::optional<Line> line_of(const std::string& text) {
 }
 
 const std::vector<std::string>& by_columns() {
-    static const std::vector<std::string> all{"name",     "load",     "quantity", "x_mm", "y_mm",
-                                              "depth_mm", "gauge_mm", "time_ms"};
+    static const std::vector<std::string> all{"name", "load",     "quantity", "x_mm",
+                                              "y_mm", "depth_mm", "gauge_mm", "time_ms"};
     return all;
 }
 

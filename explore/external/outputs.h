@@ -19,7 +19,8 @@ struct Wanted {
     std::string output{}; // the name of an output; empty: measured
 };
 
-// Which line: `number`-th after (0: the very) the first or last line with the marker; without a marker of the file, from 1.
+// Which line: `number`-th after (0: the very) the first or last line with the marker; without a marker of the file,
+// from 1.
 struct Line {
     std::size_t number = 1;
     std::string marker{};
@@ -36,7 +37,7 @@ struct OutputFile {
     std::size_t column = 1;               // the so-manieth number or word between blanks, commas and semicolons
     std::vector<std::string> by{};        // a CSV table: its columns that tell which reading a row is
     std::string value_column{};           // and the one with the value
-    std::string at{};                     // a JSON pointer: to a number, a list in the order of the readings, or an object
+    std::string at{}; // a JSON pointer: to a number, a list in the order of the readings, or an object
 };
 
 // The columns that `by` may name.

@@ -124,8 +124,8 @@ private:
             stream << *text;
             stream.close();
             if (!stream) {
-                return passing(fmt::format("{} cannot be written: {}", (folder / input.file).string(),
-                                           std::strerror(errno)));
+                return passing(
+                    fmt::format("{} cannot be written: {}", (folder / input.file).string(), std::strerror(errno)));
             }
         }
         const ChildEnd end = run_child(settings_.command, folder.string(), settings_.time_limit);
@@ -146,8 +146,8 @@ private:
         }
         auto read = read_outputs(settings_.outputs, wanted_, folder.string());
         if (!read) {
-            return pave::Failure{pave::Status::failed,
-                                 fmt::format("{} ended well, but {}{}", name, read.failure().reason, last_words(folder))};
+            return pave::Failure{pave::Status::failed, fmt::format("{} ended well, but {}{}", name,
+                                                                   read.failure().reason, last_words(folder))};
         }
         return read;
     }
@@ -156,8 +156,8 @@ private:
     void leave(const std::string& folder, bool answered) const {
         const std::scoped_lock lock(mutex_);
         constexpr std::size_t most_failed = 20;
-        const bool stays = settings_.keep == Keep::all ||
-                           (settings_.keep == Keep::failed && !answered && kept_ < most_failed);
+        const bool stays =
+            settings_.keep == Keep::all || (settings_.keep == Keep::failed && !answered && kept_ < most_failed);
         std::error_code error; // of what cannot be kept the run itself is no worse
         if (stays) {
             ++kept_;

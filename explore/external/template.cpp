@@ -63,7 +63,8 @@ Template::Template(std::string text, std::string file, const std::vector<std::st
         const std::size_t line_end = std::min(text_.find('\n', at), text_.size());
         const pave::Place place{.file = file_, .line = static_cast<int>(line)};
         if (end == std::string::npos || end > line_end) {
-            throw pave::Error(place, "a place for a value is not closed", text_.substr(at, std::min(line_end - at, 40UL)),
+            throw pave::Error(place, "a place for a value is not closed",
+                              text_.substr(at, std::min(line_end - at, 40UL)),
                               "{{NAME}} or {{NAME:FORMAT}} in one line");
         }
         const std::string inside = text_.substr(at + open.size(), end - at - open.size());
@@ -98,8 +99,7 @@ pave::Outcome<std::string> Template::filled(std::span<const double> values) cons
     std::string text;
     for (const Place& place : places_) {
         const double value = values[place.value];
-        const std::string number =
-            place.format.empty() ? fmt::format("{}", value) : fmt::sprintf(place.format, value);
+        const std::string number = place.format.empty() ? fmt::format("{}", value) : fmt::sprintf(place.format, value);
         if (place.width > 0 && number.size() > place.width) {
             return pave::Failure{pave::Status::invalid_parameters,
                                  fmt::format("{} = {} does not fit the {} columns that {} has for it ({})", place.name,

@@ -12,8 +12,8 @@ namespace explore::external {
 class Template {
 public:
     // file: as messages call it; names: of the values, in their order. A place without a format takes the shortest
-    // number that reads back the same. Throws pave::Error for a name that there is not, and for a format that is none of
-    // a number (%e, %f, %g with flags, width and precision).
+    // number that reads back the same. Throws pave::Error for a name that there is not, and for a format that is none
+    // of a number (%e, %f, %g with flags, width and precision).
     Template(std::string text, std::string file, const std::vector<std::string>& names);
 
     // invalid-parameters where a value is wider than its format says: columns to its right would shift.

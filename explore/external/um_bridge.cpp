@@ -143,7 +143,8 @@ private:
         }
         const auto models = info.at("models").get<std::vector<std::string>>();
         if (std::find(models.begin(), models.end(), settings_.name) == models.end()) {
-            throw NoAnswer(fmt::format("the server has no model \"{}\"; it has {}", settings_.name, pave::join(models)));
+            throw NoAnswer(
+                fmt::format("the server has no model \"{}\"; it has {}", settings_.name, pave::join(models)));
         }
         Shape shape;
         const Json support = ask("/ModelInfo", common()).at("support");
@@ -153,11 +154,11 @@ private:
         ask("/OutputSizes", common()).at("outputSizes").get_to(shape.outputs);
         const auto sum = [](const auto& sizes) { return std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}); };
         if (sum(shape.inputs) != settings_.parameters || sum(shape.outputs) != settings_.responses) {
-            throw NoAnswer(fmt::format("the server's model takes {} and gives {}; the study has {} and {}",
-                                       pave::counted(sum(shape.inputs), "number", "numbers"), sum(shape.outputs),
-                                       pave::counted(settings_.parameters, "parameter", "parameters"),
-                                       pave::counted(settings_.responses, "reading and output",
-                                                     "readings and outputs")));
+            throw NoAnswer(
+                fmt::format("the server's model takes {} and gives {}; the study has {} and {}",
+                            pave::counted(sum(shape.inputs), "number", "numbers"), sum(shape.outputs),
+                            pave::counted(settings_.parameters, "parameter", "parameters"),
+                            pave::counted(settings_.responses, "reading and output", "readings and outputs")));
         }
         shape_ = std::move(shape);
         return *shape_;
@@ -183,8 +184,7 @@ private:
                     unit[k] = 1.0;
                     request[by_columns ? "vec" : "sens"] = unit;
                     const Json answer = ask(by_columns ? "/ApplyJacobian" : "/Gradient", request);
-                    const auto part =
-                        numbers_of(answer.at("output"), by_columns ? shape.outputs[o] : shape.inputs[i]);
+                    const auto part = numbers_of(answer.at("output"), by_columns ? shape.outputs[o] : shape.inputs[i]);
                     for (std::size_t j = 0; j < part.size(); ++j) {
                         const auto own = static_cast<Eigen::Index>(k);
                         const auto other = static_cast<Eigen::Index>(j);
@@ -217,6 +217,7 @@ private:
         if (client == nullptr) {
             client = std::make_unique<httplib::Client>(url);
             client->set_keep_alive(true);
+            client->set_tcp_nodelay(true); // else a request in two parts waits 40 ms for an acknowledgement
             client->set_tcp_nodelay(true);
             client->set_connection_timeout(5);
             constexpr double no_limit = 1e7;
@@ -234,10 +235,10 @@ private:
         }
         if (!result) {
             const bool late = result.error() == httplib::Error::Read && settings_.time_limit > 0.0;
-            no_answer_now(late ? fmt::format("the server at {} did not answer within time_limit_s = {:g}, or broke off",
-                                             url, settings_.time_limit)
-                               : fmt::format("the server at {} does not answer: {}", url,
-                                             httplib::to_string(result.error())));
+            no_answer_now(
+                late ? fmt::format("the server at {} did not answer within time_limit_s = {:g}, or broke off", url,
+                                   settings_.time_limit)
+                     : fmt::format("the server at {} does not answer: {}", url, httplib::to_string(result.error())));
         }
         const Json answer = Json::parse(result->body, nullptr, false);
         if (answer.is_object() && answer.contains("error")) {

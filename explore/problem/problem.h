@@ -21,7 +21,7 @@ struct Evaluation {
     std::vector<std::string> warnings;
     double misfit = std::numeric_limits<double>::quiet_NaN();
     bool in_place_of_reduced = false; // by the full model, where a reduced one could not answer
-    bool over_time = false;           // a limit of time or the surroundings ended it: another attempt may have an answer
+    bool over_time = false; // a limit of time or the surroundings ended it: another attempt may have an answer
 
     bool converged() const { return status == pave::Status::converged; }
 };

@@ -61,12 +61,12 @@ std::string forward_text(const study::Study& study, const Response& response,
     text += study.has_own_model
                 ? "\n"
                 : fmt::format("  converged: {}, {}{}, unbalanced force {:.0e} of the load\n\n",
-                        study.model.settings.integration == pave::pavement::Integration::secant
-                            ? counted(static_cast<std::size_t>(s.newton_steps), "Newton step", "Newton steps")
-                            : counted(static_cast<std::size_t>(s.load_steps), "load step", "load steps"),
-                        counted(static_cast<std::size_t>(s.factorizations), "factorisation", "factorisations"),
-                        s.iterations > 0 ? fmt::format(", {} conjugate gradient steps", s.iterations) : "",
-                        s.residual_relative);
+                              study.model.settings.integration == pave::pavement::Integration::secant
+                                  ? counted(static_cast<std::size_t>(s.newton_steps), "Newton step", "Newton steps")
+                                  : counted(static_cast<std::size_t>(s.load_steps), "load step", "load steps"),
+                              counted(static_cast<std::size_t>(s.factorizations), "factorisation", "factorisations"),
+                              s.iterations > 0 ? fmt::format(", {} conjugate gradient steps", s.iterations) : "",
+                              s.residual_relative);
     text += response_table(study, response.values);
     for (const std::string& warning : response.warnings) {
         text += fmt::format("  warning: {}\n", warning);

@@ -182,9 +182,9 @@ void answer_posts(httplib::Server& server, const std::string& path,
                 throw ProtocolError("InvalidInput", "the request is no JSON object");
             }
             if (const Message name = asked.value("name", Message()); name != model_name) {
-                throw ProtocolError("ModelNotFound", fmt::format("there is no model {}; there is \"{}\"",
-                                                                 pave::printable(name.dump(-1, ' ', true), 60),
-                                                                 model_name));
+                throw ProtocolError("ModelNotFound",
+                                    fmt::format("there is no model {}; there is \"{}\"",
+                                                pave::printable(name.dump(-1, ' ', true), 60), model_name));
             }
             answer = make(asked);
         } catch (const ProtocolError& error) {
@@ -203,12 +203,13 @@ void route_protocol(httplib::Server& server, ServedModel& model) {
         response.set_content(Message{{"protocolVersion", 1.0}, {"models", {model_name}}}.dump(), "application/json");
     });
     answer_posts(server, "/ModelInfo", [](const Message&) -> Message {
-        return {{"support", {{"Evaluate", true}, {"Gradient", true}, {"ApplyJacobian", true}, {"ApplyHessian", false}}}};
+        return {
+            {"support", {{"Evaluate", true}, {"Gradient", true}, {"ApplyJacobian", true}, {"ApplyHessian", false}}}};
     });
-    answer_posts(server, "/InputSizes",
-                 [&](const Message&) -> Message { return {{"inputSizes", {model.inputs()}}}; });
-    answer_posts(server, "/OutputSizes",
-                 [&](const Message&) -> Message { return {{"outputSizes", {model.outputs()}}}; });
+    answer_posts(server, "/InputSizes", [&](const Message&) -> Message { return {{"inputSizes", {model.inputs()}}}; });
+    answer_posts(server, "/OutputSizes", [&](const Message&) -> Message {
+        return {{"outputSizes", {model.outputs()}}};
+    });
     answer_posts(server, "/Evaluate", [&](const Message& request) { return model.evaluate(request); });
     answer_posts(server, "/Gradient", [&](const Message& request) { return model.gradient(request); });
     answer_posts(server, "/ApplyJacobian", [&](const Message& request) { return model.apply_jacobian(request); });
@@ -230,6 +231,7 @@ void serve_model(const study::Study& study, int wanted_port, int threads,
     });
     constexpr std::size_t connections = 64; // each waits in a thread of its own
     server.new_task_queue = [] { return new httplib::ThreadPool(connections); };
+    server.set_tcp_nodelay(true);
     server.set_keep_alive_max_count(1'000'000);
     server.set_keep_alive_timeout(1); // s; a stop waits so long for idle connections
     constexpr std::size_t largest_request = std::size_t{1} << 24U;

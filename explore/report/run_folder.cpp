@@ -1,11 +1,11 @@
 #include "report/run_folder.h"
 
 #include "base/error.h"
-#include "run/store.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 namespace explore::report {
@@ -126,6 +126,46 @@ RunFolder read_run_folder(const std::string& folder, const std::vector<std::stri
                           "a folder that a pavescape command wrote");
     }
     return read;
+}
+
+Json sessions_json(const run::Store& store) {
+    Json sessions = Json::array();
+    for (const run::Session& s : store.sessions()) {
+        sessions.push_back({{"began", s.began},
+                            {"arguments", s.arguments},
+                            {"version", s.version},
+                            {"libraries", s.libraries},
+                            {"threads", s.threads},
+                            {"evaluations", s.evaluations},
+                            {"seconds", s.seconds}});
+    }
+    return sessions;
+}
+
+Json studies_json(const Json& results, const run::Store* store) {
+    Json studies = Json::array();
+    std::set<std::string> seen;
+    for (const auto& [command, result] : results.items()) {
+        if (!result.contains("study")) {
+            continue;
+        }
+        const Json& of = result["study"];
+        const std::string file = of.value("file", "");
+        const std::string hash = of.value("hash", "");
+        if (!seen.insert(file + hash).second) {
+            continue;
+        }
+        Json study = {{"file", std::filesystem::path(file).filename().string()},
+                      {"title", of.value("title", "")},
+                      {"hash", hash}};
+        if (const auto text = store != nullptr ? store->study_text(hash) : std::nullopt) {
+            study["text"] = *text;
+        } else {
+            study["note"] = "This run has not kept the text of its study.";
+        }
+        studies.push_back(std::move(study));
+    }
+    return studies;
 }
 
 } // namespace explore::report

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "report/json.h"
+#include "run/store.h"
 
 #include <string>
 #include <vector>
@@ -15,5 +16,11 @@ struct RunFolder {
 // commands: those that leave a result. Throws pave::Error for a folder that holds no run, or a file of it that is not
 // the result of one.
 RunFolder read_run_folder(const std::string& folder, const std::vector<std::string>& commands);
+
+// What was computed when, and how fast.
+Json sessions_json(const run::Store& store);
+
+// The studies that the results came from, as they were run. store: may be nullptr.
+Json studies_json(const Json& results, const run::Store* store);
 
 } // namespace explore::report

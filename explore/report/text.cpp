@@ -16,9 +16,7 @@ std::string study_summary(const study::Study& study) {
     for (const auto& layer : study.model.layers) {
         text += fmt::format("{} {:g} mm ({}) / ", layer.name, layer.thickness / pave::unit::mm, layer.law->name());
     }
-    text += study.has_own_model      ? "a model of its own\n"
-            : study.model.half_space ? "half-space\n"
-                                     : "rigid floor\n";
+    text += study.has_own_model ? "a model of its own\n" : study.model.half_space ? "half-space\n" : "rigid floor\n";
     for (const auto& applied : study.model.effects) {
         text += fmt::format("  with {} = {:g} [{}]\n", applied.effect->name, applied.size, applied.effect->unit);
     }
@@ -66,7 +64,9 @@ std::string response_table(const study::Study& study, const std::vector<double>&
         const auto plain = [](double value) { return fmt::format("{:g}", value); };
         std::vector<std::string> row{
             r.load,
-            !r.is_measured() ? r.output : r.name.empty() ? r.quantity : r.name,
+            !r.is_measured() ? r.output
+            : r.name.empty() ? r.quantity
+                             : r.name,
             plain(r.x_mm),
             plain(r.y_mm),
             plain(r.depth_mm),

@@ -6,6 +6,7 @@
 #include "study/study.h"
 
 #include <string>
+#include <vector>
 
 namespace explore::report {
 

@@ -612,8 +612,9 @@ inline constexpr Key parameter_value{.table = "[[parameters]]",
                                      .low = -1e300,
                                      .high = 1e300,
                                      .without = "the middle of the range",
-                                     .meaning = "with [model]: where the study itself stands; of the built-in model the "
-                                                "layers and loads say it"};
+                                     .meaning =
+                                         "with [model]: where the study itself stands; of the built-in model the "
+                                         "layers and loads say it"};
 inline constexpr Key parameter_equals{
     .table = "[[parameters]]",
     .key = "equals",
@@ -655,6 +656,73 @@ inline constexpr Key constraint_that{
     .allowed = "two sides with `<=`, `>=` or `==` between them, each arithmetic of numbers, LAYER.KEY, LOAD.KEY, "
                "EFFECT.size and names of outputs",
     .meaning = "what the answer must meet, as in `base.k1 <= 3 * subbase.k1`"};
+
+inline constexpr std::string_view criterion_places[] = {"asphalt-bottom", "subgrade-top"};
+inline constexpr Key criterion_name{
+    .table = "[[criteria]]", .key = "name", .allowed = "a text", .meaning = "what reports call it"};
+inline constexpr Key criterion_law{.table = "[[criteria]]",
+                                   .key = "law",
+                                   .allowed = "a law of [design.md](design.md), or `expression`",
+                                   .meaning = "how many repetitions are allowed; some laws have keys of their own"};
+inline constexpr Key criterion_axle{.table = "[[criteria]]",
+                                    .key = "axle",
+                                    .allowed = "a load of the study",
+                                    .meaning = "under which the strain is sought, and which is counted"};
+inline constexpr Key criterion_layer{.table = "[[criteria]]",
+                                     .key = "layer",
+                                     .allowed = "a layer of the study",
+                                     .without = "the top layer, or the last one",
+                                     .meaning = "at whose bottom (asphalt) or top (subgrade) the strain is sought"};
+inline constexpr Key criterion_modulus{.table = "[[criteria]]",
+                                       .key = "modulus_MPa",
+                                       .kind = number,
+                                       .low = 0.0,
+                                       .high = 1e5,
+                                       .low_is_open = true,
+                                       .without = "`modulus_MPa` of the layer",
+                                       .meaning = "modulus of the asphalt in the law"};
+inline constexpr Key criterion_traffic{.table = "[[criteria]]",
+                                       .key = "traffic_per_year",
+                                       .kind = number,
+                                       .low = 0.0,
+                                       .high = 1e12,
+                                       .low_is_open = true,
+                                       .meaning = "repetitions of the axle in the first year from now"};
+inline constexpr Key criterion_growth{.table = "[[criteria]]",
+                                      .key = "growth",
+                                      .kind = number,
+                                      .low = -0.2,
+                                      .high = 0.5,
+                                      .default_value = 0.0,
+                                      .meaning = "of the traffic a year, 0.03 for 3 %"};
+inline constexpr Key criterion_passed{.table = "[[criteria]]",
+                                      .key = "passed",
+                                      .kind = number,
+                                      .low = 0.0,
+                                      .high = 1e15,
+                                      .default_value = 0.0,
+                                      .meaning = "repetitions so far"};
+inline constexpr Key criterion_design{.table = "[[criteria]]",
+                                      .key = "design_traffic",
+                                      .kind = number,
+                                      .low = 0.0,
+                                      .high = 1e15,
+                                      .low_is_open = true,
+                                      .without = "the traffic of `--years`",
+                                      .meaning = "repetitions still to come, which an overlay must last"};
+inline constexpr Key criterion_life{.table = "[[criteria]]",
+                                    .key = "life",
+                                    .allowed = "arithmetic of numbers, `strain` (microstrain) and `modulus`",
+                                    .without = "other laws have their own",
+                                    .meaning =
+                                        "with law `expression`: the allowable repetitions, as in `(9300 / strain)^7`"};
+inline constexpr Key criterion_place{.table = "[[criteria]]",
+                                     .key = "place",
+                                     .kind = word,
+                                     .choices = criterion_places,
+                                     .without = "other laws have their own",
+                                     .meaning = "with law `expression`: horizontal tension at the bottom of the "
+                                                "asphalt, or vertical compression at the top of the subgrade"};
 
 } // namespace keys
 

@@ -75,9 +75,9 @@ problem::Problem problem_of(const Study& study, const std::vector<bool>& loads, 
 
 } // namespace
 
-std::shared_ptr<const problem::ForwardFunction>
-function_of(const Study& study, const std::vector<pave::pavement::Parameter>& parameters,
-            const std::vector<bool>& loads) {
+std::shared_ptr<const problem::ForwardFunction> function_of(const Study& study,
+                                                            const std::vector<pave::pavement::Parameter>& parameters,
+                                                            const std::vector<bool>& loads) {
     if (!study.has_own_model) {
         return make_function(study.model, parameters, loads);
     }

@@ -181,8 +181,8 @@ std::shared_ptr<const external::Simulator> read_program(TableReader& reader, con
         for (const std::string& name : reader.texts(keys::model_files)) {
             check_inside(study, name, reader.place(keys::model_files));
             const auto [path, bytes] = read_text(name, reader.place(keys::model_files), file_of_program);
-            settings.files.push_back({inside_folder(name, reader.place(keys::model_files)),
-                                      fs::absolute(path).lexically_normal().string()});
+            settings.files.push_back(
+                {inside_folder(name, reader.place(keys::model_files)), fs::absolute(path).lexically_normal().string()});
         }
     }
     const auto outputs = reader.tables(keys::model_outputs);
@@ -207,8 +207,8 @@ std::shared_ptr<const external::Simulator> read_server(TableReader& reader, cons
                           table.contains("url") ? "url and urls" : "neither url nor urls", "one of url and urls");
     }
     const Key& key = reader.has(keys::model_url) ? keys::model_url : keys::model_urls;
-    settings.urls = reader.has(keys::model_url) ? std::vector{reader.text(keys::model_url)}
-                                                : reader.texts(keys::model_urls);
+    settings.urls =
+        reader.has(keys::model_url) ? std::vector{reader.text(keys::model_url)} : reader.texts(keys::model_urls);
     for (const std::string& url : settings.urls) {
         constexpr std::string_view scheme = "http://";
         if (!url.starts_with(scheme) || url.size() == scheme.size() ||
@@ -233,12 +233,12 @@ std::shared_ptr<const external::Simulator> read_server(TableReader& reader, cons
 } // namespace
 
 void begin_own_model(Study& study, const toml::table& table) {
-    for (const char* name :
-         {"section", "layers", "loads", "solver", "mesh", "measure", "effects", "corrections"}) {
+    for (const char* name : {"section", "layers", "loads", "solver", "mesh", "measure", "effects", "corrections"}) {
         if (table.contains(name)) {
-            throw pave::Error(TableReader(table, study.file, "").place(name),
-                              "this belongs to the built-in model, and the study has one of its own", name,
-                              "[model], [data], [[parameters]], [[outputs]], [[constraints]] and [[prior_correlations]]");
+            throw pave::Error(
+                TableReader(table, study.file, "").place(name),
+                "this belongs to the built-in model, and the study has one of its own", name,
+                "[model], [data], [[parameters]], [[outputs]], [[constraints]] and [[prior_correlations]]");
         }
     }
     study.has_own_model = true;
@@ -268,8 +268,7 @@ double own_value(TableReader& reader, const problem::Axis& axis) {
 pave::pavement::Sensor own_sensor(Study& study, const data::Reading& reading) {
     pave::pavement::Sensor sensor;
     auto& loads = study.model.loads;
-    const auto load =
-        std::find_if(loads.begin(), loads.end(), [&](const auto& l) { return l.name == reading.load; });
+    const auto load = std::find_if(loads.begin(), loads.end(), [&](const auto& l) { return l.name == reading.load; });
     sensor.load = static_cast<int>(load - loads.begin());
     if (load == loads.end()) {
         loads.push_back({.name = reading.load});
@@ -297,8 +296,10 @@ void read_own_output(const toml::table& table, Study& study) {
     output.unit = data::any_unit(reader.text(keys::output_unit, std::string("-")));
     output.x_mm = reader.number(keys::output_x.key, keys::output_x.low, keys::output_x.high, false, 0.0);
     output.y_mm = reader.number(keys::output_y.key, keys::output_y.low, keys::output_y.high, false, 0.0);
-    output.depth_mm = reader.number(keys::output_depth.key, keys::output_depth.low, keys::output_depth.high, false, 0.0);
-    output.gauge_mm = reader.number(keys::output_gauge.key, keys::output_gauge.low, keys::output_gauge.high, false, 0.0);
+    output.depth_mm =
+        reader.number(keys::output_depth.key, keys::output_depth.low, keys::output_depth.high, false, 0.0);
+    output.gauge_mm =
+        reader.number(keys::output_gauge.key, keys::output_gauge.low, keys::output_gauge.high, false, 0.0);
     if (reader.has(keys::output_time)) {
         output.time_ms = reader.number(keys::output_time);
     }

@@ -9,6 +9,8 @@
 #include "pavement/tie.h"
 #include "study/constraints.h"
 #include "study/corrections.h"
+#include "study/criteria.h"
+#include "study/no_study.h"
 #include "study/prior_correlations.h"
 #include "study/read_layer.h"
 #include "study/read_load.h"
@@ -120,9 +122,8 @@ void read_parameter(const toml::table& table, Study& study) {
     reader.expect(std::array{keys::parameter_equals}); // of a number that is not searched
     problem::Axis axis;
     axis.name = reader.text(keys::parameter_name);
-    const Parameter parameter = study.has_own_model
-                                    ? add_own_parameter(study, axis.name, reader.place("name"))
-                                    : find_parameter(study.model, axis.name, reader.place("name"));
+    const Parameter parameter = study.has_own_model ? add_own_parameter(study, axis.name, reader.place("name"))
+                                                    : find_parameter(study.model, axis.name, reader.place("name"));
     if (study.model.half_space && !parameter.in_load && parameter.changes_geometry() &&
         parameter.owner + 1 == static_cast<int>(study.model.layers.size())) {
         throw pave::Error(reader.place("name"), "the lowest layer of a half-space has no bottom to move",
@@ -248,7 +249,8 @@ void read_data(const toml::table& table, Study& study, Readings readings, const 
             }
         }
         read.emplace_back(file, path);
-        for (auto& m : study.has_own_model ? data::named_measurements_of(text, path) : data::measurements_of(text, path)) {
+        for (auto& m :
+             study.has_own_model ? data::named_measurements_of(text, path) : data::measurements_of(text, path)) {
             add_measurement(study, std::move(m));
         }
     }
@@ -259,6 +261,7 @@ void read_data(const toml::table& table, Study& study, Readings readings, const 
 std::string hash_of(toml::table table, const Study& study, const std::string& own_files) {
     table.erase("title");
     table.erase("measure");
+    table.erase("criteria"); // which change no run
     std::ostringstream text;
     text << toml::default_formatter(table);
     for (const Load& load : study.model.loads) {
@@ -274,37 +277,6 @@ std::string hash_of(toml::table table, const Study& study, const std::string& ow
         text << fmt::format("\n{} load steps", study.model.settings.solver.load_steps);
     }
     return hash_with_readings(text.str(), study.measured());
-}
-
-// toml++ goes down a key such as a.b.c one call a part.
-void refuse_deep_keys(const std::string& text, const std::string& file) {
-    constexpr std::ptrdiff_t most_parts = 1000;
-    int line = 1;
-    for (std::size_t begin = 0; begin < text.size(); ++line) {
-        const std::size_t end = std::min(text.find('\n', begin), text.size());
-        if (std::count(text.begin() + static_cast<std::ptrdiff_t>(begin),
-                       text.begin() + static_cast<std::ptrdiff_t>(end), '.') > most_parts) {
-            throw pave::Error({.file = file, .line = line}, "a line with so many full stops is no key or value", {},
-                              fmt::format("at most {}", most_parts));
-        }
-        begin = end + 1;
-    }
-}
-
-// Where text that is no study holds readings: which command takes it.
-void refuse_readings(const std::string& text, const std::string& file) {
-    const auto formats = data::fwd_formats();
-    const auto format =
-        std::find_if(formats.begin(), formats.end(), [&](const auto& f) { return f.recognises(text, {}); });
-    if (format != formats.end()) {
-        throw pave::Error({.file = file}, "this is a file of FWD readings, not a study", std::string(format->name),
-                          "a study (TOML); survey and road take FWD files (survey FILE --study STUDY), new --from FILE "
-                          "--station S makes a study of a station");
-    }
-    if (text.find(data::measurement_header()) != std::string::npos) {
-        throw pave::Error({.file = file}, "this is a file of readings, not a study", "a table of readings",
-                          "a study (TOML), which names it in [data] files");
-    }
 }
 
 Study parse(std::string text, const std::string& file, Readings readings, const TextReader& read_text) {
@@ -418,6 +390,7 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
         study.constraints.push_back(read_constraint(study, that, r.place(keys::constraint_that)));
         r.done();
     }
+    reader.tables("criteria");
     reader.done();
     const std::string own_files = own_model != nullptr ? read_model(*own_model, study, read_text) : "";
     check_steps(study);
@@ -427,6 +400,7 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
     }
     study.hash = study.file_hash = hash_of(table, study, own_files);
     study.text = std::move(text);
+    criteria_of(study); // complains
     return study;
 }
 
@@ -442,8 +416,8 @@ Study load_study(const std::string& file, Readings readings) {
                               "a path relative to the study's own folder");
         }
         inputs.push_back(
-            {path, data::read_file(path, what,
-                                   what == file_of_program ? data::Encoding::bytes : data::Encoding::utf8)});
+            {path,
+             data::read_file(path, what, what == file_of_program ? data::Encoding::bytes : data::Encoding::utf8)});
         return NamedText{path, inputs.back().bytes};
     };
     Study study = parse(inputs[0].bytes, file, readings, beside);

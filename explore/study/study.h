@@ -96,8 +96,8 @@ struct Study {
     // Of the file as it was read: a study that was derived from it (other laws, effects, readings) keeps it.
     std::string file_hash;
     std::shared_ptr<const std::vector<data::InputFile>> inputs; // the file, then its data files; null: from memory
-    // [model]: a forward function that is not ours. Then `model` holds loads and sensors by name alone, and the values of
-    // the parameters as the factors of a correction that acts on nothing.
+    // [model]: a forward function that is not ours. Then `model` holds loads and sensors by name alone, and the values
+    // of the parameters as the factors of a correction that acts on nothing.
     bool has_own_model = false;
     std::shared_ptr<const external::Model> external{};
 

@@ -9,7 +9,6 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
                              const std::vector<Variation>& variations, const SolverSettings& settings,
                              const std::vector<double>& springs, const std::vector<Motion<Element>>& motions,
                              const std::vector<double>& on_the_way) {
-    using Stress = typename Element::Stress;
     using Vector = typename Element::Vector;
     Work& w = *work_;
     w.prepare(layers, variations, settings, springs, motions);

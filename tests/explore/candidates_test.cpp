@@ -61,8 +61,9 @@ TEST(TheLoadRaised, IsKnownWhereTheLoadIs) {
     EXPECT_TRUE(list.model.ties.empty());
 }
 
-// Of the moduli and the pressure only ratios can be known from deflections and strains, which go with pressure over modulus:
-// no multiple of that pressure tells its size. (A stress goes with the pressure and the ratios of the moduli: it does.)
+// Of the moduli and the pressure only ratios can be known from deflections and strains, which go with pressure over
+// modulus: no multiple of that pressure tells its size. (A stress goes with the pressure and the ratios of the moduli:
+// it does.)
 TEST(TheMostInformativeReading, IsNotPromisedToTellAPressureThatItIsAMultipleOf) {
     analysis::Session session({.threads = 1, .show_progress = false});
     const auto result = analysis::unique(session, test::layered_study(test::layered_bowl(), pressure),

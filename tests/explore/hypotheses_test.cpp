@@ -136,8 +136,7 @@ Compared compare(const VectorXd& noise, std::uint64_t seed) {
     const double independent = hypotheses::log_prior(hypotheses::Kind::noise, counts, 1, 0);
     return {plain.as_stated + independent, plain.any_size + independent,
             weighed(hypotheses::common_errors(fit, common_columns(), prior)),
-            weighed(hypotheses::correlated_errors(fit, places(), prior)),
-            weighed(hypotheses::heavy_tails(fit, prior))};
+            weighed(hypotheses::correlated_errors(fit, places(), prior)), weighed(hypotheses::heavy_tails(fit, prior))};
 }
 
 } // namespace

@@ -23,8 +23,8 @@ TABLES = {
     "[data]": ('misfit = "weighted"', ()),
     "[data.noise]": ("relative = 0.05", ()),
     "[[loads]]": ("pressure_kPa = 600", ("patch", "wheels")),
-    "[[outputs]]": ('name = "subgrade-top-strain"', ()),
-    "[[parameters]]": ('name = "base.n"', ()),
+    "[[outputs]]": ('name = "subgrade-top-strain"', ("unit",)),  # of a model of one's own
+    "[[parameters]]": ('name = "base.n"', ("value",)),  # of a model of one's own
     "[[effects]]": ("size = 1.0", ("layer", "thickness_mm")),
     "[[constraints]]": ('that = "base.k1 <= 8000"', ()),
 }

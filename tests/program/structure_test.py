@@ -72,8 +72,9 @@ def test_sizes_stay_within_bounds():
     assert not longer, f"more than {MOST_LINES} lines: {longer}"
     for name in LONGER:
         assert (ROOT / name).exists() and lines_of(ROOT / name) > MOST_LINES, f"{name} is no longer a file of more than {MOST_LINES} lines: take it off the list"
-    cli = sum(lines_of(path) for path in (ROOT / "explore" / "cli").iterdir())
-    assert cli < 2000, f"explore/cli has {cli} lines: what computes belongs into explore/analysis, what renders into explore/report"
+    sources = list((ROOT / "explore" / "cli").iterdir())
+    cli = sum(lines_of(path) for path in sources)
+    assert cli < 70 * len(sources), f"explore/cli has {cli} lines in {len(sources)} files: what computes belongs into explore/analysis, what renders into explore/report"
     assert lines_of(ROOT / "README.md") <= 100, f"README has {lines_of(ROOT / 'README.md')} lines, more than 100"
 
 

@@ -1,0 +1,13 @@
+// Lives and overlay as JSON and as a page of the terminal.
+#pragma once
+
+#include "analysis/design.h"
+#include "report/json.h"
+
+namespace explore::report {
+
+// Of a result with an answer, or {"status", "reason"}. `low` and `high` of a criterion are of its remaining_years.
+Json design_json(const analysis::DesignResult& result, const analysis::RunOptions& run);
+std::string design_text(const analysis::DesignResult& result, const analysis::RunOptions& run);
+
+} // namespace explore::report
