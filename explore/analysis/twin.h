@@ -1,6 +1,7 @@
 // Synthetic data from a study, in the layout of its own measurements.
 #pragma once
 
+#include "base/outcome.h"
 #include "study/study.h"
 
 namespace explore::analysis {

@@ -2,21 +2,17 @@
 
 #include "base/error.h"
 #include "report/explore.h"
+#include "report/loopback_server.h"
 #include "report/page.h"
-#include "run/interrupt.h"
 
 #include <charconv>
-#include <chrono>
 #include <fmt/format.h>
 #include <httplib.h>
 #include <random>
 #include <stdexcept>
-#include <thread>
 
 namespace explore::report {
 namespace {
-
-constexpr const char* machine = "127.0.0.1";
 
 std::string make_token() {
     std::random_device random; // of the operating system
@@ -81,7 +77,7 @@ class Guard {
 public:
     Guard(std::string token, int port)
         : token_(std::move(token)),
-          hosts_{fmt::format("{}:{}", machine, port), fmt::format("localhost:{}", port)} {}
+          hosts_{fmt::format("{}:{}", loopback, port), fmt::format("localhost:{}", port)} {}
 
     bool admits(const httplib::Request& request) const {
         // A page of another site may make a browser ask; it cannot make it name this host, nor know the token.
@@ -151,25 +147,12 @@ void route(httplib::Server& server, analysis::Explorer& explorer) {
 void serve_explorer(analysis::Explorer& explorer, int wanted_port,
                     const std::function<void(const std::string& address)>& ready) {
     httplib::Server server;
-    server.set_tcp_nodelay(true);
-    server.set_socket_options([](socket_t socket) { // not that another program may listen there too
-        const int yes = 1;
-        setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
-    });
-    server.set_keep_alive_max_count(1'000'000); // a slider asks many times
-    server.set_keep_alive_timeout(1);           // s; a stop waits so long for idle connections
     server.set_default_headers({{"Cache-Control", "no-store"},
                                 {"Referrer-Policy", "no-referrer"},
                                 {"X-Content-Type-Options", "nosniff"},
                                 {"X-Frame-Options", "DENY"},
                                 {"Cross-Origin-Resource-Policy", "same-origin"}});
-    const int port = wanted_port == 0                            ? server.bind_to_any_port(machine)
-                     : server.bind_to_port(machine, wanted_port) ? wanted_port
-                                                                 : -1;
-    if (port <= 0) {
-        throw pave::Error({.key = "--port"}, "nothing can listen there", fmt::format("{}", wanted_port),
-                          "a port that is free, or 0 for any");
-    }
+    const int port = bind_to_loopback(server, wanted_port);
     const std::string token = make_token();
     const Guard guard(token, port);
     server.set_pre_routing_handler([&](const httplib::Request& request, httplib::Response& response) {
@@ -180,20 +163,7 @@ void serve_explorer(analysis::Explorer& explorer, int wanted_port,
         return httplib::Server::HandlerResponse::Handled;
     });
     route(server, explorer);
-    std::atomic<bool> ended{false};
-    std::thread listener([&] {
-        server.listen_after_bind();
-        ended = true;
-    });
-    while (!server.is_running() && !ended) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    ready(fmt::format("http://{}:{}/?token={}", machine, port, token));
-    while (!run::interrupted() && !ended) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
-    server.stop();
-    listener.join();
+    listen_until_interrupted(server, [&] { ready(fmt::format("http://{}:{}/?token={}", loopback, port, token)); });
 }
 
 } // namespace explore::report

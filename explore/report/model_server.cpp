@@ -1,11 +1,9 @@
 #include "report/model_server.h"
 
-#include "base/error.h"
 #include "base/text.h"
-#include "run/interrupt.h"
+#include "report/loopback_server.h"
 #include "run/parallel.h"
 
-#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <fmt/format.h>
@@ -21,7 +19,6 @@ namespace {
 using Message = nlohmann::json;
 using Eigen::Index;
 
-constexpr const char* loopback = "127.0.0.1";
 constexpr const char* model_name = "forward";
 
 // An error as the protocol says it.
@@ -224,25 +221,11 @@ void serve_model(const study::Study& study, int wanted_port, int threads,
                  const std::function<void(const std::string& address)>& ready) {
     ServedModel model(study, run::usable_threads(threads));
     httplib::Server server;
-    server.set_tcp_nodelay(true);
-    server.set_socket_options([](socket_t socket) { // not that another program may listen there too
-        const int yes = 1;
-        setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
-    });
     constexpr std::size_t connections = 64; // each waits in a thread of its own
     server.new_task_queue = [] { return new httplib::ThreadPool(connections); };
-    server.set_tcp_nodelay(true);
-    server.set_keep_alive_max_count(1'000'000);
-    server.set_keep_alive_timeout(1); // s; a stop waits so long for idle connections
     constexpr std::size_t largest_request = std::size_t{1} << 24U;
     server.set_payload_max_length(largest_request);
-    const int port = wanted_port == 0                             ? server.bind_to_any_port(loopback)
-                     : server.bind_to_port(loopback, wanted_port) ? wanted_port
-                                                                  : -1;
-    if (port <= 0) {
-        throw pave::Error({.key = "--port"}, "nothing can listen there", fmt::format("{}", wanted_port),
-                          "a port that is free, or 0 for any");
-    }
+    const int port = bind_to_loopback(server, wanted_port);
     server.set_pre_routing_handler([&](const httplib::Request& request, httplib::Response& response) {
         // A page of another site may make a browser ask; it cannot make it name this host without an Origin.
         const std::string host = request.get_header_value("Host");
@@ -254,20 +237,7 @@ void serve_model(const study::Study& study, int wanted_port, int threads,
         return httplib::Server::HandlerResponse::Handled;
     });
     route_protocol(server, model);
-    std::atomic<bool> ended{false};
-    std::thread listener([&] {
-        server.listen_after_bind();
-        ended = true;
-    });
-    while (!server.is_running() && !ended) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    ready(fmt::format("http://{}:{}", loopback, port));
-    while (!run::interrupted() && !ended) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
-    server.stop();
-    listener.join();
+    listen_until_interrupted(server, [&] { ready(fmt::format("http://{}:{}", loopback, port)); });
 }
 
 } // namespace explore::report
