@@ -175,10 +175,10 @@ private:
             return "";
         }
         constexpr double clearly = 1.05;
-        const auto is_worse = [](const auto& held) { return held && held->after > clearly * held->before; };
         const bool is_worse_held_out =
             before.held_out_rms && after->held_out_rms && *after->held_out_rms > clearly * *before.held_out_rms;
-        if (!is_worse(d.places) && !is_worse(d.loads) && !is_worse_held_out) {
+        const std::string key = d.ledger.rows()[*d.decision.model].hypothesis.key();
+        if (!d.ledger.is_predicted_worse(key) && !is_worse_held_out) {
             return "";
         }
         const std::string words = members_words(candidates, d.extended->model.members);

@@ -58,8 +58,10 @@ std::optional<UniqueResult> unique(Session& session, const study::Study& study, 
 // The verdict and its reasons, in sentences.
 std::vector<std::string> findings(const UniqueResult& result);
 
-// "base.k1 * (theta/pa)^base.k2 at theta = 62 kPa is fixed to 2 %": a combination in the terms of the laws.
-std::string combination_words(const study::Study& study, const landscape::Combination& combination);
+// "base.k1 * (theta/pa)^base.k2 at theta = 62 kPa is fixed to 2 %": a combination in the terms of the laws. unit: where
+// it was found.
+std::string combination_words(const study::Study& study, const landscape::Combination& combination,
+                              const std::vector<double>& unit);
 // "higher base.k1 and lower base.n": what one group of data wants of another. direction: in the unit cube; "": none.
 std::string conflict_words(const problem::ParameterSpace& space, const Eigen::VectorXd& direction);
 // Why a walk ended: "the data", "base.n at its upper bound". bounds: that it met, in words of the caller's.

@@ -96,8 +96,11 @@ double span_of(const problem::Axis& axis) {
 
 } // namespace
 
-// A factor c^k of the fixed combination is a power of stress at a stress of its own.
-std::string combination_words(const study::Study& study, const landscape::Combination& c) {
+// A factor c^k of the fixed combination is a power of stress at a stress of its own. A pressure, a thickness, a ratio:
+// known only by the change of its logarithm here, which a power keeps along the whole valley where the data see a
+// product or a quotient.
+std::string combination_words(const study::Study& study, const landscape::Combination& c,
+                              const std::vector<double>& unit) {
     const problem::ParameterSpace& space = study.space;
     const auto is_log = [&](std::size_t k) { return space.axes[k].scale == problem::Scale::log; };
     constexpr double pa_kPa = 100.0;
@@ -119,14 +122,14 @@ std::string combination_words(const study::Study& study, const landscape::Combin
         const double base = std::exp(term.coefficient);
         const int digits_of_base = digits_for(1.0, span, c.standard_error);
         const auto power = power_of(study, term.axis);
-        constexpr double large = 30.0; // of numbers in whose powers nobody thinks
         if (power && base > power->offset) {
             text += fmt::format(" * ({0}/pa{1})^{2} at {0} = {3:.{4}g} kPa", power->stress,
                                 power->offset > 0.0 ? fmt::format(" + {:g}", power->offset) : "", name,
                                 pa_kPa * (base - power->offset), digits_of_base);
-        } else if (std::max(std::abs(axis.low), std::abs(axis.high)) > large) {
-            text += fmt::format(" * exp({}{}/{:.{}g})", term.coefficient < 0.0 ? "-" : "", name,
-                                1.0 / std::abs(term.coefficient), digits);
+        } else if (axis.low > 0.0) {
+            const double exponent = term.coefficient * axis.physical(unit[term.axis]);
+            text += fmt::format(" * {}^{:.{}g}", name, exponent,
+                                digits_for(exponent, std::log(axis.high / axis.low), c.standard_error));
         } else {
             text += fmt::format(" * {:.{}g}^{}", base, digits_of_base, name);
         }
@@ -203,7 +206,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
     if (!u.directions.free.empty()) {
         std::vector<std::string> fixed;
         for (const auto& c : u.directions.fixed) {
-            fixed.push_back(combination_words(study, c));
+            fixed.push_back(combination_words(study, c, u.minima[0].unit));
         }
         say(fmt::format("At the best minimum the data do not determine {} individually{}",
                         pave::join(names_of(space, u.directions.free)),

@@ -212,8 +212,8 @@ private:
         return d_.of_noise < little ? Reason::none : Reason::noise;
     }
 
-    // The correction as the answer; false: it is none, and stands as what comes nearest.
-    bool locate(Says needed) {
+    // The correction as the answer, or why it is none; then it stands as what comes nearest.
+    Reason locate(Says needed) {
         d_.correction = correction_;
         const Reason why = why_not_located(needed);
         if (why == Reason::none) {
@@ -224,13 +224,8 @@ private:
             d_.model = correction_;
             d_.leaves_more_than_noise = !leaves_noise(row(*correction_));
             d_.noise_factor = factor_of(row(*correction_));
-            return true;
         }
-        d_.reason = d_.reason == Reason::none || d_.reason == Reason::nothing_explains ? why : d_.reason;
-        if (why == Reason::predicts_worse) { // it comes nearest
-            d_.model = correction_;
-        }
-        return false;
+        return why;
     }
 
     double factor_of(const Row& own) const {
@@ -239,11 +234,15 @@ private:
     }
 
     void conclude_unexplained(Reason reason) {
-        d_.reason = reason;
-        if (locate(Says::between_places)) {
+        const Reason why = locate(Says::between_places);
+        if (why == Reason::none) {
             return;
         }
         d_.verdict = Verdict::unexplained;
+        d_.reason = reason == Reason::nothing_explains ? why : reason;
+        if (why == Reason::predicts_worse) { // it comes nearest
+            d_.model = correction_;
+        }
         d_.nearest = std::move(d_.names);
         d_.names.clear();
     }
@@ -278,11 +277,19 @@ private:
         if (d_.reason == Reason::none) {
             d_.verdict = Verdict::cause_named;
         }
-        // What comes nearest gives way to a correction that is clearly more probable.
+        // What comes nearest gives way to a correction that is clearly more probable, as the answer or, where what was
+        // left out speaks against it, as what comes nearer.
         const bool any_leaves_noise = std::any_of(names_.begin(), names_.end(),
                                                   [&](std::size_t r) { return can_lead(r) && leaves_noise(row(r)); });
-        if (!any_leaves_noise && correction_ && behind(first, row(*correction_)) >= margin && locate(Says::at_places)) {
-            return;
+        if (!any_leaves_noise && correction_ && behind(first, row(*correction_)) >= margin) {
+            const Reason why = locate(Says::at_places);
+            if (why == Reason::none) {
+                return;
+            }
+            if (why == Reason::predicts_worse) {
+                conclude_unexplained(Reason::nothing_explains);
+                return;
+            }
         }
         if (is_rival(first)) {
             d_.correction = correction_;

@@ -13,7 +13,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 bool Judged::ends_range(std::size_t member) const {
-    constexpr double at_end = 1e-4;
     const double size = model.unit[model.unit.size() - model.members.size() + member];
     return size < at_end || size > 1.0 - at_end;
 }
@@ -81,7 +80,15 @@ Judged Judge::judge(Model model, double variance) const {
     auto prior = hypotheses::Prior::of_parameters(static_cast<Index>(parameters));
     for (std::size_t m = 0; m < model.members.size(); ++m) {
         const Candidate& candidate = candidates_[model.members[m]];
-        prior.add_size(candidate.null, candidate.typical, model.unit[parameters + m]);
+        const auto column = static_cast<Index>(parameters + m);
+        double typical = candidate.typical;
+        if (candidate.reading) {
+            // A gross error is a share of the reading, or ten times its noise where next to nothing is to be read.
+            constexpr double gross = 10.0;
+            const double moves = jacobian.col(column).norm(); // standard deviations by the unit coordinate
+            typical = candidate.null + std::max(typical - candidate.null, moves > 0.0 ? gross / moves : 0.0);
+        }
+        prior.add_size(candidate.null, typical, model.unit[parameters + m]);
     }
     if (!model.members.empty()) {
         const MatrixXd known = covariance_of(*problem, model, variance);

@@ -1,6 +1,7 @@
 #include "diagnose/ledger.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace explore::diagnose {
 
@@ -35,9 +36,12 @@ double Ledger::rate(const std::string& a, const std::string& b) const {
 }
 
 bool Ledger::is_predicted_worse(const std::string& key) const {
-    constexpr double clearly = 1.05;
-    return std::any_of(predicted_.begin(), predicted_.end(),
-                       [&](const Predicted& own) { return own.key == key && own.after > clearly * own.before; });
+    const double clearly = std::log(1.05);
+    double growth = 0.0;
+    for (const Predicted& own : predicted_) {
+        growth += own.key == key ? std::log(own.after / own.before) : 0.0;
+    }
+    return growth > clearly;
 }
 
 double Ledger::beyond(const std::string& key, const std::vector<std::string>& subjects) const {

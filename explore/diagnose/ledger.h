@@ -95,7 +95,8 @@ public:
     double chance(const std::string& key) const;
     Says says(const std::string& key) const;
     double rate(const std::string& a, const std::string& b) const;
-    // Whether some readings that were left out are predicted clearly worse with it than without.
+    // Whether readings that were left out, place by place and load by load, are predicted clearly worse with it than
+    // without: the mean of the logarithms of the errors.
     bool is_predicted_worse(const std::string& key) const;
     // The least p of a correction beside it that is of none of these subjects.
     double beyond(const std::string& key, const std::vector<std::string>& subjects) const;

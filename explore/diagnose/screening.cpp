@@ -19,8 +19,7 @@ Mimicry::Mimicry(const MatrixXd& jacobian, const std::vector<double>& unit, cons
     const VectorXd pull = jacobian.transpose() * residuals; // the sum of squares falls against it
     MatrixXd open = jacobian;
     for (Index k = 0; k < open.cols(); ++k) {
-        const double u = unit[static_cast<std::size_t>(k)];
-        if ((u <= 0.0 && pull[k] > 0.0) || (u >= 1.0 && pull[k] < 0.0)) {
+        if (is_pressed(unit[static_cast<std::size_t>(k)], pull[k])) {
             open.col(k).setZero();
         }
     }

@@ -7,6 +7,13 @@
 
 namespace explore::diagnose {
 
+// Of the range of a parameter or a size: closer to an end it is at it.
+constexpr double at_end = 1e-4;
+// Whether a fit presses a coordinate against an end of its range. pull: of the sum of squares, which falls against it.
+inline bool is_pressed(double unit, double pull) {
+    return (unit < at_end && pull > 0.0) || (unit > 1.0 - at_end && pull < 0.0);
+}
+
 // What free parameters can follow, to first order: the span of the residuals' derivatives. Directions that crossing the
 // whole box moves by less than one standard deviation are not in it, nor are parameters that the fit presses against a
 // bound.

@@ -103,7 +103,8 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         }
         statistics.load_steps = 1;
     } else {
-        const auto failure = path.follow(settings.load_steps, deadline, rate, [&](double load_factor) {
+        const bool rate_at_end = Element::dim == 3 || on_step_ || !on_the_way.empty();
+        const auto failure = path.follow(settings.load_steps, rate_at_end, deadline, rate, [&](double load_factor) {
             note_the_way(load_factor);
             if (on_step_) {
                 on_step_(load_factor, slope[0].u, modulus);
@@ -113,6 +114,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
             return *failure;
         }
         statistics.load_steps = settings.load_steps;
+        w.behind_end = !rate_at_end;
     }
 
     // The errors of iterative solutions leave some force unbalanced: one more solve with the last matrix.
@@ -145,6 +147,12 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
 
 template <class Element>
 bool Solver<Element>::solve_at_end(Eigen::MatrixXd& right) {
+    if (work_->behind_end) {
+        work_->catch_up();
+        if (!work_->system.set_matrix(work_->values)) {
+            return false;
+        }
+    }
     return work_->system.solve(right, {});
 }
 

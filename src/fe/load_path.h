@@ -50,9 +50,9 @@ public:
 
     // rate(state, i) sets slope[i] to d(state)/d(load factor), false: the stiffness there is not positive definite.
     // ended(load factor): `now` and slope[0] belong to it, `trial` and rate_before() to the load factor before; called
-    // at 0 too, which has none before.
+    // at 0 too, which has none before. rate_at_end: whether slope[0] is wanted at the end, where no step needs it.
     template <class Rate, class Ended>
-    std::optional<Failure> follow(int steps, const Deadline& deadline, Rate rate, Ended ended) {
+    std::optional<Failure> follow(int steps, bool rate_at_end, const Deadline& deadline, Rate rate, Ended ended) {
         if (!rate(now, 0)) {
             return stiffness_not_definite();
         }
@@ -70,7 +70,8 @@ public:
                 if (deadline.has_passed()) {
                     return Deadline::failure();
                 }
-                if (!rate(trial, i)) {
+                const bool at_end = step + 1 == steps && i + 1 == stages;
+                if ((!at_end || rate_at_end) && !rate(trial, i)) {
                     return stiffness_not_definite();
                 }
             }

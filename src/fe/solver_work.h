@@ -136,6 +136,7 @@ struct Solver<Element>::Work {
 
     // Buffers of a load path, kept so that runs do not allocate.
     LoadPath<PathState<Element>> path;
+    bool behind_end = false; // moduli and values are still those of the path's last rate, before its end
     Eigen::VectorXd modulus;
     Eigen::VectorXd modulus_rate;
 
@@ -171,6 +172,7 @@ struct Solver<Element>::Work {
         variations = &run_variations;
         springs = &run_springs;
         motions = &run_motions;
+        behind_end = false;
         prepared.clear();
         prepared.resize(run_layers.size());
         for (std::size_t l = 0; l < run_layers.size(); ++l) {
@@ -720,6 +722,14 @@ struct Solver<Element>::Work {
                     gradient.dot(whole_rate(k)) + explicit_modulus_rate(layer, topology->layer[e], at, m, k);
             }
         }
+    }
+    // Moduli and values as they are at the end of the load path.
+    void catch_up() {
+        if (behind_end) {
+            set_moduli(path.now.stress, path.now.d_stress);
+            assemble(modulus);
+        }
+        behind_end = false;
     }
     // The same at all of them.
     template <class Stresses>

@@ -170,6 +170,7 @@ Outcome<InertialCourse> Solver<Element>::inertial(const Solution<Element>& end, 
                                                   const History& history, const Inertia& inertia,
                                                   const std::vector<Functional<Element>>& readings) {
     Work& w = *work_;
+    w.catch_up();
     const int count = w.count();
     const Pattern& lower = w.topology->lower;
     const auto n = static_cast<Eigen::Index>(readings.size());

@@ -377,7 +377,8 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
         return true;
     };
     const int steps = values.settings.solver.load_steps;
-    if (const auto failure = path.follow(steps, fe::Deadline(values.settings.solver.time_limit), rate, [](double) {})) {
+    const fe::Deadline deadline(values.settings.solver.time_limit);
+    if (const auto failure = path.follow(steps, false, deadline, rate, [](double) {})) {
         return *failure;
     }
 

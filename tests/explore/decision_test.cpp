@@ -346,6 +346,14 @@ std::vector<Case> table() {
          {},
          {},
          Says::nothing});
+    add({"what comes nearest gives way to a correction that comes nearer, though what was left out speaks against it",
+         {bad, far, effect("a", 70, -20), correction(42, -12)},
+         Verdict::unexplained,
+         {},
+         Reason::predicts_worse,
+         {},
+         {},
+         {{of_correction, 1.0, 2.0}}});
     add({"what was left out speaks against it",
          {bad, far, correction(42, -12)},
          Verdict::unexplained,
@@ -561,6 +569,9 @@ TEST(Decision, OfAnyLedgerRestsOnItsRows) {
                 correction(uniform(25, chi2), uniform(-40, -5), {uniform(0, 1) < 0.5 ? "base" : "subgrade"}));
         }
         c.says = static_cast<Says>(static_cast<int>(uniform(0, 3)));
+        if (uniform(0, 1) < 0.3) {
+            c.predicted = {{of_correction, 1.0, 2.0}};
+        }
         const Ledger ledger = ledger_of(c, c.rows);
         const auto found = decide(ledger);
         double sum = 0.0;
@@ -575,6 +586,10 @@ TEST(Decision, OfAnyLedgerRestsOnItsRows) {
         EXPECT_EQ(has_names, !found.causes.empty());
         for (const std::size_t r : found.names) {
             EXPECT_TRUE(ledger.rows()[r].is_tried());
+        }
+        if (has_names) { // its model is that of a name
+            ASSERT_TRUE(found.model);
+            EXPECT_TRUE(ledger.rows()[*found.model].hypothesis.is_name());
         }
         if (found.verdict == Verdict::located) {
             ASSERT_TRUE(found.correction && found.model == found.correction);

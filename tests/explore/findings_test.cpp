@@ -319,9 +319,9 @@ TEST(CombinationsInWords, HaveTheStressesOfTheirLaw) {
     // the one that is published.
     const landscape::Combination c{
         .leading = 0, .others = {{1, std::log(0.62)}, {2, std::log(1.5)}}, .standard_error = 0.02};
-    EXPECT_EQ(analysis::combination_words(study_in_memory("uzan"), c),
+    EXPECT_EQ(analysis::combination_words(study_in_memory("uzan"), c, {0.5, 0.5, 0.5}),
               "base.k1 * (theta/pa)^base.k2 at theta = 62 kPa * (tau/pa + 1)^base.k3 at tau = 50 kPa is fixed to 2 %");
-    EXPECT_EQ(analysis::combination_words(study_in_memory("uzan-deviator"), c),
+    EXPECT_EQ(analysis::combination_words(study_in_memory("uzan-deviator"), c, {0.5, 0.5, 0.5}),
               "base.k1 * (theta/pa)^base.k2 at theta = 62 kPa * (deviator/pa)^base.k3 at deviator = 150 kPa is fixed "
               "to 2 %");
 }

@@ -121,8 +121,7 @@ void Investigation::record_noise() {
     MatrixXd jacobian = problem->residual_jacobian(baseline.model.evaluation);
     const VectorXd pull = jacobian.transpose() * baseline.model.residuals;
     for (Index k = 0; k < jacobian.cols(); ++k) {
-        const double u = baseline.model.unit[static_cast<std::size_t>(k)];
-        if ((u <= 0.0 && pull[k] > 0.0) || (u >= 1.0 && pull[k] < 0.0)) {
+        if (is_pressed(baseline.model.unit[static_cast<std::size_t>(k)], pull[k])) {
             jacobian.col(k).setZero();
         }
     }

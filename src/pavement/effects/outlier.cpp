@@ -27,8 +27,8 @@ const Effect& outlier() {
         .name = "outlier",
         .unit = "-",
         .null = 0.0,
-        .low = -2.0,
-        .high = 3.0,
+        .low = -100.0, // of a place where next to nothing is to be read
+        .high = 100.0,
         .typical = 0.3,
         .mechanism =
             "A loose contact, a stone under a sensor or a slip of the pen makes one reading differ by the size times "
@@ -40,6 +40,9 @@ const Effect& outlier() {
         .apply = apply,
         .refuses = refuses,
         .in_words = [](const AppliedEffect& a) -> std::string {
+            if (a.size < -1.0 || a.size > 2.0) {
+                return fmt::format("the reading is {} times what it should be", figure(1.0 + a.size, 2));
+            }
             return fmt::format("the reading is {} % too {}", figure(100.0 * std::abs(a.size), 2),
                                a.size > 0.0 ? "large" : "small");
         },
