@@ -172,8 +172,10 @@ TEST(Mimicry, ParametersFollowTheirSpanAndNoMore) {
     EXPECT_LT(mimicry.beyond(world.a * VectorXd::Ones(parameters)).norm(), 1e-10);
     EXPECT_NEAR(mimicry.beyond(world.signatures.col(0)).norm(), 20.0, 1e-9);
     // A parameter that is pressed against its bound follows nothing.
-    const diagnose::Mimicry pressed(world.a, {1.0, 0.5, 0.5}, -world.a.col(0));
-    EXPECT_EQ(pressed.rank(), 2);
+    for (const double end : {1.0, 1.0 - 1e-6}) {
+        const diagnose::Mimicry pressed(world.a, {end, 0.5, 0.5}, -world.a.col(0));
+        EXPECT_EQ(pressed.rank(), 2);
+    }
 }
 
 TEST(Screening, ScoreIsTheRootOfWhatAFitGains) {
