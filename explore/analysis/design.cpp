@@ -319,7 +319,7 @@ std::optional<DesignResult> design(Session& session, const study::Study& given, 
     if (criteria.empty()) {
         throw pave::Error({.file = given.file, .key = "criteria"},
                           "the study says nothing of what its pavement fails by", {},
-                          "at least one [[criteria]] (docs/design.md)");
+                          "at least one [[criteria]] (docs/guide/design.md)");
     }
     CriticalPlaces places = critical_places(with_enough_load_steps(given, session), criteria);
     const study::Study& study = places.study;

@@ -1,5 +1,5 @@
 // Every key of a study but the numbers of layers, laws and loads, which stand with what they belong to
-// (pavement/parameter.h, material/law.h): where it is read from, and what docs/keys.md is made of.
+// (pavement/parameter.h, material/law.h): where it is read from, and what docs/reference/keys.md is made of.
 #pragma once
 
 #include "fe/settings.h"
@@ -52,7 +52,7 @@ inline constexpr Key model_type{.table = "[model]",
                                 .kind = word,
                                 .choices = model_types,
                                 .meaning = "a model of one's own in place of layers and loads: a program that is run, "
-                                           "or a server that speaks UM-Bridge (docs/any-model.md)"};
+                                           "or a server that speaks UM-Bridge (docs/guide/any-model.md)"};
 inline constexpr Key model_command{.table = "[model]",
                                    .key = "command",
                                    .kind = texts,
@@ -662,7 +662,7 @@ inline constexpr Key criterion_name{
     .table = "[[criteria]]", .key = "name", .allowed = "a text", .meaning = "what reports call it"};
 inline constexpr Key criterion_law{.table = "[[criteria]]",
                                    .key = "law",
-                                   .allowed = "a law of [design.md](design.md), or `expression`",
+                                   .allowed = "a law of [design.md](../guide/design.md), or `expression`",
                                    .meaning = "how many repetitions are allowed; some laws have keys of their own"};
 inline constexpr Key criterion_axle{.table = "[[criteria]]",
                                     .key = "axle",
@@ -726,7 +726,7 @@ inline constexpr Key criterion_place{.table = "[[criteria]]",
 
 } // namespace keys
 
-// In the order of docs/keys.md.
+// In the order of docs/reference/keys.md.
 std::span<const Key> study_keys();
 
 } // namespace explore::study

@@ -10,7 +10,7 @@ one:     an effect of 8 to 20 standard deviations; none: nothing hidden; two: tw
 understated, overstated, heavy, common, tied: nothing hidden, but errors are not as stated: 1.5 times as large or as small, of Student's t, shared by the
          readings of a load, alike in neighbouring readings; bad: two or three wrong readings; few: as `one`, with 11 readings; fault: of the file.
 --correlated: errors are tied as those of repeated drops are, and the study says so; --independent: it says that they are not.
-Writes a file a case into the folder (a run that was cut off continues), prints the rates. --page: writes tables and pictures of DOCS/diagnose.md too.
+Writes a file a case into the folder (a run that was cut off continues), prints the rates. --page FOLDER: writes tables and pictures of FOLDER/diagnose.md too.
 """
 import argparse
 import concurrent.futures

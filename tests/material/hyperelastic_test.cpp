@@ -201,7 +201,7 @@ TEST(Hyperelastic, NoClosedCycleOfStressLeavesStrain) {
         const auto p = parameters(k, 0.4, 1500.0, 20e3);
         EXPECT_LT(kept([&](const Voigt<6>& s) { return tangent(p, s); }), 1e-10) << k;
     }
-    // The others leave some; the figures are those of docs/laws.md.
+    // The others leave some; the figures are those of docs/theory/laws.md.
     for (const auto& [name, p] : std::initializer_list<std::pair<const char*, std::vector<double>>>{
              {"uzan", {0, 800, 0.6, -0.3, 0.4, 0.3, 0.25, NAN, 20e3, 0}},
              {"k-theta", {0, 800, 0.6, 0.4, 0.3, 0.25, NAN, 20e3, 0}},

@@ -235,7 +235,7 @@ TEST(LadeNelson, NoClosedCycleOfStressMakesWork) {
     for (const double lambda : {0.2, 0.35, -0.3}) {
         EXPECT_LT(share_of_energy(law, {800, lambda, 0.3, 5e3}), 1e-7) << lambda;
     }
-    // The others do: what their law leaves out. The figures are those of docs/laws.md.
+    // The others do: what their law leaves out. The figures are those of docs/theory/laws.md.
     for (const auto& [name, p] : std::initializer_list<std::pair<const char*, std::vector<double>>>{
              {"uzan", {0, 800, 0.6, -0.3, 1, 0.3, 0.3, NAN, 5e3, 0}},
              {"k-theta", {0, 800, 0.6, 1, 0.3, 0.3, NAN, 5e3, 0}},

@@ -8,7 +8,7 @@ import pytest
 
 from support import *
 
-COMMANDS = [(page.name, found[1]) for page in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+COMMANDS = [(page.name, found[1]) for page in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
             for line in page.read_text().splitlines()
             if (found := re.match(r"    (?:\$ )?(pavescape .*?)(?:\s+#.*)?$", line))
             and page.name != "tutorial.md" and not re.search(r"\b(STUDY|RUN|FILE)\b", found[1])]

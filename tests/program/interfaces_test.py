@@ -72,7 +72,7 @@ def test_the_debian_package():
     assert len(packages) == 1, f"one package: {packages}"
     contents = command("dpkg-deb", "--contents", packages[0])
     for path in ("./usr/bin/pavescape\n", "./usr/share/man/man1/pavescape.1", "completions/pavescape\n", "dist-packages/pavescape",
-                 "doc/pavescape/docs/commands.md", "share/pavescape/grids/captif-p1-fwd.toml"):
+                 "doc/pavescape/docs/reference/commands.md", "share/pavescape/grids/captif-p1-fwd.toml"):
         assert path in contents, f"the package holds {path.strip()}"
     assert "libtbb" in command("dpkg-deb", "--field", packages[0], "Depends"), "the package names what it needs"
 

@@ -1,5 +1,5 @@
 execute_process(COMMAND ${PROGRAM} OUTPUT_VARIABLE made COMMAND_ERROR_IS_FATAL ANY)
 file(READ ${PAGE} kept)
 if(NOT made STREQUAL kept)
-    message(FATAL_ERROR "docs/keys.md is stale: ${PROGRAM} > docs/keys.md")
+    message(FATAL_ERROR "docs/reference/keys.md is stale: ${PROGRAM} > docs/reference/keys.md")
 endif()

@@ -66,7 +66,7 @@ def bowls(k1, subgrade):
 
 @pytest.fixture(scope="module")
 def made():
-    # Noise as docs/field.md says it: of every sensor 1 um and 1 % at a level, and of every drop its repeatability.
+    # Noise as docs/guide/field.md says it: of every sensor 1 um and 1 % at a level, and of every drop its repeatability.
     chance = random.Random(4)
     truth, rows = [], []
     for s in range(STATIONS):

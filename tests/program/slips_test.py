@@ -33,7 +33,7 @@ TABLES = {
 def documented():
     """The keys of every table by the page."""
     keys, table = {}, None
-    for line in (ROOT / "docs" / "keys.md").read_text().split("\n## Layers")[0].splitlines():
+    for line in (ROOT / "docs/reference/keys.md").read_text().split("\n## Layers")[0].splitlines():
         if line.startswith("### "):
             table = line[4:].strip("`")
         elif match := re.match(r"\| `(\w+)` \|", line):

@@ -1,5 +1,5 @@
 """Layers never point upwards, only study/ and what stands above the analyses know the forward model, each file is in the build, the map of
-CONTRIBUTING is true, sizes stay within bounds, and the commands and tools that README, CONTRIBUTING and docs/commands.md show exist."""
+CONTRIBUTING is true, sizes stay within bounds, and the commands and tools that README, CONTRIBUTING and docs/reference/commands.md show exist."""
 import re
 
 from support import *
@@ -52,7 +52,7 @@ def test_the_map_of_contributing_is_true():
 MOST_LINES = 500
 # Longer files, each with the reason why it is one file.
 LONGER = {
-    "explore/study/keys.h": "one table: every key of a study with its range and meaning, which docs/keys.md is made of",
+    "explore/study/keys.h": "one table: every key of a study with its range and meaning, which docs/reference/keys.md is made of",
     "explore/landscape/uniqueness.cpp": "one class: the steps of the analysis share its minima, walks and chain numbers",
     "explore/landscape/posterior.cpp": "one sampler: its populations, kernels and schedule share the particles",
     "explore/report/web/report.js": "one page: its sections share the building blocks at the top, and one script is what a page embeds",
@@ -79,7 +79,7 @@ def test_sizes_stay_within_bounds():
 
 
 def test_pages_show_commands_and_tools_that_exist():
-    for page, least in (("README.md", 1), ("docs/commands.md", 15), ("CONTRIBUTING.md", 0)):
+    for page, least in (("README.md", 1), ("docs/reference/commands.md", 15), ("CONTRIBUTING.md", 0)):
         text = (ROOT / page).read_text()
         commands = re.findall(r"^ +(?:\$ )?pavescape (\w+) ?(\S*)", text, re.M)
         assert len(commands) >= least, f"{page} shows the commands"
@@ -91,9 +91,9 @@ def test_pages_show_commands_and_tools_that_exist():
 
 def test_every_command_and_tool_is_described():
     # Every command and every tool is described, and no page points to one that is not there.
-    shown = (ROOT / "docs" / "commands.md").read_text()
+    shown = (ROOT / "docs/reference/commands.md").read_text()
     for name in re.findall(r'^        \{"(\w+)", add_', (ROOT / "explore" / "cli" / "commands.cpp").read_text(), re.M):
-        assert f"    pavescape {name}" in shown, f"docs/commands.md does not show {name}"
+        assert f"    pavescape {name}" in shown, f"docs/reference/commands.md does not show {name}"
     for path in (ROOT / "tools").rglob("*"):
         if path.is_file() and "." not in path.name:
             assert f"`{path.relative_to(ROOT)}" in CONTRIBUTING, f"CONTRIBUTING does not name {path.relative_to(ROOT)}"
@@ -107,10 +107,10 @@ def test_every_file_of_tests_is_run():
 
 
 def test_links_of_pages_lead_somewhere():
-    for page in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")]:
+    for page in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")]:
         for target in re.findall(r"\]\(([\w./-]+\.(?:md|svg))[)#]", page.read_text()):
             assert (page.parent / target).exists(), f"{page.name}: {target} is not there"
         for script in re.findall(r"(?:`|    )(tools/[\w./-]+)", page.read_text()):
             assert (ROOT / script).exists(), f"{page.name}: {script} is not there"
-        for target in re.findall(r"`(docs/[\w-]+\.md)`", page.read_text()):
+        for target in re.findall(r"`(docs/[\w/-]+\.md)`", page.read_text()):
             assert (ROOT / target).exists(), f"{page.name}: {target} is not there"

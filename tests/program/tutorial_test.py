@@ -6,7 +6,7 @@ from support import *
 
 def test_the_tutorial_shows_what_its_commands_print():
     reader = reader_of_pages()
-    page = (ROOT / "docs" / "tutorial.md").read_text()
+    page = (ROOT / "docs/guide/tutorial.md").read_text()
     # Indented blocks: "$ command", then lines of its output; "..." stands for lines left out.
     blocks = re.findall(r"(?:^    .*\n)+", page, re.M)
     commands, stale = 0, []

@@ -1,4 +1,4 @@
-"""Runs the benchmarks of a build and writes their tables into docs/performance.md. Called by tools/bench/run.
+"""Runs the benchmarks of a build and writes their tables into docs/evidence/performance.md. Called by tools/bench/run.
 
 Every figure is a median over rounds in which each thing is measured once, in turn, so that ratios hold where the machine
 drifts. Work of one thread is measured in CPU seconds, which other programs on the machine disturb least.
@@ -18,7 +18,7 @@ import time
 PLANE = "grids/captif-p1-fwd.toml"
 BOWL = "grids/captif-p1-unique-fwd.toml"
 SOLID = "grids/dual-nonlinear.toml"
-DOCUMENT = "docs/performance.md"
+DOCUMENT = "docs/evidence/performance.md"
 STARTS = 32
 ROAD = "grids/road-example.toml"
 STATIONS = 200

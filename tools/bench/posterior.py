@@ -25,7 +25,7 @@ def rows_of(file):
 
 
 class Posterior:
-    """Independent errors, normal on the scale asinh(b v / a) / b where their size is the same everywhere, about its mean (docs/theory.md; b
+    """Independent errors, normal on the scale asinh(b v / a) / b where their size is the same everywhere, about its mean (docs/theory/theory.md; b
     relative, a the floor), a flat prior on the scales of the parameters. Coordinates from 0 to 1."""
 
     def __init__(self, module, file):

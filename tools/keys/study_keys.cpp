@@ -1,5 +1,5 @@
-// Prints docs/keys.md: every key of a study, from the tables that the program reads studies by.
-// usage: study_keys > docs/keys.md
+// Prints docs/reference/keys.md: every key of a study, from the tables that the program reads studies by.
+// usage: study_keys > docs/reference/keys.md
 #include "material/catalog.h"
 #include "pavement/effects/catalog.h"
 #include "pavement/effects/effect.h"
