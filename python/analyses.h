@@ -1,10 +1,13 @@
-// The analyses of the command line as methods of a study, and those of a road as functions of the module.
+// The analyses of the command line, as JSON text and arrays: what pavescape/ makes objects of.
 #pragma once
 
 #include "study.h"
 
 namespace python {
 
-void add_analyses(pybind11::module_& m, pybind11::class_<Study>& study);
+void add_fits(pybind11::class_<Study>& study);
+void add_judgements(pybind11::class_<Study>& study);
+void add_roads(pybind11::module_& m);
+void add_pages(pybind11::module_& m);
 
 } // namespace python

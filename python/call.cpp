@@ -165,8 +165,4 @@ void call(const std::function<bool()>& body) {
     }
 }
 
-py::object dictionary(const explore::report::Json& json) {
-    return py::module_::import("json").attr("loads")(explore::report::json_text(json, -1));
-}
-
 } // namespace python

@@ -48,27 +48,26 @@ explore::analysis::ModelOptions model_of(const std::string& name, const py::obje
 // body: false where it was cut off.
 void call(const std::function<bool()>& body);
 
-py::object dictionary(const explore::report::Json& json);
-
-// analyse(session): an optional result; json(result, run). The JSON of the command, kept where it keeps it.
+// analyse(session): an optional result; json(result, run). The JSON of the command as text, kept where it keeps it.
 template <class Analyse, class Render>
-py::object analysed(const explore::analysis::RunOptions& run, const char* name, const Analyse& analyse,
-                    const Render& render) {
-    explore::report::Json json;
+std::string analysed(const explore::analysis::RunOptions& run, const char* name, const Analyse& analyse,
+                     const Render& render) {
+    std::string text;
     call([&] {
         explore::analysis::Session session(run);
         const auto result = analyse(session);
         if (!result) {
             return false;
         }
-        json = render(*result, session.options());
+        const explore::report::Json json = render(*result, session.options());
         if (result->failed()) {
             throw NoAnswer(json.value("reason", "no answer"));
         }
-        session.keep(name, explore::report::json_text(json));
+        text = explore::report::json_text(json);
+        session.keep(name, text);
         return true;
     });
-    return dictionary(json);
+    return text;
 }
 
 } // namespace python

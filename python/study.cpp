@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "call.h"
 #include "pavement/forward.h"
+#include "study/function_study.h"
 #include "study/problems.h"
 
 #include <filesystem>
@@ -52,7 +53,23 @@ std::unique_ptr<Study> Study::of_text(const std::string& text, const std::map<st
     return study;
 }
 
+std::unique_ptr<Study> Study::of_function(const std::string& text, const std::map<std::string, std::string>& files,
+                                          const std::string& name, FunctionOf function) {
+    auto study =
+        std::make_unique<Study>(explore::study::study_with(make_simulator(std::move(function)), text, name, files));
+    std::vector<explore::data::InputFile> inputs{{name, text}}; // that the folder of a run keeps
+    for (const auto& [file, content] : files) {
+        inputs.push_back({file, content});
+    }
+    study->study_.inputs = std::make_shared<const std::vector<explore::data::InputFile>>(std::move(inputs));
+    study->source_ = {.in_memory = true, .is_function = true, .name = name};
+    return study;
+}
+
 py::tuple Study::state() const {
+    if (source_.is_function) {
+        throw py::type_error("a study of a function is copied by whoever has the function");
+    }
     py::list files;
     for (const auto& [path, bytes] : source_.files) {
         files.append(py::make_tuple(path, bytes));
@@ -91,8 +108,8 @@ std::unique_ptr<Study> Study::of_state(const py::tuple& state) {
 
 std::string Study::words() const {
     const std::size_t readings = study_.measured().size();
-    return fmt::format("<pavescape.Study {}: \"{}\", {}, {}, {}>", study_.file, study_.title,
-                       pave::counted(study_.parameters.size(), "parameter", "parameters"),
+    return fmt::format("<pavescape.{} {}: \"{}\", {}, {}, {}>", source_.is_function ? "Problem" : "Study", study_.file,
+                       study_.title, pave::counted(study_.parameters.size(), "parameter", "parameters"),
                        pave::counted(readings, "reading", "readings"),
                        pave::counted(study_.readings.size() - readings, "output", "outputs"));
 }
@@ -199,6 +216,9 @@ explore::problem::Prediction Study::Callable::at(const Study& of, const Values& 
     const auto refuse = [](const auto& outcome) {
         throw NoAnswer(std::string(to_string(outcome.status())) + ": " + outcome.failure().reason);
     };
+    if (!values && study.has_own_model) {
+        return at(of, array(of.each(&explore::problem::Axis::start)), with_jacobian);
+    }
     const py::gil_scoped_release release;
     if (!values || !function_) {
         const pave::pavement::ForwardModel model(study.model, loads_);

@@ -1,6 +1,7 @@
 // A study as Python sees it: its forward model and its misfit as functions of arrays.
 #pragma once
 
+#include "function.h"
 #include "problem/problem.h"
 #include "study/study.h"
 
@@ -22,6 +23,7 @@ public:
     // What makes the same study again, also where its files are not.
     struct Source {
         bool in_memory = false;
+        bool is_function = false;
         std::string name; // of the study: its file, or what messages call it
         std::vector<explore::data::InputFile> files =
             {};                // as it was read, itself first; in memory its data files by name
@@ -30,6 +32,9 @@ public:
     static std::unique_ptr<Study> of_file(const std::string& file);
     static std::unique_ptr<Study> of_text(const std::string& text, const std::map<std::string, std::string>& files,
                                           const std::string& name);
+    // The same with a Python function for its model. It cannot be asked for its state.
+    static std::unique_ptr<Study> of_function(const std::string& text, const std::map<std::string, std::string>& files,
+                                              const std::string& name, FunctionOf function);
     pybind11::tuple state() const;
     static std::unique_ptr<Study> of_state(const pybind11::tuple& state);
     std::string words() const; // for repr()

@@ -1,37 +1,15 @@
 // pavescape report: one HTML file from a run.
-#include "analysis/build.h"
 #include "cli/commands.h"
-#include "report/page.h"
-#include "report/run_folder.h"
-#include "run/files.h"
+#include "report/run_page.h"
 
-#include <filesystem>
 #include <fmt/format.h>
 
 namespace explore::cli {
 namespace {
 
-using report::Json;
-
 int make_report(const std::string& folder, const std::string& out) {
-    report::RunFolder read = report::read_run_folder(folder, keepers_of_runs());
-    std::optional<run::Store> store;
-    if (std::filesystem::exists(std::filesystem::path(folder) / "run.sqlite")) {
-        store.emplace(folder);
-    }
-    Json sessions = store ? report::sessions_json(*store) : Json::array();
-    Json studies = report::studies_json(read.results, store ? &*store : nullptr);
-    const std::string text = report::page({{"folder", std::filesystem::canonical(folder).filename().string()},
-                                           {"version", analysis::version},
-                                           {"results", std::move(read.results)},
-                                           {"evaluations", std::move(read.evaluations)},
-                                           {"sessions", std::move(sessions)},
-                                           {"studies", std::move(studies)}});
-    const std::filesystem::path path =
-        out.empty() ? std::filesystem::path(folder) / "report.html" : std::filesystem::path(out);
-    const std::string parent = path.parent_path().string();
-    run::write_file(parent.empty() ? "." : parent, path.filename().string(), text);
-    fmt::print("{} ({:.1f} MB): open it in a browser\n", path.string(), static_cast<double>(text.size()) / 1e6);
+    const report::WrittenPage page = report::write_page_of(folder, keepers_of_runs(), out);
+    fmt::print("{} ({:.1f} MB): open it in a browser\n", page.file, static_cast<double>(page.bytes) / 1e6);
     return done;
 }
 

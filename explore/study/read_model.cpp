@@ -308,7 +308,15 @@ void read_own_output(const toml::table& table, Study& study) {
     study.readings.push_back(std::move(output));
 }
 
-std::string read_model(const toml::table& table, Study& study, const TextReader& read_text) {
+void set_model(Study& study, std::shared_ptr<const external::Simulator> simulator) {
+    std::vector<double> to_si;
+    for (const data::Reading& reading : study.readings) {
+        to_si.push_back(reading.unit.to_si);
+    }
+    study.external = std::make_shared<external::Model>(std::move(simulator), study.space, std::move(to_si));
+}
+
+void check_own_model(const Study& study) {
     if (study.space.axes.empty()) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "a model of one's own is a function of parameters",
                           {}, "at least one [[parameters]]");
@@ -316,8 +324,11 @@ std::string read_model(const toml::table& table, Study& study, const TextReader&
     if (!study.model.ties.empty()) {
         throw pave::Error({.file = study.file, .key = "[[parameters]] equals"},
                           "what follows other numbers is the built-in model's", study.model.ties[0].path,
-                          "the arithmetic in the program itself");
+                          "the arithmetic in the model itself");
     }
+}
+
+std::string read_model(const toml::table& table, Study& study, const TextReader& read_text) {
     TableReader reader(table, study.file, "[model]");
     // Of the other type: no misspelt ones.
     reader.expect(std::array{keys::model_command, keys::model_inputs, keys::model_files, keys::model_outputs,
@@ -332,11 +343,7 @@ std::string read_model(const toml::table& table, Study& study, const TextReader&
     };
     auto simulator = is_program ? read_program(reader, study, remembered) : read_server(reader, table, study);
     reader.done();
-    std::vector<double> to_si;
-    for (const data::Reading& reading : study.readings) {
-        to_si.push_back(reading.unit.to_si);
-    }
-    study.external = std::make_shared<external::Model>(std::move(simulator), study.space, std::move(to_si));
+    set_model(study, std::move(simulator));
     return contents;
 }
 

@@ -1,6 +1,7 @@
 // [model]: a forward function that is not ours, and what a study then holds in place of a section. Private to study/.
 #pragma once
 
+#include "external/simulator.h"
 #include "problem/parameter_space.h"
 #include "study/read_load.h"
 #include "study/table_reader.h"
@@ -20,8 +21,11 @@ double own_value(TableReader& reader, const problem::Axis& axis);
 pave::pavement::Sensor own_sensor(Study& study, const data::Reading& reading);
 void read_own_output(const toml::table& table, Study& study);
 
-// When all parameters, readings and outputs are known: makes study.external. What its files hold that changes its
-// responses. Throws pave::Error.
+// When all parameters, readings and outputs are known. Throws pave::Error for what no model of one's own can have.
+void check_own_model(const Study& study);
+// Then one of these two sets study.external.
+void set_model(Study& study, std::shared_ptr<const external::Simulator> simulator);
+// Returns what the files of the model hold that changes its responses. Throws pave::Error.
 std::string read_model(const toml::table& table, Study& study, const TextReader& read_text);
 
 } // namespace explore::study

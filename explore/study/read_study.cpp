@@ -10,6 +10,7 @@
 #include "study/constraints.h"
 #include "study/corrections.h"
 #include "study/criteria.h"
+#include "study/function_study.h"
 #include "study/no_study.h"
 #include "study/prior_correlations.h"
 #include "study/read_layer.h"
@@ -279,7 +280,9 @@ std::string hash_of(toml::table table, const Study& study, const std::string& ow
     return hash_with_readings(text.str(), study.measured());
 }
 
-Study parse(std::string text, const std::string& file, Readings readings, const TextReader& read_text) {
+// function: the study's model, where the caller has it.
+Study parse(std::string text, const std::string& file, Readings readings, const TextReader& read_text,
+            const std::shared_ptr<const external::Simulator>& function = nullptr) {
     Study study;
     study.file = file;
     refuse_deep_keys(text, file);
@@ -296,8 +299,8 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
     reader.integer(keys::schema);
     study.title = reader.text(keys::title, study.stem());
 
-    const auto* own_model = reader.table("model");
-    if (own_model != nullptr) {
+    const auto* own_model = function == nullptr ? reader.table("model") : nullptr;
+    if (own_model != nullptr || function != nullptr) {
         begin_own_model(study, table);
     }
     // Layers and loads share one list of names: parameter paths begin with one.
@@ -331,10 +334,10 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
         study.model.loads.push_back(read_load(*load, study, table["data"]["outside"].value_or(false), read_text));
         check_name(study.model.loads.back().name, *load);
     }
-    if (study.model.layers.empty() && own_model == nullptr) {
+    if (study.model.layers.empty() && !study.has_own_model) {
         throw pave::Error({.file = file, .key = "layers"}, "the section has no layers", {}, "at least one [[layers]]");
     }
-    if (study.model.loads.empty() && own_model == nullptr) {
+    if (study.model.loads.empty() && !study.has_own_model) {
         throw pave::Error({.file = file, .key = "loads"}, "the study has no loads", {}, "at least one [[loads]]");
     }
     if (const auto* solver = reader.table("solver")) {
@@ -392,7 +395,16 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
     }
     reader.tables("criteria");
     reader.done();
-    const std::string own_files = own_model != nullptr ? read_model(*own_model, study, read_text) : "";
+    std::string own_files;
+    if (study.has_own_model) {
+        check_own_model(study);
+    }
+    if (function != nullptr) {
+        own_files = "\n" + function->description();
+        set_model(study, function);
+    } else if (own_model != nullptr) {
+        own_files = read_model(*own_model, study, read_text);
+    }
     check_steps(study);
     if (readings == Readings::own && study.model.sensors.empty()) {
         throw pave::Error({.file = file}, "the study asks for nothing", "neither measurements nor outputs",
@@ -426,6 +438,11 @@ Study load_study(const std::string& file, Readings readings) {
 }
 
 Study study_of(std::string text, const std::string& name, const std::map<std::string, std::string>& files) {
+    return study_with(nullptr, std::move(text), name, files);
+}
+
+Study study_with(std::shared_ptr<const external::Simulator> function, std::string text, const std::string& name,
+                 const std::map<std::string, std::string>& files) {
     const auto given = [&](const std::string& file, const pave::Place& place, std::string_view what) {
         const auto found = files.find(file);
         if (found == files.end()) {
@@ -437,7 +454,7 @@ Study study_of(std::string text, const std::string& name, const std::map<std::st
         }
         return NamedText{file, found->second};
     };
-    return parse(std::move(text), name, Readings::own, given);
+    return parse(std::move(text), name, Readings::own, given, std::move(function));
 }
 
 } // namespace explore::study
