@@ -6,7 +6,7 @@
     answer.best.parameters, answer.chi2             # what --json prints, as attributes and as a dictionary
     study.unique().plot()                           # a figure, in a notebook at once
 
-A Python function is fitted by `Problem`, with the same analyses. docs/python.md follows one deflection bowl from its file to
+A Python function is fitted by `Problem`, with the same analyses. docs/guide/python.md follows one deflection bowl from its file to
 the posterior.
 """
 from ._pavescape import NoAnswer, __version__

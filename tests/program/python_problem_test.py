@@ -266,7 +266,7 @@ def test_the_notebook_runs_as_plain_code():
 
 
 def test_the_examples_of_the_page_run():
-    page = (ROOT / "docs/python.md").read_text()
+    page = (ROOT / "docs/guide/python.md").read_text()
     blocks = re.findall(r"^((?:    .*\n|\n)+)", page, re.M)
     code = "\n".join(line[4:] for block in blocks for line in block.splitlines()) + "\nprint('ended')"
     folder = workspace()
