@@ -2,6 +2,7 @@
 #pragma once
 
 #include "problem/parameter_space.h"
+#include "study/own_effects.h"
 #include "study/read_load.h"
 #include "study/table_reader.h"
 
@@ -13,6 +14,9 @@ inline constexpr std::string_view file_of_program = "file of the program";
 // Before anything else is read. Throws pave::Error for tables that belong to the built-in model.
 void begin_own_model(Study& study, const toml::table& table);
 
+// Throws pave::Error at `place` for what cannot be the name of a parameter of a model of one's own.
+void check_own_name(const std::string& name, const pave::Place& place);
+// One more value of the model, or the size of an effect that the study has.
 pave::pavement::Parameter add_own_parameter(Study& study, const std::string& name, const pave::Place& place);
 // The value of a parameter where the study itself stands: stated, or the middle of its range.
 double own_value(TableReader& reader, const problem::Axis& axis);
@@ -22,6 +26,7 @@ void read_own_output(const toml::table& table, Study& study);
 
 // When all parameters, readings and outputs are known: makes study.external. What its files hold that changes its
 // responses. Throws pave::Error.
-std::string read_model(const toml::table& table, Study& study, const TextReader& read_text);
+std::string read_model(const toml::table& table, Study& study, std::shared_ptr<const OwnEffects> effects,
+                       const TextReader& read_text);
 
 } // namespace explore::study

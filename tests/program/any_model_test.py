@@ -162,7 +162,7 @@ def test_a_bad_template_is_named():
     assert done.returncode == 2 and "in.tmpl:2" in done.stderr and "did you mean \"y\"?" in done.stderr, done.stderr
 
 
-@pytest.mark.parametrize("command", ["diagnose", "explore", "compare"])
+@pytest.mark.parametrize("command", ["explore", "compare"])
 def test_what_knows_the_built_in_model_alone_says_so(command):
     folder = workspace()
     done = run(command, rosenbrock(folder), cwd=folder)
@@ -175,6 +175,7 @@ def test_what_knows_the_built_in_model_alone_says_so(command):
 class Model:
     """y_i = exp(-k1 t_i) + exp(-k2 t_i), one output vector."""
     times = [0.25 * (i + 1) for i in range(12)]
+    inputs = 2
 
     def __call__(self, k):
         return [math.exp(-k[0] * t) + math.exp(-k[1] * t) for t in self.times]
@@ -213,7 +214,7 @@ def serve(model, offers=("Evaluate",)):
             elif self.path == "/ModelInfo":
                 self.answer({"support": {name: name in offers for name in ("Evaluate", "Gradient", "ApplyJacobian", "ApplyHessian")}})
             elif self.path == "/InputSizes":
-                self.answer({"inputSizes": [1, 1]})
+                self.answer({"inputSizes": [1] * model.inputs})
             elif self.path == "/OutputSizes":
                 self.answer({"outputSizes": [len(model.times)]})
             elif self.path == "/Evaluate":
@@ -272,6 +273,27 @@ def test_one_of_them_alone_is_unique():
         assert abs((parameter["high"] - parameter["low"]) / (2 * half) - 1) < 0.25, (parameter, half)
     assert any("differences" in text for text in answer["findings"]), "the server offers no derivatives"
     server.shutdown()
+
+
+def test_several_servers_share_the_work_and_change_no_bit():
+    folder = workspace()
+    servers = [serve(Model()) for _ in range(2)]
+    one = decay(folder / "one", servers[0][0])
+    two = decay(folder / "two", servers[0][0])
+    two.write_text(two.read_text().replace(f'url = "{servers[0][0]}"', f'urls = ["{servers[0][0]}", "{servers[1][0]}"]'))
+    for study, threads in ((one, 1), (two, 2)):
+        done = run("map", study, "--design", "grid", "--points", 12, "--out", study.parent / "out", "--threads", threads)
+        assert done.returncode == 0, done.stderr
+    assert all(asked.count("/Evaluate") > 0 for _, asked, _ in servers), "both were asked"
+    assert result(one.parent / "out", "map")[1] == result(two.parent / "out", "map")[1], "the same points with the same answers"
+    # One that is down is said, and what was answered stays.
+    servers[1][2].shutdown()
+    servers[1][2].server_close()
+    down = two.read_text().replace(f'urls = ["{servers[0][0]}", "{servers[1][0]}"]', f'urls = ["{servers[1][0]}"]')
+    (two.parent / "down.toml").write_text(down)
+    done = run("forward", two.parent / "down.toml")
+    assert done.returncode == 1 and f"the server at {servers[1][0]} does not answer" in done.stderr, done.stderr
+    servers[0][2].shutdown()
 
 
 def test_errors_of_servers():
