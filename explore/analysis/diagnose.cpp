@@ -6,6 +6,7 @@
 #include "pavement/effects/effect.h"
 #include "study/candidates.h"
 #include "study/corrections.h"
+#include "study/own_effects.h"
 #include "study/readings.h"
 
 #include <algorithm>

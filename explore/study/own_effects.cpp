@@ -184,6 +184,19 @@ std::vector<const Effect*> effects_of(const Study& study) {
     return list;
 }
 
+const Effect& effect_named(const Study& study, const std::string& name, const pave::Place& place) {
+    std::vector<std::string> names;
+    for (const Effect* effect : effects_of(study)) {
+        names.emplace_back(effect->name);
+        if (name == effect->name) {
+            return *effect;
+        }
+    }
+    const std::string near = pave::nearest_name(name, names);
+    throw pave::Error(place, near.empty() ? "unknown effect" : "unknown effect, did you mean \"" + near + "\"?",
+                      "\"" + name + "\"", pave::join(names));
+}
+
 std::optional<Parameter> own_size(const Study& study, const std::string& path) {
     Case sizes;
     sizes.effects = study.model.effects;

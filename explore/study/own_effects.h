@@ -33,6 +33,9 @@ void check_own_effects(const OwnEffects& effects, const Study& study);
 // Every effect that the study may lack: of a model of its own what it declares, wrong readings and gains.
 std::vector<const pave::pavement::Effect*> effects_of(const Study& study);
 
+// The effect that the study may lack or have by this name. Throws pave::Error at `place` for a name that none has.
+const pave::pavement::Effect& effect_named(const Study& study, const std::string& name, const pave::Place& place);
+
 // The size of an effect in study.model; nothing: the path names none.
 std::optional<pave::pavement::Parameter> own_size(const Study& study, const std::string& path);
 

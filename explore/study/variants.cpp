@@ -20,19 +20,6 @@ problem::Axis size_axis(const Effect& effect) {
             .start = effect.null};
 }
 
-const Effect& effect_named(const Study& study, const std::string& name, const pave::Place& place) {
-    std::vector<std::string> names;
-    for (const Effect* effect : effects_of(study)) {
-        names.emplace_back(effect->name);
-        if (name == effect->name) {
-            return *effect;
-        }
-    }
-    const std::string near = pave::nearest_name(name, names);
-    throw pave::Error(place, near.empty() ? "unknown effect" : "unknown effect, did you mean \"" + near + "\"?",
-                      "\"" + name + "\"", pave::join(names));
-}
-
 namespace {
 
 std::string quantity_name(const Study& study, Quantity quantity) {

@@ -11,9 +11,6 @@ struct Variant {
     std::string on; // what its options name, in words: "fwd, deflection"; empty: the effect's own choice
 };
 
-// The effect that the study may lack or have by this name. Throws pave::Error at `place` for a name that none has.
-const pave::pavement::Effect& effect_named(const Study& study, const std::string& name, const pave::Place& place);
-
 // Its size as a parameter: "NAME.size" over its prior range, from its null value.
 problem::Axis size_axis(const pave::pavement::Effect& effect);
 
