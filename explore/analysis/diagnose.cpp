@@ -6,6 +6,7 @@
 #include "pavement/effects/effect.h"
 #include "study/candidates.h"
 #include "study/corrections.h"
+#include "study/own_effects.h"
 #include "study/readings.h"
 
 #include <algorithm>
@@ -172,6 +173,10 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
 std::vector<diagnose::Candidate> candidates_of(const study::Study& study, const std::vector<study::Variant>& variants,
                                                const Layout& layout) {
     std::vector<diagnose::Candidate> list;
+    pave::pavement::Case physical = study.model;
+    if (study.has_own_model) { // its corrections are values of parameters
+        physical.corrections.clear();
+    }
     for (const study::Variant& variant : variants) {
         const auto& effect = *variant.applied.effect;
         const problem::Axis axis = study::size_axis(effect);
@@ -182,7 +187,7 @@ std::vector<diagnose::Candidate> candidates_of(const study::Study& study, const 
                                       .reading = {},
                                       .layer = layer_stiffened(study.model, variant.applied),
                                       .axis = axis};
-        candidate.is_of_readings = changes_readings_alone(study.model, variant.applied, candidate.scaled);
+        candidate.is_of_readings = changes_readings_alone(physical, variant.applied, candidate.scaled);
         if (effect.is_error_of_reading) {
             candidate.reading =
                 std::find(layout.rows.begin(), layout.rows.end(), static_cast<std::size_t>(*variant.applied.reading)) -
@@ -289,7 +294,6 @@ study::Study as_diagnosed(study::Study study) {
 
 std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& asked, const DiagnoseOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
-    study::refuse_own_model(asked, "diagnose");
     const std::vector<data::BowlFault> faults = data_faults(asked);
     const std::vector<Rounding> steps = roundings(asked);
     const study::Study study =
@@ -301,7 +305,7 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
                           "loss = \"normal\": a wrong reading is one of the causes that it looks for");
     }
     for (const std::string& name : options.without) {
-        study::effect_named(name, {.key = "--without"});
+        study::effect_named(study, name, {.key = "--without"});
     }
     DiagnoseResult result{.study = study,
                           .faults = faults,
@@ -350,6 +354,9 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
                     diagnose::Mesh mesh) { return session.begin(model_on(members, mesh), "diagnose", settings); },
          .store = session.store(),
          .threads = session.options().threads});
+    if (study.has_own_model) { // it has no other mesh
+        bench.give_up_coarse();
+    }
     diagnose::DiagnosisTask task{.bench = bench,
                                  .candidates = result.candidates,
                                  .groups = result.layout.groups,
@@ -419,8 +426,10 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
         const diagnose::Model& model = d.extended->model;
         for (const std::size_t row : suspected_readings(result.variants, d, 1)) {
             data::Reading reading = study.readings[row];
-            reading.sigma.reset();
-            reading.noise.absolute = study::candidate_noise(study.model.sensors[row].quantity, reading.measured());
+            if (!study.has_own_model) {
+                reading.sigma.reset();
+                reading.noise.absolute = study::candidate_noise(study.model.sensors[row].quantity, reading.measured());
+            }
             result.next.push_back({.reading = std::move(reading), .again = true, .explanations = {}, .values = {}});
         }
         if (result.next.empty()) {
@@ -429,7 +438,7 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
                                               model.unit.size() - model.members.size());
         }
     }
-    if (d.to_compare().size() > 1) {
+    if (d.to_compare().size() > 1 && !study.has_own_model) { // what else it can read it does not say
         result.next = separating_readings(study, result.variants, bench, d);
     }
     for (std::size_t e = 0; e < d.explanations.size(); ++e) {

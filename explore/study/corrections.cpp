@@ -112,6 +112,9 @@ std::vector<double> spread(std::vector<double> places) {
 
 std::vector<Correction> correction_channels(const Study& study) {
     std::vector<Correction> list;
+    if (study.has_own_model) { // what it says at which place is not known
+        return list;
+    }
     const auto add = [&](Channel channel, const std::string& layer, std::vector<double> places) {
         constexpr std::size_t least = 3; // less is a factor, or an effect of the catalogue
         Correction correction{.channel = channel, .layer = layer, .places = std::move(places), .factors = {}};

@@ -1,8 +1,8 @@
 #include "study/problems.h"
 
 #include "base/error.h"
-#include "external/model.h"
 #include "study/constraints.h"
+#include "study/own_effects.h"
 #include "study/pavement_function.h"
 #include "study/readings.h"
 
@@ -81,17 +81,17 @@ std::shared_ptr<const problem::ForwardFunction> function_of(const Study& study,
     if (!study.has_own_model) {
         return make_function(study.model, parameters, loads);
     }
-    std::vector<std::size_t> which;
-    for (const auto& parameter : parameters) {
-        which.push_back(parameter.place);
-    }
-    return external::make_function(study.external, study.model.corrections[0].factors, std::move(which));
+    return own_function(study, parameters);
 }
 
 pave::Outcome<pave::pavement::Response> own_response(const Study& study, const pave::pavement::Case& at,
                                                      bool with_jacobian) {
     const auto function = function_of(study, study.parameters, {});
-    auto outcome = function->evaluate(at.corrections[0].factors, with_jacobian, *function->make_workspace());
+    std::vector<double> values;
+    for (const auto& parameter : study.parameters) {
+        values.push_back(parameter.get(at));
+    }
+    auto outcome = function->evaluate(values, with_jacobian, *function->make_workspace());
     if (!outcome) {
         return outcome.failure();
     }

@@ -6,6 +6,7 @@
 #include "external/model.h"
 #include "external/program.h"
 #include "external/um_bridge.h"
+#include "study/variants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,12 +21,33 @@ using nlohmann::json;
 
 constexpr double any_number = 1e300;
 
-std::vector<std::string> names_of_parameters(const Study& study) {
+// Of the model's values: the study's parameters but sizes of effects, then what the effects change.
+problem::ParameterSpace values_of(const Study& study, const OwnEffects& effects) {
+    problem::ParameterSpace space;
+    for (std::size_t k = 0; k < study.parameters.size(); ++k) {
+        if (!study.parameters[k].in_effect) {
+            space.axes.push_back(study.space.axes[k]);
+        }
+    }
+    for (const OwnEffect& own : effects) {
+        problem::Axis axis = size_axis(own.effect);
+        axis.name = own.parameter;
+        space.axes.push_back(std::move(axis));
+    }
+    return space;
+}
+
+std::vector<std::string> names_of_values(const problem::ParameterSpace& space) {
     std::vector<std::string> names;
-    for (const problem::Axis& axis : study.space.axes) {
+    for (const problem::Axis& axis : space.axes) {
         names.push_back(axis.name);
     }
     return names;
+}
+
+// A file that [model] names, from the study's own folder: `folder` before it.
+std::string from_folder(const std::string& folder, const std::string& name) {
+    return folder.empty() ? name : (fs::path(folder) / name).lexically_normal().generic_string();
 }
 
 std::vector<external::Wanted> wanted_of(const Study& study) {
@@ -148,10 +170,20 @@ void check_outputs(const std::vector<external::OutputFile>& outputs, const std::
 }
 
 std::shared_ptr<const external::Simulator> read_program(TableReader& reader, const Study& study,
+                                                        const OwnEffects& effects,
+                                                        const std::vector<std::string>& names,
                                                         const TextReader& read_text) {
-    const fs::path folder = fs::absolute(fs::path(study.file).parent_path());
+    const std::string own_folder = reader.text(keys::model_folder, "");
+    const fs::path study_folder = fs::path(study.file).parent_path();
+    const fs::path folder = fs::absolute(study_folder / own_folder);
+    const auto check_in_folder = [&](const std::string& name, const Key& key) {
+        if (leaves_folder(study_folder / own_folder, name)) {
+            throw pave::Error(reader.place(key), "this file lies outside the model's folder", "\"" + name + "\"",
+                              "a file in it or below, and folder = \"PATH\" in [model] where it is another than the "
+                              "study's own");
+        }
+    };
     const auto wanted = wanted_of(study);
-    const auto names = names_of_parameters(study);
     external::ProgramSettings settings;
     settings.command = reader.texts(keys::model_command);
     if (settings.command.empty() || settings.command[0].empty()) {
@@ -164,8 +196,9 @@ std::shared_ptr<const external::Simulator> read_program(TableReader& reader, con
     for (const toml::table* table : reader.tables(keys::model_inputs)) {
         TableReader r(*table, study.file, "[model] inputs");
         const std::string name = r.text(keys::model_input_template);
-        check_inside(study, name, r.place(keys::model_input_template));
-        const auto [path, text] = read_text(name, r.place(keys::model_input_template), "template");
+        check_in_folder(name, keys::model_inputs);
+        const auto [path, text] =
+            read_text(from_folder(own_folder, name), r.place(keys::model_input_template), "template");
         const std::string file = inside_folder(r.text(keys::model_input_file), r.place(keys::model_input_file));
         settings.inputs.push_back({external::Template(text, path, names), file});
         r.done();
@@ -173,14 +206,17 @@ std::shared_ptr<const external::Simulator> read_program(TableReader& reader, con
     for (std::size_t k = 0; k < names.size(); ++k) {
         if (std::none_of(settings.inputs.begin(), settings.inputs.end(),
                          [&](const auto& input) { return input.from.uses(k); })) {
-            throw pave::Error(reader.place(keys::model_inputs), "no template has a place for this parameter",
-                              "\"" + names[k] + "\"", "{{" + names[k] + "}} in a template");
+            const std::size_t own = k + effects.size() - names.size(); // of a parameter that is no effect's: beyond
+            throw pave::Error(own < effects.size() ? effects[own].place : reader.place(keys::model_inputs),
+                              "no template has a place for this parameter", "\"" + names[k] + "\"",
+                              "{{" + names[k] + "}} in a template");
         }
     }
     if (reader.has(keys::model_files)) {
         for (const std::string& name : reader.texts(keys::model_files)) {
-            check_inside(study, name, reader.place(keys::model_files));
-            const auto [path, bytes] = read_text(name, reader.place(keys::model_files), file_of_program);
+            check_in_folder(name, keys::model_files);
+            const auto [path, bytes] =
+                read_text(from_folder(own_folder, name), reader.place(keys::model_files), file_of_program);
             settings.files.push_back(
                 {inside_folder(name, reader.place(keys::model_files)), fs::absolute(path).lexically_normal().string()});
         }
@@ -200,7 +236,7 @@ std::shared_ptr<const external::Simulator> read_program(TableReader& reader, con
 }
 
 std::shared_ptr<const external::Simulator> read_server(TableReader& reader, const toml::table& table,
-                                                       const Study& study) {
+                                                       const Study& study, std::size_t parameters) {
     external::ServerSettings settings;
     if (reader.has(keys::model_url) == reader.has(keys::model_urls)) {
         throw pave::Error(reader.place(""), "a server has an address",
@@ -224,7 +260,7 @@ std::shared_ptr<const external::Simulator> read_server(TableReader& reader, cons
     if (const toml::table* config = reader.table(keys::model_config)) {
         settings.config = json_of(*config);
     }
-    settings.parameters = study.space.axes.size();
+    settings.parameters = parameters;
     settings.responses = study.readings.size();
     settings.time_limit = reader.has(keys::model_time_limit) ? reader.number(keys::model_time_limit) : 0.0;
     return external::make_client(std::move(settings));
@@ -233,23 +269,30 @@ std::shared_ptr<const external::Simulator> read_server(TableReader& reader, cons
 } // namespace
 
 void begin_own_model(Study& study, const toml::table& table) {
-    for (const char* name : {"section", "layers", "loads", "solver", "mesh", "measure", "effects", "corrections"}) {
+    for (const char* name : {"section", "layers", "loads", "solver", "mesh", "measure", "corrections"}) {
         if (table.contains(name)) {
-            throw pave::Error(
-                TableReader(table, study.file, "").place(name),
-                "this belongs to the built-in model, and the study has one of its own", name,
-                "[model], [data], [[parameters]], [[outputs]], [[constraints]] and [[prior_correlations]]");
+            throw pave::Error(TableReader(table, study.file, "").place(name),
+                              "this belongs to the built-in model, and the study has one of its own", name,
+                              "[model], [data], [[parameters]], [[effects]], [[outputs]], [[constraints]] and "
+                              "[[prior_correlations]]");
         }
     }
     study.has_own_model = true;
     study.model.corrections.emplace_back();
 }
 
-pave::pavement::Parameter add_own_parameter(Study& study, const std::string& name, const pave::Place& place) {
+void check_own_name(const std::string& name, const pave::Place& place) {
     if (name.empty() || name.find_first_of("{}: \t\n\r=,\"") != std::string::npos || pave::printable(name) != name) {
         throw pave::Error(place, "this cannot be the name of a parameter", "\"" + name + "\"",
                           "letters, digits and signs but blanks, braces, quotes, colons, commas and =");
     }
+}
+
+pave::pavement::Parameter add_own_parameter(Study& study, const std::string& name, const pave::Place& place) {
+    if (auto size = own_size(study, name)) {
+        return *std::move(size);
+    }
+    check_own_name(name, place);
     auto& values = study.model.corrections[0].factors;
     pave::pavement::Parameter parameter;
     parameter.path = name;
@@ -273,7 +316,15 @@ pave::pavement::Sensor own_sensor(Study& study, const data::Reading& reading) {
     if (load == loads.end()) {
         loads.push_back({.name = reading.load});
     }
-    sensor.quantity = pave::pavement::Quantity::strain_zz; // nobody asks
+    // What one quantity is has one of those that are there but deflections, of which more is known.
+    std::vector<std::string> known;
+    for (const data::Reading& other : study.readings) {
+        if (std::find(known.begin(), known.end(), other.quantity) == known.end()) {
+            known.push_back(other.quantity);
+        }
+    }
+    const auto own = static_cast<std::size_t>(std::find(known.begin(), known.end(), reading.quantity) - known.begin());
+    sensor.quantity = pave::pavement::quantities[1 + own % (std::size(pave::pavement::quantities) - 1)].quantity;
     sensor.x = reading.x_mm * unit::mm;
     sensor.y = reading.y_mm * unit::mm;
     sensor.depth = reading.depth_mm * unit::mm;
@@ -308,14 +359,6 @@ void read_own_output(const toml::table& table, Study& study) {
     study.readings.push_back(std::move(output));
 }
 
-void set_model(Study& study, std::shared_ptr<const external::Simulator> simulator) {
-    std::vector<double> to_si;
-    for (const data::Reading& reading : study.readings) {
-        to_si.push_back(reading.unit.to_si);
-    }
-    study.external = std::make_shared<external::Model>(std::move(simulator), study.space, std::move(to_si));
-}
-
 void check_own_model(const Study& study) {
     if (study.space.axes.empty()) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "a model of one's own is a function of parameters",
@@ -328,11 +371,33 @@ void check_own_model(const Study& study) {
     }
 }
 
-std::string read_model(const toml::table& table, Study& study, const TextReader& read_text) {
+namespace {
+
+void set_model(Study& study, std::shared_ptr<const external::Simulator> simulator, problem::ParameterSpace space,
+               std::shared_ptr<const OwnEffects> effects) {
+    std::vector<double> to_si;
+    for (const data::Reading& reading : study.readings) {
+        to_si.push_back(reading.unit.to_si);
+    }
+    study.external =
+        std::make_shared<OwnModel>(std::move(simulator), std::move(space), std::move(to_si), std::move(effects));
+}
+
+} // namespace
+
+void set_function(Study& study, std::shared_ptr<const external::Simulator> function,
+                  std::shared_ptr<const OwnEffects> effects) {
+    check_own_effects(*effects, study);
+    problem::ParameterSpace space = values_of(study, *effects);
+    set_model(study, std::move(function), std::move(space), std::move(effects));
+}
+
+std::string read_model(const toml::table& table, Study& study, std::shared_ptr<const OwnEffects> effects,
+                       const TextReader& read_text) {
     TableReader reader(table, study.file, "[model]");
     // Of the other type: no misspelt ones.
     reader.expect(std::array{keys::model_command, keys::model_inputs, keys::model_files, keys::model_outputs,
-                             keys::model_keep, keys::model_url, keys::model_urls, keys::model_name,
+                             keys::model_folder, keys::model_keep, keys::model_url, keys::model_urls, keys::model_name,
                              keys::model_config});
     const bool is_program = reader.choice(keys::model_type) == 0;
     std::string contents;
@@ -341,9 +406,12 @@ std::string read_model(const toml::table& table, Study& study, const TextReader&
         contents += "\n" + data::hash_of(read.text);
         return read;
     };
-    auto simulator = is_program ? read_program(reader, study, remembered) : read_server(reader, table, study);
+    check_own_effects(*effects, study);
+    problem::ParameterSpace space = values_of(study, *effects);
+    auto simulator = is_program ? read_program(reader, study, *effects, names_of_values(space), remembered)
+                                : read_server(reader, table, study, space.axes.size());
     reader.done();
-    set_model(study, std::move(simulator));
+    set_model(study, std::move(simulator), std::move(space), std::move(effects));
     return contents;
 }
 

@@ -143,7 +143,7 @@ void read_parameter(const toml::table& table, Study& study) {
                           fmt::format("min = {}, max = {}", axis.low, axis.high), "min < max");
     }
     axis.level = static_cast<problem::Level>(reader.choice(keys::parameter_level));
-    if (study.has_own_model) {
+    if (study.has_own_model && !parameter.in_effect) {
         parameter.in(study.model) = own_value(reader, axis);
     }
     axis.start = parameter.get(study.model);
@@ -368,8 +368,14 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
     // A wall that is stated is meant to be there.
     study.model.settings.layered = study.model.settings.wall_follows || study.model.half_space;
     settle_extent(study);
-    for (const auto* effect : reader.tables("effects")) {
-        read_effect(*effect, study);
+    const auto effects = reader.tables("effects");
+    std::shared_ptr<const OwnEffects> own_effects;
+    if (study.has_own_model) {
+        own_effects = read_own_effects(effects, study);
+    } else {
+        for (const auto* effect : effects) {
+            read_effect(*effect, study);
+        }
     }
     for (const auto* correction : reader.tables("corrections")) {
         read_correction(*correction, study);
@@ -401,9 +407,9 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
     }
     if (function != nullptr) {
         own_files = "\n" + function->description();
-        set_model(study, function);
+        set_function(study, function, own_effects);
     } else if (own_model != nullptr) {
-        own_files = read_model(*own_model, study, read_text);
+        own_files = read_model(*own_model, study, own_effects, read_text);
     }
     check_steps(study);
     if (readings == Readings::own && study.model.sensors.empty()) {

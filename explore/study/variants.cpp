@@ -3,7 +3,7 @@
 #include "base/units.h"
 #include "pavement/effects/catalog.h"
 #include "pavement/effects/effect.h"
-#include "study/table_reader.h"
+#include "study/own_effects.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -19,6 +19,19 @@ problem::Axis size_axis(const Effect& effect) {
             .scale = effect.log_scale ? problem::Scale::log : problem::Scale::linear,
             .start = effect.null};
 }
+
+namespace {
+
+std::string quantity_name(const Study& study, Quantity quantity) {
+    for (std::size_t i = 0; study.has_own_model && i < study.readings.size(); ++i) {
+        if (study.model.sensors[i].quantity == quantity) {
+            return study.readings[i].quantity;
+        }
+    }
+    return std::string(info(quantity).name);
+}
+
+} // namespace
 
 std::vector<Variant> variants(const Study& study, const std::vector<std::string>& without) {
     // What is fitted.
@@ -50,7 +63,7 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
                *std::find_if(readings.begin(), readings.end(), same) == i;
     };
     std::vector<Variant> list;
-    for (const Effect* effect : effects()) {
+    for (const Effect* effect : effects_of(study)) {
         const bool has_it = std::any_of(study.model.effects.begin(), study.model.effects.end(),
                                         [&](const AppliedEffect& applied) { return applied.effect == effect; });
         if (has_it || std::find(without.begin(), without.end(), effect->name) != without.end()) {
@@ -63,7 +76,8 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
                 list.push_back({std::move(applied), std::move(on)});
             }
         };
-        if (effect->takes_reading) {
+        // What has a name alone has no place: its instrument is not known by it.
+        if (effect->takes_reading && (effect->is_error_of_reading || !study.has_own_model)) {
             for (const std::size_t i : readings) {
                 // What one place reads under one load alone could as well be an error of that reading.
                 if (effect->is_error_of_reading || first_of_place(i)) {
@@ -75,12 +89,13 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
         }
         if (effect->takes_quantity) {
             for (const auto& [load, quantity] : groups) {
-                add({.load = load, .quantity = quantity}, fmt::format("{}, {}", load_name(load), info(quantity).name));
+                add({.load = load, .quantity = quantity},
+                    fmt::format("{}, {}", load_name(load), quantity_name(study, quantity)));
             }
             // Instruments of different kinds have no gain in common: that would be the load.
             if (loads.size() > 1 && quantities.size() > 1) {
                 for (const Quantity quantity : quantities) {
-                    add({.quantity = quantity}, fmt::format("every {}", info(quantity).name));
+                    add({.quantity = quantity}, fmt::format("every {}", quantity_name(study, quantity)));
                 }
             }
         } else if (!effect->takes_reading) {
@@ -202,6 +217,13 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
         editor.replace(file, quoted(path.generic_string()));
         outside = outside || leaves_folder(path);
     };
+    const auto set = [&](const toml::table& table, const std::string& key, double value) {
+        if (const toml::node* node = table.get(key)) {
+            editor.replace(*node, fmt::format("{}", value));
+        } else {
+            editor.insert(table, key, fmt::format("{}", value));
+        }
+    };
     if (const toml::array* loads = root["loads"].as_array()) {
         for (const toml::node& load : *loads) {
             if (const toml::node* history = load.as_table()->get("history")) {
@@ -222,28 +244,51 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
             }
         }
     }
+    if (const toml::table* model = root["model"].as_table()) {
+        const std::string before = (*model)["folder"].value_or(std::string("."));
+        const std::string there =
+            (own / before).lexically_normal().lexically_proximate(std::filesystem::absolute(folder)).generic_string();
+        if (const toml::node* stated = model->get("folder")) {
+            editor.replace(*stated, quoted(there));
+        } else if (model->contains("command")) {
+            editor.insert(*model, "folder", quoted(there));
+        }
+    }
     const std::size_t known = values.size() - variants.size();
     for (std::size_t k = 0; k < known; ++k) {
         const std::string& path = extended.parameters[k].path;
+        if (extended.has_own_model && !extended.parameters[k].in_effect) {
+            set(*named(root, "parameters", path), "value", values[k]);
+            continue;
+        }
         const auto dot = path.rfind('.');
         const std::string owner = path.substr(0, dot);
         const std::string key = path.substr(dot + 1);
         for (const std::string_view list : {"layers", "loads", "effects"}) {
             if (const toml::table* table = named(root, list, owner)) {
-                if (const toml::node* node = table->get(key)) {
-                    editor.replace(*node, fmt::format("{}", values[k]));
-                } else {
-                    editor.insert(*table, key, fmt::format("{}", values[k]));
-                }
+                set(*table, key, values[k]);
             }
+        }
+    }
+    // What the study declares gets its size where it stands.
+    const auto declared = [&](const Variant& variant) {
+        return find_effect(variant.applied.effect->name) == nullptr
+                   ? named(root, "effects", std::string(variant.applied.effect->name))
+                   : nullptr;
+    };
+    for (std::size_t v = 0; v < variants.size(); ++v) {
+        if (const toml::table* table = declared(variants[v])) {
+            set(*table, "size", values[known + v]);
         }
     }
     std::string result = editor.result();
     for (std::size_t v = 0; v < variants.size(); ++v) {
         const AppliedEffect& applied = variants[v].applied;
         const Effect& effect = *applied.effect;
-        result +=
-            fmt::format("\n[[effects]]\nname = \"{}\"\nsize = {}  # {}\n", effect.name, values[known + v], effect.unit);
+        if (declared(variants[v]) == nullptr) {
+            result += fmt::format("\n[[effects]]\nname = \"{}\"\nsize = {}  # {}\n", effect.name, values[known + v],
+                                  effect.unit);
+        }
         if (!applied.layer.empty()) {
             result += fmt::format("layer = {}\n", quoted(applied.layer));
         }
@@ -252,7 +297,7 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
                 fmt::format("load = {}\n", quoted(extended.model.loads[static_cast<std::size_t>(*applied.load)].name));
         }
         if (applied.quantity) {
-            result += fmt::format("quantity = \"{}\"\n", info(*applied.quantity).name);
+            result += fmt::format("quantity = {}\n", quoted(quantity_name(extended, *applied.quantity)));
         }
         if (applied.reading) {
             result += fmt::format("reading = {}\n", *applied.reading + 1);

@@ -162,7 +162,7 @@ def test_a_bad_template_is_named():
     assert done.returncode == 2 and "in.tmpl:2" in done.stderr and "did you mean \"y\"?" in done.stderr, done.stderr
 
 
-@pytest.mark.parametrize("command", ["diagnose", "explore", "compare"])
+@pytest.mark.parametrize("command", ["explore", "compare"])
 def test_what_knows_the_built_in_model_alone_says_so(command):
     folder = workspace()
     done = run(command, rosenbrock(folder), cwd=folder)
@@ -175,6 +175,7 @@ def test_what_knows_the_built_in_model_alone_says_so(command):
 class Model:
     """y_i = exp(-k1 t_i) + exp(-k2 t_i), one output vector."""
     times = [0.25 * (i + 1) for i in range(12)]
+    inputs = 2
 
     def __call__(self, k):
         return [math.exp(-k[0] * t) + math.exp(-k[1] * t) for t in self.times]
@@ -213,12 +214,12 @@ def serve(model, offers=("Evaluate",)):
             elif self.path == "/ModelInfo":
                 self.answer({"support": {name: name in offers for name in ("Evaluate", "Gradient", "ApplyJacobian", "ApplyHessian")}})
             elif self.path == "/InputSizes":
-                self.answer({"inputSizes": [1, 1]})
+                self.answer({"inputSizes": [1] * model.inputs})
             elif self.path == "/OutputSizes":
                 self.answer({"outputSizes": [len(model.times)]})
             elif self.path == "/Evaluate":
                 k = [v[0] for v in request["input"]]
-                if request["config"].get("limit", 99) < max(k):
+                if request["config"].get("limit", math.inf) < max(k):
                     self.answer({"error": {"type": "InvalidInput", "message": "too fast"}}, 400)
                 else:
                     self.answer({"output": [model(k)]})
@@ -272,6 +273,83 @@ def test_one_of_them_alone_is_unique():
         assert abs((parameter["high"] - parameter["low"]) / (2 * half) - 1) < 0.25, (parameter, half)
     assert any("differences" in text for text in answer["findings"]), "the server offers no derivatives"
     server.shutdown()
+
+
+class Meyer(Model):
+    """Meyer's resistances of a thermistor (More, Garbow and Hillstrom 1981, problem 10): x1 exp(x2 / (45 + 5 i + x3))."""
+    times, inputs = range(1, 17), 3
+    measured = [34780, 28610, 23650, 19630, 16370, 13720, 11540, 9744, 8261, 7030, 6005, 5147, 4427, 3820, 3307, 2872]
+
+    def __call__(self, x):
+        return [x[0] * math.exp(x[1] / (45 + 5 * i + x[2])) for i in self.times]
+
+
+class Doses(Model):
+    """A sigmoid response to doses that all lie far below its middle: there it is top (dose / middle)^2, to some per mille."""
+    times, inputs = [0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4], 2
+
+    def __call__(self, x):
+        return [x[0] / (1 + (x[1] / dose) ** 2) for dose in self.times]
+
+
+class Rosenbrock(Model):
+    times, inputs = [0, 1], 2
+
+    def __call__(self, x):
+        return [10 * (x[1] - x[0] * x[0]), 1 - x[0]]
+
+
+def verdict(model, parameters, readings):
+    folder = workspace()
+    url, _, server = serve(model)
+    study = study_of(folder, f'type = "um-bridge"\nurl = "{url}"\nname = "decay"', parameters, readings)
+    done = run("unique", study, "--json", "--out", folder / "out", "--threads", 1)
+    server.shutdown()
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_rosenbrock_in_two_dimensions_is_unique():
+    answer = verdict(Rosenbrock(), [("x", -2, 2), ("y", -1, 3)], [("valley", 0, 0.05), ("slope", 0, 0.05)])
+    assert answer["verdict"] == "unique", answer["findings"]
+    assert answer["minima"][0]["parameters"] == pytest.approx({"x": 1, "y": 1}, abs=1e-3)
+
+
+def test_meyer_is_unique_where_it_is_known_to_be():
+    readings = [(f"r{i + 1}", y, 1) for i, y in enumerate(Meyer.measured)]
+    answer = verdict(Meyer(), [("x1", 1e-3, 3e-2, 'scale = "log"'), ("x2", 4000, 8000), ("x3", 200, 500)], readings)
+    assert answer["minima"][0]["parameters"] == pytest.approx({"x1": 0.00560964, "x2": 6181.346, "x3": 345.2236}, rel=2e-3)
+    assert answer["minima"][0]["misfit"] ** 2 == pytest.approx(87.9458, rel=1e-3), "the sum of squares of the literature"
+
+
+def test_a_response_to_small_doses_has_a_valley():
+    truth = (100.0, 60.0)
+    readings = [(f"d{i + 1}", repr(y), 0.02) for i, y in enumerate(Doses()(truth))]
+    answer = verdict(Doses(), [("top", 10, 1000, 'scale = "log"'), ("middle", 10, 1000, 'scale = "log"')], readings)
+    assert answer["verdict"] == "non-unique", answer["findings"]
+    # top / middle^2 alone is known: along the valley one grows as the square of the other.
+    assert all(p["high"] / p["low"] > 3 for p in answer["profiles"]), answer["profiles"]
+
+
+def test_several_servers_share_the_work_and_change_no_bit():
+    folder = workspace()
+    servers = [serve(Model()) for _ in range(2)]
+    one = decay(folder / "one", servers[0][0])
+    two = decay(folder / "two", servers[0][0])
+    two.write_text(two.read_text().replace(f'url = "{servers[0][0]}"', f'urls = ["{servers[0][0]}", "{servers[1][0]}"]'))
+    for study, threads in ((one, 1), (two, 2)):
+        done = run("map", study, "--design", "grid", "--points", 12, "--out", study.parent / "out", "--threads", threads)
+        assert done.returncode == 0, done.stderr
+    assert all(asked.count("/Evaluate") > 0 for _, asked, _ in servers), "both were asked"
+    assert result(one.parent / "out", "map")[1] == result(two.parent / "out", "map")[1], "the same points with the same answers"
+    # One that is down is said, and what was answered stays.
+    servers[1][2].shutdown()
+    servers[1][2].server_close()
+    down = two.read_text().replace(f'urls = ["{servers[0][0]}", "{servers[1][0]}"]', f'urls = ["{servers[1][0]}"]')
+    (two.parent / "down.toml").write_text(down)
+    done = run("forward", two.parent / "down.toml")
+    assert done.returncode == 1 and f"the server at {servers[1][0]} does not answer" in done.stderr, done.stderr
+    servers[0][2].shutdown()
 
 
 def test_errors_of_servers():

@@ -31,17 +31,33 @@ def prefix():
     return prefix
 
 
-def test_ten_lines_of_cpp_call_the_library(forward, prefix):
+def example(prefix, name):
+    """An example as another project builds it, with the installed library; the program."""
     # As the program was compiled.
     compiled = dict(re.findall(r"^(CMAKE_CXX_COMPILER|CMAKE_CXX_FLAGS):\w+=(.*)$", (BUILD / "CMakeCache.txt").read_text(), re.M))
-    example = folder / "example"
-    command("cmake", "-S", ROOT / "examples" / "forward", "-B", example, f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release", "-GNinja",
+    built = folder / name
+    command("cmake", "-S", ROOT / "examples" / name, "-B", built, f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release", "-GNinja",
             *(f"-D{key}={value}" for key, value in compiled.items()))
-    command("cmake", "--build", example)
-    values = [float(line) for line in command(example / "forward_example", study).split()]
+    command("cmake", "--build", built)
+    return built / f"{name}_example"
+
+
+def lines_of(name):
+    text = (ROOT / "examples" / name / "main.cpp").read_text()
+    return [line for line in text.splitlines() if line.strip() not in ("", "{", "}") and not line.startswith(("//", "#"))]
+
+
+def test_ten_lines_of_cpp_call_the_library(forward, prefix):
+    values = [float(line) for line in command(example(prefix, "forward"), study).split()]
     assert values == forward, f"ten lines of C++ give the bits of the program: {values} {forward}"
-    lines = [line for line in (ROOT / "examples" / "forward" / "main.cpp").read_text().splitlines() if line.strip() not in ("", "{", "}") and not line.startswith(("//", "#"))]
-    assert len(lines) <= 10, f"in ten lines: {len(lines)}"
+    assert len(lines_of("forward")) <= 10, "in ten lines"
+
+
+def test_forty_lines_of_cpp_fit_a_function_of_ones_own(prefix):
+    # Decays at 0.2 and 0.8, whose exchange fits as well: both are found.
+    minima = [[float(word) for word in line.split() if word != "misfit"] for line in command(example(prefix, "function")).splitlines()]
+    assert sorted((round(a, 4), round(b, 4)) for a, b, misfit in minima if misfit < 1e-3) == [(0.2, 0.8), (0.8, 0.2)], minima
+    assert len(lines_of("function")) <= 40, "in forty lines"
 
 
 def test_the_installed_program_runs(prefix):

@@ -153,8 +153,17 @@ void Investigation::record_noise() {
         add(hypotheses::common_errors(linear, common, judge_.noise_prior()), "errors that the readings of a load share",
             "common_relative");
     }
-    add(hypotheses::correlated_errors(linear, task_.noise_places, judge_.noise_prior()),
-        "errors of neighbouring readings are alike", "correlation_m");
+    // What is read twice in one place at one time, as far as is stated, says nothing of distances.
+    const auto& places = task_.noise_places;
+    const bool have_places = std::none_of(places.begin(), places.end(), [&](const auto& place) {
+        return std::count_if(places.begin(), places.end(), [&](const auto& other) {
+                   return data::is_one_sensor(place, other) && place.time == other.time;
+               }) > 1;
+    });
+    if (have_places) {
+        add(hypotheses::correlated_errors(linear, task_.noise_places, judge_.noise_prior()),
+            "errors of neighbouring readings are alike", "correlation_m");
+    }
     add(hypotheses::heavy_tails(linear, judge_.noise_prior()), "errors with heavy tails", "degrees");
 }
 
