@@ -1,6 +1,7 @@
 // What fits, and where it fits.
 #include "analyses.h"
 
+#include "analysis/starts.h"
 #include "call.h"
 #include "report/fit.h"
 #include "report/map.h"
@@ -19,7 +20,8 @@ using Eigen::Index;
 
 std::string fit(const Study& study, const py::object& starts, const py::object& explore, const std::string& model,
                 bool joint_only, const std::string& out, const py::object& threads, const py::object& seed,
-                const std::string& method, const std::string& scheme, const py::object& model_error) {
+                const std::string& method, const std::string& scheme, const py::object& model_error,
+                const std::vector<std::string>& start, const std::vector<std::string>& from) {
     analysis::FitOptions options{.model = model_of(model, model_error),
                                  .explore = whole(explore, "explore", allowed::fit_explore),
                                  .joint_only = joint_only};
@@ -33,7 +35,18 @@ std::string fit(const Study& study, const py::object& starts, const py::object& 
     options.multistart.method = method;
     return analysed(
         run_options(out, threads, seed), "fit",
-        [&](auto& session) { return analysis::fit(session, study.study(), options); }, report::fit_json);
+        [&](auto& session) {
+            for (const std::string& values : start) {
+                options.starts.push_back(analysis::start_of(study.study(), values));
+            }
+            for (const std::string& place : from) {
+                auto found =
+                    analysis::starts_from(study.study(), place, static_cast<std::size_t>(options.multistart.starts));
+                std::move(found.begin(), found.end(), std::back_inserter(options.starts));
+            }
+            return analysis::fit(session, study.study(), options);
+        },
+        report::fit_json);
 }
 
 py::tuple map(const Study& study, const std::string& design, const py::object& points, const std::string& model,
@@ -101,7 +114,7 @@ void add_fits(py::class_<Study>& study) {
     study
         .def("fit", &fit, py::arg("starts"), py::arg("explore"), py::arg("model"), py::arg("joint_only"),
              py::arg("out"), py::arg("threads"), py::arg("seed"), py::arg("method"), py::arg("scheme"),
-             py::arg("model_error"))
+             py::arg("model_error"), py::arg("start"), py::arg("from_"))
         .def("map", &map, py::arg("design"), py::arg("points"), py::arg("model"), py::arg("out"), py::arg("threads"),
              py::arg("seed"), py::arg("model_error"))
         .def("unique", &unique, py::arg("explore"), py::arg("verify"), py::arg("searches"), py::arg("model"),

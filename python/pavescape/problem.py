@@ -101,13 +101,22 @@ def _study_text(title: str, misfit: str, parameters: Iterable[Parameter], output
     return "\n".join(lines) + "\n"
 
 
-def _stable(value: Any) -> bytes:
+def _stable(value: Any, seen: tuple[Any, ...] = ()) -> bytes:
     """The same bytes for the same code or value, in every process."""
+    if any(value is other for other in seen):  # a function that names itself
+        return b"again"
+    within = (*seen, value)
+    if value is None or isinstance(value, (str, bytes, int, float, complex)):
+        return repr(value).encode() + b";"
+    if isinstance(value, (tuple, list)):
+        return b"(" + b"".join(_stable(item, within) for item in value) + b")"
+    if isinstance(value, (set, frozenset)):
+        return b"{" + b"".join(sorted(_stable(item, within) for item in value)) + b"}"
     if isinstance(value, types.CodeType):
-        return value.co_code + repr(value.co_names).encode() + b"".join(map(_stable, value.co_consts))
+        return value.co_code + _stable(value.co_names) + _stable(value.co_consts, within)
     if isinstance(value, types.FunctionType):
-        cells = [cell.cell_contents for cell in value.__closure__ or ()]
-        return b"".join(map(_stable, (value.__code__, *(value.__defaults__ or ()), *cells)))
+        cells = [cell.cell_contents for cell in value.__closure__ or () if cell != types.CellType()]
+        return _stable([value.__code__, value.__defaults__, cells], within)
     try:
         return pickle.dumps(value, protocol=4)
     except Exception:  # what cannot be pickled is known by its type alone
@@ -140,7 +149,7 @@ class _Checked:
             values = np.ascontiguousarray(said, dtype=float)
         except Exception as error:
             return _reason(error)
-        if values.shape != self.shape and values.size == math.prod(self.shape) and 1 in (values.ndim, len(self.shape), *self.shape):
+        if [n for n in values.shape if n != 1] == [n for n in self.shape if n != 1]:  # columns, single numbers
             values = values.reshape(self.shape)
         if values.shape != self.shape:
             return f"the function gave an array of shape {values.shape}, not {self.shape}"
@@ -164,7 +173,7 @@ class Problem(Analyses):
 
     The function is called with the interpreter's lock, one call at a time unless it gives the lock away, as NumPy's and SciPy's long work does.
     Only analyses with out=FOLDER keep evaluations; a change of the function's own code, defaults or closure begins a new run there, a change of
-    what it calls does not. A problem can be pickled where its function can.
+    what it calls or reads does not. A problem can be pickled where its function can.
     """
 
     def __init__(self, parameters: Sequence[Any], readings: Any, function: Callable[..., Any], jacobian: Callable[..., Any] | None = None, *,

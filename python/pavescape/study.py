@@ -91,14 +91,17 @@ class Analyses:
 
     def fit(self, starts: int = _default["fit_starts"], explore: int = _default["fit_explore"], model: str = "full", joint_only: bool = False, out: str = "",
             threads: int = 0, seed: int = 1, method: str = _default["fit_method"], scheme: str = "multistart",
-            model_error: float = _default["model_error"]) -> Result:
+            model_error: float = _default["model_error"], start: Sequence[Mapping[str, float]] = (), from_: Sequence[str] = ()) -> Result:
         """The best parameters, and how well they are known: explore, then search from the best starts.
 
         starts: local searches. explore: points of the sample before them. model: full, reduced or auto. joint_only: no fits of single groups of
         readings. method: of the local search. scheme: multistart or paper. model_error: accepted of a reduced model [%].
+        start: searches from these values too, {name: value} each. from_: searches from the lowest points of earlier runs (folders) or of CSV files too.
         """
+        begin = [",".join(f"{name}={float(value)!r}" for name, value in values.items()) for values in start]
         return result_of("fit", self._core.fit(starts=starts, explore=explore, model=model, joint_only=joint_only, out=os.fspath(out), threads=threads,
-                                               seed=seed, method=method, scheme=scheme, model_error=model_error))
+                                               seed=seed, method=method, scheme=scheme, model_error=model_error, start=begin,
+                                               from_=[os.fspath(place) for place in from_]))
 
     def map(self, design: str = "auto", points: int = 0, model: str = "full", out: str = "", threads: int = 0, seed: int = 1,
             model_error: float = _default["model_error"]) -> MapResult:

@@ -174,6 +174,31 @@ print(json.dumps(kept))
     assert said == [0, 16, 0]
 
 
+def test_a_function_may_ask_a_study_and_name_itself_and_searches_begin_where_they_are_told_to():
+    folder = workspace()
+    said = json.loads(python("""
+import json, sys, numpy as np, pavescape
+study = pavescape.Study(sys.argv[1])
+def make():
+    def bowl(x, deeper=False):
+        return bowl(x) if deeper else study.forward(x)
+    return bowl
+problem = pavescape.Problem([("base", 100, 1500)], {"value": study.measured, "sigma": 0.01 * study.measured, "unit": ["mm"] * 5, "x_mm": [0, 300, 600, 900, 1800]}, make())
+one, two = problem.fit(threads=4, explore=32, out=sys.argv[2]), study.fit(explore=32)
+near = problem.fit(explore=1, starts=1, start=[{"base": 460.0}], threads=4)
+again = problem.fit(explore=1, starts=1, from_=[sys.argv[2]])
+wrong = []
+for options in ({"start": [{"bass": 1.0}]}, {"from_": ["nowhere"]}):
+    try:
+        problem.fit(**options)
+    except ValueError as error:
+        wrong.append(str(error))
+print(json.dumps([one.x.tolist(), two.x.tolist(), near.x.tolist(), again.x.tolist(), near.starts, wrong]))
+""", layered(folder), folder / "run"))
+    assert np.allclose(said[:4], 450.0, rtol=1e-5), said
+    assert "bass" in said[5][0] and "nowhere" in said[5][1], said[5]
+
+
 def test_results_are_dictionaries_with_attributes_a_short_answer_tables_and_figures():
     folder = workspace()
     said = json.loads(python("""
