@@ -10,10 +10,10 @@ A Python function is fitted by `Problem`, with the same analyses. docs/guide/pyt
 the posterior.
 """
 from ._pavescape import NoAnswer, __version__
-from .problem import Parameter, Problem
+from .problem import Effect, Parameter, Problem
 from .results import Figure, MapResult, Record, Result, SampleResult
 from .roads import noise, plot, report, road, survey
 from .study import Study
 
-__all__ = ["Figure", "MapResult", "NoAnswer", "Parameter", "Problem", "Record", "Result", "SampleResult", "Study", "__version__", "noise", "plot", "report",
+__all__ = ["Effect", "Figure", "MapResult", "NoAnswer", "Parameter", "Problem", "Record", "Result", "SampleResult", "Study", "__version__", "noise", "plot", "report",
            "road", "survey"]

@@ -8,6 +8,7 @@ import io
 import json
 import math
 import pickle
+import re
 import traceback
 import types
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -36,6 +37,30 @@ class Parameter:
     start: float | None = None
     scale: str = "linear"
     prior: tuple[float, float] | None = None
+
+
+@dataclasses.dataclass(frozen=True)
+class Effect:
+    """A switch of the function that a fit does not seek: what `diagnose` may find that the model lacks.
+
+    name: in words; null: its value where there is no such effect; typical: another that matters; low, high: its range.
+    """
+
+    name: str
+    null: float
+    typical: float
+    low: float
+    high: float
+
+
+def _effect(given: Any) -> Effect:
+    if isinstance(given, Effect):
+        return given
+    if isinstance(given, Mapping):
+        return Effect(**given)
+    if isinstance(given, (tuple, list)) and len(given) == 5:
+        return Effect(*given)
+    raise ValueError(f"effects: {given!r}; allowed: (name, null, typical, low, high), a dictionary with these names, or an Effect")
 
 
 def _parameter(given: Any) -> Parameter:
@@ -85,7 +110,8 @@ def _toml(value: Any) -> str:
     return repr(float(value)) if isinstance(value, (int, float, np.number)) else json.dumps(str(value))
 
 
-def _study_text(title: str, misfit: str, parameters: Iterable[Parameter], outputs: Iterable[tuple[str, str]], constraints: Iterable[str]) -> str:
+def _study_text(title: str, misfit: str, parameters: Iterable[Parameter], outputs: Iterable[tuple[str, str]], constraints: Iterable[str],
+                effects: Iterable[Effect]) -> str:
     lines = ["# The model is a Python function.", "schema = 1", f"title = {_toml(title)}", "", "[data]", 'files = ["readings.csv"]',
              f"misfit = {_toml(misfit)}"]
     for p in parameters:
@@ -98,6 +124,10 @@ def _study_text(title: str, misfit: str, parameters: Iterable[Parameter], output
         lines += ["", "[[outputs]]", f"name = {_toml(name)}", f"unit = {_toml(unit)}"]
     for that in constraints:
         lines += ["", "[[constraints]]", f"that = {_toml(that)}"]
+    for e in effects:
+        value = re.sub(r"[^A-Za-z0-9_.-]+", "_", e.name)
+        lines += ["", "[[effects]]", f"name = {_toml(e.name)}", f"parameter = {_toml('effect.' + value)}", f"null = {_toml(e.null)}",
+                  f"typical = {_toml(e.typical)}", f"range = [{_toml(e.low)}, {_toml(e.high)}]"]
     return "\n".join(lines) + "\n"
 
 
@@ -168,7 +198,10 @@ class Problem(Analyses):
         sigma, and any of name, load, quantity, x_mm, y_mm, depth_mm, gauge_mm, time_ms, unit. sigma is one standard deviation.
     function(x): of a float64 array of shape (parameters,), the readings and then the outputs: an array of shape (readings + outputs,), or a
         dictionary by name. An exception, or a number that is not finite, is a point without an answer: searches go around it.
-    jacobian(x): their derivatives, shape (readings + outputs, parameters); None: differences, in steps that the function's own noise asks for.
+    jacobian(x): their derivatives, shape (readings + outputs, parameters + effects); None: differences, in steps that the function's own noise
+        needs.
+    effects: what the function can do and the fit does not seek, for diagnose(): a list of (name, null, typical, low, high), dictionaries, or
+        Effect. x then holds the parameters and after them the value of each effect, null where the model is without it.
     outputs: names, or (name, unit), of numbers that are predicted. constraints: texts as "slow >= fast". misfit: weighted, relative or log.
 
     The function is called with the interpreter's lock, one call at a time unless it gives the lock away, as NumPy's and SciPy's long work does.
@@ -177,23 +210,25 @@ class Problem(Analyses):
     """
 
     def __init__(self, parameters: Sequence[Any], readings: Any, function: Callable[..., Any], jacobian: Callable[..., Any] | None = None, *,
-                 outputs: Sequence[Any] = (), constraints: Sequence[str] = (), misfit: str = "weighted", title: str = "problem") -> None:
+                 outputs: Sequence[Any] = (), constraints: Sequence[str] = (), misfit: str = "weighted", title: str = "problem",
+                 effects: Sequence[Any] = ()) -> None:
         own = [_parameter(p) for p in parameters]
         columns = _readings(readings)
         predicted = [(output, "-") if isinstance(output, str) else (output[0], output[1]) for output in outputs]
         names = [str(name) for name in columns["name"]] + [name for name, _ in predicted]
-        self._state = (own, columns, function, jacobian, predicted, list(constraints), misfit, title)
+        switches = [_effect(e) for e in effects]
+        self._state = (own, columns, function, jacobian, predicted, list(constraints), misfit, title, switches)
         identity = hashlib.sha256(_stable(function) + b"|" + _stable(jacobian)).hexdigest()
         self._core = _pavescape.Study.of_function(
-            text=_study_text(title, misfit, own, predicted, constraints), files={"readings.csv": _csv(columns)}, name="problem",
+            text=_study_text(title, misfit, own, predicted, constraints, switches), files={"readings.csv": _csv(columns)}, name="problem",
             function=_Checked(function, (len(names),), names),
-            jacobian=_Checked(jacobian, (len(names), len(own)), names) if jacobian is not None else None,
-            identity=identity, parameters=len(own), responses=len(names))
+            jacobian=_Checked(jacobian, (len(names), len(own) + len(switches)), names) if jacobian is not None else None,
+            identity=identity, parameters=len(own) + len(switches), responses=len(names))
 
     def __reduce__(self) -> Any:
-        own, columns, function, jacobian, predicted, constraints, misfit, title = self._state
-        return _again, (own, columns, function, jacobian, predicted, constraints, misfit, title)
+        return _again, self._state
 
 
-def _again(parameters: Any, readings: Any, function: Any, jacobian: Any, outputs: Any, constraints: Any, misfit: str, title: str) -> Problem:
-    return Problem(parameters, readings, function, jacobian, outputs=outputs, constraints=constraints, misfit=misfit, title=title)
+def _again(parameters: Any, readings: Any, function: Any, jacobian: Any, outputs: Any, constraints: Any, misfit: str, title: str,
+           effects: Any) -> Problem:
+    return Problem(parameters, readings, function, jacobian, outputs=outputs, constraints=constraints, misfit=misfit, title=title, effects=effects)

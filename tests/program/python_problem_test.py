@@ -120,6 +120,26 @@ if __name__ == "__main__":
 """
 
 
+def test_diagnose_names_the_effect_that_is_hidden_and_none_where_there_is_none():
+    said = json.loads(python("""
+import json, pickle
+import numpy as np, pavescape
+times = np.linspace(0.5, 12.0, 24)
+def levels(x):
+    return (np.exp(-times / x[0]) + np.exp(-times / x[1])) / 2 + x[2]
+told = []
+for level in (0.08, 0.0):
+    readings = (levels([1.2, 7.0, level]) + 0.01 * np.random.default_rng(11).normal(size=len(times)), 0.01)
+    problem = pavescape.Problem([("fast", 0.2, 3), ("slow", 3, 20)], readings, levels, effects=[("a level that stays", 0, 0.1, -0.5, 0.5)])
+    found = pickle.loads(pickle.dumps(problem)).diagnose(explore=32, starts=2, bootstrap=10, threads=1)
+    told.append([found.verdict, found.causes, found["hypotheses"][0]["sizes"]])
+print(json.dumps(told))
+""" ))
+    (verdict, causes, sizes), (nothing, none, _) = said
+    assert (verdict, causes) == ("cause-named", ["a level that stays"]) and (nothing, none) == ("adequate", []), said
+    assert sizes[causes[0]]["low"] < 0.08 < sizes[causes[0]]["high"], sizes
+
+
 def test_pickled_problems_in_four_processes_give_the_same_bits():
     script = workspace() / "pickles.py"
     script.write_text(PICKLES)
