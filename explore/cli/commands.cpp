@@ -26,6 +26,7 @@ std::span<const Command> commands() {
         {"serve", add_serve},
         {"export", add_export},
         {"rerun", add_rerun},
+        {"merge", add_merge},
     };
     return all;
 }

@@ -27,5 +27,6 @@ void add_explore(CLI::App& app, Action& action);
 void add_serve(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
 void add_rerun(CLI::App& app, Action& action);
+void add_merge(CLI::App& app, Action& action);
 
 } // namespace explore::cli

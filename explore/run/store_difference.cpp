@@ -14,38 +14,46 @@ std::string place_of(const RunHeader& run, RunNumber n) {
 
 // The first list entry whose bits differ, in words.
 std::string difference_of(std::string_view what, const std::vector<std::string>& names, const double* then,
-                          const double* now, std::size_t count) {
+                          const double* now, std::size_t count, const Sides& sides) {
     for (std::size_t i = 0; i < count; ++i) {
         if (std::bit_cast<std::uint64_t>(then[i]) != std::bit_cast<std::uint64_t>(now[i])) {
             const std::string name = i < names.size() ? names[i] : std::to_string(i + 1);
-            return fmt::format("{} {}: {} then, {} now (SI)", what, name, then[i], now[i]);
+            return fmt::format("{} {}: {} {}, {} {} (SI)", what, name, then[i], sides.first, now[i], sides.second);
         }
     }
     return {};
 }
 
-std::string difference_of(const RunHeader& run, const problem::Evaluation& then, const problem::Evaluation& now) {
+std::string difference_of(const RunHeader& run, const problem::Evaluation& then, const problem::Evaluation& now,
+                          const Sides& sides) {
     if (then.status != now.status) {
-        return fmt::format("status: {} then, {} now", to_string(then.status), to_string(now.status));
+        return fmt::format("status: {} {}, {} {}", to_string(then.status), sides.first, to_string(now.status),
+                           sides.second);
     }
     if (then.parameters.size() != now.parameters.size() || then.responses.size() != now.responses.size() ||
         then.jacobian.rows() != now.jacobian.rows() || then.jacobian.cols() != now.jacobian.cols()) {
         return "another number of values";
     }
     std::string found = difference_of("parameter", run.parameters, then.parameters.data(), now.parameters.data(),
-                                      now.parameters.size());
+                                      now.parameters.size(), sides);
     if (found.empty()) {
-        found =
-            difference_of("response", run.responses, then.responses.data(), now.responses.data(), now.responses.size());
+        found = difference_of("response", run.responses, then.responses.data(), now.responses.data(),
+                              now.responses.size(), sides);
     }
     if (found.empty()) {
         found = difference_of("derivative", {}, then.jacobian.data(), now.jacobian.data(),
-                              static_cast<std::size_t>(now.jacobian.size()));
+                              static_cast<std::size_t>(now.jacobian.size()), sides);
     }
     return found;
 }
 
 } // namespace
+
+std::string difference_of(const RunHeader& run, RunNumber number, const problem::Evaluation& first,
+                          const problem::Evaluation& second, const Sides& sides) {
+    const std::string words = difference_of(run, first, second, sides);
+    return words.empty() ? words : place_of(run, number) + ": " + words;
+}
 
 StoreDifference difference_of(const Store& then_store, const Store& now_store) {
     StoreDifference d;
@@ -73,9 +81,8 @@ StoreDifference difference_of(const Store& then_store, const Store& now_store) {
                 return;
             }
             const auto found = now.find(n);
-            const std::string words =
-                found == now.end() ? "not computed now" : difference_of(old_run, then, found->second);
-            d.first = words.empty() ? "" : place_of(old_run, n) + ": " + words;
+            d.first = found == now.end() ? place_of(old_run, n) + ": not computed now"
+                                         : difference_of(old_run, n, then, found->second, {"then", "now"});
             ++d.evaluations;
             if (found != now.end()) {
                 now.erase(found);

@@ -11,6 +11,15 @@ struct StoreDifference {
     std::string first{};         // difference, in words; "": none
 };
 
+// What the two that are compared are called in words.
+struct Sides {
+    std::string_view first, second;
+};
+
+// Where the bits of two evaluations of one point differ first, and which point it is; "": nowhere.
+std::string difference_of(const RunHeader& run, RunNumber number, const problem::Evaluation& first,
+                          const problem::Evaluation& second, const Sides& sides);
+
 // Bit by bit: every evaluation of `then` must stand in `now`, and none else.
 StoreDifference difference_of(const Store& then, const Store& now);
 
