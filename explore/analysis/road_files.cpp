@@ -12,7 +12,7 @@
 
 namespace explore::analysis {
 
-RoadFiles read_road(const std::vector<std::string>& names, const std::string& columns) {
+RoadFiles read_road(const std::vector<std::string>& names, const std::string& columns, const std::string& layers) {
     RoadFiles road{.names = names, .files = data::read_fwd_files(names, columns), .inputs = {}, .content = {}};
     std::string text;
     for (const data::FwdFile& file : road.files) {
@@ -21,6 +21,9 @@ RoadFiles read_road(const std::vector<std::string>& names, const std::string& co
     }
     if (std::error_code error; !columns.empty() && std::filesystem::exists(columns, error)) {
         road.inputs.push_back({columns, data::read_file(columns, "list of columns", data::Encoding::of_instruments)});
+    }
+    if (!layers.empty()) {
+        road.inputs.push_back({layers, data::read_file(layers, "table of layers", data::Encoding::of_instruments)});
     }
     road.content = data::hash_of(text);
     return road;

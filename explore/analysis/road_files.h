@@ -12,8 +12,9 @@ struct RoadFiles {
     std::string content;                 // a hash of what the files hold, whatever they are called
 };
 
-// columns: as data::read_column_map takes it; empty: the columns' own names. Throws pave::Error.
-RoadFiles read_road(const std::vector<std::string>& names, const std::string& columns);
+// columns: as data::read_column_map takes it; empty: the columns' own names. layers: a table of thicknesses, or empty.
+// Throws pave::Error.
+RoadFiles read_road(const std::vector<std::string>& names, const std::string& columns, const std::string& layers);
 
 // A folder holds one road. Throws pave::Error where FOLDER/NAME.json is of other files with other content.
 void refuse_other_road(const std::string& folder, const std::string& name, const RoadFiles& road);

@@ -22,7 +22,8 @@ std::optional<LoadLevel> load_level_of(const std::string& text);
 struct SurveyOptions {
     data::DropChoice drops{};
     std::optional<LoadLevel> normalise{};         // nothing: the median pressure of the stations
-    std::optional<double> asphalt_thickness_mm{}; // nothing: that of the study's top layer
+    std::string layers{};                         // a table of thicknesses by chainage; "": none
+    std::optional<double> asphalt_thickness_mm{}; // nothing: that of the top layer
     std::optional<double> air_of_day_before_C{};  // mean; nothing: the station's air temperature stands in
     std::optional<double> reference_C{};          // that the asphalt modulus is taken to; nothing: not at all
 };
@@ -148,6 +149,7 @@ struct SensorResidual {
     double offset_mm = 0.0;
     std::size_t stations = 0, above = 0; // above: of these, where the model is above the reading
     double percent = 0.0;                // median of model over measured - 1
+    double scatter_percent = 0.0;        // about it: 1.4826 times the median of the distances
     bool one_sign = false;               // more often than chance allows (p < 0.01 over all sensors) and by 1 % or more
 };
 
@@ -157,6 +159,14 @@ struct BetterLayout {
     std::size_t stations = 0;                            // that it was tried at
     double rms_percent = 0.0, rms_percent_of_file = 0.0; // medians over them
     double misfit_ratio = 1.0;                           // squared, of the layout over the file's; median
+};
+
+// Another section in place of the study's, tried at a few stations.
+struct SectionTrial {
+    std::string words;    // "a half-space in place of the floor"
+    std::size_t stations = 0;
+    double rms_percent = 0.0, rms_percent_of_study = 0.0; // medians over them
+    double misfit_ratio = 1.0;                            // squared, of it over the study's; median
 };
 
 struct SurveyCounts {
@@ -180,6 +190,7 @@ struct SurveyResult {
     std::optional<SuspectSensor> suspect;  // the worst, where one sensor explains what several leave over
     bool section_is_suspect = false; // several sensors have one sign along the road, and no single one explains it
     std::optional<BetterLayout> layout;
+    std::vector<SectionTrial> trials; // where the bowls do not fit: what helps most first
     // Of the fitted station with the median D0.
     struct Floor {
         std::size_t station = 0;

@@ -1,5 +1,7 @@
 #include "analysis/survey_findings.h"
 
+#include "analysis/survey_trials.h"
+
 #include "base/text.h"
 #include "data/asphalt_temperature.h"
 #include "data/resolution.h"
@@ -300,6 +302,9 @@ void add_sensors(const SurveyResult& result, std::vector<std::string>& words) {
             result.layout
                 ? "the places of the sensors, or the section"
                 : "the section is wrong (another layer, a half-space or a floor, a thickness) before a sensor is"));
+    }
+    if (std::string tried = trial_words(result); !tried.empty()) {
+        words.push_back(std::move(tried));
     }
 }
 

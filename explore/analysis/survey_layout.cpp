@@ -1,12 +1,9 @@
 #include "analysis/survey_layout.h"
 
-#include "analysis/survey_stations.h"
+#include "analysis/survey_trials.h"
 #include "base/error.h"
 #include "data/median.h"
-#include "optimise/gauss_newton.h"
-#include "run/least_squares.h"
 #include "study/laws.h"
-#include "study/problems.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +14,6 @@ namespace {
 constexpr double tried_percent = 5.0;
 constexpr double worth_saying = 0.5; // of the squared misfit
 constexpr std::size_t least_stations = 3;
-constexpr std::size_t most_stations = 9;
 
 // mm. Deflectometers of Dynatest, Grontmij and KUAB as roads are tested with them; inches are those of American ones.
 using Offsets = std::vector<double>;
@@ -49,76 +45,15 @@ const std::vector<Offsets>& usual_layouts() {
     return all;
 }
 
-Offsets offsets_of(const data::DeflectionBowl& bowl) {
-    Offsets offsets;
-    for (const data::BowlReading& r : bowl.readings) {
-        offsets.push_back(r.offset_mm);
-    }
-    return offsets;
-}
-
-struct Trial {
-    double misfit = INFINITY;
-    double rms_percent = INFINITY;
-};
-
-// The bowl as if its sensors stood there, fitted from a point.
+// The bowl as if its sensors stood there, fitted from the answer and from the middle of the box: the answer may lie on
+// bounds that the file's layout drove it to.
 std::optional<Trial> fitted_as(const SurveyResult& result, const StationResult& s, const Offsets& offsets) {
-    data::DeflectionBowl bowl = s.bowls->levels[s.fit->levels.back()];
+    data::DeflectionBowl bowl = bowl_to_try(s);
     for (std::size_t i = 0; i < offsets.size(); ++i) {
         bowl.readings[i].offset_mm = offsets[i];
     }
-    const study::Study study = study::station_study(*result.study, s.station, {&bowl}, result.repeatability);
-    const problem::Problem problem = study::make_noise_problem(study, study::Scope::fitted);
-    const auto workspace = problem.function->make_workspace();
-    optimise::SearchSettings settings;
-    settings.max_evaluations = 25;
-    Trial best;
-    const optimise::Objective objective = [&](std::span<const double> point, optimise::Sample& sample) {
-        const auto e = problem.evaluate(point, true, *workspace);
-        if (!e.converged()) {
-            return optimise::Answer::no_answer;
-        }
-        sample = run::sample_of(problem, e);
-        if (e.misfit < best.misfit) {
-            double squares = 0.0;
-            for (std::size_t i = 0; i < problem.readings(); ++i) {
-                squares += std::pow(e.responses[problem.response_of(i)] / problem.measured(i) - 1.0, 2);
-            }
-            best = {e.misfit, 100.0 * std::sqrt(squares / static_cast<double>(problem.readings()))};
-        }
-        return optimise::Answer::computed;
-    };
-    // The answer there may lie on bounds that the file's layout drove it to.
-    for (const std::vector<double>& start : {s.fit->best.unit, std::vector<double>(s.fit->best.unit.size(), 0.5)}) {
-        optimise::gauss_newton(start, objective, settings);
-    }
-    return std::isfinite(best.misfit) ? std::optional(best) : std::nullopt;
-}
-
-// Stations to try at: with a fit, of the layout that most have, over all D0.
-std::vector<const StationResult*> stations_to_try(const SurveyResult& result) {
-    std::vector<const StationResult*> all;
-    for (const StationResult& s : result.stations) {
-        if (s.fit) {
-            all.push_back(&s);
-        }
-    }
-    if (all.empty()) {
-        return {};
-    }
-    const Offsets own = offsets_of(all[all.size() / 2]->bowls->bowl());
-    std::erase_if(all,
-                  [&](const StationResult* s) { return offsets_of(s->bowls->levels[s->fit->levels.back()]) != own; });
-    std::stable_sort(all.begin(), all.end(), [&](const StationResult* a, const StationResult* b) {
-        return result.d0_at_common(*a) < result.d0_at_common(*b);
-    });
-    std::vector<const StationResult*> some;
-    const std::size_t count = std::min(most_stations, all.size());
-    for (std::size_t i = 0; i < count; ++i) {
-        some.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
-    }
-    return some;
+    const std::vector<double>& best = s.fit->best.unit;
+    return try_fit(result, *result.study, s, bowl, {best, std::vector<double>(best.size(), 0.5)});
 }
 
 } // namespace
@@ -135,7 +70,10 @@ std::optional<BetterLayout> better_layout(const SurveyResult& result) {
     if (stations.size() < least_stations || !(data::median(rms) > tried_percent)) {
         return std::nullopt;
     }
-    const Offsets own = offsets_of(stations[0]->bowls->levels[stations[0]->fit->levels.back()]);
+    Offsets own;
+    for (const data::BowlReading& r : bowl_to_try(*stations[0]).readings) {
+        own.push_back(r.offset_mm);
+    }
     try {
         std::vector<std::optional<Trial>> as_it_is;
         for (const StationResult* s : stations) {

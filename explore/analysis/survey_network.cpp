@@ -95,6 +95,9 @@ bool Networks::build(const std::vector<StationTask>& tasks) {
     if (study::stress_dependent_layers(*result_.study).empty() || !result_.study->constraints.empty()) {
         return true; // the layered engine is as quick; constraints may be on outputs, which the network does not read
     }
+    if (std::any_of(tasks.begin(), tasks.end(), [](const auto& t) { return !t.station->station.layers.empty(); })) {
+        return true; // one section is not that of all stations
+    }
     std::map<std::vector<double>, Group> groups;
     for (const StationTask& task : tasks) {
         groups[layout_key(task.layout())].push_back(&task);

@@ -57,7 +57,8 @@ bool predict_outputs(Session& session, SurveyResult& result, const std::vector<S
     std::vector<Prediction> predictions;
     for (const StationTask& task : tasks) {
         if (task.station->is_fitted()) {
-            const study::Study study = study::station_outputs(*result.study, task.station->bowl());
+            const study::Study study =
+                study::station_outputs(*result.study, task.station->station, task.station->bowl());
             // The point is the fit's: what determines it belongs to the run.
             const int run = session.begin(
                 study, "survey-outputs",

@@ -50,6 +50,12 @@ std::vector<SensorResidual> judged(const std::map<double, std::vector<double>>& 
     for (const auto& [offset, values] : residuals) {
         SensorResidual sensor{.offset_mm = offset, .stations = values.size()};
         sensor.percent = 100.0 * std::expm1(data::median(values));
+        const double middle = data::median(values);
+        std::vector<double> off;
+        for (const double value : values) {
+            off.push_back(std::abs(value - middle));
+        }
+        sensor.scatter_percent = 100.0 * 1.4826 * data::median(off);
         sensor.above =
             static_cast<std::size_t>(std::count_if(values.begin(), values.end(), [](double r) { return r > 0.0; }));
         const std::size_t same = std::max(sensor.above, values.size() - sensor.above);

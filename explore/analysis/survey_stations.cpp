@@ -1,9 +1,11 @@
 #include "analysis/survey_stations.h"
 
+#include "analysis/survey_layers.h"
 #include "analysis/survey_layout.h"
 #include "analysis/survey_network.h"
 #include "analysis/survey_road.h"
 #include "analysis/survey_sensors.h"
+#include "analysis/survey_trials.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "data/asphalt_temperature.h"
@@ -396,7 +398,9 @@ const std::vector<problem::Evaluation>* Exploration::at(const StationResult& s, 
         return &known->second;
     }
     bowl.pressure_kPa = result_.common_pressure_kPa;
-    const study::Study study = study::station_study(*result_.study, s.station, {&bowl}, std::nullopt);
+    data::FwdStation of_study = s.station; // its layers are those of all stations
+    of_study.layers.clear();
+    const study::Study study = study::station_study(*result_.study, of_study, {&bowl}, std::nullopt);
     problem::Problem problem = study::make_problem(study);
     std::string settings = "explored: " + design_.run_name();
     const ReducedProblem* network = networks_ == nullptr ? nullptr : networks_->of(bowl);
@@ -417,6 +421,7 @@ SurveyResult begin_survey(std::vector<data::FwdFile> files, std::optional<study:
                           const SurveyOptions& options) {
     SurveyResult result = read_stations(std::move(files), options.drops);
     result.study = std::move(survey_study);
+    set_layers(result, options.layers);
     result.normalise = options.normalise;
     if (options.drops.target_pressure_kPa || options.drops.target_force_kN) {
         result.target =
@@ -432,16 +437,20 @@ SurveyResult begin_survey(std::vector<data::FwdFile> files, std::optional<study:
     result.common_pressure_kPa = pressures.empty() ? 0.0 : data::median(pressures);
     result.repeatability = repeatability_of(result.stations);
     result.fits_all_levels = result.study && !result.target && !study::stress_dependent_layers(*result.study).empty();
-    auto thickness_mm = options.asphalt_thickness_mm;
-    if (result.study && !thickness_mm) {
-        thickness_mm = result.study->model.layers[0].thickness / pave::unit::mm;
-    }
+    const auto asphalt_mm = [&](const StationResult& s) {
+        if (options.asphalt_thickness_mm || !result.study) {
+            return options.asphalt_thickness_mm;
+        }
+        const auto& top = result.study->model.layers[0];
+        const auto stated = s.station.layers.find(top.name);
+        return std::optional(stated == s.station.layers.end() ? top.thickness / pave::unit::mm : stated->second.mm);
+    };
     for (StationResult& s : result.stations) {
         if (s.has_bowl()) {
             s.normalised_kPa =
                 options.normalise ? options.normalise->pressure_on(s.bowl().radius_mm) : result.common_pressure_kPa;
             s.indices = data::indices_of(s.bowl(), s.normalised_kPa);
-            add_temperature(s, options, thickness_mm);
+            add_temperature(s, options, asphalt_mm(s));
         }
     }
     return result;
@@ -462,6 +471,7 @@ void finish_survey(SurveyResult& result) {
     result.sections = road_sections(result);
     judge_sensors(result);
     result.layout = better_layout(result);
+    result.trials = section_trials(result);
     if (result.layout) {
         result.suspect.reset();
     }

@@ -22,6 +22,8 @@ void add_road_input(CLI::App& app, RoadInput& input) {
     data::DropChoice& drops = input.options.drops;
     app.add_option("FILE", input.files, "measured FWD files")->required();
     add_columns(app, input.columns);
+    app.add_option("--layers", input.options.layers,
+                   "thicknesses by chainage: a table with chainage_m and columns such as asphalt_mm, asphalt_sd_mm");
     app.add_option("--drops", drops.numbers, "use these drops and no others: 2,3")
         ->delimiter(',')
         ->allow_extra_args(false)
@@ -36,7 +38,7 @@ void add_road_input(CLI::App& app, RoadInput& input) {
 
 int run_road(const RoadInput& input, const std::string& name,
              const std::function<std::optional<RoadPages>(analysis::Session&, std::vector<data::FwdFile>)>& analyse) {
-    analysis::RoadFiles road = analysis::read_road(input.files, input.columns);
+    analysis::RoadFiles road = analysis::read_road(input.files, input.columns, input.options.layers);
     const std::string folder =
         input.common.out.empty() ? "output/" + std::filesystem::path(input.files[0]).stem().string() : input.common.out;
     analysis::refuse_other_road(folder, name, road);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "data/csv.h"
+#include "data/station_layers.h"
 
 #include <map>
 #include <optional>
@@ -48,6 +49,7 @@ struct FwdStation {
     std::optional<double> air_C{}, surface_C{}, asphalt_C{}; // temperatures
     std::optional<double> latitude{}, longitude{};           // degrees, north and east positive
     std::string comment{};
+    StationLayers layers{}; // that the file states, under its own names
     std::vector<FwdDrop> drops{};
     std::string file;
     int line = 0;                       // of its first drop

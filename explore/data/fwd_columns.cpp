@@ -262,7 +262,7 @@ std::vector<const FwdColumn*> FwdHeader::deflections() const {
 
 std::string known_columns() {
     return "chainage_m, radius_mm, pressure_kPa or load_kN, deflections such as D0_um or D200_mm; and station, lane, "
-           "road, section, drop, air_C, surface_C, asphalt_C, latitude, longitude, date, time, remark";
+           "road, section, <layer>_mm, drop, air_C, surface_C, asphalt_C, latitude, longitude, date, time, remark";
 }
 
 FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const std::vector<int>& lines,
@@ -278,7 +278,7 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
     bool are_numbers = false; // the deflections of the table are numbered, not placed
     for (const auto& [ours, theirs] : map) {
         auto column = column_named(ours);
-        if (!column) {
+        if (!column && !(layer_column(ours) && !measured(theirs))) {
             throw pave::Error({.key = "--columns"}, "unknown column", "\"" + ours + "\"", known_columns());
         }
         const auto at = std::find_if(names.begin(), names.end(), [&, theirs = theirs](const std::string& n) {
@@ -289,9 +289,9 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
             named.emplace_back(cell, ours);
             mapped.insert(cell);
             const auto own = column_named(theirs);
-            are_numbers = are_numbers || (column->meaning == Meaning::deflection && own &&
+            are_numbers = are_numbers || (column && column->meaning == Meaning::deflection && own &&
                                           own->meaning == Meaning::deflection && own->offset_mm != column->offset_mm);
-        } else if (const auto constant = measured(theirs)) {
+        } else if (const auto constant = column ? measured(theirs) : std::nullopt) {
             column->constant = *constant;
             header.columns.push_back(*column);
         } else {
@@ -314,6 +314,10 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
         // in place of an offset, was not chosen.
         const bool is_not_chosen = column && column->meaning == Meaning::deflection && places_deflections &&
                                    !mapped.contains(cell) && (are_numbers || !column->to_si);
+        if (const auto layer = column ? std::nullopt : layer_column(name)) {
+            header.layers.push_back({cell, name, *layer});
+            continue;
+        }
         if (!column || is_not_chosen) {
             header.unknown.push_back(name);
             continue;
@@ -346,7 +350,11 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
         }
     }
     // What a table lacks may stand there under a name that is not known.
-    const std::string unknown = header.unknown.empty() ? "" : "columns not known: " + pave::join(header.unknown);
+    std::vector<std::string> not_known = header.unknown;
+    for (const FwdHeader::Layer& layer : header.layers) {
+        not_known.push_back(layer.name);
+    }
+    const std::string unknown = not_known.empty() ? "" : "columns not known: " + pave::join(not_known);
     if (deflections.empty()) {
         throw pave::Error(place, "there is no column of deflections", unknown, known_columns());
     }

@@ -54,7 +54,13 @@ std::optional<double> deflection_unit(std::string_view word);
 struct FwdHeader {
     std::vector<FwdColumn> columns;   // each meaning once, profiles apart; the deflections by offset
     std::vector<std::string> unknown; // names that mean nothing here
-    std::size_t rows = 1;             // of the table that are header: names, then offsets or units of the deflections
+    struct Layer {
+        std::size_t at = 0; // its cell in a line
+        std::string name;   // as the file has it
+        LayerColumn column;
+    };
+    std::vector<Layer> layers{}; // columns that may state a thickness
+    std::size_t rows = 1;        // of the table that are header: names, then offsets or units of the deflections
 
     const FwdColumn* find(Meaning meaning) const;
     std::vector<const FwdColumn*> deflections() const;

@@ -70,6 +70,11 @@ public:
                     decimals.look_at(trimmed(table_.rows[r][column.at]), table_.lines[r], column.name);
                 }
             }
+            for (const FwdHeader::Layer& layer : header_.layers) {
+                if (layer.at < table_.rows[r].size()) {
+                    decimals.look_at(trimmed(table_.rows[r][layer.at]), table_.lines[r], layer.name);
+                }
+            }
         }
         decimal_ = decimals.sign(file_);
         if (std::string doubt = decimals.doubt(); !doubt.empty()) {
@@ -292,6 +297,7 @@ private:
             };
             set_position(s, position(Meaning::latitude), position(Meaning::longitude));
         }
+        take_layers(r, s);
         keep_text(s.date, Meaning::date);
         keep_text(s.time, Meaning::time);
         add_comment(s, text(r, Meaning::comment));
@@ -326,6 +332,27 @@ private:
             }
         }
         s.drops.push_back(std::move(d));
+    }
+
+    void take_layers(std::size_t r, FwdStation& s) const {
+        for (const bool is_error : {false, true}) {
+            for (const FwdHeader::Layer& layer : header_.layers) {
+                const auto& row = table_.rows[r];
+                const auto value = layer.at < row.size() && layer.column.is_error == is_error
+                                       ? measured(with_point(trimmed(row[layer.at]), decimal_))
+                                       : std::nullopt;
+                if (!value && !is_error && layer.at < row.size() && !is_nil(trimmed(row[layer.at]))) {
+                    s.remarks.push_back(fmt::format("line {}, {}: \"{}\" is not a number", table_.lines[r], layer.name,
+                                                    trimmed(row[layer.at])));
+                }
+                if (value && !is_error) {
+                    s.layers.try_emplace(layer.column.layer, StatedThickness{.mm = layer.column.to_mm * *value});
+                } else if (const auto of = s.layers.find(layer.column.layer);
+                           value && *value > 0.0 && of != s.layers.end()) {
+                    of->second.sd_mm = layer.column.to_mm * *value;
+                }
+            }
+        }
     }
 
     // What the operator wrote at each drop, once.

@@ -3,6 +3,7 @@
 #include "analysis/survey_findings.h"
 #include "base/units.h"
 #include "data/csv.h"
+#include "report/condition.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -148,6 +149,12 @@ Json station_json(const SurveyResult& result, const StationResult& s) {
     if (s.asphalt) {
         json["asphalt_C_source"] = std::string(temperature_sources[static_cast<int>(s.asphalt->source)]);
     }
+    json["layers"] = Json::object(); // that the station states
+    for (const auto& [layer, stated] : f.layers) {
+        json["layers"][layer] = {{"thickness_mm", stated.mm},
+                                 {"sd_mm", optional_json(stated.sd_mm)},
+                                 {"source", stated.is_from_table ? "table" : "station"}};
+    }
     if (!s.has_bowl()) {
         return json;
     }
@@ -162,6 +169,8 @@ Json station_json(const SurveyResult& result, const StationResult& s) {
     json["deflection_ratio_reason"] = analysis::why_no_ratio(s);
     json["pass"] = s.passes() ? Json(*s.passes()) : Json(nullptr);
     json["normalised"] = indices_json(s);
+    json["condition"] = condition_json(s);
+    json["structural_number"] = structural_json(result, s);
     json["readings_left_out"] = Json::array();
     for (const auto& r : s.bowls->readings_left_out) {
         json["readings_left_out"].push_back(
@@ -208,7 +217,8 @@ Json sections_json(const SurveyResult& result) {
                      {"to_station", result.stations[section.last].station.name},
                      {"stations", section.d0_um.stations},
                      {"fitted", section.fitted},
-                     {"D0_um", percentiles_json(section.d0_um)}};
+                     {"D0_um", percentiles_json(section.d0_um)},
+                     {"characteristic", characteristic_json(result, section)}};
         for (std::size_t k = 0; k < names.size(); ++k) {
             json["parameters"][names[k]] = percentiles_json(section.parameters[k]);
         }
@@ -279,9 +289,18 @@ Json survey_json(const SurveyResult& result) {
                                             {"stations", r.stations},
                                             {"above", r.above},
                                             {"model_percent", r.percent},
+                                            {"scatter_percent", r.scatter_percent},
                                             {"one_sign", r.one_sign}});
     }
     json["section_is_suspect"] = result.section_is_suspect;
+    json["section_trials"] = Json::array();
+    for (const auto& t : result.trials) {
+        json["section_trials"].push_back({{"section", t.words},
+                                          {"stations", t.stations},
+                                          {"rms_percent", t.rms_percent},
+                                          {"rms_percent_of_study", t.rms_percent_of_study},
+                                          {"misfit_ratio", t.misfit_ratio}});
+    }
     json["better_layout"] = nullptr;
     if (result.layout) {
         const auto& l = *result.layout;

@@ -4,6 +4,7 @@
 #include "base/units.h"
 #include "data/resolution.h"
 #include "pavement/effects/effect.h"
+#include "study/readings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -54,6 +55,41 @@ namespace {
 constexpr double sensor_floor_um = 1.0;
 constexpr double sensor_share = 0.01;
 
+// With the thicknesses that a station states.
+void set_layers(Study& study, const data::FwdStation& station) {
+    for (const auto& [layer, stated] : station.layers) {
+        const std::string path = layer + ".thickness_mm";
+        const pave::Place place{.file = station.file, .line = station.line, .key = path};
+        pave::pavement::find_parameter(study.model, path, place).in(study.model) = stated.mm * unit::mm;
+        study.hash += fmt::format(" {} {}", path, stated.mm);
+        const auto axis = std::find_if(study.space.axes.begin(), study.space.axes.end(),
+                                       [&](const auto& a) { return a.name == path; });
+        if (axis == study.space.axes.end()) {
+            continue;
+        }
+        if (!(stated.mm >= axis->low && stated.mm <= axis->high)) {
+            throw pave::Error(place, "the stated thickness is beyond the study's bounds",
+                              fmt::format("{:g}", stated.mm), fmt::format("{:g} to {:g}", axis->low, axis->high));
+        }
+        const bool is_log = axis->scale == problem::Scale::log;
+        const double sd = stated.sd_mm  ? *stated.sd_mm / (is_log ? stated.mm : 1.0)
+                          : axis->prior ? axis->prior->sd
+                                        : 0.0;
+        axis->start = stated.mm;
+        axis->prior = problem::Prior{.mean = stated.mm, .sd = sd};
+        study.hash += fmt::format(" {}", sd);
+    }
+    settle_extent(study);
+}
+
+std::vector<double> interface_depths(const pave::pavement::Case& model) { // m
+    std::vector<double> bottoms;
+    for (const auto& layer : model.layers) {
+        bottoms.push_back((bottoms.empty() ? 0.0 : bottoms.back()) + layer.thickness);
+    }
+    return bottoms;
+}
+
 } // namespace
 
 double bowl_sigma_um(const data::BowlReading& reading, double repeatability) {
@@ -67,6 +103,7 @@ double bowl_sigma_um(const data::BowlReading& reading, double repeatability) {
 Study station_study(const Study& survey, const data::FwdStation& station,
                     const std::vector<const data::DeflectionBowl*>& bowls, std::optional<double> repeatability) {
     Study study = survey;
+    set_layers(study, station);
     const auto plate = study.model.loads[0];
     const auto& ties = study.model.ties;
     study.model.settings.shares_paths = std::none_of(ties.begin(), ties.end(), [&](const pave::pavement::Tie& tie) {
@@ -105,8 +142,25 @@ Study station_study(const Study& survey, const data::FwdStation& station,
     return with_measurements(std::move(study), std::move(measurements));
 }
 
-Study station_outputs(const Study& survey, const data::DeflectionBowl& bowl) {
+Study station_outputs(const Study& survey, const data::FwdStation& station, const data::DeflectionBowl& bowl) {
     Study study = survey;
+    set_layers(study, station);
+    const auto from = interface_depths(survey.model);
+    const auto to = interface_depths(study.model);
+    for (auto& sensor : study.model.sensors) {
+        std::size_t l = 0;
+        while (l + 1 < from.size() && sensor.depth > from[l]) {
+            ++l;
+        }
+        const double above = l == 0 ? 0.0 : from[l - 1];
+        const double now_above = l == 0 ? 0.0 : to[l - 1];
+        if (const double width = from[l] - above; sensor.depth == from[l]) {
+            sensor.depth = to[l];
+        } else {
+            const double stretch = width > 0.0 ? (to[l] - now_above) / width : 1.0;
+            sensor.depth = now_above + stretch * (sensor.depth - above);
+        }
+    }
     auto& plate = study.model.loads[0];
     plate.radius = bowl.radius_mm * unit::mm;
     plate.pressure = bowl.pressure_kPa * unit::kPa;

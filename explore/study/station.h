@@ -17,13 +17,15 @@ Study load_survey_study(const std::string& file);
 // sensor is good to (2 um + 2 %, taken for two standard deviations): what a sensor errs by in every drop alike.
 double bowl_sigma_um(const data::BowlReading& reading, double repeatability);
 
-// The survey's study under the station's own loads: one plate a bowl, and its deflections, whose noise is the above
-// unless the study states noise_relative or noise_floor. repeatability: nothing: not known. Throws pave::Error where
-// the readings do not fit the model.
+// The survey's study with the station's own layers under its own loads: one plate a bowl, and its deflections, whose
+// noise is the above unless the study states noise_relative or noise_floor. Where a thickness that the station states
+// is a parameter, it is its prior (its standard deviation the station's, else the study's). repeatability: nothing: not
+// known. Throws pave::Error where the readings do not fit the model.
 Study station_study(const Study& survey, const data::FwdStation& station,
                     const std::vector<const data::DeflectionBowl*>& bowls, std::optional<double> repeatability);
 
-// The survey's outputs alone, its plate with the radius and the pressure of the bowl.
-Study station_outputs(const Study& survey, const data::DeflectionBowl& bowl);
+// The survey's outputs alone, with the station's own layers, its plate with the radius and the pressure of the bowl.
+// The depth of an output keeps its share of the layer that it lies in.
+Study station_outputs(const Study& survey, const data::FwdStation& station, const data::DeflectionBowl& bowl);
 
 } // namespace explore::study
