@@ -139,7 +139,7 @@ BAD = [
     ("place", lambda s: s.replace('at = "/readings"', 'by = ["x"]'), "by", "readings are not told apart by this"),
     ("line", lambda s: s.replace('at = "/readings"', 'reading = "valley", line = "behind"'), "line", "this says no line"),
     ("template", lambda s: s.replace("in.tmpl", "none.tmpl"), "template", "this template does not exist"),
-    ("outside", lambda s: s.replace('files = ["model.py"]', 'files = ["../model.py"]'), "files", "outside the study's own folder"),
+    ("outside", lambda s: s.replace('files = ["model.py"]', 'files = ["../model.py"]'), "files", "outside the model's folder"),
     ("equals", lambda s: s + '[[parameters]]\nname = "z"\nequals = "x"\n', "equals", ""),
     ("no place", lambda s: s + '[[parameters]]\nname = "z"\nmin = 0\nmax = 1\n', "inputs", "no template has a place for this parameter"),
 ]
