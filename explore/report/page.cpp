@@ -10,6 +10,9 @@
     extern "C" const char name##_end[]
 
 PAVESCAPE_EMBED(pavescape_script, PAVESCAPE_WEB "/report.js");
+PAVESCAPE_EMBED(pavescape_words, PAVESCAPE_WEB "/words.js");
+PAVESCAPE_EMBED(pavescape_summary, PAVESCAPE_WEB "/summary.js");
+PAVESCAPE_EMBED(pavescape_road, PAVESCAPE_WEB "/road.js");
 PAVESCAPE_EMBED(pavescape_landscape, PAVESCAPE_WEB "/landscape.js");
 PAVESCAPE_EMBED(pavescape_blocks, PAVESCAPE_WEB "/blocks.js");
 PAVESCAPE_EMBED(pavescape_style, PAVESCAPE_WEB "/report.css");
@@ -55,6 +58,7 @@ std::string document(std::string_view title, std::string_view policy, std::strin
     html += "\n<script>";
     html += text(pavescape_charts_begin, pavescape_charts_end);
     html += "</script>\n<script>";
+    html += text(pavescape_words_begin, pavescape_words_end);
     html += text(pavescape_blocks_begin, pavescape_blocks_end);
     html += script;
     html += "</script>\n</body>\n</html>\n";
@@ -69,6 +73,8 @@ std::string page(const Json& data) {
                     "<script type=\"application/json\" id=\"data\">" +
                         harmless(data) + "</script>",
                     std::string(text(pavescape_landscape_begin, pavescape_landscape_end)) +
+                        std::string(text(pavescape_summary_begin, pavescape_summary_end)) +
+                        std::string(text(pavescape_road_begin, pavescape_road_end)) +
                         std::string(text(pavescape_script_begin, pavescape_script_end)));
 }
 

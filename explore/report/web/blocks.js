@@ -36,9 +36,30 @@ const blocks = (() => {
     // Counts, places and round values: without zeros at the end.
     const plain = (v) => (typeof v === "number" ? String(Number(v.toPrecision(6))) : figure(v));
     const signed = (v, digits) => (v < 0 ? "-" : "+") + Math.abs(v).toFixed(digits);
-    // "subgrade.modulus_MPa" over two lines, for what stands under or beside a chart.
-    const broken = (name) => name.replace(/\.(?=[^\d])/, ".<br>");
-    const part = (title) => make("h3", {}, title);
+    // "subgrade.modulus_MPa" in words over two lines, for what stands under or beside a chart.
+    const broken = (name) => wording.titled(name).replace(" ", "<br>");
+    // A heading of what follows it; open: not folded at first.
+    const part = (title, open = false) => {
+        const heading = make("h3", {}, title);
+        heading.dataset.open = open ? "yes" : "";
+        return heading;
+    };
+    // What stands below a heading folds away under it.
+    const folded = (children) => {
+        const list = [];
+        for (const child of children.flat(Infinity).filter((c) => c !== null && c !== undefined)) {
+            if (child.tagName === "H3") {
+                const details = make("details", { open: child.dataset.open === "yes" }, make("summary", {}, child));
+                details.addEventListener("toggle", () => details.querySelectorAll(".js-plotly-plot").forEach((c) => Plotly.Plots.resize(c)));
+                list.push(details);
+            } else if (list.length && list[list.length - 1].tagName === "DETAILS") {
+                list[list.length - 1].append(child);
+            } else {
+                list.push(child);
+            }
+        }
+        return list;
+    };
     const words = (sentences) => make("ul", {}, (sentences || []).map((s) => make("li", {}, s)));
     // A name may fold after its dots and underscores.
     const foldable = (text) => (/^[^ ]{9,}$/.test(text) ? text.split(/(?<=[._])/).flatMap((piece, i) => (i > 0 ? [make("wbr"), piece] : [piece])) : text);
@@ -59,12 +80,14 @@ const blocks = (() => {
     const buttons = { displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: "",
         modeBarButtonsToRemove: ["sendDataToCloud", "select2d", "lasso2d"] };
     const pending = []; // plots wait until their place is in the document
-    const chart = (name, traces, layout, caption) => {
+    // onClick: what a click on a point does with its customdata.
+    const chart = (name, traces, layout, caption, onClick) => {
         const place = make("div", { className: "chart" });
         place.dataset.chart = name;
         const named = traces.filter((t) => t.showlegend !== false && t.name && !["heatmap", "contour", "bar"].includes(t.type));
         const room = named.length > 1 ? { margin: { l: 64, r: 16, t: 40, b: 100 }, height: 400 } : {}; // for the legend
-        pending.push(() => Plotly.newPlot(place, traces, dressed({ ...room, ...layout }), buttons).catch(note));
+        pending.push(() => Plotly.newPlot(place, traces, dressed({ ...room, ...layout }), buttons)
+            .then(() => onClick && place.on("plotly_click", (e) => onClick(e.points[0].customdata))).catch(note));
         return make("figure", {}, place, caption ? make("figcaption", {}, caption) : null);
     };
     const axis = (title, more = {}) => ({ title: { text: title }, gridcolor: "#e6e9ec", zeroline: false, ...more });
@@ -100,5 +123,5 @@ const blocks = (() => {
         }) };
     };
 
-    return { note, colours, symbols, dashes, make, figure, plain, signed, broken, part, words, table, dressed, pending, chart, axis, scaleOf, scaled, named, smooth };
+    return { note, colours, symbols, dashes, make, figure, plain, signed, broken, part, folded, words, table, dressed, pending, chart, axis, scaleOf, scaled, named, smooth };
 })();

@@ -3,7 +3,7 @@
 const landscapes = (() => {
     const { colours, make, figure, plain, broken, part, pending, chart, axis, scaled, smooth } = blocks;
 
-    const parameterAxis = (p, [low, high] = [p.min, p.max], title = p.name) => scaled(title, p.scale, low, high, { automargin: true });
+    const parameterAxis = (p, [low, high] = [p.min, p.max], title = wording.titled(p.name)) => scaled(title, p.scale, low, high, { automargin: true });
     const minimumMark = { symbol: "circle", size: 9, color: "#fff", line: { color: "#000", width: 2 } };
     const minimaTrace = (minima, x, y) => ({
         type: "scatter", mode: (minima || []).length > 1 ? "markers+text" : "markers", showlegend: false, name: "minima",
@@ -51,14 +51,14 @@ const landscapes = (() => {
         x: valley.way.map((q) => q[x.name]), y: valley.way.map((q) => q[y.name]) })).concat([{
         type: "scatter", mode: "markers", name: "end of the valley", showlegend: false, ...on, x: valley.ends.map((q) => q[x.name]), y: valley.ends.map((q) => q[y.name]),
         marker: { symbol: "square", size: 9, color: "#fff", line: { color: "#000", width: 2 } } }]));
-    // The rise of chi2 over a pair, all others fitted, over the window of each: logarithmic levels, and the border of what the data accept.
+    // The rise of χ² over a pair, all others fitted, over the window of each: logarithmic levels, and the border of what the data accept.
     const pairTraces = (unique, pair, px, py, wx, wy, on = {}) => {
         const limit = unique.landscape.limit;
         const grid = refined(pair, px, py, wx, wy);
         const level = (rise) => (rise === null ? null : Math.log10(Math.max(rise, limit / 30)));
         const place = { type: "contour", x: grid.x, y: grid.y, z: grid.rise.map((row) => row.map(level)), ...on };
         return [{ ...place, coloraxis: "coloraxis", contours: { start: level(0), end: highestLevel(unique), size: 0.25 }, line: { width: 0 },
-            text: grid.rise.map((row) => row.map((v) => (v === null ? "no answer" : `chi2 rises by ${figure(v)}`))), hoverinfo: "text" },
+            text: grid.rise.map((row) => row.map((v) => (v === null ? "no answer" : `χ² rises by ${figure(v)}`))), hoverinfo: "text" },
         { ...place, showscale: false, hoverinfo: "skip", contours: { type: "constraint", operation: "=", value: Math.log10(limit) },
             line: { color: "#D55E00", width: 3 }, name: "accepted", showlegend: false },
         ...valleyTraces(valleyOf(unique), px, py, on), { ...minimaTrace(unique.minima, px, py), ...on }];
@@ -67,7 +67,7 @@ const landscapes = (() => {
     const riseColours = (unique, bar = {}) => {
         const ticks = [0.3, 1, 3, 10, 30, 100, 300, 1000, 3000, 10000, 1e5, 1e6].filter((v) => v >= unique.landscape.limit / 30 && Math.log10(v) <= highestLevel(unique));
         return { colorscale: "Cividis", cmin: Math.log10(unique.landscape.limit / 30), cmax: highestLevel(unique),
-            colorbar: { title: { text: "rise of chi2" }, thickness: 10, tickvals: ticks.map((v) => Math.log10(v)), ticktext: ticks.map(plain), ...bar } };
+            colorbar: { title: { text: "rise of χ²" }, thickness: 10, tickvals: ticks.map((v) => Math.log10(v)), ticktext: ticks.map(plain), ...bar } };
     };
     // Of a logarithmic axis over some decades: at 1, 2 and 5, or 1 alone, and none at the ends, where the next panel begins.
     const roundTicks = (p, [low, high]) => {
@@ -92,7 +92,7 @@ const landscapes = (() => {
             const along = (p, k, title) => ({ ...parameterAxis(p, windows[k], title), ...roundTicks(p, windows[k]), ...ends });
             const [left, bottom] = [j * (side + gap), (d - 1 - i) * (side + gap)];
             layout["xaxis" + n] = { ...along(px, j, i === d - 1 ? broken(px.name) : ""), domain: [left, left + side], anchor: "y" + n, showticklabels: i === d - 1 };
-            layout["yaxis" + n] = i === j ? { ...axis(i === 0 ? "rise of chi2" : "", { range: [-0.12 * limit, 3 * limit], nticks: 4 }), ...ends, domain: [bottom, bottom + side], anchor: "x" + n, showticklabels: i === 0 }
+            layout["yaxis" + n] = i === j ? { ...axis(i === 0 ? "rise of χ²" : "", { range: [-0.12 * limit, 3 * limit], nticks: 4 }), ...ends, domain: [bottom, bottom + side], anchor: "x" + n, showticklabels: i === 0 }
                 : { ...along(py, i, j === 0 ? broken(py.name) : ""), domain: [bottom, bottom + side], anchor: "x" + n, showticklabels: j === 0 };
             if (i === j) {
                 const profile = unique.landscape.profiles.find((p) => p.name === px.name);
@@ -126,7 +126,7 @@ const landscapes = (() => {
         const narrowScreen = window.innerWidth < 600;
         const drawn = (windows) => (narrowScreen ? make("div", { className: "charts" }, pairs.map((p) => onePair(unique, p, 330, byName(windows)))) : landscapeCorner(unique, parameters, windows));
         const choice = make("select", { ariaLabel: "one pair large" }, make("option", { value: "" }, "one pair large: choose"),
-            pairs.map((p, k) => make("option", { value: String(k) }, `${p.x} – ${p.y}`)));
+            pairs.map((p, k) => make("option", { value: String(k) }, `${wording.titled(p.x)} – ${wording.titled(p.y)}`)));
         const large = make("div");
         choice.addEventListener("change", () => {
             large.textContent = "";
@@ -134,8 +134,8 @@ const landscapes = (() => {
             large.append(onePair(unique, pairs[Number(choice.value)], Math.min(760, Math.max(360, window.innerWidth - 200)), byName(near)));
             pending.pop()();
         });
-        return [part("Landscape of the misfit"), drawn(box),
-            make("p", { className: "soft" }, `Colour: the least rise of chi2 over the minimum with all other parameters fitted, by the ${found.model} model; white: no answer. Inside the orange line lies what the data accept (a rise of ${figure(found.limit)} or less). ` +
+        return [part("Landscape of the misfit", true), drawn(box),
+            make("p", { className: "soft" }, `Colour: the least rise of χ² over the minimum with all other parameters fitted, by the ${found.model} model; white: no answer. Inside the orange line lies what the data accept (a rise of ${figure(found.limit)} or less). ` +
                 `Circles: minima.${valleyOf(unique) ? " White line: the valley that was followed, squares its ends." : ""}${narrowScreen ? "" : " On the diagonal the profile of each parameter."}` +
                 (unique.parameters.length > mostPanels ? ` The first ${mostPanels} of ${unique.parameters.length} parameters.` : "")),
             narrow ? [part("The same around what the data accept"), drawn(near)] : [],

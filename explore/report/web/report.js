@@ -1,12 +1,19 @@
 // Draws the report from the JSON of the page. Everything from the data enters as text, never as markup.
 "use strict";
 (() => {
-    const { colours, symbols, dashes, make, figure, plain, signed, broken, part, words, table, pending, chart, axis, scaleOf, scaled, named, smooth } = blocks;
+    const { colours, symbols, dashes, make, figure, plain, signed, part, folded, words, table, pending, chart, axis, scaleOf, scaled, named, smooth } = blocks;
+    const { quantity, titled, parameter: inWords, load: loadWords, readingWords, say } = wording;
+    const { widest, rejected } = summaries;
     const { unitOf, valueAt, parameterAxis, minimumMark, minimaTrace, landscapePart } = landscapes;
     const data = JSON.parse(document.getElementById("data").textContent);
     const results = data.results;
     const root = document.getElementById("report");
     root.textContent = "";
+    wording.readStudies(data.studies);
+    for (const r of Object.values(results)) {
+        const listed = [...(Array.isArray(r.parameters) ? r.parameters : []), ...(r.shared || [])].map((p) => p.name);
+        wording.knowParameters([...listed, ...Object.keys((r.baseline || {}).parameters || {}), ...(r.stations || []).slice(0, 20).flatMap((s) => Object.keys(s.parameters || {}))].filter(Boolean));
+    }
 
     const shellWord = (word) => (/^[\w./,:=+@%-]+$/.test(word) ? word : "'" + word.replaceAll("'", "'\\''") + "'");
 
@@ -14,7 +21,7 @@
     const section = (title, ...children) => {
         const id = "s" + sections.length;
         sections.push({ id, title });
-        root.append(make("section", {}, make("h2", { id }, title), ...children));
+        root.append(make("section", {}, make("h2", { id }, title), ...folded(children)));
     };
 
     // -- measured against modelled --------------------------------------------------------------------------------
@@ -22,14 +29,14 @@
     const groupsOf = (readings) => {
         const groups = new Map();
         readings.forEach((r, i) => {
-            const key = r.load + ": " + r.quantity.replace("_", " ") + " [" + r.unit + "]";
+            const key = `${quantity(r.quantity)} under ${loadWords(r.load)} [${wording.unit(r.unit)}]`;
             if (!groups.has(key)) groups.set(key, []);
             groups.get(key).push({ ...r, index: i });
         });
         return groups;
     };
     const placeOf = (r) => `x = ${plain(r.x_mm)}` + (r.y_mm ? `, y = ${plain(r.y_mm)}` : "") +
-        (r.depth_mm ? `, depth ${plain(r.depth_mm)}` : "") + " mm" + (r.time_ms === undefined ? "" : `, ${plain(r.time_ms)} ms`);
+        " mm" + (r.depth_mm ? `, ${plain(r.depth_mm)} mm deep` : "") + (r.time_ms === undefined ? "" : `, ${plain(r.time_ms)} ms`);
     // A table without the columns in which all rows are alike: a sentence says what they hold.
     const told = (header, rows, may) => {
         const alike = header.map((h, c) => may.includes(h) && rows.every((r) => r[c] === rows[0][c]));
@@ -52,7 +59,7 @@
         const shown = readings.map((_, i) => i).filter((i) => models.some((m) => typeof m.residuals[i] === "number"));
         if (shown.length === 0) return [];
         const kinds = groupsOf(readings).size > 1;
-        const label = (r, i) => `${i + 1}: ${kinds ? `${r.load} ${r.quantity.replace("_", " ")}<br>` : ""}${placeOf(r)}`;
+        const label = (r, i) => `${i + 1}: ${kinds ? `${quantity(r.quantity)} under ${loadWords(r.load)}<br>` : ""}${placeOf(r)}`;
         return [part("Residuals in standard deviations"), chart("residuals", models.map((m, k) => ({
             type: "bar", orientation: "h", name: m.name, y: shown.map((i) => label(readings[i], i)), x: shown.map((i) => m.residuals[i]),
             marker: { color: models.length > 1 && k === 0 ? "#999" : colours[0], pattern: { shape: models.length > 1 && k > 0 ? "/" : "" } },
@@ -71,7 +78,7 @@
             return [traceOf(measured, { mode: "markers", name: place, marker: { symbol: symbols[0], size: 5, color } }),
                 ...models.map((m, k) => traceOf(m.values, { mode: "lines", name: `${place}, ${m.name}`, line: { color, dash: dashes[k % dashes.length] } }))];
         });
-        return chart("measured", traces, { title: { text: name }, xaxis: axis("time [ms]"), yaxis: axis(name.split(": ")[1]) });
+        return chart("measured", traces, { title: { text: name }, xaxis: axis("time [ms]"), yaxis: axis(quantity(rows[0].quantity) + " [" + wording.unit(rows[0].unit) + "]") });
     };
 
     // models: [{name, values, curves}] beside readings with measured values, in the same order. Where a model has no curve between
@@ -110,10 +117,10 @@
                 traceOf(m, { mode: "markers", showlegend: false, marker }));
             });
             charts.push(chart("measured", traces, byDepth
-                ? { title: { text: name }, xaxis: axis(name.split(": ")[1]),
+                ? { title: { text: name }, xaxis: axis(quantity(rows[0].quantity) + " [" + wording.unit(rows[0].unit) + "]"),
                     yaxis: axis("depth [mm]", { autorange: "reversed" }) }
                 : { title: { text: name }, xaxis: axis("distance from the load [mm]"),
-                    yaxis: axis(name.split(": ")[1],
+                    yaxis: axis(quantity(rows[0].quantity) + " [" + wording.unit(rows[0].unit) + "]",
                         rows[0].quantity === "deflection" ? { autorange: "reversed" } : {}) }));
         }
         const said = [readings.some((r) => r.sigma && r.time_ms === undefined) ? "Bars: one standard deviation." : "",
@@ -122,16 +129,21 @@
         return make("div", {}, make("div", { className: "charts" }, charts), said.length ? make("p", { className: "soft" }, said.join(" ")) : null);
     };
 
+    let readingsShown = false; // of several commands in one folder the first shows them
+    // The charts of the readings of a best fit; null: there are none, or they stand on the page already.
+    const readOf = (result) => (result.responses || []).filter((r) => r.measured !== undefined);
+    const measuredOf = (result) => againstMeasured(readOf(result), readOf(result).map((r) => r.measured), [{ name: "best fit", values: readOf(result).map((r) => r.value), curves: result.curves }]);
     const responsesPart = (result) => {
-        const read = (result.responses || []).filter((r) => r.measured !== undefined);
-        if (read.length === 0) return [];
+        const read = readOf(result);
+        if (read.length === 0 || readingsShown) return [];
+        readingsShown = true;
         const hasTimes = read.some((r) => r.time_ms !== undefined);
-        return [part("Measured and modelled"),
-            againstMeasured(read, read.map((r) => r.measured), [{ name: "best fit", values: read.map((r) => r.value), curves: result.curves }]),
+        return [pictured === result ? [] : [part("Measured and modelled", true), measuredOf(result)],
+            part("Readings one by one"),
             make("p", { className: "soft" }, "Deflection is positive downwards; strains and stresses are positive in compression."),
             told(["load", "quantity", "x [mm]", "y [mm]", "depth [mm]", ...(hasTimes ? ["time [ms]"] : []), "measured", "model", "difference", "unit"],
-                read.map((r) => [r.load, r.quantity, r.x_mm, r.y_mm, r.depth_mm, ...(hasTimes ? [r.time_ms === undefined ? "" : r.time_ms] : []), plain(r.measured), figure(r.value),
-                    signed(100 * (r.value - r.measured) / Math.abs(r.measured), 1) + " %", r.unit]), ["load", "quantity", "y [mm]", "depth [mm]", "unit"]),
+                read.map((r) => [loadWords(r.load), quantity(r.quantity), r.x_mm, r.y_mm, r.depth_mm, ...(hasTimes ? [r.time_ms === undefined ? "" : r.time_ms] : []), plain(r.measured), figure(r.value),
+                    signed(100 * (r.value - r.measured) / Math.abs(r.measured), 1) + " %", wording.unit(r.unit)]), ["load", "quantity", "y [mm]", "depth [mm]", "unit"]),
             residualsPart(read, [{ name: "best fit", residuals: read.map((r) => r.residual) }])];
     };
 
@@ -152,7 +164,7 @@
         const shown = minima.slice(0, 8);
         return [part("Minima"), ...turned(shown.map((_, i) => `minimum ${i + 1}`), [
             ["misfit", ...shown.map((m) => figure(m.misfit))],
-            ...Object.keys(minima[0].parameters).map((n) => [n, ...shown.map((m) => cell(m, n))]),
+            ...Object.keys(minima[0].parameters).map((n) => [titled(n), ...shown.map((m) => cell(m, n))]),
             ["starts", ...shown.map((m) => (m.starts || []).length)]]),
         make("p", { className: "soft" }, "± one standard error; (a to b): a range of 95 %." + (minima.length > shown.length ? ` ${minima.length - shown.length} higher minima are not shown.` : ""))];
     };
@@ -174,29 +186,6 @@
         "A flat beginning: many starts agree on the best minimum. Steps: other minima. Open circles: searches that did not converge.")];
     };
 
-    // The lowest misfit in the cells of pairs of parameters, from a table of points. A grid has a cell a value, other
-    // points so many cells that a few fall in each.
-    const cellsOf = (p, values, count) => {
-        const distinct = [...new Set(values)].sort((a, b) => a - b);
-        const share = (v) => unitOf(p, v);
-        const at = (u) => valueAt(p, u);
-        if (distinct.length <= 40 && distinct.length * 4 <= values.length) {
-            const middle = (a, b) => at((share(a) + share(b)) / 2);
-            const edges = [p.min, ...distinct.slice(1).map((v, i) => middle(distinct[i], v)), p.max];
-            return { edges, index: (v) => distinct.indexOf(v) };
-        }
-        return { edges: Array.from({ length: count + 1 }, (_, i) => at(i / count)),
-            index: (v) => Math.min(count - 1, Math.max(0, Math.floor(share(v) * count))) };
-    };
-    const lowestInCells = (rows, x, y, cx, cy) => {
-        const z = Array.from({ length: cy.edges.length - 1 }, () => new Array(cx.edges.length - 1).fill(null));
-        for (const r of rows) {
-            const line = z[cy.index(r[2 + y])];
-            const i = cx.index(r[2 + x]);
-            if (line[i] === null || r[1] < line[i]) line[i] = r[1];
-        }
-        return z;
-    };
     // Ticks of a logarithmic colour scale.
     const logTicks = (low, high) => {
         const all = [1, 2, 5].flatMap((m) => Array.from({ length: 25 }, (_, i) => m * 10 ** (i - 12))).sort((a, b) => a - b);
@@ -211,19 +200,17 @@
         const misfits = answered.map((r) => r[1]).sort((a, b) => a - b);
         const lowest = Math.max(misfits[0], 1e-12);
         const highest = Math.max(misfits[Math.floor((misfits.length - 1) * 0.9)], lowest * 1.01); // of all but the worst tenth
-        const count = Math.min(30, Math.max(4, Math.floor(Math.sqrt(rows.length / 3))));
         const ticks = logTicks(lowest, highest);
+        const most = 1500; // points of a panel: half of them the lowest, evenly of the rest
+        const stride = Math.max(1, Math.ceil((answered.length - most / 2) / (most / 2)));
+        const shown = answered.filter((_, i) => i < most / 2 || i % stride === 0).reverse(); // the lowest above the others
         for (let x = 0; x < parameters.length; ++x) {
             for (let y = x + 1; y < parameters.length; ++y) {
-                const cx = cellsOf(parameters[x], rows.map((r) => r[2 + x]), count);
-                const cy = cellsOf(parameters[y], rows.map((r) => r[2 + y]), count);
-                const z = lowestInCells(answered, x, y, cx, cy);
                 const traces = [{
-                    type: "heatmap", name: "lowest misfit", x: cx.edges, y: cy.edges,
-                    z: z.map((line) => line.map((v) => (v === null ? null : Math.log10(Math.max(v, lowest))))),
-                    text: z.map((line) => line.map((v) => (v === null ? "" : "lowest misfit " + figure(v)))), hoverinfo: "text",
-                    zmin: Math.log10(lowest), zmax: Math.log10(highest), colorscale: "Cividis",
-                    colorbar: { title: { text: "misfit" }, thickness: 10, tickvals: ticks.map((v) => Math.log10(v)), ticktext: ticks.map(plain) },
+                    type: "scatter", mode: "markers", name: "computed", showlegend: false, x: shown.map((r) => r[2 + x]), y: shown.map((r) => r[2 + y]),
+                    text: shown.map((r) => "misfit " + figure(r[1])), hoverinfo: "text",
+                    marker: { size: 4, color: shown.map((r) => Math.log10(Math.min(highest, Math.max(r[1], lowest)))), cmin: Math.log10(lowest), cmax: Math.log10(highest), colorscale: "Cividis",
+                        colorbar: { title: { text: "misfit" }, thickness: 10, tickvals: ticks.map((v) => Math.log10(v)), ticktext: ticks.map(plain) } },
                 }];
                 if (holes.length > 0) {
                     traces.push({ type: "scatter", mode: "markers", name: "no answer", showlegend: false,
@@ -238,21 +225,18 @@
         }
         return make("div", { className: "charts" }, charts);
     };
-    // The lowest explored misfit in the cells of pairs of parameters, with contours.
+    // The lowest explored misfit in the cells of pairs of parameters, a mark a cell: what was tried, not a map.
     const projectionCharts = (unique) => {
         const parameter = new Map((unique.parameters || []).map((p) => [p.name, p]));
-        const centres = (p, cells) => Array.from({ length: cells }, (_, i) => valueAt(p, (i + 0.5) / cells));
         const charts = (unique.projections || []).filter((p) => parameter.has(p.x) && parameter.has(p.y)).map((p) => {
-            const px = parameter.get(p.x);
-            const py = parameter.get(p.y);
-            const z = Array.from({ length: p.cells }, (_, j) => p.misfit.slice(j * p.cells, (j + 1) * p.cells));
+            const [px, py] = [parameter.get(p.x), parameter.get(p.y)];
+            const tried = p.misfit.map((v, n) => [v, n]).filter(([v]) => v !== null);
+            const at = (of, n) => valueAt(of, (n + 0.5) / p.cells);
             return chart("projection", [{
-                type: "contour", x: centres(px, p.cells), y: centres(py, p.cells), z, connectgaps: true,
-                colorscale: "Cividis", ncontours: 14, line: { width: 0.5 },
-                colorbar: { title: { text: "misfit" }, thickness: 10 },
-            }, minimaTrace(unique.minima, px, py)], {
-                xaxis: parameterAxis(px), yaxis: parameterAxis(py), height: 330,
-            });
+                type: "scatter", mode: "markers", name: "lowest misfit", showlegend: false, x: tried.map(([, n]) => at(px, n % p.cells)), y: tried.map(([, n]) => at(py, Math.floor(n / p.cells))),
+                text: tried.map(([v]) => "lowest misfit " + figure(v)), hoverinfo: "text",
+                marker: { size: 6, color: tried.map(([v]) => v), colorscale: "Cividis", colorbar: { title: { text: "misfit" }, thickness: 10 } },
+            }, minimaTrace(unique.minima, px, py)], { xaxis: parameterAxis(px), yaxis: parameterAxis(py), height: 330 });
         });
         return charts.length > 0 ? make("div", { className: "charts" }, charts) : null;
     };
@@ -273,7 +257,7 @@
                 text: [`minimum ${b + 1}`, `pass ${figure(p.rise)}`, `pass ${figure(p.rise)}`, `minimum ${a + 1}`], line: { color: colours[traces.length % colours.length] }, marker: { size: [9, 1, 1, 9] } });
         }
         const limit = unique.acceptance.chi2_rise_allowed;
-        return [part("Minima and the passes between them"), chart("passes", traces, { xaxis: axis("minimum", { dtick: 1 }), yaxis: axis("rise of chi2", { rangemode: "tozero" }),
+        return [part("Minima and the passes between them"), chart("passes", traces, { xaxis: axis("minimum", { dtick: 1 }), yaxis: axis("rise of χ²", { rangemode: "tozero" }),
             shapes: [{ type: "line", xref: "paper", x0: 0, x1: 1, y0: limit, y1: limit, line: { dash: "dash", color: "#555" } }] },
         `Each line rises from a minimum to the lowest way that was found to a deeper one. Minima joined below the dashed line, the rise that the data accept (${figure(limit)}), are one valley.`)];
     };
@@ -303,11 +287,11 @@
                 { type: "scatter", mode: "lines", ...walkOf(points, p.best, scale), name: "branch " + (b + 1), showlegend: branches.length > 1, hoverinfo: "skip", line: { color: color(b), dash: dashes[b % dashes.length] } },
                 { type: "scatter", mode: "markers", x: points.map((q) => q[0]), y: points.map((q) => q[1]), showlegend: false, name: "walked", marker: { size: 5, color: color(b) } }]),
             { type: "scatter", mode: "markers", name: "best fit", showlegend: false, x: [p.best], y: [0], marker: minimumMark }],
-            { title: { text: p.name + (p.unit ? ` [${p.unit}]` : "") }, height: 300,
+            { title: { text: titled(p.name) + (p.unit ? ` [${wording.unit(p.unit)}]` : "") }, height: 300,
                 shapes: [{ type: "line", xref: "paper", x0: 0, x1: 1, y0: allowed, y1: allowed, line: { dash: "dash", color: "#555" } }],
                 xaxis: scale === "log" ? scaled("", scale, low / margin, high * margin) : scaled("", scale, low - margin, high + margin),
-                yaxis: axis("rise of chi2", { range: [-0.1 * allowed, 3 * allowed] }) },
-            `${figure(p.low)} (ended by ${p.low_stopped_by}) to ${figure(p.high)} (ended by ${p.high_stopped_by}).`);
+                yaxis: axis("rise of χ²", { range: [-0.1 * allowed, 3 * allowed] }) },
+            `${figure(p.low)} (ended by ${say(p.low_stopped_by)}) to ${figure(p.high)} (ended by ${say(p.high_stopped_by)}).`);
         });
         return charts.length === 0 ? [] : [part(title), make("p", { className: "soft" }, caption),
             make("div", { className: "charts" }, charts)];
@@ -320,7 +304,7 @@
         return [part("Acceptable sets side by side"), chart("parallel", sets.map((s, i) => ({
             type: "scatter", mode: "lines+markers", name: s.name, x: names,
             y: parameters.map((p) => unitOf(p, s.parameters[p.name])),
-            text: parameters.map((p) => `${p.name} = ${figure(s.parameters[p.name])}`), hoverinfo: "text+name",
+            text: parameters.map((p) => `${titled(p.name)}: ${figure(s.parameters[p.name])}`), hoverinfo: "text+name",
             line: { width: i === 0 ? 4 : 1.5, color: i === 0 ? "#000" : colours[(i - 1) % colours.length],
                 dash: dashes[i % dashes.length] }, marker: { size: 6 }, showlegend: sets.length <= 12,
         })), { xaxis: named(names, { range: [-0.35, names.length - 0.65] }), yaxis: axis("place between min and max", { range: [-0.05, 1.05] }), height: 420 },
@@ -330,14 +314,51 @@
     // -- one section a command ------------------------------------------------------------------------------------
 
     // What a command says first stands at the top of the page, or of its section where another command's does.
-    const summary = ["unique", "sample", "diagnose", "compare", "fit", "sensitivity", "road", "map"].find((c) => results[c] && (results[c].findings || []).length);
+    const summary = ["unique", "sample", "diagnose", "compare", "fit", "sensitivity", "road", "survey", "map"].find((c) => results[c] && ((results[c].findings || []).length || c === "survey"));
     const opening = (command, about) => {
-        const said = results[command].findings || [];
+        const said = (results[command].findings || []).map(say);
         return [command !== summary && said.length ? make("p", { className: "verdict" }, said[0]) : null,
-            about ? make("p", { className: "soft" }, about) : null, said.length > 1 ? words(said.slice(1)) : null];
+            about ? make("p", { className: "soft" }, about) : null, said.length > 1 ? [part("Findings"), words(said.slice(1))] : null];
     };
+    let pictured = null; // the result whose readings are drawn beside the summary
+    // Ranges beside each other, each within what was tried: {name, best, low, high, min, max, log}.
+    const rangesPicture = (rows) => {
+        const share = (q, v) => (q.log ? Math.log(v / q.min) / Math.log(q.max / q.min) : (v - q.min) / (q.max - q.min));
+        const names = rows.map((q) => q.name);
+        const line = (from, to, width, color, name) => ({ type: "scatter", mode: "lines", name, showlegend: false, hoverinfo: "skip", line: { width, color }, x: rows.flatMap((q) => [from(q), to(q), null]), y: names.flatMap((n) => [n, n, null]) });
+        return chart("ranges", [line(() => 0, () => 1, 4, "#d8dde3", "tried"), line((q) => Math.max(0, share(q, q.low)), (q) => Math.min(1, share(q, q.high)), 9, colours[0], "accepted"),
+            { type: "scatter", mode: "markers", name: "best", showlegend: false, x: rows.map((q) => share(q, q.best)), y: names, marker: { size: 11, color: "#fff", line: { color: "#000", width: 2 } },
+                text: rows.map((q) => `${q.name}: best ${figure(q.best)}, ${figure(q.low)} to ${figure(q.high)}`), hoverinfo: "text" }],
+        { xaxis: axis("place within what was tried", { range: [-0.03, 1.03], tickvals: [0, 0.5, 1], ticktext: ["lowest", "middle", "highest"] }), yaxis: axis("", { automargin: true, autorange: "reversed", type: "category" }), height: 120 + 34 * rows.length, margin: { l: 64, r: 24, t: 24, b: 50 } },
+        "Blue: what the data accept of each (95 %), within the range that was tried. Circle: the best.");
+    };
+    const pictureOf = (command, r) => {
+        const known = new Map(Array.isArray(r.parameters) ? r.parameters.map((p) => [p.name, p]) : []);
+        const row = (p, best, low, high) => ({ name: titled(p.name), best, low, high, min: p.min, max: p.max, log: p.scale === "log" });
+        if (command === "unique" && (r.profiles || []).length) return rangesPicture(r.profiles.filter((p) => known.has(p.name)).map((p) => row(known.get(p.name), p.best, p.low, p.high)));
+        if (command === "sample" && (r.parameters || []).length) return rangesPicture(r.parameters.map((p) => row(p, p.q50, p.q025, p.q975)));
+        if ((command === "fit" || command === "unique") && readOf(r).length && groupsOf(readOf(r)).size === 1) {
+            pictured = r;
+            return measuredOf(r);
+        }
+        if (command === "diagnose" && (r.hypotheses || []).some((h) => typeof h.probability === "number")) return probabilities(r);
+        return command === "road" || command === "survey" ? roads.picture(r) : null;
+    };
+    const probabilities = (r) => {
+        const list = [...r.hypotheses].filter((h) => typeof h.probability === "number").sort((a, b) => b.probability - a.probability).slice(0, 6);
+        const short = (text) => {
+            const lines = say(text).split(" ").reduce((all, word) => ((all[all.length - 1] + " " + word).length > 34 && all[all.length - 1] ? [...all, word] : [...all.slice(0, -1), `${all[all.length - 1]} ${word}`.trim()]), [""]);
+            return lines.slice(0, 2).join("<br>") + (lines.length > 2 ? " …" : "");
+        };
+        return chart("probabilities", [{ type: "bar", orientation: "h", y: list.map((_, i) => i), x: list.map((h) => h.probability), text: list.map((h) => `${Math.round(100 * h.probability)} %`), textposition: "outside", cliponaxis: false,
+            marker: { color: list.map((_, i) => (i === 0 ? colours[0] : "#9aa5ad")) }, hovertext: list.map((h) => say(h.in_words || h.name)), hoverinfo: "text" }],
+        { xaxis: axis("probability", { range: [0, 1.08], tickformat: ".0%" }), yaxis: axis("", { automargin: true, autorange: "reversed", tickvals: list.map((_, i) => i), ticktext: list.map((h) => short(h.in_words || h.name)), tickfont: { size: 11 } }),
+            height: 90 + 44 * list.length, margin: { l: 64, r: 44, t: 24, b: 50 }, showlegend: false }, "What may lie behind the residuals, of all that was tried, the most probable first.");
+    };
+    // An output with its range, the wider where the model may be wrong.
+    const outputRow = (o, best, right) => [o.name, figure(best), figure(widest(o).low), figure(widest(o).high), ...(right ? [widest(o).wider ? `${figure(o.low)} to ${figure(o.high)}` : ""] : []), wording.unit(o.unit)];
     const rangesTable = (parameters) => (parameters && parameters.length > 0 && parameters[0].min !== undefined
-        ? [part("What was varied"), table(["parameter", "min", "max", "scale"], parameters.map((p) => [p.name, plain(p.min), plain(p.max), p.scale]))]
+        ? [part("What was varied"), table(["parameter", "min", "max", "scale"], parameters.map((p) => [titled(p.name), plain(p.min), plain(p.max), p.scale]))]
         : []);
 
     const showFit = (r) => {
@@ -349,7 +370,7 @@
             responsesPart(r), minimaPart(r.minima, parameters), waterfall(r), parallel(others, parameters),
             rows && parameters.length > 1 ? [part("Landscape of the misfit"),
                 pairCharts(parameters, rows.rows, r.minima),
-                make("p", { className: "soft" }, "Colour: the lowest misfit computed in a cell, over all values of the other parameters; white: nothing was computed there. Circles: minima; crosses: no answer." +
+                make("p", { className: "soft" }, "Each point is a computed set of parameters, coloured by its misfit, the lowest on top; the others differ from point to point. No map of the misfit: pavescape unique --landscape computes one. Circles: minima; crosses: no answer." +
                     (rows.left_out ? ` ${rows.left_out} of the higher points are not drawn.` : ""))] : [],
             rangesTable(parameters), (r.warnings || []).length ? [part("Warnings"), words(r.warnings)] : []);
     };
@@ -359,45 +380,52 @@
         section("The map", opening("map", `${r.points} points, ${r.design}.`),
             rows && (r.parameters || []).length > 1 ? pairCharts(r.parameters, rows.rows, lowest) : null,
             part("Lowest points"), turned(r.lowest.slice(0, 8).map((e) => `point ${e.number}`), [["misfit", ...r.lowest.map((e) => figure(e.misfit))],
-                ...(r.parameters || []).map((p) => [p.name, ...r.lowest.map((e) => figure(e.parameters[p.name]))])]),
+                ...(r.parameters || []).map((p) => [titled(p.name), ...r.lowest.map((e) => figure(e.parameters[p.name]))])]),
             rangesTable(r.parameters), statusTable(r.statuses));
     };
     const statusTable = (statuses) => (statuses ? [part("How the forward runs ended"),
         table(["status", "runs"], Object.entries(statuses))] : []);
 
+    // right: the model's own range beside the wider one, which is drawn in any case.
+    const outputsChart = (outputs, best, right) => {
+        const bar = (name, low, high, thickness, color) => ({ type: "scatter", mode: "markers", name, x: outputs.map(() => 1), y: outputs.map((o) => `${o.name}<br>[${wording.unit(o.unit)}]`), marker: { size: 10, color: "#000" },
+            text: outputs.map((o) => `best ${figure(best(o))}, ${figure(low(o))} to ${figure(high(o))}`), hoverinfo: "text",
+            error_x: { type: "data", symmetric: false, thickness, color, array: outputs.map((o) => high(o) / best(o) - 1), arrayminus: outputs.map((o) => 1 - low(o) / best(o)) } });
+        const wider = outputs.some((o) => widest(o).wider);
+        return chart("outputs", [bar(wider ? "also if the model may lack something" : "95 %", (o) => widest(o).low, (o) => widest(o).high, 3, wider ? colours[4] : colours[0]),
+            ...(wider && right ? [bar("if the model is right", (o) => o.low, (o) => o.high, 6, colours[0])] : [])],
+        { xaxis: axis("relative to the best fit"), yaxis: axis("", { automargin: true }), height: 190 + 40 * outputs.length, margin: { l: 64, r: 16, t: 24, b: 90 }, legend: { orientation: "h", y: -70 / (40 * outputs.length + 76) } },
+        wider ? "95 % ranges. The wider one is the one to use: it also holds if the model lacks something that these readings cannot show." : "Range of each output over all sets of parameters that the data accept.");
+    };
+    const outputsTable = (outputs, best, right) => {
+        const own = right && outputs.some((o) => widest(o).wider);
+        return table(["output", "best", "low", "high", ...(own ? ["if the model is right"] : []), "unit"], outputs.map((o) => outputRow(o, best(o), own)));
+    };
     const showUnique = (r) => {
         const sets = [];
         (r.minima || []).forEach((m, i) => { if (m.accepted !== false) sets.push({ name: "minimum " + (i + 1), parameters: m.parameters }); });
         for (const p of [...(r.profiles || []), ...(r.outputs || [])]) {
             for (const end of ["low", "high"]) {
                 const set = p[end + "_set"];
-                if (set && Object.keys(set).length > 0) sets.push({ name: `${end === "low" ? "lowest" : "highest"} ${p.name}`, parameters: set });
+                if (set && Object.keys(set).length > 0) sets.push({ name: `${end === "low" ? "lowest" : "highest"} ${titled(p.name)}`, parameters: set });
             }
         }
         const rise = r.acceptance ? r.acceptance.chi2_rise_allowed : null;
         const allowed = figure(rise);
         const accepted = r.profiles || [];
         section("Is the answer unique?", opening("unique"),
-            accepted.length ? [part("What the data accept (95 %)"),
-                table(["parameter", "best", "low", "high", ""], accepted.map((p) => [p.name, figure(p.best), figure(p.low), figure(p.high), p.kind]), [4])] : [],
-            (r.outputs || []).length ? [part("What it means for the outputs"), chart("outputs", [{
-                type: "scatter", mode: "markers", x: r.outputs.map((o) => 1), y: r.outputs.map((o) => `${o.name}<br>[${o.unit}]`),
-                text: r.outputs.map((o) => `best ${figure(o.best)}, ${figure(o.low)} to ${figure(o.high)}`),
-                marker: { size: 10, color: "#000" },
-                error_x: { type: "data", symmetric: false, thickness: 3, color: colours[0],
-                    array: r.outputs.map((o) => o.high / o.best - 1), arrayminus: r.outputs.map((o) => 1 - o.low / o.best) },
-            }], { xaxis: axis("relative to the best fit"), yaxis: axis("", { automargin: true }), height: 160 + 40 * r.outputs.length },
-            "Range of each output over all sets of parameters that the data accept."),
-            table(["output", "best", "low", "high", "unit"], r.outputs.map((o) => [o.name, figure(o.best), figure(o.low), figure(o.high), o.unit]))] : [],
+            accepted.length ? [part("What the data accept (95 %)", true),
+                table(["parameter", "best", "low", "high", ""], accepted.map((p) => [titled(p.name), figure(p.best), figure(p.low), figure(p.high), p.kind]), [4])] : [],
+            (r.outputs || []).length ? [part("What it means for the outputs", true), outputsChart(r.outputs, (o) => o.best, !rejected(r)), outputsTable(r.outputs, (o) => o.best, !rejected(r))] : [],
             responsesPart(r),
             r.landscape && r.landscape.pairs.length > 0 ? landscapePart(r)
                 : data.evaluations && data.evaluations.command === "unique" && (r.parameters || []).length > 1
                 ? [part("Landscape of the misfit"), pairCharts(r.parameters, data.evaluations.rows, r.minima),
-                    make("p", { className: "soft" }, "Colour: the lowest misfit computed in a cell, over all values of the other parameters; white: nothing was computed there. Circles: minima; crosses: no answer.")]
+                    make("p", { className: "soft" }, "Each point is a computed set of parameters, coloured by its misfit, the lowest on top; the others differ from point to point. No map of the misfit: pavescape unique --landscape computes one. Circles: minima; crosses: no answer.")]
                 : [part("Landscape: lowest explored misfit over pairs"), projectionCharts(r)],
             minimaPart(r.minima, r.parameters), passesPart(r),
             profiles(r.profiles, "Profiles of the parameters", "profile",
-                `The least rise of chi2 at each value with everything else fitted again. Dashed: the rise that the data accept, ${allowed}.`, r.parameters, rise),
+                `The least rise of χ² at each value with everything else fitted again. Dashed: the rise that the data accept, ${allowed}.`, r.parameters, rise),
             profiles(r.outputs, "Profiles of the outputs", "profile", "The same for each output.", [], rise),
             parallel(sets, r.parameters), directionsPart(r), nextPart(r), rangesTable(r.parameters), statusTable(r.statuses));
     };
@@ -415,9 +443,9 @@
     const nextPart = (r) => {
         const list = Array.isArray(r.next_measurement) ? r.next_measurement.slice(0, 6) : [];
         const left = (c) => Object.entries({ ...c.standard_error_after_over_before, ...c.outputs_after_over_before })
-            .filter(([, v]) => typeof v === "number").map(([n, v]) => `${n} ${(100 * v).toFixed(0)} %`).join(", ");
+            .filter(([, v]) => typeof v === "number").map(([n, v]) => `${inWords(n).name} ${(100 * v).toFixed(0)} %`).join(", ");
         return list.length === 0 ? [] : [part("Most informative further readings"),
-            table(["reading", "noise", "standard error left over"], list.map((c) => [c.reading, `${figure(c.sigma)} ${c.unit}`, left(c)]), [0, 2])];
+            table(["reading", "noise", "standard error left over"], list.map((c) => [say(c.reading), `${figure(c.sigma)} ${wording.unit(c.unit)}`, left(c)]), [0, 2])];
     };
 
     // The draws over every pair of parameters, and each alone as a histogram, all by their weights.
@@ -484,10 +512,10 @@
         const rows = [...parameters.map((p) => [p, ""]), ...(r.outputs || []).map((o) => [o, o.unit])];
         section("The posterior", r.reason ? make("p", {}, r.reason) : null, opening("sample", "What the readings leave of every parameter and output."),
             rows.length ? table(["", "mean", "sd", "2.5 %", "50 %", "97.5 %", "R-hat", "eff. draws"],
-                rows.map(([q, unit]) => [q.name + (unit ? ` (${unit})` : ""), ...[q.mean, q.sd, q.q025, q.q50, q.q975].map(figure), q.rhat.toFixed(3), q.ess.toFixed(0)]), [0]) : [],
+                rows.map(([q, unit]) => [titled(q.name) + (unit ? ` [${wording.unit(unit)}]` : ""), ...[q.mean, q.sd, q.q025, q.q50, q.q975].map(figure), q.rhat.toFixed(3), q.ess.toFixed(0)]), [0]) : [],
             (r.draws || []).length && parameters.length ? corner(parameters, r.draws, r.regions || []) : [],
-            r.correlations && parameters.length > 1 ? [part("Correlations of the draws"), table(["", ...parameters.map((p) => p.name)],
-                parameters.map((p, i) => [p.name, ...r.correlations[i].map((v) => v.toFixed(2))]))] : [],
+            r.correlations && parameters.length > 1 ? [part("Correlations of the draws"), table(["", ...parameters.map((p) => titled(p.name))],
+                parameters.map((p, i) => [titled(p.name), ...r.correlations[i].map((v) => v.toFixed(2))]))] : [],
             r.log_evidence === undefined ? [] : make("p", { className: "soft" }, `Log evidence ${figure(r.log_evidence)} ± ${figure(r.log_evidence_error)}: its difference between models of the same readings is their log odds.`));
     };
 
@@ -507,25 +535,36 @@
             shapes: [{ type: "line", line: { dash: "dot", color: "#555" }, ...(down ? { x0: 1, x1: 1, yref: "paper", y0: 0, y1: 1 } : { y0: 1, y1: 1, xref: "paper", x0: 0, x1: 1 }) }] });
     };
 
+    // The fall of chi2 at which the family-wise probability is 5 %, between the candidates on either side of it; null: all are on one.
+    const thresholdOf = (candidates) => {
+        const list = candidates.filter((c) => typeof c.score_z === "number" && c.p_familywise > 0).map((c) => [c.score_z ** 2, Math.log(c.p_familywise / 0.05)]).sort((a, b) => a[0] - b[0]);
+        const above = list.findIndex(([, p]) => p <= 0);
+        if (above < 1) return null;
+        const [[x0, p0], [x1, p1]] = [list[above - 1], list[above]];
+        return p0 > 0 ? x0 + (x1 - x0) * p0 / (p0 - p1) : null;
+    };
     const showDiagnose = (r) => {
         const extended = r.residuals.extended.length > 0;
-        const candidates = (r.candidates || []).slice(0, 20).reverse();
+        const fall = (c) => (c.delta_chi2 === null || c.delta_chi2 === undefined ? (c.score_z ?? 0) ** 2 : -c.delta_chi2);
+        const candidates = [...(r.candidates || [])].sort((a, b) => fall(b) - fall(a)).slice(0, 20).reverse();
+        const threshold = thresholdOf(r.candidates || []);
         const corrections = r.corrections || [];
         const alike = [...(r.confounding || [])].sort((a, b) => Math.abs(a.cosine) - Math.abs(b.cosine));
         section("What the model gets wrong",
             opening("diagnose"),
-            r.readings ? [part("Measured and modelled, before and after"), againstMeasured(r.readings, r.responses.measured,
+            r.readings ? [part("Measured and modelled, before and after", true), againstMeasured(r.readings, r.responses.measured,
                 [{ name: "study's model", values: r.responses.baseline },
                     ...(extended ? [{ name: "extended model", values: r.responses.extended }] : [])])] : [],
             residualsPart(r.readings || [], [{ name: "study's model", residuals: r.residuals.baseline }, ...(extended ? [{ name: "extended model", residuals: r.residuals.extended }] : [])]),
             corrections.length ? [part("Where the model errs"), make("div", { className: "charts" }, corrections.map(correctionChart)),
                 make("p", { className: "soft" }, "What multiplies the study's model, with its 95 % band. In grey: places that these readings hardly constrain.")] : [],
             candidates.length ? [part("Candidates: what each effect alone would gain"), chart("candidates", [{
-                type: "bar", orientation: "h", y: candidates.map((c) => c.effect + (c.on ? " – " + c.on : "")),
-                x: candidates.map((c) => (c.delta_chi2 === null || c.delta_chi2 === undefined ? (c.score_z ?? 0) ** 2 : -c.delta_chi2)),
+                type: "bar", orientation: "h", y: candidates.map((c) => say(c.effect + (c.on ? " – " + c.on : ""))),
+                x: candidates.map(fall),
                 marker: { color: candidates.map((c) => (r.causes || []).includes(c.effect) ? colours[1] : colours[5]) },
-            }], { xaxis: axis("fall of chi2"), yaxis: axis("", { automargin: true, tickfont: { size: 10 } }), height: 120 + 24 * candidates.length },
-            "Full fits where they were made; where not, the square of the score. Causes named are in the darker colour.")] : [],
+            }], { xaxis: axis("fall of χ²"), yaxis: axis("", { automargin: true, tickfont: { size: 10 } }), height: 120 + 24 * candidates.length,
+                shapes: threshold === null ? [] : [{ type: "line", yref: "paper", y0: 0, y1: 1, x0: threshold, x1: threshold, line: { dash: "dash", color: "#555" } }] },
+            (threshold === null ? "" : "Dashed: what one of so many candidates reaches by chance in 5 % of cases. ") + "Full fits where they were made; where not, the square of the score. Causes named are in the darker colour.")] : [],
             alike.length ? [part("Which effects look alike to these data"), chart("confusion", [{
                 type: "bar", orientation: "h", x: alike.map((c) => Math.abs(c.cosine)), y: alike.map((c) => `${c.effect} or ${c.other}`),
                 text: alike.map((c) => `told apart with a rate of ${figure(100 * c.rate)} %`),
@@ -533,14 +572,15 @@
             }], { xaxis: axis("|cosine| of what the parameters cannot reproduce", { range: [0, 1] }), yaxis: axis("", { automargin: true, tickfont: { size: 10 } }),
                 height: 120 + 22 * alike.length },
             "1: the readings cannot tell the two apart at all. In the darker colour: pairs that would be taken for each other in more than 5 % of cases.")] : [],
-            (r.outputs || []).length ? [part("Outputs"), table(["output", "before", "after", "unit"], r.outputs.map((o) => [o.name, o.before, o.after, o.unit]))] : [],
+            (r.outputs || []).length ? [part("Outputs", true), outputsTable(r.outputs, (o) => o.after ?? o.before, r.verdict === "adequate"),
+                extended ? make("p", { className: "soft" }, r.outputs.map((o) => `${o.name}: ${figure(o.before)} by the study's model, ${figure(o.after)} by the extended one.`).join(" ")) : null] : [],
             part("Gain"), table(["", "study's model", "extended model"], [
-                ["misfit", r.baseline.misfit, r.extended ? r.extended.misfit : null], ["chi2", r.baseline.chi2, r.extended ? r.extended.chi2 : null],
+                ["misfit", r.baseline.misfit, r.extended ? r.extended.misfit : null], ["χ²", r.baseline.chi2, r.extended ? r.extended.chi2 : null],
                 ["degrees of freedom", r.baseline.dof, r.extended ? r.extended.dof : null], ["p", r.baseline.p_value, r.extended ? r.extended.p_value : null],
                 ["error of readings left out [sigma]", r.gain ? r.gain.held_out_rmse_before : null, r.gain ? r.gain.held_out_rmse_after : null]]),
             r.next_measurement && r.next_measurement.reading ? make("p", {}, r.next_measurement.bits === undefined
-                ? `The reading that would decide: ${r.next_measurement.reading} (right with a rate of ${figure(100 * r.next_measurement.power)} %).`
-                : `The reading that would say most of where the model errs: ${r.next_measurement.reading} (${figure(r.next_measurement.bits)} bits).`) : null);
+                ? `The reading that would decide: ${say(r.next_measurement.reading)} (right with a rate of ${figure(100 * r.next_measurement.power)} %).`
+                : `Best next measurement: ${say(r.next_measurement.reading)} (${figure(r.next_measurement.bits)} bits).`) : null);
     };
 
     const showCompare = (r) => {
@@ -548,22 +588,22 @@
         const good = all.filter((l) => l.status === "converged");
         const row = (name, of) => [name, ...good.map(of)];
         section(`Which ${r.laws ? "law" : "study"} do the data prefer?`, opening("compare", r.laws ? `Laws of “${r.layer}”.` : "Studies of the same readings."),
-            good.length ? turned(good.map((l) => l.law), [row("misfit", (l) => figure(l.misfit)), row("chi2", (l) => figure(l.chi2)), row("degrees of freedom", (l) => l.dof), row("p", (l) => figure(l.p_value)),
+            good.length ? turned(good.map((l) => l.law), [row("misfit", (l) => figure(l.misfit)), row("χ²", (l) => figure(l.chi2)), row("degrees of freedom", (l) => l.dof), row("p", (l) => figure(l.p_value)),
                 row("AICc", (l) => figure(l.aicc)), row("weight [%]", (l) => (typeof l.weight === "number" ? (100 * l.weight).toFixed(1) : null)), row("left out", (l) => figure(l.held_out_rms)),
                 row("held out", (l) => figure(l.study_held_out_rms)), row("answer", (l) => l.verdict)]) : null,
             words(all.filter((l) => l.status !== "converged").map((l) => `${l.law}: ${l.reason}`)),
             make("p", { className: "soft" }, "Left out: error of readings predicted place by place by fits without them; held out: of those that the study holds out."),
-            good.length ? [part("Measured and modelled"), againstMeasured(good[0].responses.filter((q) => q.measured !== undefined),
+            good.length ? [part("Measured and modelled", true), againstMeasured(good[0].responses.filter((q) => q.measured !== undefined),
                 good[0].responses.map((q) => q.measured), good.map((l) => ({ name: l.law, values: l.responses.map((q) => q.value) })))] : [],
-            good.map((l) => [part(l.law), make("p", { className: "soft" }, l.summary), table(["", "best", "low", "high"],
-                [...Object.entries(l.parameters).map(([n, v]) => [n, ...[v.value, v.low, v.high].map(figure)]), ...l.outputs.map((o) => [`${o.name} [${o.unit}]`, ...[o.best, o.low, o.high].map(figure)])])]));
+            good.map((l) => [part(l.law), make("p", { className: "soft" }, say(l.summary || "")), table(["", "best", "low", "high"],
+                [...Object.entries(l.parameters).map(([n, v]) => [titled(n), ...[v.value, v.low, v.high].map(figure)]), ...l.outputs.map((o) => [`${o.name} [${wording.unit(o.unit)}]`, ...[o.best, widest(o).low, widest(o).high].map(figure)])])]));
     };
 
     const showSensitivity = (r) => {
         const responses = r.responses.map((s) => s.name);
         section("Sensitivity", opening("sensitivity", `One at a time over ±${plain(r.range_percent)} %.`),
             make("div", { className: "charts" }, responses.slice(0, 12).map((name, i) => chart("curves", r.curves.map((c, k) => ({
-                type: "scatter", mode: "lines", name: c.parameter, line: { dash: dashes[k % dashes.length], color: colours[k % colours.length] },
+                type: "scatter", mode: "lines", name: titled(c.parameter), line: { dash: dashes[k % dashes.length], color: colours[k % colours.length] },
                 x: c.points.map((p) => p.change_percent),
                 y: c.points.map((p) => (p.responses_change_percent ? p.responses_change_percent[i] : null)),
             })), { title: { text: name }, xaxis: axis("change of the parameter [%]"), yaxis: axis("change [%]") }))),
@@ -576,129 +616,7 @@
             })), { title: { text: g.response }, yaxis: axis("share of the variance"), xaxis: named(Object.keys(g.total)), barmode: "group" })))] : []);
     };
 
-    // Stations of one profile and lane: they follow each other along the road, others do not.
-    const lanesOf = (stations) => {
-        const lanes = new Map();
-        for (const s of stations) {
-            const name = [s.profile, s.lane && `lane ${s.lane}`].filter(Boolean).join(", ");
-            lanes.set(name, [...(lanes.get(name) || []), s]);
-        }
-        return [...lanes].map(([name, list]) => ({ name: name || "the road", stations: list }));
-    };
-    const medianOf = (values) => {
-        const sorted = [...values].sort((a, b) => a - b);
-        return sorted.length % 2 ? sorted[(sorted.length - 1) / 2] : (sorted[sorted.length / 2 - 1] + sorted[sorted.length / 2]) / 2;
-    };
-    // One trace a lane along the road; what the readings do not determine is open; a level line is the median of a homogeneous section.
-    const strip = (r, stations, title, valueOf, { caption = null, rangeOf = () => null, determined = () => true, more = {}, shapes = [] } = {}) => {
-        const lanes = lanesOf(stations);
-        const traces = lanes.flatMap(({ name, stations: list }, k) => {
-            const colour = colours[k % colours.length];
-            const ranges = list.map((s) => (determined(s) ? rangeOf(s) : null));
-            const parts = (r.sections || []).filter((p) => (p.profile || "") === (list[0].profile || "") && (p.lane || "") === (list[0].lane || ""));
-            const levels = parts.map((p) => {
-                const values = list.filter((s) => s.chainage_m >= p.from_m && s.chainage_m <= p.to_m && determined(s)).map(valueOf).filter((v) => v !== null && v !== undefined);
-                return values.length ? { type: "scatter", mode: "lines", x: [p.from_m, p.to_m], y: [medianOf(values), medianOf(values)], showlegend: false,
-                    hoverinfo: "skip", line: { width: 3, color: colour }, opacity: 0.35 } : null;
-            }).filter(Boolean);
-            return [{ type: "scatter", mode: "lines+markers", name, showlegend: lanes.length > 1, x: list.map((s) => s.chainage_m), y: list.map(valueOf),
-                text: list.map((s) => s.station), line: { width: 1, color: colour },
-                marker: { size: 7, color: colour, symbol: list.map((s) => symbols[k % symbols.length] + (determined(s) ? "" : "-open")) },
-                error_y: ranges.some((range) => range) ? { type: "data", symmetric: false, thickness: 1, width: 2,
-                    array: list.map((s, i) => (ranges[i] ? ranges[i][1] - valueOf(s) : 0)), arrayminus: list.map((s, i) => (ranges[i] ? valueOf(s) - ranges[i][0] : 0)) } : undefined }, ...levels];
-        });
-        return chart("strip", traces, { xaxis: axis("chainage [m]"), yaxis: axis(title, more), height: lanes.length > 1 ? 320 : 260, shapes }, caption);
-    };
-
-    const showSurvey = (r) => {
-        const good = r.stations.filter((s) => s.D0_um !== undefined);
-        const bad = r.stations.filter((s) => s.D0_um === undefined || (s.status !== "ok" && s.reason));
-        const fitted = good.filter((s) => s.fit);
-        const names = fitted.length ? Object.keys(fitted[0].fit.parameters) : [];
-        const outputs = [...new Set(fitted.flatMap((s) => Object.keys(s.outputs || {})))];
-        const known = (s, n) => !s.parameters || !s.parameters[n] || s.parameters[n].determined;
-        const withRange = (p) => (!p ? null : p.determined ? `${figure(p.value)} (${figure(p.low)} to ${figure(p.high)})` : `${figure(p.value)} (?)`);
-        const source = (s) => (s.file ? `${s.file.split("/").pop()}, line ${s.line}` : "");
-        // Columns that hold something, so that a table fits the page; long names may break.
-        const list = (title, stations, columns, left = []) => {
-            const shown = [["station", (s) => s.station], ["profile", (s) => s.profile], ["lane", (s) => s.lane], ["chainage [m]", (s) => s.chainage_m], ...columns]
-                .filter(([, of], i) => i === 0 || stations.some((s) => ![null, undefined, ""].includes(of(s))));
-            return shown.length < 3 || stations.length === 0 ? [] : [part(title), make("div", { className: "narrow" },
-                table(shown.map(([n]) => n.replace(/([._])/g, "$1\u200b")), stations.map((s) => shown.map(([, of]) => of(s))),
-                    shown.map(([n], i) => (left.includes(n) ? i : -1)).filter((i) => i >= 0)))];
-        };
-        const remarked = r.stations.filter((s) => (s.remarks || []).length);
-        const percentiles = (p) => (p ? `${figure(p.p15)} / ${figure(p.p50)} / ${figure(p.p85)}` : null);
-        // Of a parameter: of the stations that determine it.
-        const determinedOnly = (p, fitted) => (!fitted ? percentiles(p) : !p ? `? (0 of ${fitted})` : p.stations < fitted ? `${percentiles(p)} (${p.stations} of ${fitted})` : percentiles(p));
-        section("The road", make("p", {}, `${r.counts.stations} stations, ${r.counts.rejected} rejected${r.counts.no_ratio ? `, ${r.counts.no_ratio} without a deflection ratio` : ""}` +
-            (r.counts.fitted ? `, ${r.counts.fitted} back-calculated, ${r.counts.no_fit || 0} not described by the model, ${r.counts.failed} without an answer.` : ".")),
-        words(r.findings),
-        good.length ? [strip(r, good, `D0 at ${figure(r.common_pressure_kPa)} kPa [µm]`, (s) => s.D0_um_at_common_pressure,
-            { more: { rangemode: "tozero" }, caption: (r.sections || []).length ? "Level lines: the medians of homogeneous sections." : null }),
-        strip(r, good, "deflection ratio", (s) => s.deflection_ratio, { caption: r.deflection_ratio.definition, shapes: [{ type: "line", xref: "paper", x0: 0, x1: 1,
-            y0: r.deflection_ratio.limit, y1: r.deflection_ratio.limit, line: { dash: "dash", color: colours[1] } }] })] : [],
-        names.map((n) => strip(r, fitted, n, (s) => s.fit.parameters[n], { determined: (s) => known(s, n),
-            rangeOf: (s) => (s.parameters && s.parameters[n] ? [s.parameters[n].low, s.parameters[n].high] : null),
-            caption: fitted.every((s) => known(s, n)) ? null : "Open: not determined by these readings, not to be used." })),
-        outputs.map((n) => strip(r, fitted.filter((s) => s.outputs && s.outputs[n]), `${n} [${outputUnit(fitted, n)}]`, (s) => s.outputs[n].value,
-            { determined: (s) => s.outputs[n].determined, rangeOf: (s) => [s.outputs[n].low, s.outputs[n].high] })),
-        fitted.length ? rmsBars(fitted) : [],
-        (r.sections || []).length && r.sections[0].D0_um ? [part("Homogeneous sections"), make("p", { className: "soft" }, "Cumulative differences of ln D0; 15 / 50 / 85 % of the stations do not exceed; of a parameter, of those that determine it."),
-            sectionTable(r.sections, [["profile", (p) => p.profile], ["lane", (p) => p.lane], ["from [m]", (p) => p.from_m], ["to [m]", (p) => p.to_m], ["stations", (p) => p.stations],
-                ["D0 [µm]", (p) => percentiles(p.D0_um)], ...names.map((n) => [n, (p) => determinedOnly((p.parameters || {})[n], p.fitted)])])] : [],
-        list("Stations without a result, or with a doubtful one", bad, [["why", (s) => s.reason], ["where", source]], ["why", "where"]),
-        list("Stations", good, [["drops", (s) => (s.drops_used || []).join(" ")], ["pressure [kPa]", (s) => s.pressure_kPa], ["D0 [µm]", (s) => s.D0_um],
-            ["deflection ratio", (s) => s.deflection_ratio], ["verdict", (s) => (s.pass === null || s.pass === undefined ? s.deflection_ratio_reason : s.pass ? "pass" : "fail")]], ["verdict"]),
-        list("Parameters", fitted, [...names.map((n) => [n, (s) => withRange((s.parameters || {})[n]) || figure(s.fit.parameters[n])]), ["rms [%]", (s) => s.fit.rms_percent]]),
-        list("Outputs", fitted, outputs.map((n) => [`${n} [${outputUnit(fitted, n)}]`, (s) => withRange((s.outputs || {})[n])])),
-        list(`Indices${good.length && good[0].normalised ? ` at ${figure(good[0].normalised.pressure_kPa)} kPa` : ""}`, good.filter((s) => s.normalised), [
-            ["D0 [µm]", (s) => s.normalised.D0_um], ["SCI [µm]", (s) => s.normalised.SCI_um], ["BDI [µm]", (s) => s.normalised.BDI_um], ["BCI [µm]", (s) => s.normalised.BCI_um],
-            ["AREA [mm]", (s) => s.normalised.AREA_mm], ["radius of curvature [m]", (s) => s.normalised.curvature_radius_m],
-            ["E0 [MPa]", (s) => (s.normalised.surface_moduli[0] || {}).modulus_MPa], ["asphalt [°C]", (s) => s.asphalt_C],
-            ["asphalt at reference [MPa]", (s) => s.asphalt_modulus_at_reference_MPa]]),
-        list("When and where", r.stations, [["date", (s) => s.date], ["time", (s) => s.time], ["air [°C]", (s) => s.air_C], ["surface [°C]", (s) => s.surface_C],
-            ["latitude", (s) => place(s.latitude)], ["longitude", (s) => place(s.longitude)], ["operator", (s) => s.comment], ["source", source]], ["operator", "source"]),
-        list("Remarks", remarked, [["remarks", (s) => s.remarks.join("; ")]], ["remarks"]));
-    };
-    const sectionTable = (sections, columns) => {
-        const shown = columns.filter(([, of]) => sections.some((p) => ![null, undefined, ""].includes(of(p))));
-        return make("div", { className: "narrow" }, table(shown.map(([n]) => n.replace(/([._])/g, "$1\u200b")), sections.map((p) => shown.map(([, of]) => of(p)))));
-    };
-    const place = (degrees) => (degrees === null || degrees === undefined ? null : degrees.toFixed(6));
-    const outputUnit = (stations, n) => stations.map((s) => (s.outputs || {})[n]).find((o) => o).unit;
-    const rmsBars = (fitted) => {
-        const lanes = lanesOf(fitted);
-        return chart("strip", lanes.map(({ name, stations }, k) => ({ type: "bar", name, x: stations.map((s) => s.chainage_m), y: stations.map((s) => s.fit.rms_percent),
-            text: stations.map((s) => s.station), textposition: "none", marker: { color: colours[k % colours.length] } })),
-        { xaxis: axis("chainage [m]"), yaxis: axis("rms of the fit [%]"), height: lanes.length > 1 ? 300 : 220, barmode: "group", showlegend: lanes.length > 1 });
-    };
-
-    // Pairs of what the road has in common: the stations each by itself, and the road.
-    const materialCharts = (r) => {
-        const alone = r.stations.filter((s) => s.road && !s.road.outlier);
-        const value = (n) => r.shared.find((p) => p.name === n).value;
-        return r.landscape.length === 0 ? [] : [part("The material's landscape"), make("div", { className: "charts" }, r.landscape.map((l) => chart("material", [
-            { type: "scatter", mode: "markers", name: "a station by itself", x: alone.map((s) => s.road.alone[l.x].value), y: alone.map((s) => s.road.alone[l.y].value),
-                text: alone.map((s) => s.station), marker: { size: 6, color: "#9aa5ad" } },
-            { type: "scatter", mode: "lines", name: "the road, 95 %", x: l.border.map((b) => b[0]), y: l.border.map((b) => b[1]), fill: "toself", line: { color: colours[0] } },
-            { type: "scatter", mode: "markers", name: "the road", x: [value(l.x)], y: [value(l.y)], marker: { size: 8, symbol: "x", color: colours[1] } }],
-        { xaxis: axis(l.x, { type: l.log_x ? "log" : "linear" }), yaxis: axis(l.y, { type: l.log_y ? "log" : "linear" }), height: 340 }))),
-        make("p", { className: "soft" }, "To first order around the answer. Stations by themselves lie along what they cannot tell apart; one on the edge of a picture ended on a bound of its range.")];
-    };
-
-    const showRoad = (r) => {
-        section("The road as one experiment", opening("road"),
-            table(["", "value", "from", "to", "% of its box", "median station alone [%]", "stations"],
-                [...r.shared, ...r.section_parameters].map((p) => [p.level === "section" ? `${p.name}, section ${p.section + 1}` : p.name, p.value, p.low,
-                    p.high, 100 * p.width, 100 * p.median_width_alone, p.stations])),
-            materialCharts(r),
-            r.outliers.length ? [part("Stations that do not belong"),
-                table(["station", "chainage [m]", "why"], r.outliers.map((o) => [o.station, o.chainage_m, o.reason]), [2])] : []);
-        showSurvey({ ...r, findings: r.remarks });
-    };
-
-    const show = { unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: showSurvey, road: showRoad };
+    const show = { unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: (r) => roads.showSurvey(section, r, r.findings || []), road: (r) => roads.showRoad(section, r, r.findings || []) };
 
     // -- the page -------------------------------------------------------------------------------------------------
 
@@ -708,7 +626,14 @@
     const navigation = make("nav");
     root.append(make("header", {}, make("h1", {}, titles[0] || data.folder),
         make("p", { className: "soft" }, `Pavescape ${data.version}, run “${data.folder}”: ${Object.keys(results).join(", ") || "not finished"}`)), navigation);
-    if (summary) root.append(make("div", { className: "verdict" }, results[summary].findings[0]));
+    const summed = !summary ? null : summary === "road" || summary === "survey" ? roads.summaryOf(results[summary]) : summaries.summaryOf(summary, results[summary]);
+    if (summed) {
+        const picture = pictureOf(summary, results[summary]);
+        root.append(make("section", { id: "summary", className: picture ? "with-picture" : "" }, make("div", {},
+            make("p", { className: "verdict" }, summed.verdict),
+            summed.numbers.length ? table(["", summed.value || "best", summed.range || "95 % range", ""], summed.numbers.map((n) => [n.name, n.value, n.range, n.unit]), [0]) : null,
+            summed.action ? make("p", { className: "next" }, make("strong", {}, "Next: "), summed.action.replace(/^Measure next: (.)/, (_, c) => `measure the ${c}`)) : null), picture));
+    }
     for (const [command, draw] of Object.entries(show)) {
         if (results[command]) draw(results[command]);
     }
@@ -716,21 +641,21 @@
         section("An unfinished run", make("p", {}, `No command has finished here yet. ${data.evaluations.rows.length} evaluations of “${data.evaluations.command}” are kept; the same command goes on from them.`));
     }
     const builds = Math.max(0, ...Object.values(results).map((r) => ((r.reduced_model || {}).loads || []).reduce((sum, l) => sum + l.full_runs, 0)));
-    if (data.sessions.length > 0) {
-        section("Timings", table(["began (UTC)", "command", "threads", "runs", "seconds", "runs/s"],
+    section("How it was computed",
+        data.sessions.length ? [part("Timings"), table(["began (UTC)", "command", "threads", "runs", "seconds", "runs/s"],
             data.sessions.map((s) => [s.began.replace("T", " ").replace("Z", ""), "pavescape " + s.arguments.map(shellWord).join(" "), s.threads,
                 s.evaluations, figure(s.seconds), figure(s.evaluations / s.seconds)]), [1]),
-            make("p", { className: "soft" }, "Wall time from opening the folder to the last forward run that was computed there; what was found in the folder is not counted again." +
-                (builds ? ` Nor is the building of the reduced model, of ${builds} full runs.` : "")));
-    }
-    section("What this rests on",
+        make("p", { className: "soft" }, "Wall time from opening the folder to the last forward run that was computed there; what was found in the folder is not counted again." +
+            (builds ? ` Nor is the building of the reduced model, of ${builds} full runs.` : ""))] : [],
+        part("What this rests on"),
         make("ul", {}, Object.entries(results).map(([command, r]) => make("li", {}, [`${command}: program ${r.version || data.version}`,
             r.seed !== undefined ? `seed ${r.seed}` : "", r.misfit_kind ? `misfit ${r.misfit_kind}` : "",
             r.noise ? `noise ${r.noise.source || r.noise}` : "", r.runs_per_second ? `${figure(r.runs_per_second)} forward runs a second` : "",
             r.study ? `study hash ${r.study.hash}` : ""].filter(Boolean).join(", ")))),
         make("p", { className: "soft" }, [...new Set(data.sessions.map((s) => `Computed by pavescape ${s.version} with ${s.libraries}.`))].join(" ")),
         [...new Set(Object.values(results).map((r) => r.study && r.study.model_words).filter(Boolean))].map((words) => make("p", { className: "soft" }, words)),
-        data.studies.flatMap((s) => [make("h3", {}, s.file), s.note ? make("p", {}, s.note) : make("pre", {}, s.text)]));
+        data.studies.flatMap((s) => [part(`The study: ${s.file}`), s.note ? make("p", {}, s.note) : make("pre", {}, s.text)]));
+    if (sections.length < 3) navigation.remove();
     for (const { id, title } of sections) navigation.append(make("a", { href: "#" + id }, title));
     for (const draw of pending) draw();
     document.documentElement.dataset.charts = String(pending.length);

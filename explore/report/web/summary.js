@@ -1,0 +1,79 @@
+// What stands at the top of a page: a verdict in a sentence, at most three numbers with their ranges, what to do next.
+"use strict";
+const summaries = (() => {
+    const { figure } = blocks;
+    const { parameter, unit, say } = wording;
+
+    // The wider range of an output where the model may be wrong; rejected: the model is, so that its own range is not shown.
+    const widest = (o) => {
+        const wide = o.if_wrong;
+        return wide ? { low: Math.min(o.low ?? wide.low, wide.low), high: Math.max(o.high ?? wide.high, wide.high), wider: wide.low < o.low || wide.high > o.high }
+            : { low: o.low, high: o.high, wider: false };
+    };
+    const rejected = (r) => {
+        const p = r.acceptance ? r.acceptance.p_value : r.baseline ? r.baseline.p_value : r.p_value;
+        return typeof p === "number" && p < 0.05;
+    };
+    const known = (v) => typeof v === "number" && Number.isFinite(v);
+    const number = (name, value, low, high, of = "") => ({ name, value: known(value) ? figure(value) : "", range: known(low) && known(high) ? `${figure(low)} to ${figure(high)}` : "not determined", unit: unit(of || "") });
+    const parameterNumber = (name, value, low, high) => {
+        const { name: words, unit: of } = parameter(name);
+        return number(words, value, low, high, of);
+    };
+    const outputNumber = (o, value) => number(o.name, value, widest(o).low, widest(o).high, o.unit);
+    const byWidth = (list) => [...list].sort((a, b) => (a.high / a.low || Infinity) - (b.high / b.low || Infinity));
+
+    const left = (share) => `${Math.round(100 * share)} %`;
+    const measure = (c) => {
+        if (!c || !c.reading) return null;
+        const falls = Object.entries(c.outputs_after_over_before || {}).filter(([, v]) => known(v));
+        const shares = Object.entries(c.standard_error_after_over_before || {}).filter(([, v]) => known(v)).sort((a, b) => a[1] - b[1]);
+        const [what, share] = falls.sort((a, b) => a[1] - b[1])[0] || shares[0] || [];
+        return `Measure next: ${say(c.reading)}.` + (what === undefined ? known(c.power) ? ` It tells the candidates apart in ${left(c.power)} of cases.` : ""
+            : ` The standard error of ${parameter(what).name} would fall to ${left(share)} of what it is.`);
+    };
+    const first = (list) => (Array.isArray(list) ? list[0] : list);
+
+    const of = {
+        fit: (r) => {
+            const best = (r.minima || [])[0] || { parameters: {} };
+            const error = (n) => (best.standard_errors || {})[n];
+            const span = new Map((r.parameters || []).map((p) => [p.name, p]));
+            const list = Object.entries(best.parameters).map(([n, v]) => {
+                const range = (best.ranges_95 || {})[n];
+                const p = span.get(n);
+                const loose = p && known(error(n)) && error(n) > 0.5 * (p.scale === "log" ? v * Math.log(p.max / p.min) : p.max - p.min);
+                return range ? { n, v, low: range[0], high: range[1] } : known(error(n)) && !loose && !(best.at_bounds || []).includes(n) ? { n, v, low: v - 1.96 * error(n), high: v + 1.96 * error(n) } : { n, v };
+            });
+            return { numbers: byWidth(list).map((q) => parameterNumber(q.n, q.v, q.low, q.high)),
+                action: `One best fit is not the only answer: pavescape unique ${(r.study || {}).file || "STUDY"} says which other values fit as well.` };
+        },
+        unique: (r) => ({ numbers: [...(r.outputs || []).map((o) => outputNumber(o, o.best)), ...byWidth(r.profiles || []).map((p) => parameterNumber(p.name, p.best, p.low, p.high))],
+            action: rejected(r) ? `The data contradict the model: before any number is used, pavescape diagnose ${(r.study || {}).file || "STUDY"} looks for what it lacks.`
+                : r.verdict === "unique" ? "Use the ranges, not the best values alone." : measure(first(r.next_measurement)) || "Use the ranges, not the best values." }),
+        sample: (r) => ({ numbers: [...(r.outputs || []).map((o) => number(o.name, o.q50, o.q025, o.q975, o.unit)), ...(r.parameters || []).map((p) => parameterNumber(p.name, p.q50, p.q025, p.q975))],
+            action: measure(first(r.next_measurement)) || "Use the ranges, not the medians alone." }),
+        diagnose: (r) => ({ numbers: [...(r.outputs || []).map((o) => outputNumber(o, o.after ?? o.before)),
+            ...byWidth(Object.entries((r.extended || r.baseline || {}).parameters || {}).map(([n, p]) => ({ n, ...p }))).map((p) => parameterNumber(p.n, p.value, p.low, p.high))],
+        action: measure(r.next_measurement) || (r.verdict === "adequate" ? "Nothing speaks for another model: go on with the study's, and with the ranges given here."
+            : "Use the wider ranges until another reading has settled the cause.") }),
+        compare: (r) => {
+            const good = (r.laws || r.studies || []).filter((l) => l.status === "converged");
+            const top = [...good].sort((a, b) => (b.weight || 0) - (a.weight || 0))[0];
+            return { numbers: top ? [...top.outputs.map((o) => outputNumber(o, o.best)), ...Object.entries(top.parameters).map(([n, p]) => parameterNumber(n, p.value, p.low, p.high))] : [],
+                action: top ? `Go on with ${top.law || top.study}${good.some((l) => l !== top && (l.weight || 0) > 0.1) ? ", and give the ranges of the others beside it: their weights are not small" : ""}.` : "" };
+        },
+        sensitivity: () => ({ numbers: [], action: "Measure where the curves of two parameters differ; leave out a parameter whose curves stay level." }),
+        map: (r) => ({ numbers: [], action: `The lowest points are starts, not answers: pavescape fit ${(r.study || {}).file || "STUDY"} goes on from such.` }),
+    };
+
+    // null: this command has none.
+    const summaryOf = (command, r) => {
+        const said = (r.findings || []).map(say);
+        if (!of[command] || said.length === 0) return null;
+        const { numbers, action } = of[command](r);
+        return { verdict: said[0], numbers: numbers.slice(0, 3), action };
+    };
+
+    return { widest, rejected, summaryOf };
+})();
