@@ -44,7 +44,7 @@ def test_the_first_gets_what_the_second_has_and_continues_as_if_it_had_done_it_a
         assert rows(first, command) == rows(second, command), command
     again = run("fit", study, "--explore", 24, "--starts", 2, "--json", "--out", first)
     assert evaluations(first) == evaluations(second), "a command that is repeated there computes nothing"
-    assert without_run(json.loads(again.stdout)) == without_run(result(second, "fit"))
+    assert without_run(json.loads(again.stdout)) == without_run(result(second, "fit")[0])
     twice = json.loads(run("merge", first, second, "--json").stdout)
     assert twice["added"] == 0 and twice["evaluations"] == told["evaluations"], twice
 
@@ -74,7 +74,7 @@ def test_one_bit_that_differs_is_named_and_nothing_is_merged(halves):
     database.execute(f"UPDATE evaluation SET responses = ? WHERE {where}", (bytes(bits),))
     database.commit()
     database.close()
-    refused(first, second, "differ", "evaluation 7")
+    refused(first, second, "differ", "point 7")
 
 
 def test_other_studies_folders_without_a_run_and_a_run_with_itself_are_refused(halves):
