@@ -120,7 +120,7 @@ private:
         constexpr double strong = 4.0;
         if (!d.constancy.empty() && std::abs(d.constancy[0].score) > strong) {
             const auto& c = d.constancy[0];
-            text.push_back(fmt::format("{} calls for a {} {} than the other readings ({:.1f} standard errors).",
+            text.push_back(fmt::format("{} asks for a {} {} than the other readings ({:.1f} standard errors).",
                                        layout.groups[c.group].name, c.score > 0.0 ? "higher" : "lower",
                                        study.space.axes[c.axis].name, std::abs(c.score)));
         }
@@ -140,7 +140,7 @@ private:
         }
         if (!telling.empty()) {
             const auto& [reading, bits] = telling.front();
-            return fmt::format("The further reading that would say most of {}: {} (noise {} {} assumed), {:.1f} bits.",
+            return fmt::format("Best next measurement for {}: {} (noise {} {} assumed), {:.1f} bits.",
                                d.is_located() ? "where the model errs" : "how large it is", reading.words(),
                                figure(reading.in_unit(reading.noise.absolute)), reading.unit.name, bits);
         }

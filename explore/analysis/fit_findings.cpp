@@ -113,7 +113,7 @@ void parameters_on_bounds(const FitResult& result, std::vector<std::string>& tex
     const Minimum& best = result.best();
     if (!best.on_bound.empty()) {
         text.push_back(
-            fmt::format("{}: the data call for a value beyond the bound, or are not sensitive to it.{}{}",
+            fmt::format("{}: the data ask for a value beyond the bound, or are not sensitive to it.{}{}",
                         pave::join(bound_words(result.problem.space, best.on_bound)),
                         result.local.degrees_of_freedom > 0
                             ? fmt::format(" The degrees of freedom count {} as known.",

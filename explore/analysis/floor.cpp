@@ -70,7 +70,7 @@ std::string floor_words(const study::Study& study, const landscape::Minimum& min
     const double rise = std::pow(without.misfit, 2) - std::pow(fitted.misfit, 2);
     if (constexpr double accepted = 3.84;
         rise > accepted * local.noise * local.noise && local.noise > 0.0) { // chi2 of one degree, 95 %
-        return fmt::format("Fitted without the floor at {} m these readings are met worse (misfit {} instead of {}): "
+        return fmt::format("Fitted without the floor at {} m the model fits worse (misfit {} instead of {}): "
                            "they speak for something stiff there.",
                            stands(), pave::figure(without.misfit), pave::figure(fitted.misfit));
     }

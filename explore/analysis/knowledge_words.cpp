@@ -67,7 +67,7 @@ std::string constraint_words(const problem::Problem& problem, const landscape::M
                     pave::join(texts));
     const problem::Problem by_noise = problem.in_units_of_noise();
     if (!answer.alone || !by_noise.noise_is_stated() || !by_noise.priors().empty()) {
-        return words + " Without it the readings may call for other values.";
+        return words + " Without it the readings may ask for other values.";
     }
     const double rise =
         std::pow(by_noise.misfit(answer.evaluation), 2) - by_noise.of_readings().residuals(*answer.alone).squaredNorm();
@@ -80,7 +80,7 @@ std::string constraint_words(const problem::Problem& problem, const landscape::M
     constexpr double level = 0.05;
     return words + fmt::format(" The readings {} (chi2 is {} lower without, p = {:.2g}){}.",
                                p < level ? "contradict what it demands" : "do not contradict it", figure(rise), p,
-                               p < level ? "; by themselves they call for " + wanted : "");
+                               p < level ? "; by themselves they ask for " + wanted : "");
 }
 
 } // namespace explore::analysis

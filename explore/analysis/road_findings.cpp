@@ -1,5 +1,7 @@
 #include "analysis/road_findings.h"
 
+#include "analysis/weak_stations.h"
+
 #include "base/text.h"
 
 #include <algorithm>
@@ -162,6 +164,9 @@ std::string outlier_words(const RoadResult& result, const RoadOutlier& o) {
 
 std::vector<std::string> findings_of(const RoadResult& result) {
     std::vector<std::string> words;
+    if (std::string weak = weak_words(result.survey); !weak.empty()) {
+        words.push_back(std::move(weak));
+    }
     for (const CommonParameter& p : result.common) {
         words.push_back(common_words(result, p));
     }

@@ -1,6 +1,7 @@
 #include "analysis/survey_findings.h"
 
 #include "analysis/survey_trials.h"
+#include "analysis/weak_stations.h"
 
 #include "base/text.h"
 #include "data/asphalt_temperature.h"
@@ -331,7 +332,11 @@ void add_bounds(const SurveyResult& result, std::vector<std::string>& words) {
 } // namespace
 
 std::vector<std::string> findings_of(const SurveyResult& result) {
-    std::vector<std::string> words = result.remarks;
+    std::vector<std::string> words;
+    if (std::string weak = weak_words(result); !weak.empty()) {
+        words.push_back(std::move(weak));
+    }
+    words.insert(words.end(), result.remarks.begin(), result.remarks.end());
     const auto stations = result.stations.size();
     const auto without_place = result.count([](const StationResult& s) { return !s.station.chainage_m; });
     if (without_place > 0) {
@@ -351,9 +356,7 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
     });
     if (seated > 0) {
         words.push_back(
-            fmt::format("At {} of {} stations the first drop seats the plate and is left out (--drops chooses "
-                        "otherwise).",
-                        seated, stations));
+            fmt::format("At {} of {} stations the first drop seats the plate and is left out.", seated, stations));
     }
     const auto other_levels =
         result.count([](const StationResult& s) { return s.bowls && s.used_levels().size() < s.bowls->levels.size(); });
@@ -364,8 +367,7 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
                 ? fmt::format(
                       "At {} of {} stations the level nearest to {} is used and drops at other loads are left out.",
                       other_levels, stations, level_words(*result.target))
-                : fmt::format("At {} of {} stations the highest load is used and drops at other loads are left out "
-                              "(--target-load, --drops).",
+                : fmt::format("At {} of {} stations the highest load is used and drops at other loads are left out.",
                               other_levels, stations));
     }
     if (together > 0) {

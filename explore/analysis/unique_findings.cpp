@@ -243,7 +243,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
     for (std::size_t o = 0; o < u.outputs.size(); ++o) {
         const Range& r = u.outputs[o];
         const data::Reading& output = study.readings[outputs[o]];
-        say(fmt::format("Over the sets the data accept, {} runs from {} to {} {} (best fit: {}).", output.output,
+        say(fmt::format("{} lies between {} and {} {} (95 %; best fit: {}).", output.output,
                         figure(output.in_unit(r.low)), figure(output.in_unit(r.high)), output.unit.name,
                         figure(output.in_unit(u.minima[0].evaluation.responses[outputs[o]]))));
     }
@@ -301,7 +301,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
             const std::string wanted = conflict_words(space, c.direction);
             say(fmt::format("The groups of data contradict each other under this model (p = {:.2g}){}.", c.p_value,
                             wanted.empty() ? ""
-                                           : fmt::format(": {} calls for {} than {}", names[c.alone[c.second].group],
+                                           : fmt::format(": {} asks for {} than {}", names[c.alone[c.second].group],
                                                          wanted, names[c.alone[c.first].group])));
         } else {
             say(fmt::format("The groups of data do not contradict each other (p = {:.2g}).", c.p_value));

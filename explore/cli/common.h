@@ -3,7 +3,7 @@
 
 #include "analysis/option_ranges.h"
 #include "analysis/session.h"
-#include "report/json.h"
+#include "report/answer.h"
 
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -32,6 +32,7 @@ struct CommonOptions {
     int threads = 0;
     std::uint64_t seed = 1;
     bool json = false;
+    bool verbose = false, quiet = false; // of an answer on the terminal
 
     std::string folder(const study::Study& s) const { return out.empty() ? "output/" + s.stem() : out; }
     analysis::RunOptions run(std::string folder) const;
@@ -68,6 +69,8 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Enum& value, con
 void add_run_options(CLI::App& app, CommonOptions& options, const std::string& default_folder);
 // Adds STUDY, --out, --threads, --seed, --json.
 void add_common(CLI::App& app, CommonOptions& options);
+// Adds --verbose and --quiet, of a command that has an answer (report/answer.h).
+void add_depth(CLI::App& app, CommonOptions& options);
 // Adds --model and --model-error. alone: whether the command can do with the reduced model alone.
 void add_model(CLI::App& app, analysis::ModelOptions& options, bool alone = true);
 // Adds --columns.
@@ -79,6 +82,12 @@ void remember_command_line(int argc, const char* const* argv);
 // What was computed: kept, and printed as JSON or as the page.
 int hand_over(analysis::Session& session, const CommonOptions& options, std::string_view name, const report::Json& json,
               const std::function<std::string()>& page);
+// The same of a command that has an answer: its full page is kept too, as NAME.txt.
+int hand_over_answer(analysis::Session& session, const CommonOptions& options, std::string_view name,
+                     const report::Json& json, const std::string& page);
+// The answer as standard output shows it.
+std::string shown_answer(const CommonOptions& options, std::string_view name, const report::Json& json,
+                         const std::string& page);
 // A computation without an answer: JSON where it is asked for, and the reason on standard error. Exit status 1.
 int hand_over_failure(const CommonOptions& options, const report::Json& json, std::string_view reason);
 // For a run that was cut off: a message on standard error. Exit status 130.

@@ -26,8 +26,8 @@ int diagnose(const DiagnoseArguments& options) {
         report::write_extended(*result, session.options());
     }
     run::write_file(session.folder(), "diagnose.txt", report::diagnosis_page(*result));
-    return hand_over(session, options.common, "diagnose", json,
-                     [&] { return report::diagnose_text(*result, session.options()); });
+    return hand_over_answer(session, options.common, "diagnose", json,
+                            report::diagnose_text(*result, session.options()));
 }
 
 } // namespace
@@ -37,6 +37,7 @@ void add_diagnose(CLI::App& app, Action& action) {
         app.add_subcommand("diagnose", "what the simulation gets wrong, the cause, the extended model, the gain");
     auto options = std::make_shared<DiagnoseArguments>();
     add_common(*command, options->common);
+    add_depth(*command, options->common);
     add_model(*command, options->diagnose.model, false); // effects change what a reduced model is made for
     command
         ->add_option("--without", options->diagnose.without,

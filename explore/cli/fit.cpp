@@ -31,8 +31,7 @@ int fit(const FitArguments& options) {
     if (result->failed()) {
         return hand_over_failure(options.common, json, result->reason());
     }
-    return hand_over(session, options.common, "fit", json,
-                     [&] { return report::fit_text(*result, session.options()); });
+    return hand_over_answer(session, options.common, "fit", json, report::fit_text(*result, session.options()));
 }
 
 } // namespace
@@ -41,6 +40,7 @@ void add_fit(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("fit", "explore, then refine the best starts: the main job");
     auto options = std::make_shared<FitArguments>();
     add_common(*command, options->common);
+    add_depth(*command, options->common);
     add_model(*command, options->fit.model);
     std::vector<std::string> names;
     for (const auto& method : optimise::methods()) {

@@ -68,6 +68,29 @@ int perform_together(const explore::cli::Action& action) {
     }
 }
 
+// What is said where a long option is none of the command's, but like one of them; "": there is nothing to say.
+std::string unknown_option(CLI::App& app, int argc, char** argv) {
+    const auto* command = argc > 1 ? app.get_subcommand_no_throw(argv[1]) : nullptr;
+    if (command == nullptr) {
+        return "";
+    }
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command->get_options()) {
+        for (const std::string& name : option->get_lnames()) {
+            names.push_back("--" + name);
+        }
+    }
+    for (int i = 2; i < argc && std::string_view(argv[i]) != "--"; ++i) {
+        const std::string word = std::string(argv[i]).substr(0, std::string_view(argv[i]).find('='));
+        if (word.starts_with("--") && std::find(names.begin(), names.end(), word) == names.end()) {
+            if (const std::string near = pave::nearest_name(word, names); !near.empty()) {
+                return fmt::format("{} has no option \"{}\", did you mean \"{}\"?", argv[1], word, near);
+            }
+        }
+    }
+    return "";
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -94,6 +117,12 @@ int main(int argc, char** argv) {
         explore::run::message("pavescape: unknown command \"{}\"{}; allowed: {}\n", argv[1],
                               near.empty() ? "" : ", did you mean \"" + near + "\"?", pave::join(names));
         return cli::wrong_input;
+    }
+    if (const std::string words = unknown_option(app, argc, argv); !words.empty()) {
+        if (explore::run::is_first_of_job()) {
+            explore::run::message("pavescape: {}\n", words);
+        }
+        return explore::run::is_first_of_job() ? cli::wrong_input : cli::done; // as above
     }
     try {
         app.parse(argc, argv);

@@ -34,6 +34,7 @@ void add_road_input(CLI::App& app, RoadInput& input) {
                  drops.target_force_kN = level.force_kN;
              });
     add_run_options(app, input.common, "output/<name of the first file>");
+    add_depth(app, input.common);
 }
 
 int run_road(const RoadInput& input, const std::string& name,
@@ -58,8 +59,9 @@ int run_road(const RoadInput& input, const std::string& name,
         run::write_file(folder, name + ".geojson", report::json_text(*pages->map) + "\n");
         written += ", " + name + ".geojson";
     }
-    fmt::print("{}\n", input.common.json ? report::json_text(json)
-                                         : fmt::format("{}\n  results: {}/{}", pages->text, folder, written));
+    const std::string page = fmt::format("{}\n  results: {}/{}\n", pages->text, folder, written);
+    run::write_file(folder, name + ".txt", page);
+    fmt::print("{}", input.common.json ? report::json_text(json) + "\n" : shown_answer(input.common, name, json, page));
     return pages->nothing ? computation_failed : done;
 }
 

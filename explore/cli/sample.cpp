@@ -24,8 +24,8 @@ int sample(const SampleArguments& options) {
         return hand_over_failure(options.common, json, result->reason());
     }
     run::write_file(session.folder(), "samples.csv", report::samples_csv(*result));
-    const int status = hand_over(session, options.common, "sample", json,
-                                 [&] { return report::sample_text(*result, session.options()); });
+    const int status =
+        hand_over_answer(session, options.common, "sample", json, report::sample_text(*result, session.options()));
     if (!result->converged()) {
         run::message("pavescape: {}\n", result->reason());
         return computation_failed;
@@ -39,6 +39,7 @@ void add_sample(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("sample", "the posterior: what the data leave of every parameter and output");
     auto options = std::make_shared<SampleArguments>();
     add_common(*command, options->common);
+    add_depth(*command, options->common);
     add_model(*command, options->sample.model);
     auto* model = command->get_option("--model")->default_str("auto where the study has a reduced model, else full");
     command->add_option("--samples", options->sample.samples, "draws, of four independent populations")

@@ -21,8 +21,7 @@ int unique(const UniqueArguments& options) {
     if (result->failed()) {
         return hand_over_failure(options.common, json, result->reason());
     }
-    return hand_over(session, options.common, "unique", json,
-                     [&] { return report::unique_text(*result, session.options()); });
+    return hand_over_answer(session, options.common, "unique", json, report::unique_text(*result, session.options()));
 }
 
 } // namespace
@@ -32,6 +31,7 @@ void add_unique(CLI::App& app, Action& action) {
         app.add_subcommand("unique", "is the answer unique? valleys, profiles, and what they do to the outputs");
     auto options = std::make_shared<UniqueArguments>();
     add_common(*command, options->common);
+    add_depth(*command, options->common);
     add_model(*command, options->unique.model);
     command->add_option("--explore", options->unique.settings.explore, "points of the Sobol sample, with derivatives")
         ->check(within(analysis::allowed::unique_explore))

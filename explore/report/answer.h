@@ -1,0 +1,35 @@
+// An answer on the terminal: the verdict, the numbers, what to do next; the rest on request.
+#pragma once
+
+#include "report/json.h"
+
+#include <string>
+#include <vector>
+
+namespace explore::report {
+
+enum class Depth { verdict, brief, full };
+
+struct Answer {
+    std::string verdict;             // a sentence
+    std::string heading;             // of the table
+    std::vector<std::string> header; // of the table; empty: there is none
+    std::vector<std::vector<std::string>> rows;
+    std::vector<std::string> notes; // sentences, most important first
+    std::string next;               // what to do
+    std::size_t lines = 25;         // of a brief answer, at most
+};
+
+inline constexpr std::size_t terminal_columns = 80;
+
+// Broken at spaces into lines of at most `columns` code points, a longer word too; those after the first indented.
+std::vector<std::string> wrapped(const std::string& text, std::size_t columns, std::size_t indent);
+
+// full: the page with everything; stands behind the verdict where depth is full. In a brief answer no line is longer
+// than terminal_columns, and what does not fit into its lines is counted. colour: of the verdict.
+std::string laid_out(const Answer& answer, Depth depth, const std::string& full, bool colour);
+
+// Of what a command keeps as NAME.json (fit, unique, diagnose, survey, road, sample).
+Answer answer_of(const std::string& command, const Json& json);
+
+} // namespace explore::report

@@ -1,0 +1,290 @@
+// What each command answers, out of what it keeps.
+#include "analysis/survey.h"
+#include "base/error.h"
+#include "base/text.h"
+#include "report/answer.h"
+#include "run/program.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace explore::report {
+namespace {
+
+using pave::counted;
+
+const Json nothing;
+
+const Json& at(const Json& json, const char* key) {
+    return json.is_object() && json.contains(key) ? json[key] : nothing;
+}
+
+std::string number(const Json& json) {
+    return json.is_number() ? pave::figure(json.get<double>()) : "-";
+}
+
+std::string words(const Json& json) {
+    return json.is_string() ? json.get<std::string>() : "";
+}
+
+std::vector<std::string> list(const Json& json) {
+    return json.is_array() ? json.get<std::vector<std::string>>() : std::vector<std::string>();
+}
+
+// The first sentence that says what to measure next is taken out of the notes.
+std::string take_next(std::vector<std::string>& notes) {
+    constexpr std::string_view opening = "Best next measurement";
+    const auto found = std::find_if(notes.begin(), notes.end(), [&](const auto& s) { return s.starts_with(opening); });
+    if (found == notes.end()) {
+        return "";
+    }
+    std::string sentence = "best next measurement" + found->substr(opening.size());
+    notes.erase(found);
+    return sentence;
+}
+
+std::string take_first(std::vector<std::string>& notes) {
+    if (notes.empty()) {
+        return "";
+    }
+    std::string first = notes.front();
+    notes.erase(notes.begin());
+    return first;
+}
+
+std::string shell(const Json& word) {
+    return run::shell_word(words(word));
+}
+
+std::string page_of(const Json& json) {
+    return "pavescape report " + shell(at(json, "run"));
+}
+
+Answer fit_answer(const Json& json) {
+    Answer answer;
+    answer.notes = list(at(json, "findings"));
+    const Json& best = at(json, "best");
+    const Json& noise = at(json, "noise");
+    const auto on_bound = list(at(best, "at_bounds"));
+    std::vector<std::string> unknown;
+    answer.heading = "Best fit (standard errors; the study allows from ... to)";
+    answer.header = {"parameter", "value", "std. error", "from", "to"};
+    for (const Json& axis : at(json, "parameters")) {
+        const std::string name = words(at(axis, "name"));
+        const Json& error = at(at(best, "std_error"), name.c_str());
+        const Json& range = at(at(best, "ranges_95"), name.c_str());
+        const bool is_on_bound = std::find(on_bound.begin(), on_bound.end(), name) != on_bound.end();
+        if (!is_on_bound && !range.is_array() && error.is_null()) {
+            unknown.push_back(name);
+        }
+        answer.rows.push_back({name, number(at(at(best, "parameters"), name.c_str())),
+                               is_on_bound        ? "at bound"
+                               : range.is_array() ? number(range[0]) + "-" + number(range[1])
+                               : error.is_null()  ? "unknown"
+                                                  : number(error),
+                               number(at(axis, "min")), number(at(axis, "max"))});
+    }
+    for (const Json& response : at(json, "responses")) {
+        if (!response.contains("measured")) {
+            answer.rows.push_back(
+                {words(at(response, "name")), number(at(response, "value")), words(at(response, "unit")), "", ""});
+        }
+    }
+    const auto readings = counted(at(json, "readings").get<std::size_t>(), "reading", "readings");
+    const bool is_contradicted = at(noise, "widened") == true;
+    if (at(best, "converged") != true) {
+        answer.verdict = take_first(answer.notes);
+    } else {
+        answer.verdict = at(noise, "p_value").is_null()
+                             ? fmt::format("Fitted {}, which state no noise to judge the model by", readings)
+                         : is_contradicted
+                             ? fmt::format("The model does NOT fit the {} within their noise (p = {:.2g})", readings,
+                                           at(noise, "p_value").get<double>())
+                             : fmt::format("The model fits the {} within their noise (p = {:.2g})", readings,
+                                           at(noise, "p_value").get<double>());
+        std::vector<std::string> flaws;
+        if (!unknown.empty()) {
+            flaws.push_back("does not determine " + pave::join(unknown));
+        }
+        if (!on_bound.empty()) {
+            flaws.push_back("ends on a bound with " + pave::join(on_bound));
+        }
+        answer.verdict += flaws.empty() ? "." : "; the fit " + pave::join(flaws, " and ") + ".";
+    }
+    const std::string study = shell(at(at(json, "study"), "file"));
+    answer.next =
+        fmt::format("pavescape {} {}; picture: {}", is_contradicted ? "diagnose" : "unique", study, page_of(json));
+    return answer;
+}
+
+// low and high of an output: of the two ranges the wider one, where the data contradict the model.
+std::vector<std::string> output_range(const Json& output, bool is_contradicted) {
+    const Json& low = at(output, "low");
+    const Json& high = at(output, "high");
+    const Json& wide = at(output, "if_wrong");
+    if (is_contradicted && wide.is_object() && low.is_number() && high.is_number() && at(wide, "low").is_number() &&
+        at(wide, "high").is_number()) {
+        return {number(std::min(low.get<double>(), at(wide, "low").get<double>())),
+                number(std::max(high.get<double>(), at(wide, "high").get<double>()))};
+    }
+    return {number(low), number(high)};
+}
+
+Answer unique_answer(const Json& json) {
+    Answer answer;
+    answer.notes = list(at(json, "findings"));
+    answer.verdict = take_first(answer.notes);
+    answer.heading = "What the data accept (95 %)";
+    answer.header = {"", "best", "low", "high", "unit", ""};
+    for (const Json& p : at(json, "profiles")) {
+        answer.rows.push_back({words(at(p, "name")), number(at(p, "best")), number(at(p, "low")), number(at(p, "high")),
+                               "", words(at(p, "kind"))});
+    }
+    const bool is_contradicted = at(at(json, "acceptance"), "widened") == true;
+    for (const Json& o : at(json, "outputs")) {
+        const auto range = output_range(o, is_contradicted);
+        answer.rows.push_back(
+            {words(at(o, "name")), number(at(o, "best")), range[0], range[1], words(at(o, "unit")), ""});
+    }
+    if (answer.rows.empty()) {
+        answer.header.clear();
+    }
+    // What the table says already.
+    std::erase_if(answer.notes, [](const std::string& s) {
+        return s.starts_with("The data accept ") || s.find(" lies between ") != std::string::npos;
+    });
+    answer.next = take_next(answer.notes);
+    answer.next += (answer.next.empty() ? "" : " Picture: ") + page_of(json);
+    return answer;
+}
+
+Answer diagnose_answer(const Json& json) {
+    Answer answer;
+    answer.lines = 30;
+    answer.notes = list(at(json, "findings"));
+    answer.verdict = take_first(answer.notes);
+    const bool is_extended = words(at(at(json, "extended"), "study")) != words(at(at(json, "baseline"), "study"));
+    answer.heading = is_extended ? "Before and after (95 %)" : "Values (95 %)";
+    answer.header = {"", "before", "after", "from", "to", "unit"};
+    const bool is_contradicted = words(at(json, "verdict")) != "adequate";
+    for (const auto& [name, p] : at(at(json, "extended"), "parameters").items()) {
+        answer.rows.push_back({name, number(at(at(at(at(json, "baseline"), "parameters"), name.c_str()), "value")),
+                               number(at(p, "value")), number(at(p, "low")), number(at(p, "high")), ""});
+    }
+    for (const Json& o : at(json, "outputs")) {
+        const auto range = output_range(o, is_contradicted);
+        answer.rows.push_back({words(at(o, "name")), number(at(o, "before")), number(at(o, "after")), range[0],
+                               range[1], words(at(o, "unit"))});
+    }
+    answer.next = take_next(answer.notes);
+    if (is_extended) {
+        answer.next += fmt::format("{}pavescape unique {}",
+                                   answer.next.empty() ? "" : " Then: ", shell(at(at(json, "extended"), "study")));
+    } else if (answer.next.empty()) {
+        answer.next = page_of(json);
+    }
+    return answer;
+}
+
+void add_station_rows(const Json& json, Answer& answer) {
+    std::vector<std::string> names;
+    constexpr std::size_t shown = 3; // parameters
+    for (const Json& station : at(json, "stations")) {
+        for (const auto& [name, value] : at(station, "parameters").items()) {
+            if (names.size() < shown && std::find(names.begin(), names.end(), name) == names.end()) {
+                names.push_back(name);
+            }
+        }
+    }
+    answer.heading = "Stations (D0 in um; ?: not determined)";
+    answer.header = {"station", "chainage m", "status", "D0"};
+    answer.header.insert(answer.header.end(), names.begin(), names.end());
+    for (const Json& station : at(json, "stations")) {
+        std::vector<std::string> row{words(at(station, "station")), number(at(station, "chainage_m")),
+                                     words(at(station, "status")), number(at(station, "D0_um"))};
+        for (const std::string& name : names) {
+            const Json& p = at(at(station, "parameters"), name.c_str());
+            row.push_back(p.is_null() ? "" : number(at(p, "value")) + (at(p, "determined") == true ? "" : " ?"));
+        }
+        answer.rows.push_back(std::move(row));
+    }
+}
+
+// Of a road without a weak station: too few are not judged.
+std::string judged_words(std::size_t stations) {
+    return stations < analysis::section_stations ? "" : "No station is weak. ";
+}
+
+Answer survey_answer(const Json& json) {
+    Answer answer;
+    answer.lines = 30;
+    answer.notes = list(at(json, "findings"));
+    const Json& counts = at(json, "counts");
+    const auto count = [&](const char* key) { return at(counts, key).get<std::size_t>(); };
+    const std::string counted_words =
+        fmt::format("{}: {} pass the deflection ratio, {} fail, {} rejected",
+                    counted(count("stations"), "station", "stations"), count("pass"), count("fail"), count("rejected"));
+    answer.verdict = !answer.notes.empty() && answer.notes[0].starts_with("Weak station")
+                         ? take_first(answer.notes) + " "
+                         : judged_words(at(json, "stations").size());
+    answer.verdict += counted_words + ".";
+    add_station_rows(json, answer);
+    answer.next = page_of(json);
+    return answer;
+}
+
+Answer road_answer(const Json& json) {
+    Answer answer;
+    answer.lines = 30;
+    answer.notes = list(at(json, "findings"));
+    const bool is_weak = !answer.notes.empty() && answer.notes[0].starts_with("Weak station");
+    const auto outliers = at(json, "outliers").size();
+    answer.verdict = (is_weak ? take_first(answer.notes) + " " : judged_words(at(json, "stations").size())) +
+                     fmt::format("{} as one experiment, {} left out as {}.",
+                                 counted(at(json, "stations").size(), "station", "stations"), outliers,
+                                 outliers == 1 ? "an outlier" : "outliers");
+    answer.heading = "What the stations have in common (95 %; ?: not determined)";
+    answer.header = {"", "value", "from", "to", "times narrower"};
+    for (const char* level : {"shared", "section_parameters"}) {
+        for (const Json& p : at(json, level)) {
+            const Json& section = at(p, "section");
+            answer.rows.push_back(
+                {words(at(p, "name")) +
+                     (section.is_number() ? fmt::format(" (section {})", section.get<std::size_t>() + 1) : ""),
+                 number(at(p, "value")) + (at(p, "determined") == true ? "" : " ?"), number(at(p, "low")),
+                 number(at(p, "high")), number(at(p, "narrower"))});
+        }
+    }
+    answer.next = page_of(json);
+    return answer;
+}
+
+Answer sample_answer(const Json& json) {
+    Answer answer;
+    answer.notes = list(at(json, "findings"));
+    answer.verdict = take_first(answer.notes);
+    answer.heading = "Posterior";
+    answer.header = {"", "mean", "sd", "2.5 %", "97.5 %", "unit"};
+    for (const char* kind : {"parameters", "outputs"}) {
+        for (const Json& m : at(json, kind)) {
+            answer.rows.push_back({words(at(m, "name")), number(at(m, "mean")), number(at(m, "sd")),
+                                   number(at(m, "q025")), number(at(m, "q975")), words(at(m, "unit"))});
+        }
+    }
+    answer.next = take_next(answer.notes);
+    answer.next += (answer.next.empty() ? "" : " Picture: ") + page_of(json);
+    return answer;
+}
+
+} // namespace
+
+Answer answer_of(const std::string& command, const Json& json) {
+    return command == "fit"        ? fit_answer(json)
+           : command == "unique"   ? unique_answer(json)
+           : command == "diagnose" ? diagnose_answer(json)
+           : command == "survey"   ? survey_answer(json)
+           : command == "road"     ? road_answer(json)
+                                   : sample_answer(json);
+}
+
+} // namespace explore::report
