@@ -18,11 +18,11 @@ namespace report = explore::report;
 
 // analyse(session, files): the JSON of the command `name`, or nothing where it was interrupted.
 template <class Analyse>
-std::string analysed_road(const std::vector<std::string>& files, const std::string& columns, const char* name,
-                          analysis::RunOptions run, const Analyse& analyse) {
+std::string analysed_road(const std::vector<std::string>& files, const std::string& columns, const std::string& layers,
+                          const char* name, analysis::RunOptions run, const Analyse& analyse) {
     std::string text;
     call([&] {
-        analysis::RoadFiles road = analysis::read_road(files, columns);
+        analysis::RoadFiles road = analysis::read_road(files, columns, layers);
         if (!run.folder.empty()) {
             analysis::refuse_other_road(run.folder, name, road);
         }
@@ -56,21 +56,26 @@ std::optional<analysis::LoadLevel> load_of(const std::string& text, const char* 
 
 // study: a file whose section and parameters are fitted; empty: no back-calculation.
 std::string survey(const std::vector<std::string>& files, const std::string& study, const std::string& columns,
-                   const std::string& out, const py::object& threads, const py::object& seed) {
-    return analysed_road(files, columns, "survey", run_options(out, threads, seed), [&](auto& session, auto read) {
+                   const std::string& layers, const std::string& out, const py::object& threads,
+                   const py::object& seed) {
+    const analysis::SurveyOptions options{.layers = layers};
+    const auto run = run_options(out, threads, seed);
+    return analysed_road(files, columns, layers, "survey", run, [&](auto& session, auto read) {
         std::optional<explore::study::Study> of;
         if (!study.empty()) {
             of = explore::study::load_survey_study(study);
         }
-        return json_of(analysis::survey(session, std::move(read), std::move(of), {}), report::survey_json);
+        return json_of(analysis::survey(session, std::move(read), std::move(of), options), report::survey_json);
     });
 }
 
 std::string road(const std::vector<std::string>& files, const std::string& study, const std::string& columns,
-                 const std::string& withhold, bool diagnose, const std::string& out, const py::object& threads,
-                 const py::object& seed) {
-    const analysis::RoadOptions options{.survey = {}, .withhold = load_of(withhold, "withhold"), .diagnose = diagnose};
-    return analysed_road(files, columns, "road", run_options(out, threads, seed), [&](auto& session, auto read) {
+                 const std::string& layers, const std::string& withhold, bool diagnose, const std::string& out,
+                 const py::object& threads, const py::object& seed) {
+    const analysis::RoadOptions options{
+        .survey = {.layers = layers}, .withhold = load_of(withhold, "withhold"), .diagnose = diagnose};
+    const auto run = run_options(out, threads, seed);
+    return analysed_road(files, columns, layers, "road", run, [&](auto& session, auto read) {
         return json_of(analysis::road(session, std::move(read), explore::study::load_survey_study(study), options),
                        report::road_json);
     });
@@ -85,9 +90,9 @@ std::string noise(const std::vector<std::string>& files, const std::string& colu
 } // namespace
 
 void add_roads(py::module_& m) {
-    m.def("survey", &survey, py::arg("files"), py::arg("study"), py::arg("columns"), py::arg("out"), py::arg("threads"),
-          py::arg("seed"));
-    m.def("road", &road, py::arg("files"), py::arg("study"), py::arg("columns"), py::arg("withhold"),
+    m.def("survey", &survey, py::arg("files"), py::arg("study"), py::arg("columns"), py::arg("layers"), py::arg("out"),
+          py::arg("threads"), py::arg("seed"));
+    m.def("road", &road, py::arg("files"), py::arg("study"), py::arg("columns"), py::arg("layers"), py::arg("withhold"),
           py::arg("diagnose"), py::arg("out"), py::arg("threads"), py::arg("seed"));
     m.def("noise", &noise, py::arg("files"), py::arg("columns"));
 }

@@ -70,12 +70,13 @@ int perform_together(const explore::cli::Action& action) {
 
 // What is said where a long option is none of the command's, but like one of them; "": there is nothing to say.
 std::string unknown_option(CLI::App& app, int argc, char** argv) {
-    const auto* command = argc > 1 ? app.get_subcommand_no_throw(argv[1]) : nullptr;
-    if (command == nullptr) {
+    const auto commands = app.get_subcommands(
+        [&](CLI::App* command) { return argc > 1 && command->get_name() == std::string_view(argv[1]); });
+    if (commands.empty()) {
         return "";
     }
     std::vector<std::string> names;
-    for (const CLI::Option* option : command->get_options()) {
+    for (const CLI::Option* option : commands[0]->get_options()) {
         for (const std::string& name : option->get_lnames()) {
             names.push_back("--" + name);
         }

@@ -17,24 +17,27 @@ def names_of(files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]) -
     return [os.fspath(files)] if isinstance(files, (str, os.PathLike)) else [os.fspath(file) for file in files]
 
 
-def survey(files: str | Sequence[str], study: str = "", columns: str = "", out: str = "", threads: int = 0, seed: int = 1) -> Result:
+def survey(files: str | Sequence[str], study: str = "", columns: str = "", layers: str = "", out: str = "", threads: int = 0, seed: int = 1) -> Result:
     """Each station of a road by itself, as the command `survey`.
 
     files: of FWD drops. study: a file of which the parameters are fitted at every station; empty: no back-calculation. columns: what the
-    columns of a spreadsheet mean, as --columns. out: the folder of the run, which continues; empty: nothing is kept. threads: 0 for all.
+    columns of a spreadsheet mean, as --columns. layers: a table of thicknesses by chainage, as --layers. out: the folder of the run, which
+    continues; empty: nothing is kept. threads: 0 for all.
     Raises ValueError for what is wrong in a file, NoAnswer, KeyboardInterrupt.
     """
-    return result_of("survey", _pavescape.survey(files=names_of(files), study=os.fspath(study), columns=columns, out=os.fspath(out), threads=threads, seed=seed))
+    return result_of("survey", _pavescape.survey(files=names_of(files), study=os.fspath(study), columns=columns, layers=os.fspath(layers), out=os.fspath(out),
+                                                threads=threads, seed=seed))
 
 
-def road(files: str | Sequence[str], study: str, columns: str = "", withhold: str = "", diagnose: bool = False, out: str = "", threads: int = 0,
-         seed: int = 1) -> Result:
+def road(files: str | Sequence[str], study: str, columns: str = "", layers: str = "", withhold: str = "", diagnose: bool = False,
+         out: str = "", threads: int = 0, seed: int = 1) -> Result:
     """The stations of a road as one experiment, as the command `road`.
 
     study: a file whose parameters state their level. withhold: a load ("40kN", "566kPa") that is predicted, not fitted. diagnose: look for
     what the model lacks at all stations. Else as survey().
     """
-    return result_of("road", _pavescape.road(files=names_of(files), study=os.fspath(study), columns=columns, withhold=withhold, diagnose=diagnose,
+    return result_of("road", _pavescape.road(files=names_of(files), study=os.fspath(study), columns=columns, layers=os.fspath(layers),
+                                             withhold=withhold, diagnose=diagnose,
                                              out=os.fspath(out), threads=threads, seed=seed))
 
 

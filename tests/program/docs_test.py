@@ -36,3 +36,39 @@ def test_a_command_of_a_page_works(reader, page, command, seconds):
     # Of a run that was interrupted above.
     unfinished = any(words in message for words in ("holds no run", "no run here", "no figures", "no such figure"))
     assert process.returncode in (0, 130, -signal.SIGINT) or unfinished, f"{page}: {command}: {process.returncode}: {message}"
+
+
+# --- links
+
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
+
+
+def without_code(text):
+    return re.sub(r"^    .*$", "", text, flags=re.M)
+
+
+def anchors(page):
+    """Of its headings, as the pages are shown: lower case, blanks as hyphens, no other signs."""
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in re.findall(r"^#+ (.*)$", page.read_text(), re.M)}
+
+
+def links(page):
+    """[(file, anchor)] of what a page links to in this tree."""
+    found = re.findall(r"\]\(([^)\s]+)\)", without_code(page.read_text()))
+    return [((page.parent / target.split("#")[0]).resolve() if not target.startswith("#") else page, target.partition("#")[2])
+            for target in found if not re.match(r"[a-z]+:", target)]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_link_leads_somewhere(page):
+    for target, anchor in links(page):
+        assert target.exists(), f"{page.name}: {target}"
+        if anchor and target.suffix == ".md":
+            assert anchor in anchors(target), f"{page.name}: {target.name}#{anchor}"
+
+
+def test_every_page_is_reached_from_the_index():
+    linked = {target for target, _ in links(ROOT / "docs" / "README.md")}
+    pages = {page for page in (ROOT / "docs").rglob("*.md") if page.name != "README.md"}
+    assert pages <= linked, f"not in docs/README.md: {sorted(page.name for page in pages - linked)}"
+    assert (ROOT / "docs" / "README.md") in {target for target, _ in links(ROOT / "README.md")}
