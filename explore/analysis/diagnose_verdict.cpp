@@ -121,7 +121,10 @@ private:
                 text.push_back(std::move(words));
             }
             for (const std::size_t c : d.extended->model.members) {
-                text.emplace_back(variants[c].applied.effect->mechanism);
+                const std::string mechanism(variants[c].applied.effect->mechanism);
+                if (std::find(text.begin(), text.end(), mechanism) == text.end()) {
+                    text.push_back(mechanism);
+                }
             }
             break;
         }

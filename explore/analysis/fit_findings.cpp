@@ -3,6 +3,7 @@
 #include "analysis/knowledge_words.h"
 #include "analysis/layout.h"
 #include "analysis/repeated_rows.h"
+#include "analysis/stress_steps.h"
 
 #include "base/error.h"
 #include "base/text.h"
@@ -274,6 +275,13 @@ std::vector<std::string> findings(const FitResult& result) {
     parameters_on_bounds(result, text);
     if (best.converged && contradicts_noise(local) && !best.on_bound.empty()) {
         text.push_back(noise_words(local, problem.noise_is_student(), best.alone.has_value()));
+    }
+    std::vector<WantedAlone> alone;
+    for (const GroupFit& own : result.alone) {
+        alone.push_back({own.fitted, own.minimum.unit, own.local.standard_error});
+    }
+    for (std::string& sentence : stress_steps(study, alone)) {
+        text.push_back(std::move(sentence));
     }
     unknown_parameters(result, text);
     if (std::string words = constraint_words(problem, best); !words.empty()) {

@@ -74,7 +74,7 @@ LayerTable read_layer_table(const std::string& file) {
             to_m = known->to_si.value_or(1.0);
         } else if (known && known->meaning == Meaning::lane) {
             lane = i;
-        } else if (const auto column = known ? std::nullopt : layer_column(name)) {
+        } else if (const auto column = layer_column(name)) {
             cells.push_back({i, name, *column});
         } else if (!name.empty()) {
             table.unknown.push_back(name);

@@ -279,12 +279,16 @@ Answer sample_answer(const Json& json) {
 } // namespace
 
 Answer answer_of(const std::string& command, const Json& json) {
-    return command == "fit"        ? fit_answer(json)
-           : command == "unique"   ? unique_answer(json)
-           : command == "diagnose" ? diagnose_answer(json)
-           : command == "survey"   ? survey_answer(json)
-           : command == "road"     ? road_answer(json)
-                                   : sample_answer(json);
+    Answer answer = command == "fit"        ? fit_answer(json)
+                    : command == "unique"   ? unique_answer(json)
+                    : command == "diagnose" ? diagnose_answer(json)
+                    : command == "survey"   ? survey_answer(json)
+                    : command == "road"     ? road_answer(json)
+                                            : sample_answer(json);
+    if (words(at(json, "model")) == "reduced") {
+        answer.verdict += " By the reduced model alone: --model auto refines it with the full one.";
+    }
+    return answer;
 }
 
 } // namespace explore::report

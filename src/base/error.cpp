@@ -67,7 +67,18 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
     if (!whole.empty() && (best.empty() || best_distance > 1)) {
         return whole;
     }
-    return best.empty() ? part : best;
+    if (!best.empty() || !part.empty()) {
+        return best.empty() ? part : best;
+    }
+    // A slip in the last of a word that was cut short, too.
+    for (const std::string& name : names) {
+        const std::size_t same = static_cast<std::size_t>(
+            std::mismatch(word.begin(), word.end(), name.begin(), name.end()).first - word.begin());
+        if (same >= shortest && 4 * same >= 3 * word.size()) {
+            return name;
+        }
+    }
+    return "";
 }
 
 std::string join(const std::vector<std::string>& names, std::string_view separator) {

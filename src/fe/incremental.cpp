@@ -1,5 +1,6 @@
 #include "fe/solver_work.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pave::fe {
@@ -103,7 +104,9 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
         }
         statistics.load_steps = 1;
     } else {
-        const bool rate_at_end = Element::dim == 3 || on_step_ || !on_the_way.empty();
+        const bool turns = std::any_of(w.prepared.begin(), w.prepared.end(),
+                                       [](const auto& layer) { return layer.turns_with_stress; }); // C, too
+        const bool rate_at_end = Element::dim == 3 || turns || on_step_ || !on_the_way.empty();
         const auto failure = path.follow(settings.load_steps, rate_at_end, deadline, rate, [&](double load_factor) {
             note_the_way(load_factor);
             if (on_step_) {

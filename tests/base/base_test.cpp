@@ -63,6 +63,8 @@ TEST(NearestName, FindsASlipAndNothingFarOff) {
     EXPECT_EQ(nearest_name("", names), "k0"); // two letters are a slip, three of a short word are not
     EXPECT_EQ(nearest_name("pqk", {"n12"}), "");
     EXPECT_EQ(nearest_name("k5", {"k2", "k3"}), "k2"); // the first of two as near
+    EXPECT_EQ(nearest_name("unik", {"fit", "unique"}), "unique");
+    EXPECT_EQ(nearest_name("uniform", {"fit", "unique"}), "");
 }
 
 TEST(Join, SeparatesNames) {

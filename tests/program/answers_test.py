@@ -1,5 +1,6 @@
 """Answers on the terminal: the verdict first, short and within 80 columns; all of it with --verbose, the verdict with --quiet."""
 import json
+import re
 
 import pytest
 
@@ -67,3 +68,37 @@ def test_a_mistyped_command_or_option_gets_a_suggestion(place):
     for arguments, meant in ((["unik", place / "one.toml"], "unique"), (["fit", place / "one.toml", "--strats", 3], "--starts")):
         told = run(*arguments)
         assert told.returncode == 2 and f'did you mean "{meant}"?' in told.stderr and told.stderr.count("\n") == 1, told.stderr
+
+
+LEVELS = [(f"at{pressure}", pressure) for pressure in (400, 700, 1100)]
+
+
+def levels(folder, law, data=""):
+    """A section under three levels of load, whose base follows `law`."""
+    text = 'schema = 1\ntitle = "Levels"\n[mesh]\nrefine = 0.5\n'
+    for name, thickness, own in [("asphalt", 60, 'law = "linear"\nmodulus_MPa = 3000\npoisson = 0.35\n'), ("base", 350, law),
+                                 ("subgrade", 1600, 'law = "linear"\nmodulus_MPa = 60\npoisson = 0.4\n')]:
+        text += f'[[layers]]\nname = "{name}"\nthickness_mm = {thickness}\ndensity_kg_m3 = 2000\nk0 = 0.5\n{own}'
+    for name, pressure in LEVELS:
+        text += f'[[loads]]\nname = "{name}"\ntype = "plate"\nradius_mm = 150\npressure_kPa = {pressure}\n'
+    path = folder / f"levels{len(data)}.toml"
+    path.write_text(text + data)
+    return path
+
+
+def test_a_step_that_is_suggested_helps():
+    folder = workspace()
+    uzan = 'law = "uzan"\nk1 = 900\nk2 = 0.6\nk3 = -0.1\nn = 0.6\npoisson_12 = 0.35\npoisson_31 = 0.35\n'
+    places = [(load, x) for load, _ in LEVELS for x in (0, 200, 300, 450, 600, 900, 1200)]
+    asked = "".join(f'[[outputs]]\nname = "o{i}"\nload = "{load}"\nquantity = "deflection"\nx_mm = {x}\n' for i, (load, x) in enumerate(places))
+    truth = json.loads(run("forward", levels(folder, uzan, asked), "--json").stdout)["responses"]
+    rows = [f"{load},deflection,{x},{r['value'] * (1 + 0.01 * (-1) ** i)},mm,{0.01 * r['value']}" for i, ((load, x), r) in enumerate(zip(places, truth))]
+    (folder / "d.csv").write_text("load,quantity,x_mm,value,unit,sigma\n" + "\n".join(rows) + "\n")
+    data = '[data]\nfiles = ["d.csv"]\nmisfit = "weighted"\n'
+    sought = lambda *names: "".join(f'[[parameters]]\nname = "{name}"\nmin = {low}\nmax = {high}\nscale = "{scale}"\n' for name, low, high, scale in names)
+    linear = data + sought(("base.modulus_MPa", 50, 2000, "log"), ("subgrade.modulus_MPa", 20, 200, "log"))
+    told = run("fit", levels(folder, 'law = "linear"\nmodulus_MPa = 300\npoisson = 0.35\n', linear), "--explore", 16, "--starts", 2, "--out", folder / "linear")
+    assert re.search(r"The base stiffens with load .* try law =\s+\"uzan\"", told.stdout, re.S), told.stdout
+    better = data + sought(("base.k1", 200, 4000, "log"), ("base.k2", 0, 0.9, "linear"), ("subgrade.modulus_MPa", 20, 200, "log"))
+    helped = run("fit", levels(folder, uzan, better), "--explore", 16, "--starts", 2, "--joint-only", "--quiet", "--out", folder / "uzan")
+    assert helped.stdout.startswith("The model fits the 21 readings within their noise"), helped.stdout

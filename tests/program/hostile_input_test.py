@@ -291,7 +291,7 @@ def test_some_readings_with_a_standard_deviation():
     fit = ("fit", path, "--explore", 10, "--starts", 2, "--out", path.parent / "out")
     noise = parsed(call(*fit, "--json"), "one reading states its noise, fit").get("noise", {})
     assert noise.get("source") == "partly stated", f"one reading states its noise, fit: {noise}"
-    text = " ".join(call(*fit).stdout.split())
+    text = " ".join(call(*fit, "--verbose").stdout.split())
     assert re.search(r"(?<![.\d])3(?![.\d])[^.]*\bstate[sd]?\b|\bstate[sd]?\b[^.]*(?<![.\d])3(?![.\d])", text), f"3 readings state no noise: {text[-600:]}"
 
 

@@ -128,7 +128,7 @@ def test_fit_by_both_schemes_and_another_method():
         assert result["starts"] >= 1 and result["evaluations"] > 10, "fit: counts"
         assert sum(len(m["starts"]) for m in result["minima"]) == result["starts"], "fit: every start ended somewhere"
         assert json.loads((folder / scheme / "fit.json").read_text()) == result, "fit: the same in the folder of the run"
-    text = run("fit", study, "--explore", 40, "--starts", 4, "--out", folder / "multistart").stdout
+    text = run("fit", study, "--verbose", "--explore", 40, "--starts", 4, "--out", folder / "multistart").stdout
     for words in ("Best fit", "distinct", "measured", "model", "starts ended in the best minimum"):
         assert words in text, f"fit: '{words}' in the report"
     assert "\x1b" not in text, "fit: no terminal codes when piped"

@@ -124,7 +124,7 @@ def test_diagnose_names_the_effect_that_is_hidden_and_none_where_there_is_none()
     said = json.loads(python("""
 import json, pickle
 import numpy as np, pavescape
-times = np.linspace(0.5, 12.0, 24)
+times = np.linspace(0.5, 40.0, 30)
 def levels(x):
     return (np.exp(-times / x[0]) + np.exp(-times / x[1])) / 2 + x[2]
 told = []

@@ -167,7 +167,7 @@ def test_a_prior_that_the_readings_contradict_is_blamed_and_not_the_model():
     result = answer("sample", path, "--samples", 1000)
     assert not said(result, "contradict the model"), result["findings"]
     assert said(result, "contradict what is known beforehand") and said(result, "190.0 +- 12.00"), result["findings"]
-    page = run("sample", path, "--samples", 1000, "--threads", 1, "--out", path.parent / "out-sample").stdout
+    page = run("sample", path, "--verbose", "--samples", 1000, "--threads", 1, "--out", path.parent / "out-sample").stdout
     assert "every parameter was uniform" not in page and "190.0 +- 12.00" in page, page
 
 
@@ -198,7 +198,7 @@ def test_an_error_of_half_the_range_is_no_number():
     loose = [n for n, error in result["best"]["std_error"].items() if error is None]
     assert "asphalt.modulus_MPa" in loose, result["best"]["std_error"]
     if "asphalt.modulus_MPa" not in result["at_bounds"]:
-        page = run("fit", path, "--explore", 32, "--starts", 5, "--joint-only", "--threads", 1, "--out", path.parent / "out-fit").stdout
+        page = run("fit", path, "--verbose", "--explore", 32, "--starts", 5, "--joint-only", "--threads", 1, "--out", path.parent / "out-fit").stdout
         line = next(l for l in page.splitlines() if l.strip().startswith("asphalt.modulus_MPa"))
         assert "not determined" in line, line
 

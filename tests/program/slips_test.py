@@ -25,7 +25,7 @@ TABLES = {
     "[[loads]]": ("pressure_kPa = 600", ("patch", "wheels")),
     "[[outputs]]": ('name = "subgrade-top-strain"', ("unit",)),  # of a model of one's own
     "[[parameters]]": ('name = "base.n"', ("value",)),  # of a model of one's own
-    "[[effects]]": ("size = 1.0", ("layer", "thickness_mm")),
+    "[[effects]]": ("size = 1.0", ("layer", "thickness_mm", "parameter", "null", "typical", "range")),  # the last four: of a model of one's own
     "[[constraints]]": ('that = "base.k1 <= 8000"', ()),
 }
 
@@ -83,8 +83,8 @@ def test_a_tie_by_log_asks_which_one_is_meant():
     assert run("forward", write_study(folder, LAYERED + tie.format("1000*ln"), LAYERED_BOWL)).returncode == 0
 
 
-@pytest.mark.parametrize("command, options", [("fit", ("--explore", 8, "--starts", 1)), ("map", ("--design", "sobol", "--points", 4)),
-                                              ("unique", ("--explore", 8, "--verify", 1)), ("sensitivity", ("--samples", 2))])
+@pytest.mark.parametrize("command, options", [("fit", ("--explore", 8, "--starts", 1, "--verbose")), ("map", ("--design", "sobol", "--points", 4)),
+                                              ("unique", ("--explore", 8, "--verify", 1, "--verbose")), ("sensitivity", ("--samples", 2))])
 def test_a_command_that_is_proposed_can_be_pasted(command, options):
     folder = workspace()
     study = write_study(folder, LAYERED, LAYERED_BOWL)

@@ -56,7 +56,7 @@ def test_one_reading_for_two_parameters_is_undecided():
 
 @pytest.mark.usefixtures("one")
 def test_a_person_gets_tables():
-    text = run("unique", study, "--out", folder / "one", "--threads", 1, *options).stdout
+    text = run("unique", study, "--verbose", "--out", folder / "one", "--threads", 1, *options).stdout
     assert "What the data accept" in text and "Most informative further readings" in text, "a person gets tables"
 
 
