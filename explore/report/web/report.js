@@ -1,7 +1,7 @@
 // Draws the report from the JSON of the page. Everything from the data enters as text, never as markup.
 "use strict";
 (() => {
-    const { colours, symbols, dashes, make, figure, plain, signed, part, folded, words, table, pending, chart, axis, scaleOf, scaled, named, smooth } = blocks;
+    const { colours, symbols, dashes, make, figure, plain, signed, broken, part, folded, words, table, pending, chart, axis, scaleOf, scaled, named, smooth } = blocks;
     const { quantity, titled, parameter: inWords, load: loadWords, readingWords, say } = wording;
     const { widest, rejected } = summaries;
     const { unitOf, valueAt, parameterAxis, minimumMark, minimaTrace, landscapePart } = landscapes;
@@ -69,6 +69,7 @@
             shapes: [-2, 2].map((x) => ({ type: "line", yref: "paper", y0: 0, y1: 1, x0: x, x1: x, line: { dash: "dot", color: "#555" } })) })];
     };
 
+    const heading = (r) => `Under ${loadWords(r.load)}`; // the axis says what was read
     // Readings of one kind over time: a colour a place, marks what was measured, lines the models.
     const histories = (name, rows, measured, models) => {
         const traces = [...new Set(rows.map(placeOf))].flatMap((place, p) => {
@@ -78,7 +79,7 @@
             return [traceOf(measured, { mode: "markers", name: place, marker: { symbol: symbols[0], size: 5, color } }),
                 ...models.map((m, k) => traceOf(m.values, { mode: "lines", name: `${place}, ${m.name}`, line: { color, dash: dashes[k % dashes.length] } }))];
         });
-        return chart("measured", traces, { title: { text: name }, xaxis: axis("time [ms]"), yaxis: axis(quantity(rows[0].quantity) + " [" + wording.unit(rows[0].unit) + "]") });
+        return chart("measured", traces, { title: { text: heading(rows[0]) }, xaxis: axis("time [ms]"), yaxis: axis(quantity(rows[0].quantity) + " [" + wording.unit(rows[0].unit) + "]") });
     };
 
     // models: [{name, values, curves}] beside readings with measured values, in the same order. Where a model has no curve between
@@ -117,9 +118,9 @@
                 traceOf(m, { mode: "markers", showlegend: false, marker }));
             });
             charts.push(chart("measured", traces, byDepth
-                ? { title: { text: name }, xaxis: axis(quantity(rows[0].quantity) + " [" + wording.unit(rows[0].unit) + "]"),
+                ? { title: { text: heading(rows[0]) }, xaxis: axis(quantity(rows[0].quantity) + " [" + wording.unit(rows[0].unit) + "]"),
                     yaxis: axis("depth [mm]", { autorange: "reversed" }) }
-                : { title: { text: name }, xaxis: axis("distance from the load [mm]"),
+                : { title: { text: heading(rows[0]) }, xaxis: axis("distance from the load [mm]"),
                     yaxis: axis(quantity(rows[0].quantity) + " [" + wording.unit(rows[0].unit) + "]",
                         rows[0].quantity === "deflection" ? { autorange: "reversed" } : {}) }));
         }

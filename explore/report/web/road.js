@@ -60,7 +60,7 @@ const roads = (() => {
     };
     const placeOf = (s) => [s.profile, s.lane && `lane ${s.lane}`, typeof s.chainage_m === "number" ? `${figure(s.chainage_m).replace(/\.?0+$/, (z) => (z.includes(".") ? "" : z))} m` : ""].filter(Boolean).join(", ");
     const named = (n) => `${n.station.station}${placeOf(n.station) ? ` (${placeOf(n.station)})` : ""}`;
-    const kinds = { weak: "weak", fails: "fails", none: "no result, or a doubtful one" };
+    const kinds = { weak: "weak", fails: "fails", none: "no result" };
     const markOf = (notables) => {
         const of = new Map(notables.map((n) => [n.station, n.kind]));
         return (s, colour) => ({ weak: red, fails: amber, none: "#777" }[of.get(s)] || colour);
@@ -107,7 +107,8 @@ const roads = (() => {
             const parts = (r.sections || []).filter((p) => (p.profile || "") === (list[0].profile || "") && (p.lane || "") === (list[0].lane || ""));
             const levels = parts.map((p) => {
                 const values = list.filter((s) => s.chainage_m >= p.from_m && s.chainage_m <= p.to_m && determined(s)).map(valueOf).filter((v) => v !== null && v !== undefined);
-                return values.length ? { type: "scatter", mode: "lines", x: [p.from_m, p.to_m], y: [medianOf(values), medianOf(values)], showlegend: false,
+                const level = way.filter(({ s }) => !s || (s.chainage_m >= p.from_m && s.chainage_m <= p.to_m));
+                return values.length ? { type: "scatter", mode: "lines", x: level.map((w) => w.x), y: level.map(({ s }) => (s ? medianOf(values) : null)), showlegend: false, connectgaps: false,
                     hoverinfo: "skip", line: { width: 3, color: colour }, opacity: 0.35 } : null;
             }).filter(Boolean);
             const marks = way.map(({ s }) => (s ? colourOf(s, colour) : colour));
@@ -189,7 +190,7 @@ const roads = (() => {
         const notables = notable(r);
         const colourOf = markOf(notables);
         const where = (n) => [n.station.station, n.station.chainage_m, kinds[n.kind], n.why.join("; "), source(n.station)];
-        const notableTable = (some) => table(["station", "chainage [m]", "", "why", "where"], some.map(where), [2, 3, 4]);
+        const notableTable = (some) => make("div", { className: "plain" }, table(["station", "chainage [m]", "", "why", "where"], some.map(where), [2, 3, 4]));
         const along = (stations, title, valueOf, more = {}) => strip(r, stations, title, valueOf, { colourOf, onClick: bowlOf(r), ...more });
         const headed = (title, list) => {
             const charts = list.map(([name, of]) => [name, of, r.stations.filter((s) => typeof of(s) === "number")]).filter(([, , some]) => some.length).map(([name, of, some]) => along(some, name, of));
