@@ -153,25 +153,16 @@ def test_the_waterfall_holds_the_ends_of_the_searches(browsed, fit):
         assert same(waterfall[0]["traces"][0]["y"], ends), "the waterfall holds the ends of the searches"
 
 
-def test_the_landscape_holds_the_lowest_misfits_of_the_map(reported, browsed):
+def test_the_landscape_of_a_map_shows_its_points_and_no_tiles(reported, browsed):
     run_folder, _ = reported
     _, charts, _, _ = browsed
-    pairs = [c for c in charts if c["chart"] == "pair"]
     points = [e for e in json.loads(run("export", run_folder, "--command", "map", "--format", "json").stdout)["evaluations"]]
-    converged = [e for e in points if e["status"] == "converged"]
-    cells = pairs[-1]["traces"][0] # of the last two parameters
-
-
-    def lowest_in(column, row):
-        inside = [e["misfit"] for e in converged if column[0] <= e["parameters"][-2] < column[1] and row[0] <= e["parameters"][-1] < row[1]]
-        return min(inside) if inside else None
-
-
-    found = [[None if z is None else 10 ** z for z in line] for line in cells["z"]]
-    wanted = [[lowest_in(column, row) for column in zip(cells["x"], cells["x"][1:])] for row in zip(cells["y"], cells["y"][1:])]
-    assert len(found) > 1 and all((a is None) == (b is None) and (a is None or abs(a / b - 1) < 1e-9) for line, other in zip(found, wanted)
-                                  for a, b in zip(line, other)), \
-        "the landscape holds the lowest misfit of the map in every cell"
+    of_last_two = sorted(tuple(e["parameters"][-2:]) for e in points if e["status"] == "converged")
+    traces = [c for c in charts if c["chart"] == "pair"][-1]["traces"]
+    computed = next(t for t in traces if t["name"] == "computed")
+    found = sorted(zip(computed["x"], computed["y"]))
+    assert len(found) == len(of_last_two) > 1 and all(abs(a / b - 1) < 1e-9 for p, q in zip(found, of_last_two) for a, b in zip(p, q)), "every point that was computed"
+    assert not any(t["z"] for t in traces), "nothing between them"
 
 
 def test_text_is_text_and_nothing_is_too_wide(browsed):
@@ -216,10 +207,10 @@ def test_two_lanes():
     survey = json.loads((folder / "lanes" / "survey.json").read_text())
     assert "data-failures" not in root and not requests, f"two lanes open: {root} {requests}"
     named = [[t["name"] for t in c["traces"] if t.get("name")] for c in charts]
-    assert len(named) == 7 and all(n == ["lane L", "lane R"] for n in named), f"a trace for every lane in every chart: {named}"
-    marks = [m for t in charts[2]["traces"] for m in t["symbols"]]
+    assert len(named) >= 7 and all({"lane L", "lane R"} <= set(n) for n in named if n), f"a trace for every lane in every chart: {named}"
     wanted = ["parameters" in s and not s["parameters"]["asphalt.modulus_MPa"]["determined"] for s in survey["stations"] if "fit" in s]
-    assert [m.endswith("-open") for m in marks] == wanted and any(wanted), f"what is not determined is open: {marks}"
+    marks = [[m.endswith("-open") for t in c["traces"] for m in t["symbols"]] for c in charts]
+    assert any(wanted) and wanted in marks, f"what is not determined is open: {marks}"
     assert "rigid rough floor" not in shown(dom) and "(?)" in shown(dom) and "base strain" in dom, "the bottom is the study's; undetermined values are marked; outputs"
     assert "rises" in dom and "lanes.csv, line 8" in dom, "why a station is rejected, and where it stands"
     assert overflow(dom) == [], f"nothing is wider than the page: {overflow(dom)}"
