@@ -92,13 +92,13 @@ def test_a_step_that_is_suggested_helps():
     places = [(load, x) for load, _ in LEVELS for x in (0, 200, 300, 450, 600, 900, 1200)]
     asked = "".join(f'[[outputs]]\nname = "o{i}"\nload = "{load}"\nquantity = "deflection"\nx_mm = {x}\n' for i, (load, x) in enumerate(places))
     truth = json.loads(run("forward", levels(folder, uzan, asked), "--json").stdout)["responses"]
-    rows = [f"{load},deflection,{x},{r['value'] * (1 + 0.01 * (-1) ** i)},mm,{0.01 * r['value']}" for i, ((load, x), r) in enumerate(zip(places, truth))]
-    (folder / "d.csv").write_text("load,quantity,x_mm,value,unit,sigma\n" + "\n".join(rows) + "\n")
+    rows = [f"{load},deflection,{x},0,0,0,{r['value'] * (1 + 0.01 * (-1) ** i)},mm,{0.01 * r['value']}" for i, ((load, x), r) in enumerate(zip(places, truth))]
+    (folder / "d.csv").write_text("load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + "\n".join(rows) + "\n")
     data = '[data]\nfiles = ["d.csv"]\nmisfit = "weighted"\n'
     sought = lambda *names: "".join(f'[[parameters]]\nname = "{name}"\nmin = {low}\nmax = {high}\nscale = "{scale}"\n' for name, low, high, scale in names)
     linear = data + sought(("base.modulus_MPa", 50, 2000, "log"), ("subgrade.modulus_MPa", 20, 200, "log"))
     told = run("fit", levels(folder, 'law = "linear"\nmodulus_MPa = 300\npoisson = 0.35\n', linear), "--explore", 16, "--starts", 2, "--out", folder / "linear")
-    assert re.search(r"The base stiffens with load .* try law =\s+\"uzan\"", told.stdout, re.S), told.stdout
+    assert re.search(r'The base stiffens with load .* try law = "uzan"', " ".join(told.stdout.split())), told.stdout
     better = data + sought(("base.k1", 200, 4000, "log"), ("base.k2", 0, 0.9, "linear"), ("subgrade.modulus_MPa", 20, 200, "log"))
     helped = run("fit", levels(folder, uzan, better), "--explore", 16, "--starts", 2, "--joint-only", "--quiet", "--out", folder / "uzan")
     assert helped.stdout.startswith("The model fits the 21 readings within their noise"), helped.stdout

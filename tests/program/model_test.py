@@ -111,7 +111,7 @@ def test_uniqueness_explored_by_the_reduced_model_is_the_full_models():
         assert math.isclose(a["low"], b["low"], rel_tol=1e-3) and math.isclose(a["high"], b["high"], rel_tol=1e-3), f"the same ranges: {a['name']}"
     assert not unique["reduced"]["outputs"] and unique["full"]["outputs"], "ranges of outputs are the full model's alone"
     before = (folder / "unique-auto" / "unique.json").read_text()
-    again = run("unique", study, "--explore", 64, "--verify", 8, "--model", "auto", "--out", folder / "unique-auto")
+    again = run("unique", study, "--explore", 64, "--verify", 8, "--model", "auto", "--verbose", "--out", folder / "unique-auto")
     assert (folder / "unique-auto" / "unique.json").read_text() == before, "from what is kept the same result"
     assert "; 0 runs computed" in again.stdout and "0 runs more" not in again.stderr, f"nothing is computed twice: {again.stdout[:600]}"
 

@@ -137,7 +137,8 @@ print(json.dumps(told))
 """ ))
     (verdict, causes, sizes), (nothing, none, _) = said
     assert (verdict, causes) == ("cause-named", ["a level that stays"]) and (nothing, none) == ("adequate", []), said
-    assert sizes[causes[0]]["low"] < 0.08 < sizes[causes[0]]["high"], sizes
+    size = sizes[causes[0]]
+    assert abs(size["value"] - 0.08) < 3 / 1.96 * (size["high"] - size["low"]) / 2, size  # three deviations
 
 
 def test_pickled_problems_in_four_processes_give_the_same_bits():
