@@ -227,6 +227,9 @@ TEST(FindingsOfADiagnosis, SayTheVerdictAndTheNoise) {
     result.diagnosis.baseline.chi2 = 40.0;
     result.diagnosis.baseline.p_value = 1e-9;
     result.diagnosis.extended.emplace();
+    const diagnose::Row extended{.hypothesis = {.kind = hypotheses::Kind::effect, .name = "load-magnitude"}};
+    result.diagnosis.ledger.add(extended);
+    result.diagnosis.decision.model = 0;
     for (const std::string effect : {"load-magnitude", "plate-rigidity"}) {
         diagnose::Candidate candidate;
         candidate.effect = effect;
@@ -243,11 +246,12 @@ TEST(FindingsOfADiagnosis, SayTheVerdictAndTheNoise) {
     const std::string warning = "What is left out of the fit speaks against it";
     result.diagnosis.places = diagnose::HeldOut{.before = 2.0, .after = 1.1, .readings = 5, .folds = {}};
     EXPECT_FALSE(says(findings(result), warning));
-    result.diagnosis.places->after = 2.2;
-    EXPECT_TRUE(says(findings(result), warning));
-    result.diagnosis.places->after = 1.1;
     result.before->held_out_rms = 0.8;
     result.after->held_out_rms = 0.9;
+    EXPECT_TRUE(says(findings(result), warning));
+    result.after->held_out_rms = 0.8;
+    EXPECT_FALSE(says(findings(result), warning));
+    result.diagnosis.ledger.add(diagnose::Ledger::Predicted{extended.hypothesis.key(), 2.0, 2.2});
     EXPECT_TRUE(says(findings(result), warning));
     result.diagnosis.decision.verdict = diagnose::Verdict::unexplained; // which claims nothing
     EXPECT_FALSE(says(findings(result), warning));
