@@ -183,9 +183,10 @@ std::vector<diagnose::Candidate> candidates_of(const study::Study& study, const 
         diagnose::Candidate candidate{.effect = std::string(effect.name),
                                       .on = variant.on,
                                       .null = axis.unit(effect.null),
-                                      .typical = axis.unit(effect.typical),
+                                      .typical = axis.unit(variant.typical.value_or(effect.typical)),
                                       .reading = {},
                                       .layer = layer_stiffened(study.model, variant.applied),
+                                      .is_layout = !variant.applied.offsets.empty(),
                                       .axis = axis};
         candidate.is_of_readings = changes_readings_alone(physical, variant.applied, candidate.scaled);
         if (effect.is_error_of_reading) {
@@ -408,6 +409,13 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     result.before = reported(d.baseline);
     if (d.extended) {
         result.after = reported(*d.extended);
+        if (result.before->held_out_rms && result.after->held_out_rms) {
+            result.diagnosis.ledger.add(
+                diagnose::Ledger::Predicted{.key = d.ledger.rows()[*d.decision.model].hypothesis.key(),
+                                            .before = *result.before->held_out_rms,
+                                            .after = *result.after->held_out_rms,
+                                            .by_study = true});
+        }
     }
     const bool is_extended = result.is_extended();
     const diagnose::Model& stands = (is_extended ? *d.extended : d.baseline).model;

@@ -171,14 +171,8 @@ private:
 
     // Where readings that were left out speak against the extended model; "": they do not, or there is none.
     std::string not_borne_out_words() const {
-        if (!result.is_extended()) {
-            return "";
-        }
-        constexpr double clearly = 1.05;
-        const bool is_worse_held_out =
-            before.held_out_rms && after->held_out_rms && *after->held_out_rms > clearly * *before.held_out_rms;
-        const std::string key = d.ledger.rows()[*d.decision.model].hypothesis.key();
-        if (!d.ledger.is_predicted_worse(key) && !is_worse_held_out) {
+        if (!result.is_extended() || !d.decision.model ||
+            !d.ledger.is_predicted_worse(d.ledger.rows()[*d.decision.model].hypothesis.key())) {
             return "";
         }
         const std::string words = members_words(candidates, d.extended->model.members);

@@ -37,6 +37,11 @@ public:
     std::vector<std::string> all() const {
         std::vector<std::string> text;
         verdict(text);
+        const bool is_said = d.decision.reason == diagnose::Reason::noise;
+        if (d.verdict() == Verdict::ambiguous && d.decision.is_noise_possible() && !is_said) {
+            text.push_back(fmt::format("Noise alone is possible too, with probability {}: {}.",
+                                       percent(d.decision.of_noise), row_words(d.ledger.rows()[*d.decision.noise])));
+        }
         if (d.decision.premise && d.extended) {
             text.push_back(fmt::format("Before any model: {}. All else is said with that mended.", premise_words()));
         }

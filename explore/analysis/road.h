@@ -95,19 +95,21 @@ struct RoadEffect {
     std::string name, on;      // of the catalogue, "the sensor at 300 mm" or ""
     double score = 0.0;        // > 0: the residuals want a larger size [standard deviations]
     double p_familywise = 1.0; // that noise makes the largest score of all candidates as large
-    // Where it was fitted, with everything else; of a sensor's gain (percent) to first order:
+    hypotheses::Kind kind = hypotheses::Kind::effect;
+    // Where it was fitted, with everything else; of a sensor's gain to first order:
     std::optional<double> chi2{};
-    double p_value = 1.0; // of that
-    double size = 0.0, low = 0.0, high = 0.0;
-    bool ends_range = false;
-    std::string words{}; // "the sensor at 300 mm reads 6.1 % too much"
+    double p_value = 1.0;                     // of that
+    double size = 0.0, low = 0.0, high = 0.0; // in the effect's unit
+    bool ends_range = false;                  // the range of the size does
+    double log_evidence = 0.0;                // marginal likelihood, whatever the size of the noise
+    std::string words{};                      // "the sensor at 300 mm reads 6.1 % too much"
 };
 
 struct RoadDiagnosis {
-    diagnose::Verdict verdict = diagnose::Verdict::adequate; // all but `located`
-    double chi2 = 0.0, dof = 0.0, p_value = 1.0;             // of the road without any
-    std::vector<RoadEffect> effects;                         // those that readings see; what explains most first
-    std::vector<std::size_t> causes;                         // of these; several: the road does not tell them apart
+    diagnose::Decision decision;                 // rows are of a ledger of the noise and the effects
+    double chi2 = 0.0, dof = 0.0, p_value = 1.0; // of the road without any
+    std::vector<RoadEffect> effects;             // those that readings see; the answer's, then the most probable first
+    std::vector<std::size_t> causes;             // of these; several: the road does not tell them apart
 };
 
 struct RoadOptions {

@@ -1,8 +1,11 @@
 #include "analysis/road_diagnosis.h"
 
+#include "analysis/road_decision.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "diagnose/screening.h"
+#include "hypotheses/quantiles.h"
+#include "pavement/effects/catalog.h"
 #include "pavement/effects/effect.h"
 #include "study/variants.h"
 
@@ -17,7 +20,6 @@
 namespace explore::analysis {
 namespace {
 
-using diagnose::Verdict;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -25,7 +27,6 @@ using Eigen::VectorXd;
 constexpr double moves = 1.0;   // standard deviations that crossing the box must make for a parameter to follow
 constexpr double behind = 10.0; // fall of chi2 below the most promising candidate's, of those that are fitted
 constexpr std::size_t most_fits = 5;
-constexpr double told_apart = 3.841458821; // 95 % of chi2 with one degree of freedom
 constexpr int fit_number = 3000;
 constexpr std::string_view sensor_scale = "sensor-gain";
 // Each run of it is a march in time.
@@ -48,7 +49,7 @@ std::string key_of(const study::Variant& variant, const study::Study& study) {
     if (variant.applied.reading) {
         key += fmt::format(" {}", x_mm(study, *variant.applied.reading));
     }
-    return key;
+    return variant.applied.offsets.empty() ? key : key + " " + variant.on;
 }
 
 // What all stations can lack alike: on every load, or at the place of a sensor.
@@ -89,14 +90,10 @@ public:
         add_sensors();
         score();
         const bool is_chance = result_.effects.empty() || result_.effects[0].p_familywise >= road_familywise;
-        if (is_chance) {
-            result_.verdict = result_.p_value < landscape::contradicted ? Verdict::unexplained : Verdict::adequate;
-            return result_;
-        }
-        if (!fit_promising()) {
+        if (!is_chance && !fit_promising()) {
             return std::nullopt;
         }
-        conclude();
+        decide_on_road(result_, confounding());
         return result_;
     }
 
@@ -156,7 +153,7 @@ private:
                 constexpr double nothing = 1e-9; // no slope at none: the size counts by its square, or by its step
                 if (change.allFinite() && change.norm() < nothing) {
                     std::vector<double> there = unit;
-                    there[at] = study::size_axis(effect).unit(effect.typical);
+                    there[at] = study::size_axis(effect).unit(of_member[m][v].typical.value_or(effect.typical));
                     const auto away = stations.search(m, there, {}, 1 + static_cast<int>(v));
                     if (away && away->evaluation.converged()) {
                         change = (problem.residuals(away->evaluation) - residuals) / (there[at] - unit[at]);
@@ -324,6 +321,7 @@ private:
         if (seen.empty()) {
             return;
         }
+        directions_ = directions;
         const diagnose::Family chance = family(directions(seen, seen), seen);
         for (const Index k : seen) {
             const auto at = static_cast<std::size_t>(k);
@@ -331,7 +329,11 @@ private:
             RoadEffect effect;
             effect.candidate = at;
             effect.name = lack.variant ? std::string(lack.variant->applied.effect->name) : std::string(sensor_scale);
-            effect.on = lack.offset_mm ? fmt::format("the sensor at {:g} mm", *lack.offset_mm) : "";
+            const bool is_layout = lack.variant && !lack.variant->applied.offsets.empty();
+            effect.kind = is_layout ? hypotheses::Kind::layout : hypotheses::Kind::effect;
+            effect.on = is_layout        ? lack.variant->on
+                        : lack.offset_mm ? fmt::format("the sensor at {:g} mm", *lack.offset_mm)
+                                         : "";
             const double slope = -products(k, n) / products(k, k); // of the size that the residuals want
             effect.score = slope * lengths[k];
             const bool is_possible = lack.sense == 0 || lack.sense * slope > 0.0;
@@ -339,9 +341,7 @@ private:
             effect.p_familywise = std::min(1.0, chance.p_value(strength));
             promised_.emplace(at, strength * strength);
             if (!lack.variant) {
-                effect.size = 100.0 * slope;
-                effect.low = 100.0 * (slope - 1.96 / lengths[k]);
-                effect.high = 100.0 * (slope + 1.96 / lengths[k]);
+                gains_.emplace(at, std::pair(slope, 1.0 / lengths[k]));
             }
             result_.effects.push_back(std::move(effect));
         }
@@ -374,16 +374,50 @@ private:
                 break;
             }
             ++fits;
-            if (!lacks_[effect.candidate].variant) { // linear: what the sensor reads is divided by a number
-                judge(effect, result_.chi2 - promised);
-                effect.words =
-                    fmt::format("the sensor at {:g} mm reads {:.1f} % too {}", *lacks_[effect.candidate].offset_mm,
-                                std::abs(effect.size), effect.size > 0.0 ? "much" : "little");
+            if (!lacks_[effect.candidate].variant) {
+                take_gain(effect, result_.chi2 - promised);
             } else if (!fit(effect)) {
                 return false;
             }
         }
         return true;
+    }
+
+    // What a sensor reads is multiplied by a factor: linear in its logarithm.
+    void take_gain(RoadEffect& effect, double chi2) const {
+        judge(effect, chi2);
+        const auto& gain = *pave::pavement::find_effect(sensor_scale);
+        const problem::Axis axis = study::size_axis(gain);
+        const auto& [share, deviation] = gains_.at(effect.candidate);
+        const double half = hypotheses::two_sided_95 * deviation;
+        effect.size = std::exp(share);
+        effect.low = std::exp(share - half);
+        effect.high = std::exp(share + half);
+        const double unit = std::clamp(axis.unit(effect.size), 0.0, 1.0);
+        effect.ends_range = effect.low <= axis.low || effect.high >= axis.high;
+        effect.log_evidence =
+            road_evidence(chi2, result_.dof, axis, gain.typical, unit, deviation / std::log(axis.high / axis.low));
+        effect.words = fmt::format("the sensor at {:g} mm reads {:.1f} % too {}", *lacks_[effect.candidate].offset_mm,
+                                   100.0 * std::abs(effect.size - 1.0), effect.size > 1.0 ? "much" : "little");
+    }
+
+    // How often the readings tell each of the fitted effects from the one that promises most.
+    std::vector<RoadConfounding> confounding() const {
+        std::vector<RoadConfounding> list;
+        for (const RoadEffect& effect : result_.effects) {
+            const std::size_t first = result_.effects[0].candidate;
+            if (effect.candidate == first || !effect.chi2) {
+                continue;
+            }
+            double cosine = directions_(static_cast<Index>(first), static_cast<Index>(effect.candidate));
+            const double towards = result_.effects[0].score * effect.score < 0.0 ? -1.0 : 1.0;
+            cosine *= towards;
+            const double strength = std::sqrt(promised_.at(first));
+            list.push_back({.a = first,
+                            .b = effect.candidate,
+                            .rate = gsl_cdf_ugaussian_P(strength * std::sqrt(std::max(0.0, (1.0 - cosine) / 2.0)))});
+        }
+        return list;
     }
 
     void judge(RoadEffect& effect, double chi2) const {
@@ -436,38 +470,27 @@ private:
         effect.size = axis.physical(unit);
         const auto covariance = optimise::arrow_covariance(end->blocks, end->search.normal).common;
         // The common unknowns stand in the order of the layout.
-        const double half = 1.96 * std::sqrt(covariance(size, size));
+        const double deviation = std::sqrt(covariance(size, size));
+        const double half = hypotheses::two_sided_95 * deviation;
         effect.low = axis.physical(std::max(0.0, unit - half));
         effect.high = axis.physical(std::min(1.0, unit + half));
-        effect.ends_range = landscape::is_at_bound(unit);
+        const double none = axis.unit(axis.start);
+        effect.ends_range = (unit - half <= 0.0 && none > 0.0) || (unit + half >= 1.0 && none < 1.0);
+        effect.log_evidence = road_evidence(chi2, result_.dof, axis,
+                                            first.typical.value_or(first.applied.effect->typical), unit, deviation);
         auto applied = first.applied;
         applied.size = effect.size;
         effect.words = first.applied.effect->in_words(applied);
         return true;
     }
 
-    void conclude() {
-        std::stable_sort(result_.effects.begin(), result_.effects.end(), [](const auto& a, const auto& b) {
-            return a.chi2.value_or(INFINITY) < b.chi2.value_or(INFINITY);
-        });
-        const RoadEffect& best = result_.effects[0];
-        if (!best.chi2 || best.p_value < diagnose::level_noise) {
-            result_.verdict = Verdict::unexplained;
-            return;
-        }
-        for (std::size_t e = 0; e < result_.effects.size(); ++e) {
-            if (result_.effects[e].chi2.value_or(INFINITY) < *best.chi2 + told_apart) {
-                result_.causes.push_back(e);
-            }
-        }
-        result_.verdict = result_.causes.size() > 1 || best.ends_range ? Verdict::ambiguous : Verdict::cause_named;
-    }
-
     Session& session_;
     const RoadState& state_;
     const ProblemOfStation& problem_of_;
     std::vector<Lack> lacks_;
-    std::map<std::size_t, double> promised_; // fall of chi2, of every candidate
+    std::map<std::size_t, double> promised_;                 // fall of chi2, of every candidate
+    std::map<std::size_t, std::pair<double, double>> gains_; // share and its standard deviation, of every sensor
+    MatrixXd directions_;                                    // cosines between candidates
     RoadDiagnosis result_;
 };
 

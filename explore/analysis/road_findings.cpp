@@ -102,20 +102,33 @@ std::string diagnosis_words(const RoadDiagnosis& d) {
                            figure(e.high), figure(*e.chi2), e.p_value);
     };
     const std::string before = fmt::format("chi2 = {} with {:.0f} degrees of freedom", figure(d.chi2), d.dof);
-    switch (d.verdict) {
-    case diagnose::Verdict::adequate:
-        return "ADEQUATE: nothing that all stations could lack alike is seen in these readings.";
-    case diagnose::Verdict::cause_named:
-        return fmt::format("CAUSE NAMED: all stations lack {}; without it {}.", words(d.effects[d.causes[0]]), before);
-    case diagnose::Verdict::ambiguous: {
-        std::vector<std::string> list;
-        for (const std::size_t cause : d.causes) {
-            list.push_back(words(d.effects[cause]));
-        }
-        return fmt::format("AMBIGUOUS: all stations lack something ({}); the readings do not tell {}{}.", before,
-                           pave::join(list, " from "),
-                           d.causes.size() == 1 ? ", whose size is at the end of its range, from something else" : "");
+    std::vector<std::string> causes;
+    for (const std::size_t cause : d.causes) {
+        causes.push_back(words(d.effects[cause]));
     }
+    const std::string noise =
+        d.decision.is_noise_possible()
+            ? fmt::format(" Noise larger than stated is possible too (probability {}).", percent(d.decision.of_noise))
+            : "";
+    switch (d.decision.verdict) {
+    case diagnose::Verdict::adequate:
+        return d.decision.as_stated || d.decision.noise_factor <= 1.0
+                   ? "ADEQUATE: nothing that all stations could lack alike is seen in these readings."
+                   : fmt::format("ADEQUATE, but for the noise, which is some {} times as large as stated: nothing else "
+                                 "that all stations could lack alike is seen ({}).",
+                                 figure(d.decision.noise_factor, 2), before);
+    case diagnose::Verdict::cause_named:
+        return fmt::format("CAUSE NAMED: all stations lack {}; without it {}.", causes[0], before);
+    case diagnose::Verdict::ambiguous:
+        if (causes.size() > 1) {
+            return fmt::format("AMBIGUOUS: all stations lack something ({}); the readings do not tell {}.{}", before,
+                               pave::join(causes, " from "), noise);
+        }
+        return fmt::format("AMBIGUOUS: all stations lack something ({}); it may be {}{}.{}", before, causes[0],
+                           d.decision.leaves_more_than_noise ? ", which leaves more than noise"
+                           : d.effects[0].ends_range ? ", whose range of sizes reaches the end of what is possible"
+                                                     : "",
+                           noise);
     default: break;
     }
     if (d.effects.empty() || !d.effects[0].chi2) {
@@ -123,6 +136,10 @@ std::string diagnosis_words(const RoadDiagnosis& d) {
             "UNEXPLAINED: the model misses the readings ({}, p = {:.2g}), and nothing that all stations could lack "
             "alike shows.",
             before, d.p_value);
+    }
+    if (!d.decision.leaves_more_than_noise) {
+        return fmt::format("UNEXPLAINED: all stations may lack {}, or the noise is larger than stated ({}).",
+                           words(d.effects[0]), before);
     }
     return fmt::format(
         "UNEXPLAINED: all stations lack something ({}), and no effect of the catalogue leaves noise only; what "

@@ -3,6 +3,7 @@
 #include "analysis/survey_trials.h"
 #include "base/error.h"
 #include "data/median.h"
+#include "data/usual_layouts.h"
 #include "study/laws.h"
 
 #include <algorithm>
@@ -15,35 +16,7 @@ constexpr double tried_percent = 5.0;
 constexpr double worth_saying = 0.5; // of the squared misfit
 constexpr std::size_t least_stations = 3;
 
-// mm. Deflectometers of Dynatest, Grontmij and KUAB as roads are tested with them; inches are those of American ones.
-using Offsets = std::vector<double>;
-const std::vector<Offsets>& usual_layouts() {
-    static const std::vector<Offsets> all = {
-        {0, 300, 600, 900, 1200},
-        {0, 200, 450, 600, 900},
-        {0, 300, 600, 900, 1200, 1500},
-        {0, 200, 300, 600, 900, 1200},
-        {0, 200, 300, 450, 600, 900},
-        {0, 200, 300, 600, 900, 1200, 1500},
-        {0, 200, 300, 450, 600, 900, 1200},
-        {0, 200, 300, 450, 600, 900, 1500},
-        {0, 200, 300, 450, 650, 900, 1200},
-        {0, 300, 450, 600, 900, 1200, 1500},
-        {0, 300, 600, 900, 1200, 1500, 1800},
-        {0, 300, 600, 900, 1200, 1500, 2100},
-        {0, 210, 315, 475, 630, 925, 1535},
-        {0, 203.2, 304.8, 457.2, 609.6, 914.4, 1524},
-        {0, 304.8, 609.6, 914.4, 1219.2, 1524, 1828.8},
-        {0, 200, 300, 450, 600, 900, 1200, 1500},
-        {0, 200, 300, 450, 600, 900, 1200, 1800},
-        {0, 300, 450, 600, 900, 1200, 1500, 1800},
-        {0, 200, 300, 450, 600, 900, 1200, 1500, 1800},
-        {0, 200, 300, 450, 600, 900, 1200, 1500, 2100},
-        {0, 300, 450, 600, 900, 1200, 1500, 1800, 2100},
-        {0, 203.2, 304.8, 457.2, 609.6, 914.4, 1219.2, 1524, 1828.8},
-    };
-    return all;
-}
+using Offsets = std::vector<double>; // mm
 
 // The bowl as if its sensors stood there, fitted from the answer and from the middle of the box: the answer may lie on
 // bounds that the file's layout drove it to.
@@ -81,7 +54,7 @@ std::optional<BetterLayout> better_layout(const SurveyResult& result) {
         }
         std::optional<BetterLayout> best;
         double least = worth_saying;
-        for (const Offsets& offsets : usual_layouts()) {
+        for (const Offsets& offsets : data::usual_layouts()) {
             if (offsets.size() != own.size() || offsets == own) {
                 continue;
             }

@@ -17,6 +17,7 @@ constexpr double level_unexplained = 0.05; // evidence that is due to chance so 
 constexpr double level_finds_more = 0.01;  // a correction finds more than what was named
 constexpr double least_rate = 0.95;        // of telling two effects apart
 constexpr double most_noise = 2.2;         // times the stated noise: more is no matter of noise
+constexpr double most_of_structure = 1.5;  // the same, where readings have errors in common beside it
 constexpr double little = 0.05;            // probability that keeps a name from standing alone
 constexpr double doubtful = 0.1; // that errors are larger than stated: chance names something in some of such cases
 
@@ -72,11 +73,15 @@ private:
                 d_.of_noise += probability;
                 of_size_ += own.is_independent ? probability : 0.0;
                 of_tails_ += own.has_tails ? probability : 0.0;
-                noise_ = noise_ ? noise_ : std::optional(r);
+                of_holding_ += holds(own) ? probability : 0.0;
+                if (!noise_ || (!holds(row(*noise_)) && holds(own))) {
+                    noise_ = r;
+                }
             } else if (own.hypothesis.kind == Kind::correction) {
                 correction_ = correction_ ? correction_ : std::optional(r);
             } else {
                 names_.push_back(r);
+                of_names_ += leaves_noise(own) ? probability : 0.0;
             }
         }
     }
@@ -100,7 +105,7 @@ private:
         const Fit& fit = of_noise.fit;
         const bool has_pattern =
             fit.pattern_dof > 0 && gsl_cdf_chisq_Q(fit.pattern_chi2 / (k * k), fit.pattern_dof) < level_contradicted;
-        return !is_stated() || (k <= most_noise && !has_pattern);
+        return !is_stated() || (k <= (of_noise.is_independent ? most_noise : most_of_structure) && !has_pattern);
     }
 
     bool is_explained_as_stated() const {
@@ -108,7 +113,7 @@ private:
     }
     bool is_adequate() const {
         constexpr double most = 0.5;
-        return d_.as_stated || (noise_ && d_.of_noise >= most && holds(row(*noise_)));
+        return d_.as_stated || (noise_ && of_holding_ >= most);
     }
 
     void conclude_adequate() {
@@ -268,7 +273,9 @@ private:
             conclude_unexplained(Reason::weak_evidence);
             return;
         }
-        if (of_size_ - said_of_tails(first) >= doubtful) {
+        // What leaves noise keeps its name where together such names are more probable than that nothing is wrong.
+        const bool is_name_more_probable = leaves_noise(first) && of_names_ > d_.of_noise;
+        if (of_size_ - said_of_tails(first) >= doubtful && !is_name_more_probable) {
             conclude_unexplained(Reason::noise);
             return;
         }
@@ -386,10 +393,16 @@ private:
     std::vector<std::size_t> names_; // most probable first
     double of_size_ = 0.0;           // probability of noise whose readings have nothing in common
     double of_tails_ = 0.0;          // of such with heavy tails
+    double of_holding_ = 0.0;        // of noise that may be: not far larger than stated, without a pattern
+    double of_names_ = 0.0;          // of names that leave noise
     std::optional<std::size_t> none_, noise_, correction_, best_;
 };
 
 } // namespace
+
+bool Decision::is_noise_possible() const {
+    return !as_stated && noise && of_noise >= little;
+}
 
 double Decision::probability_of(std::size_t row) const {
     for (const Ranked& ranked : hypotheses) {

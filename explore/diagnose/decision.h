@@ -3,8 +3,8 @@
 // Hypotheses are compared by their probability, beforehand times marginal likelihood with the size of the noise unknown
 // (hypotheses/evidence.h), by whether noise explains what they leave, and by what they predict of readings left out:
 //
-// - `adequate`: noise as stated explains the study's model, or hypotheses on the noise alone have most of the
-//   probability and one of them holds.
+// - `adequate`: noise as stated explains the study's model, or hypotheses on the noise alone that hold have most of the
+//   probability.
 // - A name stands in the answer where no other is far more probable (20 to 1), where the readings could not tell it
 // from
 //   the most probable one, and, of one effect that leaves noise, where only a hypothesis with more numbers is.
@@ -15,7 +15,7 @@
 // predicts
 //   what was left out no worse, and is not outdone by a hypothesis with fewer numbers.
 // - `ambiguous`: names that do not stand alone. `unexplained`: the rest; where noise of another size is possible
-//   (10 %), too, with the names as what comes nearest.
+//   (10 %) and no less probable than the names that leave noise, too, with the names as what comes nearest.
 #pragma once
 
 #include "diagnose/ledger.h"
@@ -61,6 +61,8 @@ struct Decision {
     double noise_factor = 1.0;             // by which the stated noise would have to be larger; 1 where it need not
     double of_noise = 0.0;                 // probability that nothing is wrong but noise
 
+    // Whether noise of another size or kind is probable enough to be said beside a name.
+    bool is_noise_possible() const;
     bool is_located() const { return verdict == Verdict::located; }
     double probability_of(std::size_t row) const;
 };

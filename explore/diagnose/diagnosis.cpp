@@ -28,9 +28,11 @@ bool Investigation::is_contradicted(const Judged& j) const {
 }
 
 std::size_t Investigation::variants_of(std::size_t candidate) const {
+    const Candidate& own = task_.candidates[candidate];
     return static_cast<std::size_t>(
-        std::count_if(task_.candidates.begin(), task_.candidates.end(),
-                      [&](const auto& other) { return other.effect == task_.candidates[candidate].effect; }));
+        std::count_if(task_.candidates.begin(), task_.candidates.end(), [&](const Candidate& other) {
+            return other.effect == own.effect && other.is_layout == own.is_layout;
+        }));
 }
 
 double Investigation::criterion(const Judged& j) const {

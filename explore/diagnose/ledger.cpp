@@ -38,10 +38,13 @@ double Ledger::rate(const std::string& a, const std::string& b) const {
 bool Ledger::is_predicted_worse(const std::string& key) const {
     const double clearly = std::log(1.05);
     double growth = 0.0;
+    double of_study = 0.0;
     for (const Predicted& own : predicted_) {
-        growth += own.key == key ? std::log(own.after / own.before) : 0.0;
+        if (own.key == key) {
+            (own.by_study ? of_study : growth) += std::log(own.after / own.before);
+        }
     }
-    return growth > clearly;
+    return growth > clearly || of_study > clearly;
 }
 
 double Ledger::beyond(const std::string& key, const std::vector<std::string>& subjects) const {

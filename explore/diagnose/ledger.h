@@ -54,6 +54,7 @@ public:
     struct Predicted {
         std::string key;
         double before = 0.0, after = 0.0;
+        bool by_study = false; // the study itself holds them out
     };
     struct Located {
         std::string key;
@@ -95,8 +96,8 @@ public:
     double chance(const std::string& key) const;
     Says says(const std::string& key) const;
     double rate(const std::string& a, const std::string& b) const;
-    // Whether readings that were left out, place by place and load by load, are predicted clearly worse with it than
-    // without: the mean of the logarithms of the errors.
+    // Whether readings that were left out are predicted clearly worse with it than without: place by place and load by
+    // load, by the sum of the logarithms of the errors, or those that the study itself holds out.
     bool is_predicted_worse(const std::string& key) const;
     // The least p of a correction beside it that is of none of these subjects.
     double beyond(const std::string& key, const std::vector<std::string>& subjects) const;

@@ -17,6 +17,7 @@ struct Candidate {
     double typical = 0.0;               // unit coordinates of its axis
     std::optional<std::size_t> reading; // the reading (term of the misfit) that it declares wrong
     std::string layer;           // whose stiffness is all that it changes; empty: it changes more, or other things
+    bool is_layout = false;      // of the sensors as a whole
     bool is_of_readings = false; // all that it changes is what instruments say
     std::vector<std::size_t> scaled{}; // responses that its size multiplies, which is all that it does
     problem::Axis axis{};              // of the size, where it does

@@ -39,7 +39,7 @@ double log_prior(Kind kind, const Counts& counts, std::size_t variants, std::siz
         return std::log(probability);
     }
     case Kind::correction: return std::log(corrections * share(counts.channels));
-    case Kind::layout: return std::log(layouts);
+    case Kind::layout: return std::log(layouts * share(variants));
     }
     return -INFINITY;
 }

@@ -14,7 +14,8 @@ std::string options_of(const pave::pavement::Effect& effect) {
                                       {effect.takes_load, "load"},
                                       {effect.takes_quantity, "quantity"},
                                       {effect.takes_reading, "reading"},
-                                      {effect.takes_thickness, "thickness_mm"}}) {
+                                      {effect.takes_thickness, "thickness_mm"},
+                                      {effect.takes_offsets, "offsets_mm"}}) {
         if (takes) {
             names.emplace_back(name);
         }

@@ -58,8 +58,9 @@ Json against_road_json(const RoadResult& result, const RoadStation& s) {
 }
 
 Json diagnosis_json(const analysis::RoadDiagnosis& d) {
-    Json json = {{"verdict", diagnose::verdict_names[static_cast<int>(d.verdict)]},
+    Json json = {{"verdict", diagnose::verdict_names[static_cast<int>(d.decision.verdict)]},
                  {"causes", Json::array()},
+                 {"noise_factor", d.decision.noise_factor},
                  {"chi2", d.chi2},
                  {"degrees_of_freedom", d.dof},
                  {"p_value", d.p_value},

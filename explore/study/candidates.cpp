@@ -116,7 +116,8 @@ Study candidates(const Study& study, const std::vector<std::size_t>& again) {
     extended = with_measurements(std::move(extended), std::move(list));
     for (pave::pavement::AppliedEffect& applied :
          extended.model.effects) { // another instrument reads what is not yet there
-        if (applied.reading || applied.effect->is_error_of_reading) {
+        if (applied.reading || applied.effect->is_error_of_reading || !applied.offsets.empty()) {
+            applied.offsets.clear();
             applied.reading = std::numeric_limits<int>::max();
         }
     }

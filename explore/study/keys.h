@@ -539,6 +539,15 @@ inline constexpr Key effect_thickness{.table = "[[effects]]",
                                       .without = "by effect",
                                       .meaning = "of an effect that takes one: of the sublayer it makes"};
 
+inline constexpr Key effect_offsets{.table = "[[effects]]",
+                                    .key = "offsets_mm",
+                                    .kind = numbers,
+                                    .low = 0.0,
+                                    .high = 1e4,
+                                    .allowed = "rising, as many as sensors stand on the surface",
+                                    .without = "one sensor moves",
+                                    .meaning = "of `sensor-position`: the layout that all sensors move to"};
+
 inline constexpr Key effect_parameter{.table = "[[effects]]",
                                       .key = "parameter",
                                       .allowed = "a parameter of the study's own model that is not fitted",

@@ -97,6 +97,11 @@ void read_effect(const toml::table& table, Study& study) {
     if (effect.takes_thickness && reader.has(keys::effect_thickness)) {
         applied.thickness = unit::mm * reader.number(keys::effect_thickness);
     }
+    if (effect.takes_offsets && reader.has(keys::effect_offsets)) {
+        for (const double offset : reader.numbers(keys::effect_offsets)) {
+            applied.offsets.push_back(unit::mm * offset);
+        }
+    }
     reader.done();
     for (const AppliedEffect& other : model.effects) {
         if (other.effect == applied.effect && // another wrong reading is another effect

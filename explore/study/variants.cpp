@@ -1,11 +1,13 @@
 #include "study/variants.h"
 
 #include "base/units.h"
+#include "data/usual_layouts.h"
 #include "pavement/effects/catalog.h"
 #include "pavement/effects/effect.h"
 #include "study/own_effects.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 namespace explore::study {
@@ -29,6 +31,44 @@ std::string quantity_name(const Study& study, Quantity quantity) {
         }
     }
     return std::string(info(quantity).name);
+}
+
+// The usual layouts of as many sensors as the study has on the surface, in which more than one stands elsewhere, none
+// farther than the effect's range reaches.
+std::vector<Variant> layouts(const Study& study, const Effect& effect) {
+    std::vector<double> own; // mm
+    for (std::size_t i = 0; i < study.measured().size(); ++i) {
+        const Sensor& sensor = study.model.sensors[i];
+        if (sensor.quantity == Quantity::deflection && sensor.depth == 0.0) {
+            own.push_back(std::hypot(sensor.x, sensor.y) / pave::unit::mm);
+        }
+    }
+    constexpr double same = 1.0; // mm
+    std::sort(own.begin(), own.end());
+    own.erase(std::unique(own.begin(), own.end(), [](double a, double b) { return b - a < same; }), own.end());
+    std::vector<Variant> list;
+    for (const std::vector<double>& usual : data::usual_layouts()) {
+        if (usual.size() != own.size()) {
+            continue;
+        }
+        double largest = 0.0;
+        int moved = 0;
+        Variant variant{.applied = {.effect = &effect}, .on = "sensors at "};
+        std::vector<std::string> places;
+        for (std::size_t i = 0; i < own.size(); ++i) {
+            const double move = std::abs(usual[i] - own[i]);
+            largest = std::max(largest, move);
+            moved += move >= same ? 1 : 0;
+            variant.applied.offsets.push_back(pave::unit::mm * usual[i]);
+            places.push_back(fmt::format("{:.0f}", usual[i]));
+        }
+        variant.on += pave::join(places) + " mm";
+        variant.typical = largest;
+        if (moved > 1 && largest <= effect.high) {
+            list.push_back(std::move(variant));
+        }
+    }
+    return list;
 }
 
 } // namespace
@@ -76,6 +116,13 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
                 list.push_back({std::move(applied), std::move(on)});
             }
         };
+        if (effect->takes_offsets && !study.has_own_model) {
+            for (Variant& layout : layouts(study, *effect)) {
+                if (why_impossible(study.model, layout.applied).empty()) {
+                    list.push_back(std::move(layout));
+                }
+            }
+        }
         // What has a name alone has no place: its instrument is not known by it.
         if (effect->takes_reading && (effect->is_error_of_reading || !study.has_own_model)) {
             for (const std::size_t i : readings) {
@@ -304,6 +351,13 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
         }
         if (applied.thickness) {
             result += fmt::format("thickness_mm = {}\n", *applied.thickness / pave::unit::mm);
+        }
+        if (!applied.offsets.empty()) {
+            std::vector<std::string> offsets;
+            for (const double offset : applied.offsets) {
+                offsets.push_back(fmt::format("{}", offset / pave::unit::mm));
+            }
+            result += fmt::format("offsets_mm = [{}]\n", pave::join(offsets));
         }
         const problem::Axis& axis = extended.space.axes[known + v];
         result += fmt::format("\n[[parameters]]\nname = \"{}\"\nmin = {}\nmax = {}\nscale = \"{}\"\n", axis.name,

@@ -9,6 +9,7 @@ namespace explore::study {
 struct Variant {
     pave::pavement::AppliedEffect applied; // at its null size
     std::string on; // what its options name, in words: "fwd, deflection"; empty: the effect's own choice
+    std::optional<double> typical{}; // a size that is seen in practice; nothing: the effect's
 };
 
 // Its size as a parameter: "NAME.size" over its prior range, from its null value.

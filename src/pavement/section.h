@@ -167,6 +167,7 @@ struct AppliedEffect {
     std::optional<Quantity> quantity{};
     std::optional<int> reading{};      // index of a sensor
     std::optional<double> thickness{}; // m, of a sublayer
+    std::vector<double> offsets{};     // m, of a layout: where its sensors stand, nearest to the load first
 };
 
 // A number of a case that follows others: pavement/tie.h.

@@ -219,11 +219,21 @@ std::vector<Case> table() {
           }()},
          Verdict::cause_named,
          {"a"}});
-    add({"an effect or larger noise",
-         {nothing(75, -32), noise(1.37, -28), effect("a", 50, -26)},
+    add({"an effect or larger noise, which is more probable",
+         {nothing(75, -32), noise(1.37, -26), effect("a", 50, -26.2), effect("b", 60, -26.5)},
          Verdict::unexplained,
          {},
          Reason::noise});
+    add({"a name that leaves noise stays beside less probable noise",
+         {nothing(75, -32), noise(1.37, -28), effect("a", 50, -26)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::noise});
+    add({"names count together",
+         {nothing(75, -32), noise(1.37, -26), effect("a", 50, -26.2), effect("b", 52, -26.4)},
+         Verdict::ambiguous,
+         {"a", "b"},
+         Reason::several_names});
     add({"larger noise is hardly possible",
          {nothing(75, -32), noise(1.37, -28.6), effect("a", 50, -26)},
          Verdict::ambiguous,
@@ -239,9 +249,18 @@ std::vector<Case> table() {
          {"outlier"}});
     add({"which an effect would have to be told from",
          {bad, far, tails, effect("a", 40, -12)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::noise});
+    Row much_shared = noise(1.6, -12, "shared");
+    much_shared.is_independent = false;
+    add({"errors that readings share are no excuse for larger ones beside them",
+         {bad, far, much_shared, effect("a", 90, -25)},
          Verdict::unexplained,
          {},
-         Reason::noise});
+         Reason::nothing_explains});
+    much_shared.noise = 1.4;
+    add({"unless they are little larger", {bad, far, much_shared, effect("a", 90, -25)}, Verdict::adequate});
     add({"an effect or errors that readings share",
          {nothing(75, -40), shared, effect("a", 50, -26)},
          Verdict::ambiguous,

@@ -246,12 +246,16 @@ TEST(FindingsOfADiagnosis, SayTheVerdictAndTheNoise) {
     const std::string warning = "What is left out of the fit speaks against it";
     result.diagnosis.places = diagnose::HeldOut{.before = 2.0, .after = 1.1, .readings = 5, .folds = {}};
     EXPECT_FALSE(says(findings(result), warning));
-    result.before->held_out_rms = 0.8;
-    result.after->held_out_rms = 0.9;
-    EXPECT_TRUE(says(findings(result), warning));
-    result.after->held_out_rms = 0.8;
+    using Predicted = diagnose::Ledger::Predicted;
+    const std::string key = extended.hypothesis.key();
+    const diagnose::Ledger ledger = result.diagnosis.ledger;
+    result.diagnosis.ledger.add(Predicted{key, 2.0, 1.1, false}); // place by place
+    result.diagnosis.ledger.add(Predicted{key, 0.8, 0.8, true});  // what the study holds out
     EXPECT_FALSE(says(findings(result), warning));
-    result.diagnosis.ledger.add(diagnose::Ledger::Predicted{extended.hypothesis.key(), 2.0, 2.2});
+    result.diagnosis.ledger.add(Predicted{key, 0.8, 0.9, true}); // better elsewhere does not make up for it
+    EXPECT_TRUE(says(findings(result), warning));
+    result.diagnosis.ledger = ledger;
+    result.diagnosis.ledger.add(Predicted{key, 2.0, 2.2, false});
     EXPECT_TRUE(says(findings(result), warning));
     result.diagnosis.decision.verdict = diagnose::Verdict::unexplained; // which claims nothing
     EXPECT_FALSE(says(findings(result), warning));

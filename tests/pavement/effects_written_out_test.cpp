@@ -378,6 +378,40 @@ TEST(SensorPosition, IsTheSensorsElsewhere) {
               "the reading is no deflection");
 }
 
+// A layout moves every sensor of the surface by its share of the way, gauges and what is not measured not at all.
+TEST(SensorPosition, OfALayoutIsAllSensorsElsewhere) {
+    Case c = shared();
+    c.sensors = {deflection(0.0), deflection(0.6), deflection(0.315), strain_zz(0.2, 0.075, 0.3)};
+    c.sensors.push_back({1, Quantity::deflection, 0.315, 0.0, 0.0, 0.0});
+    c.sensors.push_back({1, Quantity::deflection, 0.315, 0.0, 0.0, 0.0, false});
+    AppliedEffect layout{.effect = find_effect("sensor-position"), .size = 150.0, .offsets = {0.0, 0.3, 0.45}};
+    const auto moved = [&](double size, double at_600, double at_315) {
+        Case by_effect = c;
+        layout.size = size;
+        by_effect.effects = {layout};
+        Case by_hand = c;
+        by_hand.sensors[1].x = at_600;
+        by_hand.sensors[2].x = by_hand.sensors[4].x = at_315;
+        EXPECT_LT(largest_change(values_of(by_effect), values_of(by_hand)), 1e-12) << size;
+    };
+    moved(150.0, 0.45, 0.3); // the one that moves most by 150 mm: the whole layout
+    moved(75.0, 0.525, 0.3075);
+    moved(-30.0, 0.63, 0.318);
+    EXPECT_EQ(why_impossible(c, layout), "");
+    layout.offsets = {0.0, 0.3};
+    EXPECT_EQ(why_impossible(c, layout), "the layout has 2 sensors, the readings are of 3");
+    layout.offsets = {0.0, 0.315, 0.6};
+    EXPECT_EQ(why_impossible(c, layout), "the sensors stand in that layout already");
+    layout.offsets = {0.3, 0.0, 0.6};
+    EXPECT_EQ(why_impossible(c, layout), "the offsets of a layout rise, from 0 or more");
+    layout.reading = 1;
+    EXPECT_EQ(why_impossible(c, layout), "a layout is of all sensors, not of one reading");
+    layout = {.effect = find_effect("sensor-position"), .offsets = {0.0, 0.3, 0.45}};
+    c.sensors.push_back({1, Quantity::deflection, -0.6, 0.0, 0.0, 0.0}); // on the other side of the load
+    EXPECT_EQ(why_impossible(c, layout),
+              "no deflections are measured at distances that are the places of one sensor each");
+}
+
 TEST(Drift, ScalesTheReadingsOfEveryLoadByItsNumber) {
     Case c = shared();
     c.loads.push_back(circular_wheel());

@@ -94,6 +94,8 @@ private:
     bool fit_jobs(const char* name, std::size_t count, std::vector<Judged>& pairs, const Fit& fit);
     bool fit_alone(const Members& members);
     hypotheses::Term term_of(std::size_t candidate) const;
+    // Of the hypothesis that one candidate makes.
+    hypotheses::Kind kind_of(std::size_t candidate) const;
     hypotheses::Counts counts() const;
     Eigen::VectorXd direction_of(const EffectResult& effect, const Mimicry& mimicry) const;
     std::vector<const Judged*> fitted_singles() const;

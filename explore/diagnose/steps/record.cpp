@@ -40,6 +40,11 @@ hypotheses::Term Investigation::term_of(std::size_t candidate) const {
             .subject = own.is_of_readings ? std::string(hypotheses::of_readings) : own.layer};
 }
 
+Kind Investigation::kind_of(std::size_t candidate) const {
+    const Candidate& own = task_.candidates[candidate];
+    return own.reading ? Kind::readings : own.is_layout ? Kind::layout : Kind::effect;
+}
+
 hypotheses::Counts Investigation::counts() const {
     std::set<std::string> effects;
     hypotheses::Counts counts{.readings = 0, .effects = 0, .channels = task_.channels.size()};
@@ -171,12 +176,11 @@ void Investigation::record_noise() {
 void Investigation::record_singles() {
     for (const EffectResult& effect : d_.effects) {
         if (effect.fit) {
-            const bool is_reading = task_.candidates[effect.candidate].reading.has_value();
-            record(*effect.fit, is_reading ? Kind::readings : Kind::effect);
+            record(*effect.fit, kind_of(effect.candidate));
             continue;
         }
         const auto term = term_of(effect.candidate);
-        d_.ledger.add(Row{.hypothesis = {.kind = Kind::effect, .name = term.effect, .terms = {term}},
+        d_.ledger.add(Row{.hypothesis = {.kind = kind_of(effect.candidate), .name = term.effect, .terms = {term}},
                           .not_tried = effect.impossible});
     }
 }
@@ -196,10 +200,9 @@ bool Investigation::weigh_chances() {
     }
     for (const EffectResult& effect : d_.effects) {
         if (effect.fit) {
-            const bool is_reading = task_.candidates[effect.candidate].reading.has_value();
             const double gain = std::max(0.0, effect.gain) / (d_.bartlett * excess * excess);
             const double p = d_.screening.family ? d_.screening.family->p_value(std::sqrt(gain)) : 1.0;
-            d_.ledger.add(Ledger::Chance{key_of(*effect.fit, is_reading ? Kind::readings : Kind::effect), p});
+            d_.ledger.add(Ledger::Chance{key_of(*effect.fit, kind_of(effect.candidate)), p});
         }
     }
     for (const Judged& pair : pairs_) {
@@ -229,10 +232,7 @@ void Investigation::weigh_confounding() {
     const EffectResult& leading = d_.effects[0];
     const double d = std::sqrt(std::max(0.0, leading.gain));
     const VectorXd own = direction_of(leading, mimicry);
-    const auto key = [&](const EffectResult& effect) {
-        const bool is_reading = task_.candidates[effect.candidate].reading.has_value();
-        return key_of(*effect.fit, is_reading ? Kind::readings : Kind::effect);
-    };
+    const auto key = [&](const EffectResult& effect) { return key_of(*effect.fit, kind_of(effect.candidate)); };
     for (std::size_t e = 1; e < d_.effects.size(); ++e) {
         const VectorXd other = direction_of(d_.effects[e], mimicry);
         if (own.size() == 0 || other.size() == 0) {

@@ -34,6 +34,7 @@ struct Effect {
     bool takes_reading = false;
     bool is_error_of_reading = false; // its size is the error of that one reading, whatever the model says
     bool takes_thickness = false;
+    bool takes_offsets = false;
 
     // In both, applied.layer is given for effects with a layer. Changes c, as load number `load` sees it, by the
     // effect.
