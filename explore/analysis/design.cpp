@@ -5,7 +5,7 @@
 #include "analysis/load_steps.h"
 #include "base/error.h"
 #include "base/random.h"
-#include "hypotheses/quantiles.h"
+#include "inference/quantiles.h"
 #include "run/parallel.h"
 
 #include <Eigen/Cholesky>
@@ -155,7 +155,7 @@ MatrixXd correlation(const problem::Problem& everything, const std::vector<Life>
     const MatrixXd rows = everything.information_jacobian(e) / acceptance.noise();
     const Index n = rows.cols();
     const MatrixXd information =
-        rows.transpose() * rows + MatrixXd::Identity(n, n) / hypotheses::box_variance; // uniform in the box
+        rows.transpose() * rows + MatrixXd::Identity(n, n) / inference::box_variance; // uniform in the box
     MatrixXd gradients(n, static_cast<Index>(lives.size()));
     for (std::size_t l = 0; l < lives.size(); ++l) {
         gradients.col(static_cast<Index>(l)) = lives[l].gradient(lives[l].critical(e.responses), unit, e);

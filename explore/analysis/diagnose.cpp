@@ -2,7 +2,7 @@
 
 #include "analysis/groups.h"
 #include "diagnose/evidence.h"
-#include "hypotheses/quantiles.h"
+#include "inference/quantiles.h"
 #include "pavement/effects/effect.h"
 #include "study/candidates.h"
 #include "study/corrections.h"
@@ -119,7 +119,7 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
         const auto fitted = bench.problem(model.members);
         const Eigen::MatrixXd j = fitted->residual_jacobian(model.evaluation);
         Eigen::MatrixXd h = j.transpose() * j / d.variance;
-        h.diagonal().array() += 1.0 / hypotheses::box_variance;
+        h.diagonal().array() += 1.0 / inference::box_variance;
         const Eigen::MatrixXd covariance = h.inverse();
         Predicted f{outcome->responses, {}};
         for (std::size_t i = 0; i < list.readings.size(); ++i) {
@@ -212,7 +212,7 @@ std::vector<std::vector<double>> other_minima(const Diagnosis& d) {
             }
             return most < apart;
         };
-        if (minimum.sum - d.baseline.model.sum < hypotheses::chi2_95 * noise &&
+        if (minimum.sum - d.baseline.model.sum < inference::chi2_95 * noise &&
             std::none_of(kept.begin(), kept.end(), is_near)) {
             kept.push_back(minimum.unit);
         }

@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "base/units.h"
+#include "inference/quantiles.h"
 #include "study/readings.h"
 
 #include <algorithm>
@@ -35,7 +36,7 @@ std::vector<SensorDrift> sensor_drifts(const study::Study& study, const problem:
 }
 
 std::string drift_words(const study::Study& study, const std::vector<SensorDrift>& drifts) {
-    constexpr double told = 1.96;
+    constexpr double told = inference::two_sided_95;
     std::vector<std::string> list;
     for (const SensorDrift& drift : drifts) {
         if (std::abs(drift.rate) > told * drift.deviation) {

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "inference/quantiles.h"
 #include "optimise/gauss_newton.h"
 #include "pavement/effects/effect.h"
 #include "run/least_squares.h"
@@ -68,7 +69,7 @@ std::string floor_words(const study::Study& study, const landscape::Minimum& min
         return pave::figure(depth);
     };
     const double rise = std::pow(without.misfit, 2) - std::pow(fitted.misfit, 2);
-    if (constexpr double accepted = 3.84;
+    if (constexpr double accepted = inference::chi2_95;
         rise > accepted * local.noise * local.noise && local.noise > 0.0) { // chi2 of one degree, 95 %
         return fmt::format("Fitted without the floor at {} m the model fits worse (misfit {} instead of {}): "
                            "they speak for something stiff there.",

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "data/deflection_bowl.h"
+#include "inference/quantiles.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -194,7 +195,8 @@ NoiseModel model_of(const std::vector<RepeatedDrops>& groups) {
     const MatrixXd covariance = information.inverse();
     for (std::size_t a = 0; a < best.there.size(); ++a) {
         const auto k = static_cast<std::size_t>(best.there[a]);
-        const double width = 1.96 * std::sqrt(covariance(static_cast<Index>(a), static_cast<Index>(a)));
+        const double width =
+            inference::two_sided_95 * std::sqrt(covariance(static_cast<Index>(a), static_cast<Index>(a)));
         model.value[k] = best.p[k];
         model.low[k] = best.p[k] * std::exp(-width);
         model.high[k] = best.p[k] * std::exp(width);

@@ -7,7 +7,7 @@
 #include "diagnose/evidence.h"
 #include "diagnose/model_average.h"
 #include "diagnose/workbench.h"
-#include "hypotheses/quantiles.h"
+#include "inference/quantiles.h"
 #include "landscape/minima.h"
 #include "pavement/effects/effect.h"
 #include "run/parallel.h"
@@ -238,7 +238,7 @@ Slopes slopes_at_best(const Sloped& sloped, const problem::Problem& problem, con
         const auto sum = [&](const Slopes& there) {
             const VectorXd own = reach.fullPivLu().solve(there.at.tail(hypothesis.none.size()) - hypothesis.none);
             return there.residuals.squaredNorm() + own.squaredNorm() +
-                   (there.at.head(parameters).array() - 0.5).square().sum() / hypotheses::box_variance;
+                   (there.at.head(parameters).array() - 0.5).square().sum() / inference::box_variance;
         };
         const double before = sum(slopes);
         VectorXd move = diagnose::say(slopes, parameters, hypothesis.none, reach).best - slopes.at;

@@ -2,7 +2,7 @@
 
 #include "analysis/mesh_error.h"
 #include "base/error.h"
-#include "hypotheses/quantiles.h"
+#include "inference/quantiles.h"
 #include "landscape/minima.h"
 
 #include <algorithm>
@@ -65,7 +65,7 @@ VectorXd mesh_errors(const study::Study& study, const problem::Problem& plain, c
         there.responses = outcome->responses;
         const VectorXd moved = plain.residuals(there) / noise - right.residuals;
         MatrixXd information = right.rows.transpose() * right.rows;
-        information.diagonal().array() += 1.0 / hypotheses::box_variance;
+        information.diagonal().array() += 1.0 / inference::box_variance;
         VectorXd step = VectorXd::Zero(information.rows());
         if (moved.allFinite()) {
             step = -information.llt().solve(right.rows.transpose() * moved);
@@ -132,7 +132,7 @@ std::pair<double, double> range_if_right(const Right& right, Index output, doubl
         const double value = right.values[m][output];
         constexpr double counts = 0.025;
         if (value * first < 0.0 && std::exp(right.said[m].log_evidence - most) > counts) {
-            const double half = hypotheses::two_sided_95 * right.said[m].deviation[output];
+            const double half = inference::two_sided_95 * right.said[m].deviation[output];
             low = std::min({low, value * std::exp(half), value * std::exp(-half)});
             high = std::max({high, value * std::exp(half), value * std::exp(-half)});
         }

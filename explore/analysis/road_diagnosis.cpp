@@ -4,7 +4,7 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "diagnose/screening.h"
-#include "hypotheses/quantiles.h"
+#include "inference/quantiles.h"
 #include "pavement/effects/catalog.h"
 #include "pavement/effects/effect.h"
 #include "study/variants.h"
@@ -288,7 +288,7 @@ private:
                     columns.col(n + 1 + of[k]) += jacobian.col(static_cast<Index>(k));
                 }
             }
-            const diagnose::Mimicry follows(own, free, columns.col(n));
+            const inference::Nuisance follows(own, free, columns.col(n));
             for (Index k = 0; k < columns.cols(); ++k) {
                 columns.col(k) = follows.beyond(columns.col(k));
             }
@@ -322,7 +322,7 @@ private:
             return;
         }
         directions_ = directions;
-        const diagnose::Family chance = family(directions(seen, seen), seen);
+        const inference::MaxStatistic chance = family(directions(seen, seen), seen);
         for (const Index k : seen) {
             const auto at = static_cast<std::size_t>(k);
             const Lack& lack = lacks_[at];
@@ -351,7 +351,7 @@ private:
     }
 
     // How large the largest score gets by noise alone.
-    diagnose::Family family(const MatrixXd& correlation, const std::vector<Index>& seen) const {
+    inference::MaxStatistic family(const MatrixXd& correlation, const std::vector<Index>& seen) const {
         const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(correlation);
         const MatrixXd root =
             eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
@@ -360,7 +360,7 @@ private:
         for (const Index k : seen) {
             sense.push_back(lacks_[static_cast<std::size_t>(k)].sense);
         }
-        const diagnose::Mimicry nothing(MatrixXd::Zero(root.rows(), 1), {0.5}, VectorXd::Zero(root.rows()));
+        const inference::Nuisance nothing(MatrixXd::Zero(root.rows(), 1), {0.5}, VectorXd::Zero(root.rows()));
         return {root, sense, nothing, false, session_.options().seed};
     }
 
@@ -389,7 +389,7 @@ private:
         const auto& gain = *pave::pavement::find_effect(sensor_scale);
         const problem::Axis axis = study::size_axis(gain);
         const auto& [share, deviation] = gains_.at(effect.candidate);
-        const double half = hypotheses::two_sided_95 * deviation;
+        const double half = inference::two_sided_95 * deviation;
         effect.size = std::exp(share);
         effect.low = std::exp(share - half);
         effect.high = std::exp(share + half);
@@ -471,7 +471,7 @@ private:
         const auto covariance = optimise::arrow_covariance(end->blocks, end->search.normal).common;
         // The common unknowns stand in the order of the layout.
         const double deviation = std::sqrt(covariance(size, size));
-        const double half = hypotheses::two_sided_95 * deviation;
+        const double half = inference::two_sided_95 * deviation;
         effect.low = axis.physical(std::max(0.0, unit - half));
         effect.high = axis.physical(std::min(1.0, unit + half));
         const double none = axis.unit(axis.start);

@@ -3,6 +3,7 @@
 #include "analysis/weak_stations.h"
 
 #include "base/text.h"
+#include "inference/quantiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,11 +68,12 @@ std::string missed_words(const WithheldLevel& level) {
             text += fmt::format("{}{:g} mm {}", text.empty() ? "" : ", ", s.offset_mm, words);
         };
         if (s.p_familywise < road_familywise) {
-            add(missed, fmt::format("{:+.1f} % +- {:.1f}", s.mean_percent, 1.96 * s.error_percent));
+            add(missed, fmt::format("{:+.1f} % +- {:.1f}", s.mean_percent, inference::two_sided_95 * s.error_percent));
             add(fitted, fmt::format("{:+.1f} %", s.fitted_percent));
         }
         if (s.load_p_familywise < road_familywise) {
-            add(by_load, fmt::format("{:+.1f} % +- {:.1f}", s.load_percent, 1.96 * s.load_error_percent));
+            add(by_load,
+                fmt::format("{:+.1f} % +- {:.1f}", s.load_percent, inference::two_sided_95 * s.load_error_percent));
         }
     }
     std::string text = missed.empty() ? " No sensor stands out."

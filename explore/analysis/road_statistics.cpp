@@ -2,6 +2,7 @@
 
 #include "analysis/road_course.h"
 #include "data/deflection_bowl.h"
+#include "inference/quantiles.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -78,9 +79,7 @@ void add_regions(const RoadState& state, const MatrixXd& covariance, double quan
                                         [&](const auto& c) { return c.axis == parameter.axis && !c.section; });
         return static_cast<Index>(found - state.layout.common.begin());
     };
-    constexpr double of_two = 5.991464547; // chi2 with two degrees of freedom, 95 %
-    constexpr double of_one = 3.841458821;
-    const double reach = quantile * std::sqrt(of_two / of_one);
+    const double reach = quantile * std::sqrt(inference::chi2_95_of_two / inference::chi2_95);
     constexpr int corners = 72;
     for (std::size_t a = 0; a < result.common.size(); ++a) {
         for (std::size_t b = a + 1; b < result.common.size(); ++b) {
@@ -311,7 +310,8 @@ void conclude(const RoadState& state, const std::vector<RoadStation>& judged, co
     result.dof -= common_met;
     result.p_value = result.dof > 0.0 ? gsl_cdf_chisq_Q(result.chi2, result.dof) : 1.0;
     result.widened = result.p_value < landscape::contradicted;
-    const double quantile = result.widened ? gsl_cdf_tdist_Pinv(0.975, result.dof) * result.noise_factor() : 1.96;
+    const double quantile =
+        result.widened ? gsl_cdf_tdist_Pinv(0.975, result.dof) * result.noise_factor() : inference::two_sided_95;
 
     result.stations = judged;
     const MatrixXd covariance = common_covariance(state);

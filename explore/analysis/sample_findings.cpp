@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "inference/quantiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,7 +64,7 @@ void say_bounds(const SampleResult& result, std::vector<std::string>& text) {
                                            100.0 * edge));
             }
         }
-        if (landscape::marginal(units, result.descent).sd * std::sqrt(12.0) > uninformed &&
+        if (landscape::marginal(units, result.descent).sd / std::sqrt(inference::box_variance) > uninformed &&
             modes_of(units, weight).size() == 1) {
             silent.push_back(axes[k].name);
         }

@@ -4,6 +4,7 @@
 #include "analysis/floor.h"
 #include "analysis/session.h"
 #include "data/bowl_indices.h"
+#include "inference/quantiles.h"
 #include "landscape/minima.h"
 #include "study/station.h"
 
@@ -73,7 +74,7 @@ struct StationFit {
     std::vector<std::size_t> levels;           // of the station's bowls that were fitted together
     std::vector<ParameterRange> parameters;    // in the order of the study's
     landscape::LocalAnalysis local;
-    double quantile = 1.96;             // half a 95 % range over a standard error
+    double quantile = inference::two_sided_95; // half a 95 % range over a standard error
     std::vector<std::size_t> held_by{}; // inequalities of the study that cut ranges: those end there, on one side
     std::vector<OutputRange> outputs{}; // in the order of SurveyResult::outputs
     std::string why_no_outputs{};       // where the model has no answer for them

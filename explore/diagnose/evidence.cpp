@@ -107,18 +107,18 @@ MatrixXd whitening(const std::vector<MatrixXd>& changes, const std::vector<Accep
     return Eigen::SelfAdjointEigenSolver<MatrixXd>(covariance).operatorInverseSqrt();
 }
 
-MatrixXd beyond(const Mimicry& mimicry, MatrixXd change) {
+MatrixXd beyond(const inference::Nuisance& nuisance, MatrixXd change) {
     for (Index k = 0; k < change.cols(); ++k) {
-        change.col(k) = mimicry.beyond(change.col(k));
+        change.col(k) = nuisance.beyond(change.col(k));
     }
     return change;
 }
 
-std::vector<MatrixXd> beyond(const Mimicry& mimicry, const std::vector<MatrixXd>& changes) {
+std::vector<MatrixXd> beyond(const inference::Nuisance& nuisance, const std::vector<MatrixXd>& changes) {
     std::vector<MatrixXd> list;
     list.reserve(changes.size());
     for (const MatrixXd& change : changes) {
-        list.push_back(beyond(mimicry, change));
+        list.push_back(beyond(nuisance, change));
     }
     return list;
 }
@@ -126,15 +126,15 @@ std::vector<MatrixXd> beyond(const Mimicry& mimicry, const std::vector<MatrixXd>
 } // namespace
 
 std::vector<ChannelTest> test_channels(const VectorXd& residuals, const std::vector<MatrixXd>& changes,
-                                       const std::vector<Accepted>& accepted, const Mimicry& mimicry, bool estimated,
-                                       std::uint64_t seed) {
+                                       const std::vector<Accepted>& accepted, const inference::Nuisance& nuisance,
+                                       bool estimated, std::uint64_t seed) {
     const Index rows = residuals.size();
-    const int free = static_cast<int>(rows) - mimicry.rank();
+    const int free = static_cast<int>(rows) - nuisance.rank();
     std::vector<ChannelTest> tests(changes.size());
     if (free < 1) {
         return tests;
     }
-    const std::vector<MatrixXd> seen = beyond(mimicry, changes);
+    const std::vector<MatrixXd> seen = beyond(nuisance, changes);
     const MatrixXd whiten = whitening(seen, accepted, rows);
     std::vector<std::size_t> open;
     std::vector<ChannelEvidence> evidence;
@@ -144,7 +144,7 @@ std::vector<ChannelTest> test_channels(const VectorXd& residuals, const std::vec
             evidence.emplace_back(whiten * seen[c]);
         }
     }
-    const VectorXd z = whiten * mimicry.beyond(residuals);
+    const VectorXd z = whiten * nuisance.beyond(residuals);
     for (std::size_t i = 0; i < open.size(); ++i) {
         const auto estimate = evidence[i].estimate(z, estimated, free);
         tests[open[i]].strength = estimate.strength;
@@ -159,7 +159,7 @@ std::vector<ChannelTest> test_channels(const VectorXd& residuals, const std::vec
             noise[i] = random.normal(static_cast<std::uint64_t>(draw) * static_cast<std::uint64_t>(rows) +
                                      static_cast<std::uint64_t>(i));
         }
-        const VectorXd drawn = mimicry.beyond(noise); // whitened already: what is accepted is part of the noise
+        const VectorXd drawn = nuisance.beyond(noise); // whitened already: what is accepted is part of the noise
         double largest = 0.0;
         for (const ChannelEvidence& own : evidence) {
             largest = std::max(largest, own.estimate(drawn, estimated, free).log_ratio);
@@ -175,10 +175,10 @@ std::vector<ChannelTest> test_channels(const VectorXd& residuals, const std::vec
 }
 
 void estimate_strengths(const VectorXd& residuals, const std::vector<MatrixXd>& changes,
-                        std::vector<Accepted>& accepted, const Mimicry& mimicry, bool estimated) {
+                        std::vector<Accepted>& accepted, const inference::Nuisance& nuisance, bool estimated) {
     const Index rows = residuals.size();
-    const std::vector<MatrixXd> seen = beyond(mimicry, changes);
-    const VectorXd z = mimicry.beyond(residuals);
+    const std::vector<MatrixXd> seen = beyond(nuisance, changes);
+    const VectorXd z = nuisance.beyond(residuals);
     const int sweeps = accepted.size() > 1 ? 5 : 1;
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         for (std::size_t a = 0; a < accepted.size(); ++a) {
@@ -186,7 +186,7 @@ void estimate_strengths(const VectorXd& residuals, const std::vector<MatrixXd>& 
             others.erase(others.begin() + static_cast<std::ptrdiff_t>(a));
             const MatrixXd whiten = whitening(seen, others, rows);
             const ChannelEvidence own(whiten * seen[accepted[a].channel]);
-            const auto estimate = own.estimate(whiten * z, estimated, static_cast<int>(rows) - mimicry.rank());
+            const auto estimate = own.estimate(whiten * z, estimated, static_cast<int>(rows) - nuisance.rank());
             if (estimate.strength > 0.0) {
                 accepted[a].strength = estimate.strength;
             }

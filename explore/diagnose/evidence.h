@@ -60,11 +60,11 @@ struct ChannelTest {
 // before what parameters follow is taken out. residuals: as if no correction were in the model. The largest of all
 // under noise alone is simulated with 9,999 draws, so no p is below 1e-4.
 std::vector<ChannelTest> test_channels(const Eigen::VectorXd& residuals, const std::vector<Eigen::MatrixXd>& changes,
-                                       const std::vector<Accepted>& accepted, const Mimicry& mimicry, bool estimated,
-                                       std::uint64_t seed);
+                                       const std::vector<Accepted>& accepted, const inference::Nuisance& nuisance,
+                                       bool estimated, std::uint64_t seed);
 
 // The strengths of accepted channels together: each at its best beside the others, in turn.
 void estimate_strengths(const Eigen::VectorXd& residuals, const std::vector<Eigen::MatrixXd>& changes,
-                        std::vector<Accepted>& accepted, const Mimicry& mimicry, bool estimated);
+                        std::vector<Accepted>& accepted, const inference::Nuisance& nuisance, bool estimated);
 
 } // namespace explore::diagnose

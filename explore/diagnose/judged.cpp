@@ -1,6 +1,6 @@
 #include "diagnose/judged.h"
 
-#include "hypotheses/quantiles.h"
+#include "inference/quantiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 
 bool Judged::ends_range(std::size_t member) const {
     const double size = model.unit[model.unit.size() - model.members.size() + member];
-    return size < at_end || size > 1.0 - at_end;
+    return size < inference::end_of_range || size > 1.0 - inference::end_of_range;
 }
 
 bool Judged::ends_range() const {
@@ -38,7 +38,7 @@ double aicc(double sum, std::size_t readings, std::size_t parameters, bool noise
 }
 
 Interval interval_within(const problem::Axis& axis, double unit, double variance) {
-    const double half = hypotheses::two_sided_95 * std::sqrt(variance);
+    const double half = inference::two_sided_95 * std::sqrt(variance);
     return {axis.physical(unit), axis.physical(std::clamp(unit - half, 0.0, 1.0)),
             axis.physical(std::clamp(unit + half, 0.0, 1.0))};
 }
@@ -48,7 +48,7 @@ MatrixXd covariance_of(const problem::Problem& problem, const Model& model, doub
     MatrixXd h = j.transpose() * j / variance;
     // A parameter on a bound gives way no further; the box is known beforehand.
     constexpr double weak = 0.01;
-    h.diagonal().array() += weak / hypotheses::box_variance;
+    h.diagonal().array() += weak / inference::box_variance;
     return h.llt().solve(MatrixXd::Identity(h.rows(), h.cols()));
 }
 
@@ -57,7 +57,7 @@ Interval interval_of(const problem::Problem& problem, const Model& model, std::s
     return interval_within(problem.space.axes[axis], model.unit[axis], covariance_of(problem, model, variance)(k, k));
 }
 
-Mimicry Judge::mimicry_of(const Model& model, double variance) const {
+inference::Nuisance Judge::nuisance_of(const Model& model, double variance) const {
     const double noise = std::sqrt(variance);
     return {bench_.problem(model.members)->residual_jacobian(model.evaluation) / noise, model.unit,
             model.residuals / noise};
@@ -68,14 +68,14 @@ Judged Judge::judge(Model model, double variance) const {
     const auto problem = bench_.problem(model.members);
     const double noise = std::sqrt(variance);
     const MatrixXd jacobian = problem->residual_jacobian(model.evaluation) / noise;
-    const Mimicry mimicry(jacobian, model.unit, model.residuals / noise);
+    const inference::Nuisance nuisance(jacobian, model.unit, model.residuals / noise);
     j.chi2 = model.sum / variance;
-    j.dof = static_cast<int>(model.residuals.size()) - mimicry.rank();
+    j.dof = static_cast<int>(model.residuals.size()) - nuisance.rank();
     if (noise_is_stated_ && j.dof > 0) {
         j.p_value = gsl_cdf_chisq_Q(j.chi2, j.dof);
     }
     j.aicc = aicc(model.sum, static_cast<std::size_t>(model.residuals.size()), model.unit.size(), noise_is_stated_);
-    j.pattern = test_pattern(model.residuals / noise, mimicry, groups_);
+    j.pattern = test_pattern(model.residuals / noise, nuisance, groups_);
     const std::size_t parameters = model.unit.size() - model.members.size();
     auto prior = hypotheses::Prior::of_parameters(static_cast<Index>(parameters));
     for (std::size_t m = 0; m < model.members.size(); ++m) {
@@ -101,7 +101,7 @@ Judged Judge::judge(Model model, double variance) const {
             prior.cut_off(size, deviation);
             j.sizes.push_back(interval_within(problem->space.axes[parameters + m], size, known(at, at)));
             const double null = candidates_[model.members[m]].null;
-            const double half = hypotheses::two_sided_95 * deviation;
+            const double half = inference::two_sided_95 * deviation;
             constexpr double at_null = 1e-6; // an end that changes nothing is none
             j.at_end =
                 j.at_end || (size + half >= 1.0 && null < 1.0 - at_null) || (size - half <= 0.0 && null > at_null);

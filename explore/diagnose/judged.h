@@ -48,7 +48,7 @@ public:
           noise_is_stated_(bench.problem({})->noise_is_stated()) {}
 
     Judged judge(Model model, double variance) const;
-    Mimicry mimicry_of(const Model& model, double variance) const;
+    inference::Nuisance nuisance_of(const Model& model, double variance) const;
     bool noise_is_stated() const { return noise_is_stated_; }
     hypotheses::NoisePrior noise_prior() const {
         return noise_is_stated_ ? hypotheses::NoisePrior{} : hypotheses::any_noise();

@@ -2,7 +2,7 @@
 
 #include "diagnose/evidence.h"
 #include "diagnose/steps/investigation.h"
-#include "hypotheses/quantiles.h"
+#include "inference/quantiles.h"
 #include "run/parallel.h"
 #include "run/progress.h"
 
@@ -76,7 +76,7 @@ public:
 
 private:
     std::vector<ChannelTest> test() const {
-        return test_channels(uncorrected(), changes_, accepted_, mimicry(), estimated_, task_.seed + accepted_.size());
+        return test_channels(uncorrected(), changes_, accepted_, nuisance(), estimated_, task_.seed + accepted_.size());
     }
     static std::size_t best_of(const std::vector<ChannelTest>& tests) {
         const auto best = std::max_element(tests.begin(), tests.end(),
@@ -84,7 +84,7 @@ private:
         return static_cast<std::size_t>(best - tests.begin());
     }
 
-    Mimicry mimicry() const {
+    inference::Nuisance nuisance() const {
         const MatrixXd jacobian = problem_->residual_jacobian(model_.evaluation) / noise_;
         const auto followed = static_cast<std::ptrdiff_t>(followed_);
         return {jacobian.leftCols(followed),
@@ -211,7 +211,7 @@ private:
                          [&](std::size_t a, std::size_t b) { return tests[a].log_ratio > tests[b].log_ratio; });
         location_.corrections.push_back(std::move(found));
         accepted_.push_back({channel, tests[channel].strength});
-        estimate_strengths(uncorrected_with_none(channel), changes_, accepted_, mimicry(), estimated_);
+        estimate_strengths(uncorrected_with_none(channel), changes_, accepted_, nuisance(), estimated_);
     }
 
     // As uncorrected(), a channel that has no coefficients in the model yet being accepted last.
@@ -275,7 +275,7 @@ private:
                 changes_[a.channel] = changes_by(*problem_, members, model_.evaluation, a.channel);
             }
             const std::vector<Accepted> before = accepted_;
-            estimate_strengths(uncorrected(), changes_, accepted_, mimicry(), estimated_);
+            estimate_strengths(uncorrected(), changes_, accepted_, nuisance(), estimated_);
             constexpr double same = 0.1;
             const bool is_settled =
                 std::equal(before.begin(), before.end(), accepted_.begin(), [](const Accepted& a, const Accepted& b) {
@@ -294,7 +294,7 @@ private:
         location_.covariance = covariance();
         location_.fit = judge();
         location_.numbers = static_cast<int>(numbers());
-        const Mimicry beyond = mimicry();
+        const inference::Nuisance beyond = nuisance();
         for (std::size_t i = 0; i < accepted_.size(); ++i) {
             Correction& correction = location_.corrections[i];
             correction.strength = accepted_[i].strength;
@@ -310,7 +310,7 @@ private:
         const MatrixXd pulls = penalised(*problem_, model_.members).penalty / noise_;
         MatrixXd precision = jacobian.transpose() * jacobian + pulls.transpose() * pulls;
         constexpr double weak = 0.01; // as of every interval
-        precision.diagonal().head(static_cast<Index>(followed_)).array() += weak / hypotheses::box_variance;
+        precision.diagonal().head(static_cast<Index>(followed_)).array() += weak / inference::box_variance;
         return precision.llt().solve(MatrixXd::Identity(precision.rows(), precision.cols()));
     }
 
@@ -346,27 +346,27 @@ private:
     Judged judge() const {
         Judged fit;
         fit.chi2 = model_.sum / d_.variance;
-        fit.dof = static_cast<int>(model_.residuals.size()) - mimicry().rank();
+        fit.dof = static_cast<int>(model_.residuals.size()) - nuisance().rank();
         if (!estimated_ && fit.dof > 0) {
             fit.p_value = gsl_cdf_chisq_Q(fit.chi2, fit.dof);
         }
         fit.aicc = aicc_now();
         const MatrixXd jacobian = problem_->residual_jacobian(model_.evaluation) / noise_;
-        fit.pattern = test_pattern(model_.residuals / noise_, Mimicry(jacobian, model_.unit, model_.residuals / noise_),
-                                   task_.groups);
+        fit.pattern = test_pattern(model_.residuals / noise_,
+                                   inference::Nuisance(jacobian, model_.unit, model_.residuals / noise_), task_.groups);
         fit.evidence = evidence(jacobian);
         fit.model = model_;
         return fit;
     }
 
     // What of this change of the residuals each effect makes.
-    void compare(const VectorXd& change, const Mimicry& mimicry, Correction& correction) const {
+    void compare(const VectorXd& change, const inference::Nuisance& nuisance, Correction& correction) const {
         constexpr double alike = 0.5;
         for (std::size_t e = 0; e < d_.effects.size(); ++e) {
             const EffectResult& effect = d_.effects[e];
             VectorXd own = d_.screening.items[effect.candidate].change;
             if (effect.fit) {
-                own = mimicry.beyond(effect.fit->model.residuals - d_.baseline.model.residuals);
+                own = nuisance.beyond(effect.fit->model.residuals - d_.baseline.model.residuals);
             }
             const double length = own.size() > 0 ? own.norm() : 0.0;
             const double whole = change.norm();

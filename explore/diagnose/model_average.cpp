@@ -1,6 +1,6 @@
 #include "diagnose/model_average.h"
 
-#include "hypotheses/quantiles.h"
+#include "inference/quantiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ Said say(const Slopes& slopes, Index parameters, const VectorXd& none, const Mat
         now.tail(m) = reach.fullPivLu().solve(slopes.at.tail(m) - none);
     }
     VectorXd precision = VectorXd::Ones(n + m);
-    precision.head(n).setConstant(1.0 / hypotheses::box_variance);
+    precision.head(n).setConstant(1.0 / inference::box_variance);
     const MatrixXd information = a.transpose() * a + MatrixXd(precision.asDiagonal());
     const Eigen::LLT<MatrixXd> llt(information);
     const VectorXd x = llt.solve(a.transpose() * (a * now - slopes.residuals));

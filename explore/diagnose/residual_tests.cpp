@@ -63,7 +63,8 @@ GroupTest test_group(const VectorXd& residuals, const ReadingGroup& group) {
     return test;
 }
 
-PatternTest test_pattern(const VectorXd& residuals, const Mimicry& mimicry, const std::vector<ReadingGroup>& groups) {
+PatternTest test_pattern(const VectorXd& residuals, const inference::Nuisance& nuisance,
+                         const std::vector<ReadingGroup>& groups) {
     std::vector<VectorXd> patterns;
     for (const ReadingGroup& group : groups) {
         const auto n = static_cast<double>(group.terms.size());
@@ -74,7 +75,7 @@ PatternTest test_pattern(const VectorXd& residuals, const Mimicry& mimicry, cons
                 const double x = (2.0 * static_cast<double>(i) + 1.0) / n - 1.0;
                 pattern[static_cast<Index>(group.terms[i])] = std::pow(x, degree);
             }
-            patterns.push_back(mimicry.beyond(pattern / pattern.norm()));
+            patterns.push_back(nuisance.beyond(pattern / pattern.norm()));
         }
     }
     PatternTest test;
@@ -93,8 +94,8 @@ PatternTest test_pattern(const VectorXd& residuals, const Mimicry& mimicry, cons
     return test;
 }
 
-std::vector<Constancy> test_constancy(const MatrixXd& jacobian, const VectorXd& residuals, const Mimicry& mimicry,
-                                      const std::vector<ReadingGroup>& groups) {
+std::vector<Constancy> test_constancy(const MatrixXd& jacobian, const VectorXd& residuals,
+                                      const inference::Nuisance& nuisance, const std::vector<ReadingGroup>& groups) {
     std::vector<Constancy> tests;
     for (std::size_t g = 0; groups.size() > 1 && g < groups.size(); ++g) {
         for (Index k = 0; k < jacobian.cols(); ++k) {
@@ -102,7 +103,7 @@ std::vector<Constancy> test_constancy(const MatrixXd& jacobian, const VectorXd& 
             for (const std::size_t i : groups[g].terms) {
                 own[static_cast<Index>(i)] = jacobian(static_cast<Index>(i), k);
             }
-            const VectorXd change = mimicry.beyond(own);
+            const VectorXd change = nuisance.beyond(own);
             constexpr double seen = 1.0; // standard deviations, crossing the box
             if (change.norm() > seen) {
                 const double score = -change.dot(residuals) / change.norm();

@@ -26,7 +26,7 @@ struct PatternTest {
     int dof = 0;
     double p_value = 1.0;
 };
-PatternTest test_pattern(const Eigen::VectorXd& residuals, const Mimicry& mimicry,
+PatternTest test_pattern(const Eigen::VectorXd& residuals, const inference::Nuisance& nuisance,
                          const std::vector<ReadingGroup>& groups);
 
 // Does one group of readings want another value of a parameter than the others? To first order at the fit.
@@ -37,6 +37,6 @@ struct Constancy {
 };
 // Every parameter and group, the largest |score| first. With one group there is nothing to compare.
 std::vector<Constancy> test_constancy(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals,
-                                      const Mimicry& mimicry, const std::vector<ReadingGroup>& groups);
+                                      const inference::Nuisance& nuisance, const std::vector<ReadingGroup>& groups);
 
 } // namespace explore::diagnose

@@ -1,10 +1,8 @@
 #include "diagnose/screening.h"
 
-#include "base/random.h"
 #include "run/parallel.h"
 #include "run/progress.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <gsl/gsl_cdf.h>
@@ -14,80 +12,6 @@ namespace explore::diagnose {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-Mimicry::Mimicry(const MatrixXd& jacobian, const std::vector<double>& unit, const VectorXd& residuals) {
-    const VectorXd pull = jacobian.transpose() * residuals; // the sum of squares falls against it
-    MatrixXd open = jacobian;
-    for (Index k = 0; k < open.cols(); ++k) {
-        if (is_pressed(unit[static_cast<std::size_t>(k)], pull[k])) {
-            open.col(k).setZero();
-        }
-    }
-    constexpr double seen = 1.0;
-    const Eigen::JacobiSVD<MatrixXd> svd(open, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    const auto rank = static_cast<Index>((svd.singularValues().array() >= seen).count());
-    base_ = svd.matrixU().leftCols(rank);
-    inverse_ =
-        svd.matrixV().leftCols(rank) * svd.singularValues().head(rank).cwiseInverse().asDiagonal() * base_.transpose();
-}
-
-VectorXd Mimicry::beyond(const VectorXd& change) const {
-    return change - base_ * (base_.transpose() * change);
-}
-
-std::vector<double> Mimicry::best_response(const std::vector<double>& unit, const VectorXd& residuals) const {
-    const VectorXd step = inverse_ * residuals;
-    std::vector<double> point = unit;
-    for (std::size_t k = 0; k < point.size(); ++k) {
-        point[k] = std::clamp(point[k] - step[static_cast<Index>(k)], 0.0, 1.0);
-    }
-    return point;
-}
-
-Family::Family(const MatrixXd& directions, const std::vector<int>& sense, const Mimicry& mimicry, bool estimated,
-               std::uint64_t seed, const std::function<VectorXd(VectorXd)>& rows_of)
-    : sense_(sense) {
-    constexpr int draws = 10'000;
-    const Index n = directions.rows();
-    const pave::RandomStream random(seed, 6);
-    VectorXd deviates(n);
-    for (int draw = 0; draw < draws; ++draw) {
-        for (Index i = 0; i < n; ++i) {
-            deviates[i] = random.normal(static_cast<std::uint64_t>(draw) * static_cast<std::uint64_t>(n) +
-                                        static_cast<std::uint64_t>(i));
-        }
-        const VectorXd noise = rows_of ? rows_of(deviates) : deviates;
-        const double scale =
-            estimated ? mimicry.beyond(noise).norm() / std::sqrt(std::max(1.0, static_cast<double>(n - mimicry.rank())))
-                      : 1.0;
-        const VectorXd statistics = -directions.transpose() * noise / scale;
-        double largest = 0.0;
-        for (Index j = 0; j < statistics.size(); ++j) {
-            const int s = sense[static_cast<std::size_t>(j)];
-            largest = std::max(largest, s == 0 ? std::abs(statistics[j]) : s * statistics[j]);
-        }
-        largest_.push_back(largest);
-    }
-    std::sort(largest_.begin(), largest_.end(), std::greater<>());
-}
-
-double Family::p_value(double statistic) const {
-    const auto above = std::lower_bound(largest_.begin(), largest_.end(), statistic, std::greater_equal<>());
-    const auto count = static_cast<double>(above - largest_.begin());
-    constexpr double reach = 20.0; // draws
-    if (count >= reach) {
-        return count / static_cast<double>(largest_.size());
-    }
-    double sum = 0.0;
-    for (const int s : sense_) {
-        sum += (s == 0 ? 2.0 : 1.0) * gsl_cdf_ugaussian_Q(statistic);
-    }
-    return std::min(sum, reach / static_cast<double>(largest_.size()));
-}
-
-double Family::threshold(double p) const {
-    return largest_[static_cast<std::size_t>(p * static_cast<double>(largest_.size()))];
-}
 
 Members with_member(Members members, std::size_t candidate) {
     members.insert(std::upper_bound(members.begin(), members.end(), candidate), candidate);
@@ -216,7 +140,7 @@ void scan(Workbench& bench, const Model& base, std::size_t c, int number, const 
 
 // The further sizes of scan_of: where the derivative foretells what the typical size does, those on the side that the
 // data want.
-std::vector<double> further_sizes(const Candidate& candidate, const Signature& s, const Mimicry& mimicry,
+std::vector<double> further_sizes(const Candidate& candidate, const Signature& s, const inference::Nuisance& nuisance,
                                   const VectorXd& residuals) {
     std::vector<double> sizes = scan_of(candidate);
     sizes.erase(sizes.begin());
@@ -226,15 +150,15 @@ std::vector<double> further_sizes(const Candidate& candidate, const Signature& s
     const VectorXd foretold = s.derivative * (candidate.typical - candidate.null);
     constexpr double straight = 0.5;
     if ((s.moved[0] - foretold).norm() < straight * s.moved[0].norm()) {
-        const double wanted = -mimicry.beyond(s.derivative).dot(residuals);
+        const double wanted = -nuisance.beyond(s.derivative).dot(residuals);
         std::erase_if(sizes, [&](double size) { return (size - candidate.null) * wanted < 0.0; });
     }
     return sizes;
 }
 
 // Least sum of squares that a change, of any size and on the sides that exist, leaves of the residuals.
-double least_sum(const Mimicry& mimicry, const VectorXd& residuals, const VectorXd& change, int sense) {
-    const VectorXd direction = mimicry.beyond(change);
+double least_sum(const inference::Nuisance& nuisance, const VectorXd& residuals, const VectorXd& change, int sense) {
+    const VectorXd direction = nuisance.beyond(change);
     const double length = direction.norm();
     const double pull = length > 0.0 ? -direction.dot(residuals) / length : 0.0;
     return residuals.squaredNorm() - (pull * sense >= 0.0 ? pull * pull : 0.0);
@@ -253,7 +177,8 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
     const auto own = bench.problem(base.members);
     Screening screening;
     screening.base = on_coarse(bench, base, number + 3);
-    const Mimicry mimicry(own->residual_jacobian(screening.base.evaluation) / noise, base.unit, base.residuals / noise);
+    const inference::Nuisance nuisance(own->residual_jacobian(screening.base.evaluation) / noise, base.unit,
+                                       base.residuals / noise);
     const auto is_member = [&](std::size_t c) {
         return std::any_of(base.members.begin(), base.members.end(), [&](std::size_t m) {
             return candidates[m].effect == candidates[c].effect; // an effect once in a model
@@ -296,11 +221,11 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
                 }
                 const int sense = sense_of(candidates[c]);
                 if (s.derivative.size() > 0) {
-                    least[c] = least_sum(mimicry, base.residuals, s.derivative, sense);
+                    least[c] = least_sum(nuisance, base.residuals, s.derivative, sense);
                 }
                 if (!s.moved.empty() && s.moved[0].size() > 0) {
                     const int side = sense == 0 ? 0 : 1; // the typical size is on the one that exists
-                    least[c] = std::min(least[c], least_sum(mimicry, base.residuals, s.moved[0], side));
+                    least[c] = std::min(least[c], least_sum(nuisance, base.residuals, s.moved[0], side));
                 }
             }
             progress.add(1, true);
@@ -317,7 +242,8 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
         order.resize(std::min(order.size(), scanned));
         run::for_each_index(arena, order.size(), [&](std::size_t i) {
             Signature& s = signatures[order[i]];
-            scan(bench, base, order[i], number + 2, further_sizes(candidates[order[i]], s, mimicry, base.residuals), s);
+            scan(bench, base, order[i], number + 2, further_sizes(candidates[order[i]], s, nuisance, base.residuals),
+                 s);
         });
     }
     if (run::interrupted()) {
@@ -328,8 +254,8 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
     std::vector<VectorXd> wholes; // before what parameters follow was taken out
     std::vector<int> sense;
     std::vector<std::size_t> owner;
-    const double left = static_cast<double>(base.residuals.size() - mimicry.rank());
-    const double scale = estimated ? mimicry.beyond(base.residuals).norm() / std::sqrt(std::max(1.0, left)) : noise;
+    const double left = static_cast<double>(base.residuals.size() - nuisance.rank());
+    const double scale = estimated ? nuisance.beyond(base.residuals).norm() / std::sqrt(std::max(1.0, left)) : noise;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
         const Candidate& candidate = candidates[c];
         const Signature& s = signatures[c];
@@ -358,7 +284,7 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
             item.change = s.derivative;
         }
         const VectorXd whole = item.change;
-        item.change = mimicry.beyond(item.change);
+        item.change = nuisance.beyond(item.change);
         constexpr double same = 1e-6;
         constexpr double invisible = 0.05; // standard deviations, crossing the whole range
         const double length = item.change.norm();
@@ -380,8 +306,8 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
             const VectorXd there = base.residuals + moved;
             const Members members = with_member(base.members, c);
             item.starts.push_back(
-                {with_size(mimicry.best_response(base.unit, there / noise), size_index(bench, members, c), size),
-                 mimicry.beyond(there).squaredNorm()});
+                {with_size(nuisance.best_response(base.unit, there / noise), size_index(bench, members, c), size),
+                 nuisance.beyond(there).squaredNorm()});
         };
         for (std::size_t i = 0; i < s.sizes.size(); ++i) {
             if (s.moved[i].size() > 0) {
@@ -411,7 +337,7 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
     for (std::size_t j = 0; j < directions.size(); ++j) {
         all.col(static_cast<Index>(j)) = directions[j];
     }
-    screening.family.emplace(all, sense, mimicry, estimated, seed,
+    screening.family.emplace(all, sense, nuisance, estimated, seed,
                              [&](VectorXd deviates) { return own->noise_rows(base.evaluation, std::move(deviates)); });
     constexpr double level = 0.05;
     screening.threshold = screening.family->threshold(level);

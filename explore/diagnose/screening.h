@@ -2,56 +2,10 @@
 #pragma once
 
 #include "diagnose/workbench.h"
-
-#include <functional>
+#include "inference/max_statistic.h"
+#include "inference/nuisance.h"
 
 namespace explore::diagnose {
-
-// Of the range of a parameter or a size: closer to an end it is at it.
-constexpr double at_end = 1e-4;
-// Whether a fit presses a coordinate against an end of its range. pull: of the sum of squares, which falls against it.
-inline bool is_pressed(double unit, double pull) {
-    return (unit < at_end && pull > 0.0) || (unit > 1.0 - at_end && pull < 0.0);
-}
-
-// What free parameters can follow, to first order: the span of the residuals' derivatives. Directions that crossing the
-// whole box moves by less than one standard deviation are not in it, nor are parameters that the fit presses against a
-// bound.
-class Mimicry {
-public:
-    // jacobian: residuals in standard deviations by unit coordinates.
-    Mimicry(const Eigen::MatrixXd& jacobian, const std::vector<double>& unit, const Eigen::VectorXd& residuals);
-
-    // The part that no parameter can follow.
-    Eigen::VectorXd beyond(const Eigen::VectorXd& change) const;
-    // The point of the cube at which the parameters make the best of these residuals.
-    std::vector<double> best_response(const std::vector<double>& unit, const Eigen::VectorXd& residuals) const;
-    int rank() const { return static_cast<int>(base_.cols()); }
-
-private:
-    Eigen::MatrixXd base_;    // orthonormal
-    Eigen::MatrixXd inverse_; // parameters by residuals
-};
-
-// How large the largest of several statistics gets when there is nothing but noise.
-class Family {
-public:
-    // directions: unit vectors, one column a statistic: minus their product with the residuals. Only the sign of
-    // `sense` counts, where it is not 0. estimated: the noise is what the residuals leave over, beyond `mimicry`.
-    // rows_of: residuals in standard deviations by standard normal deviates; without: the deviates.
-    Family(const Eigen::MatrixXd& directions, const std::vector<int>& sense, const Mimicry& mimicry, bool estimated,
-           std::uint64_t seed, const std::function<Eigen::VectorXd(Eigen::VectorXd)>& rows_of = {});
-
-    // The chance that the largest statistic of the family reaches this under noise alone. Simulated with 10,000 draws;
-    // below their reach by the bound of Bonferroni, which is close there.
-    double p_value(double statistic) const;
-    // What the largest statistic exceeds with this probability.
-    double threshold(double p) const;
-
-private:
-    std::vector<double> largest_; // descending
-    std::vector<int> sense_;
-};
 
 struct Screened {
     std::string impossible; // why it cannot be judged; empty: it can
@@ -80,7 +34,7 @@ struct Screening {
     std::vector<Screened> items; // one a candidate; those among the base's members have no change
     double threshold = 0.0;      // what the largest |score| exceeds in 5 % of cases under noise alone
     double p_familywise = 1.0;   // of the largest score
-    std::optional<Family> family;
+    std::optional<inference::MaxStatistic> family;
 };
 
 // All on the coarse mesh. base: what the candidates are added to. variance: of a residual. scanned: so many candidates,

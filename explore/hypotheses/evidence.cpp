@@ -1,6 +1,6 @@
 #include "hypotheses/evidence.h"
 
-#include "hypotheses/quantiles.h"
+#include "inference/quantiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,8 +17,8 @@ NoisePrior any_noise() {
 }
 
 Prior Prior::of_parameters(Index count) {
-    return {MatrixXd::Identity(count, count) / box_variance,
-            -0.5 * static_cast<double>(count) * std::log(box_variance)};
+    return {MatrixXd::Identity(count, count) / inference::box_variance,
+            -0.5 * static_cast<double>(count) * std::log(inference::box_variance)};
 }
 
 namespace {

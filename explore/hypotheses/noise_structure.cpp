@@ -1,6 +1,6 @@
 #include "hypotheses/noise_structure.h"
 
-#include "hypotheses/quantiles.h"
+#include "inference/quantiles.h"
 #include "problem/student.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 VectorXd best_residuals(const VectorXd& residuals, const MatrixXd& jacobian) {
     constexpr double weak = 0.01;
     MatrixXd information = jacobian.transpose() * jacobian;
-    information.diagonal().array() += weak / box_variance;
+    information.diagonal().array() += weak / inference::box_variance;
     return residuals - jacobian * information.llt().solve(jacobian.transpose() * residuals);
 }
 

@@ -1,5 +1,7 @@
 #include "landscape/next_measurement.h"
 
+#include "inference/quantiles.h"
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -13,10 +15,9 @@ using Eigen::VectorXd;
 std::vector<CandidateEffect> rank_candidates(const problem::Problem& problem, const Acceptance& acceptance,
                                              const Minimum& minimum, const MatrixXd& candidates,
                                              const MatrixXd& predictions) {
-    constexpr double box_variance = 1.0 / 12.0;
     const MatrixXd s = problem.information_jacobian(minimum.evaluation) / acceptance.noise();
     MatrixXd h = s.transpose() * s;
-    h.diagonal().array() += 1.0 / box_variance;
+    h.diagonal().array() += 1.0 / inference::box_variance;
     const MatrixXd before = h.llt().solve(MatrixXd::Identity(h.rows(), h.cols()));
     std::vector<CandidateEffect> effects;
     for (Index i = 0; i < candidates.rows(); ++i) {

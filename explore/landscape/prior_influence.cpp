@@ -1,5 +1,6 @@
 #include "landscape/prior_influence.h"
 
+#include "inference/quantiles.h"
 #include "landscape/rank.h"
 
 #include <algorithm>
@@ -14,7 +15,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // What a parameter that may lie anywhere in its range is known by: the inverse variance of the unit interval.
-constexpr double box = 12.0;
+constexpr double box = 1.0 / inference::box_variance;
 
 // Of every column of the rows j in standard deviations, the others known by their ranges alone.
 VectorXd informations(const MatrixXd& j) {

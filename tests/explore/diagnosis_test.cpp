@@ -147,33 +147,33 @@ TEST(ResidualTests, SignsAndRunsHaveTheProbabilitiesOfCounting) {
     EXPECT_EQ(test({1, 1, 1}).p_sign, 1.0); // too few to tell
 }
 
-TEST(Family, LargestOfOrthogonalStatisticsHasItsClosedForm) {
-    const diagnose::Mimicry nothing(MatrixXd::Zero(6, 1), {0.5}, VectorXd::Zero(6));
+TEST(MaxStatistic, LargestOfOrthogonalStatisticsHasItsClosedForm) {
+    const inference::Nuisance nothing(MatrixXd::Zero(6, 1), {0.5}, VectorXd::Zero(6));
     const double z = 2.0;
     const double one = gsl_cdf_ugaussian_Q(z);
     const auto p = [&](Index count, int sense) {
-        const diagnose::Family family(MatrixXd::Identity(6, count),
-                                      std::vector<int>(static_cast<std::size_t>(count), sense), nothing, false, 3);
+        const inference::MaxStatistic family(
+            MatrixXd::Identity(6, count), std::vector<int>(static_cast<std::size_t>(count), sense), nothing, false, 3);
         return family.p_value(z);
     };
     constexpr double monte_carlo = 5.0 * 0.005; // five standard errors of 10,000 draws at 0.25
     EXPECT_NEAR(p(1, 0), 2 * one, monte_carlo);
     EXPECT_NEAR(p(1, 1), one, monte_carlo);
     EXPECT_NEAR(p(6, 0), 1.0 - std::pow(1.0 - 2 * one, 6), monte_carlo);
-    const diagnose::Family family(MatrixXd::Identity(6, 6), std::vector<int>(6, 0), nothing, false, 3);
+    const inference::MaxStatistic family(MatrixXd::Identity(6, 6), std::vector<int>(6, 0), nothing, false, 3);
     EXPECT_NEAR(family.p_value(8.0) / (12 * gsl_cdf_ugaussian_Q(8.0)), 1.0, 1e-9); // beyond the draws: Bonferroni
     EXPECT_NEAR(1.0 - std::pow(1.0 - 2 * gsl_cdf_ugaussian_Q(family.threshold(0.05)), 6), 0.05, 0.011);
 }
 
-TEST(Mimicry, ParametersFollowTheirSpanAndNoMore) {
+TEST(Nuisance, ParametersFollowTheirSpanAndNoMore) {
     const World world(1, 2);
-    const diagnose::Mimicry mimicry(world.a, {0.5, 0.5, 0.5}, VectorXd::Zero(readings));
-    EXPECT_EQ(mimicry.rank(), 3);
-    EXPECT_LT(mimicry.beyond(world.a * VectorXd::Ones(parameters)).norm(), 1e-10);
-    EXPECT_NEAR(mimicry.beyond(world.signatures.col(0)).norm(), 20.0, 1e-9);
+    const inference::Nuisance nuisance(world.a, {0.5, 0.5, 0.5}, VectorXd::Zero(readings));
+    EXPECT_EQ(nuisance.rank(), 3);
+    EXPECT_LT(nuisance.beyond(world.a * VectorXd::Ones(parameters)).norm(), 1e-10);
+    EXPECT_NEAR(nuisance.beyond(world.signatures.col(0)).norm(), 20.0, 1e-9);
     // A parameter that is pressed against its bound follows nothing.
     for (const double end : {1.0, 1.0 - 1e-6}) {
-        const diagnose::Mimicry pressed(world.a, {end, 0.5, 0.5}, -world.a.col(0));
+        const inference::Nuisance pressed(world.a, {end, 0.5, 0.5}, -world.a.col(0));
         EXPECT_EQ(pressed.rank(), 2);
     }
 }

@@ -26,7 +26,7 @@ struct World {
             changes.push_back(5.0 * test::normal_matrix(random, rows, 4, 1000 * (c + 1)));
         }
     }
-    Mimicry mimicry() const { return {jacobian, {0.5, 0.5}, VectorXd::Zero(rows)}; }
+    Nuisance nuisance() const { return {jacobian, {0.5, 0.5}, VectorXd::Zero(rows)}; }
 };
 
 } // namespace
@@ -88,7 +88,7 @@ TEST(TestChannels, NoiseAloneIsSignificantAsOftenAsStated) {
             const pave::RandomStream random(100 + k, estimated ? 1 : 0);
             const VectorXd noise = (estimated ? 7.0 : 1.0) * test::normal_matrix(random, rows, 1, 0);
             double p = 1.0;
-            for (const auto& test : test_channels(noise, world.changes, {}, world.mimicry(), estimated, 1)) {
+            for (const auto& test : test_channels(noise, world.changes, {}, world.nuisance(), estimated, 1)) {
                 p = std::min(p, test.p_familywise);
             }
             significant += p < 0.05 ? 1 : 0;
@@ -116,15 +116,15 @@ TEST(TestChannels, FindsTheChannelAndThenTheOtherOne) {
                                     [](const auto& x, const auto& y) { return x.log_ratio < y.log_ratio; }) -
                    tests.begin();
         };
-        const auto alone = test_channels(residuals, world.changes, {}, world.mimicry(), false, 1);
+        const auto alone = test_channels(residuals, world.changes, {}, world.nuisance(), false, 1);
         first += largest(alone) == 1 && alone[1].p_familywise < 0.05 ? 1 : 0;
         std::vector<Accepted> accepted{{1, alone[1].strength}};
-        const auto next = test_channels(residuals, world.changes, accepted, world.mimicry(), false, 1);
+        const auto next = test_channels(residuals, world.changes, accepted, world.nuisance(), false, 1);
         EXPECT_EQ(next[1].log_ratio, 0.0); // it is in the model
         second += largest(next) == 2 && next[2].p_familywise < 0.05 ? 1 : 0;
         accepted.push_back({2, next[2].strength});
-        estimate_strengths(residuals, world.changes, accepted, world.mimicry(), false);
-        const auto rest = test_channels(residuals, world.changes, accepted, world.mimicry(), false, 1);
+        estimate_strengths(residuals, world.changes, accepted, world.nuisance(), false);
+        const auto rest = test_channels(residuals, world.changes, accepted, world.nuisance(), false, 1);
         third += rest[0].p_familywise < 0.05 ? 1 : 0;
     }
     EXPECT_GE(first, 13);
@@ -137,7 +137,7 @@ TEST(TestChannels, WhatParametersFollowIsTakenOut) {
     World world(7);
     world.changes[0] = world.jacobian * MatrixXd::Ones(2, 4);
     const auto tests =
-        test_channels(world.jacobian * VectorXd::Constant(2, 1.0), world.changes, {}, world.mimicry(), false, 1);
+        test_channels(world.jacobian * VectorXd::Constant(2, 1.0), world.changes, {}, world.nuisance(), false, 1);
     for (const auto& test : tests) {
         EXPECT_LT(test.log_ratio, 1e-9);
     }

@@ -2,7 +2,7 @@
 #include "hypotheses/evidence.h"
 #include "hypotheses/hypothesis.h"
 #include "hypotheses/noise_structure.h"
-#include "hypotheses/quantiles.h"
+#include "inference/quantiles.h"
 
 #include "support/normal_matrix.h"
 

@@ -131,7 +131,7 @@ void Investigation::examine_baseline() {
     }
     const auto problem = bench_.problem({});
     d_.constancy = test_constancy(problem->residual_jacobian(d_.baseline.model.evaluation) / std::sqrt(d_.variance),
-                                  residuals, mimicry_of(d_.baseline.model), task_.groups);
+                                  residuals, nuisance_of(d_.baseline.model), task_.groups);
 }
 
 } // namespace explore::diagnose

@@ -66,7 +66,7 @@ private:
     void take_decision();
 
     std::size_t rows() const { return static_cast<std::size_t>(d_.baseline.model.residuals.size()); }
-    Mimicry mimicry_of(const Model& model) const { return judge_.mimicry_of(model, d_.variance); }
+    inference::Nuisance nuisance_of(const Model& model) const { return judge_.nuisance_of(model, d_.variance); }
     Judged judged(Model model) const { return judge_.judge(std::move(model), d_.variance); }
     // Whether what a model leaves speaks against it.
     bool is_contradicted(const Judged& j) const;
@@ -97,7 +97,7 @@ private:
     // Of the hypothesis that one candidate makes.
     hypotheses::Kind kind_of(std::size_t candidate) const;
     hypotheses::Counts counts() const;
-    Eigen::VectorXd direction_of(const EffectResult& effect, const Mimicry& mimicry) const;
+    Eigen::VectorXd direction_of(const EffectResult& effect, const inference::Nuisance& nuisance) const;
     std::vector<const Judged*> fitted_singles() const;
     std::string key_of(const Judged& fit, hypotheses::Kind kind) const;
     hypotheses::Hypothesis hypothesis_of(const Judged& fit, hypotheses::Kind kind) const;

@@ -22,7 +22,7 @@ VectorXd beyond(const MatrixXd& base, const VectorXd& change) {
 
 // To first order at a model: of the readings that are not among its members, the one that stands out farthest while the
 // others scatter as they do, then the next beside it. Their candidates.
-std::vector<std::size_t> wrong_readings_beside(const problem::Problem& problem, const Mimicry& mimicry,
+std::vector<std::size_t> wrong_readings_beside(const problem::Problem& problem, const inference::Nuisance& nuisance,
                                                const VectorXd& residuals, const std::vector<Candidate>& candidates,
                                                const Members& members, std::size_t most) {
     std::vector<std::size_t> open;
@@ -30,13 +30,13 @@ std::vector<std::size_t> wrong_readings_beside(const problem::Problem& problem, 
     for (std::size_t c = 0; c < candidates.size(); ++c) {
         if (candidates[c].reading && std::find(members.begin(), members.end(), c) == members.end()) {
             open.push_back(c);
-            changes.push_back(mimicry.beyond(problem.change_by(*candidates[c].reading)));
+            changes.push_back(nuisance.beyond(problem.change_by(*candidates[c].reading)));
         }
     }
     const auto of_readings = static_cast<double>(open.size());
     MatrixXd followed(residuals.size(), 0);
-    VectorXd left = mimicry.beyond(residuals);
-    double dof = static_cast<double>(residuals.size() - mimicry.rank());
+    VectorXd left = nuisance.beyond(residuals);
+    double dof = static_cast<double>(residuals.size() - nuisance.rank());
     std::vector<std::size_t> found;
     while (found.size() < most && dof > 2.0) {
         double largest = 0.0;
@@ -89,7 +89,7 @@ bool Investigation::fit_wrong_readings() {
         const VectorXd residuals = from.residuals / std::sqrt(d_.variance);
         const std::size_t most = std::min(most_wrong, rows() / 6) - std::min(from.members.size(), rows() / 6);
         const auto more =
-            wrong_readings_beside(*problem, mimicry_of(from), residuals, task_.candidates, from.members, most);
+            wrong_readings_beside(*problem, nuisance_of(from), residuals, task_.candidates, from.members, most);
         if (more.empty() || from.members.size() + more.size() < 2) {
             break;
         }

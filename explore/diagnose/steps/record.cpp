@@ -126,7 +126,7 @@ void Investigation::record_noise() {
     MatrixXd jacobian = problem->residual_jacobian(baseline.model.evaluation);
     const VectorXd pull = jacobian.transpose() * baseline.model.residuals;
     for (Index k = 0; k < jacobian.cols(); ++k) {
-        if (is_pressed(baseline.model.unit[static_cast<std::size_t>(k)], pull[k])) {
+        if (inference::is_pressed(baseline.model.unit[static_cast<std::size_t>(k)], pull[k])) {
             jacobian.col(k).setZero();
         }
     }
@@ -212,10 +212,10 @@ bool Investigation::weigh_chances() {
 }
 
 // What a model changes in the residuals, beyond what the parameters follow: length 1; empty: nothing.
-VectorXd Investigation::direction_of(const EffectResult& effect, const Mimicry& mimicry) const {
+VectorXd Investigation::direction_of(const EffectResult& effect, const inference::Nuisance& nuisance) const {
     VectorXd change = d_.screening.items[effect.candidate].change;
     if (effect.fit) {
-        const VectorXd moved = mimicry.beyond(effect.fit->model.residuals - d_.baseline.model.residuals);
+        const VectorXd moved = nuisance.beyond(effect.fit->model.residuals - d_.baseline.model.residuals);
         if (moved.squaredNorm() > d_.variance) {
             change = moved;
         }
@@ -228,13 +228,13 @@ void Investigation::weigh_confounding() {
     if (d_.effects.empty() || !d_.effects[0].fit) {
         return;
     }
-    const Mimicry mimicry = mimicry_of(d_.baseline.model);
+    const inference::Nuisance nuisance = nuisance_of(d_.baseline.model);
     const EffectResult& leading = d_.effects[0];
     const double d = std::sqrt(std::max(0.0, leading.gain));
-    const VectorXd own = direction_of(leading, mimicry);
+    const VectorXd own = direction_of(leading, nuisance);
     const auto key = [&](const EffectResult& effect) { return key_of(*effect.fit, kind_of(effect.candidate)); };
     for (std::size_t e = 1; e < d_.effects.size(); ++e) {
-        const VectorXd other = direction_of(d_.effects[e], mimicry);
+        const VectorXd other = direction_of(d_.effects[e], nuisance);
         if (own.size() == 0 || other.size() == 0) {
             continue;
         }

@@ -1,7 +1,7 @@
 // One effect at a time.
 #include "diagnose/steps/investigation.h"
 
-#include "hypotheses/quantiles.h"
+#include "inference/quantiles.h"
 #include "run/progress.h"
 
 #include <algorithm>
@@ -166,7 +166,7 @@ std::vector<Alike> Investigation::alike_of(const EffectResult& effect) const {
     std::vector<Alike> list;
     for (const auto& [candidate, model] : singles_) {
         const double behind = (model.sum - effect.fit->model.sum) / d_.variance;
-        if (candidate != effect.candidate && behind <= hypotheses::chi2_95 &&
+        if (candidate != effect.candidate && behind <= inference::chi2_95 &&
             task_.candidates[candidate].effect == task_.candidates[effect.candidate].effect) {
             const auto problem = bench_.problem(model.members);
             list.push_back(
@@ -195,7 +195,7 @@ void Investigation::set_statistics() {
             effect.gain = d_.baseline.chi2 - effect.fit->chi2;
             effect.delta_aicc = effect.fit->aicc - d_.baseline.aicc;
             effect.size = effect.fit->sizes[0];
-            if (effect.gain < hypotheses::chi2_95) { // no effect is accepted, too
+            if (effect.gain < inference::chi2_95) { // no effect is accepted, too
                 const auto problem = bench_.problem(effect.fit->model.members);
                 const double none = problem->space.axes.back().physical(task_.candidates[effect.candidate].null);
                 effect.size.low = std::min(effect.size.low, none);
