@@ -27,6 +27,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
@@ -151,6 +152,35 @@ void keep_few(Case& c) {
         const bool is_strain = s.load == 1 && s.quantity == Quantity::strain_zz && s.x == 0.0;
         return !(s.load == 0 && s.quantity == Quantity::deflection) && !(is_strain && ++strains <= most);
     });
+}
+
+// Layouts of seven sensors [mm]: two of which one stands in a file where the other was driven.
+constexpr std::array<std::array<double, 7>, 2> mistaken_layouts[] = {
+    {{{0, 200, 300, 600, 900, 1200, 1500}, {0, 210, 315, 475, 630, 925, 1535}}},
+    {{{0, 200, 300, 450, 600, 900, 1200}, {0, 200, 300, 600, 900, 1200, 1500}}},
+    {{{0, 300, 450, 600, 900, 1200, 1500}, {0, 300, 600, 900, 1200, 1500, 1800}}},
+};
+
+// Puts the deflections of every load that has any at the places of one layout; the same case as the file states it.
+Case lay_out(Case& c, Draw& draw, nlohmann::ordered_json& truth) {
+    const auto& pair = mistaken_layouts[draw.below(std::size(mistaken_layouts))];
+    const std::size_t stands = draw.chance(0.5) ? 1 : 0;
+    truth["sensors_mm"] = pair[stands];
+    std::set<int> loads;
+    for (const Sensor& sensor : c.sensors) {
+        if (sensor.quantity == Quantity::deflection) {
+            loads.insert(sensor.load);
+        }
+    }
+    std::erase_if(c.sensors, [](const Sensor& sensor) { return sensor.quantity == Quantity::deflection; });
+    Case stated = c;
+    for (const int load : loads) {
+        for (std::size_t i = 0; i < pair[0].size(); ++i) {
+            c.sensors.push_back({load, Quantity::deflection, pair[stands][i] * unit::mm, 0.0, 0.0, 0.0});
+            stated.sensors.push_back({load, Quantity::deflection, pair[1 - stands][i] * unit::mm, 0.0, 0.0, 0.0});
+        }
+    }
+    return stated;
 }
 
 // What else could be read: under both loads and under a drop that is half as heavy again; the strains of the study once
@@ -795,7 +825,7 @@ Json words(const Case& c, const Hidden& hidden) {
     return json;
 }
 
-constexpr const char* kinds_of_data[] = {"understated", "overstated", "heavy", "bad", "common", "tied", "fault"};
+constexpr const char* kinds_of_data[] = {"understated", "overstated", "heavy", "bad", "common", "tied", "fault", "layout"};
 
 // The numbers of the errors, in standard deviations, as the study does not state them.
 void unlike_stated(const Case& c, Draw& draw, const std::string& data, VectorXd& numbers) {
@@ -904,6 +934,8 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
         if (few) {
             keep_few(c);
         }
+        Json truth = {{"seed", seed}};
+        const Case stated = data == "layout" ? lay_out(c, draw, truth) : c;
         const Case fine = finer(c);
         Case coarse = c;
         coarse.settings.refine = study_refine(correlated);
@@ -962,7 +994,9 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
         if (exact.size() == 0) {
             continue;
         }
-        Json truth = {{"seed", seed}, {"noise", noise}, {"readings", c.sensors.size()}, {"hidden", Json::array()}};
+        truth["noise"] = noise;
+        truth["readings"] = c.sensors.size();
+        truth["hidden"] = Json::array();
         std::vector<VectorXd> changes;
         double weakest = std::numeric_limits<double>::infinity();
         for (const Hidden& h : hidden) {
@@ -1026,7 +1060,7 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
                                              in_common * noise, correlated_mm);
         const std::string text = study_text(c, draw, is_log, correlated ? said : "");
         std::ofstream(folder / "study.toml") << text;
-        std::ofstream(folder / "data.csv") << data_text(c, values, spread);
+        std::ofstream(folder / "data.csv") << data_text(stated, values, spread);
         if (correlated) {
             std::string independent = text;
             independent.erase(independent.find(said), said.size());

@@ -1,14 +1,15 @@
 """Blind trials of `pavescape diagnose`: a generator hides effects in data, the program looks for them, this script judges.
 
 usage: trials.py --program PROGRAM --generator GENERATOR [--one N] [--none N] [--two N] [--removed N] [--power N] [--outside N]
-                 [--understated N] [--overstated N] [--heavy N] [--bad N] [--few N] [--common N] [--tied N] [--fault N] [--first SEED] [--jobs J]
+                 [--understated N] [--overstated N] [--heavy N] [--bad N] [--few N] [--common N] [--tied N] [--fault N] [--layout N] [--first SEED] [--jobs J]
                  [--out FOLDER] [--keep] [--page DOCS] [--correlated [--independent]]
 
 one:     an effect of 8 to 20 standard deviations; none: nothing hidden; two: two effects at once; removed: as `one`, but
          the effect is taken out of the catalogue; power: effects of 2 to 12 standard deviations; outside: physics
          that is neither in the catalogue nor of the form of a correction.
 understated, overstated, heavy, common, tied: nothing hidden, but errors are not as stated: 1.5 times as large or as small, of Student's t, shared by the
-         readings of a load, alike in neighbouring readings; bad: two or three wrong readings; few: as `one`, with 11 readings; fault: of the file.
+         readings of a load, alike in neighbouring readings; bad: two or three wrong readings; few: as `one`, with 11 readings; fault: of the file; layout: the file states
+         another layout of the sensors than the one that was driven.
 --correlated: errors are tied as those of repeated drops are, and the study says so; --independent: it says that they are not.
 Writes a file a case into the folder (a run that was cut off continues), prints the rates. --page FOLDER: writes tables and pictures of FOLDER/diagnose.md too.
 """
@@ -26,7 +27,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "
 from svg import svg
 
 AMISS = ("understated", "overstated", "heavy", "common", "tied")  # nothing is wrong but what is stated of the errors
-KINDS = ("one", "none", "two", "removed", "power", "outside", *AMISS, "bad", "few", "fault")
+KINDS = ("one", "none", "two", "removed", "power", "outside", *AMISS, "bad", "few", "fault", "layout")
 CHEAPER = ["--explore", "48", "--starts", "5", "--bootstrap", "10"]  # than the defaults: a landscape of five parameters
 
 
@@ -45,7 +46,7 @@ def judge(options, kind, seed):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     what = {"one": ["one"], "none": ["none"], "two": ["two"], "removed": ["one"], "power": ["one", "2", "12"], "outside": ["outside"], "few": ["one", "few"],
-            **{data: ["none", data] for data in (*AMISS, "bad", "fault")}}[kind]
+            **{data: ["none", data] for data in (*AMISS, "bad", "fault", "layout")}}[kind]
     made = subprocess.run([options.generator, str(seed), folder, *what, *(["correlated"] if options.correlated else [])], capture_output=True, text=True)
     truth = json.loads(made.stdout)
     names = [h["effect"] for h in truth["hidden"]]
@@ -142,6 +143,11 @@ def rates(results):
         words = {"exchanged": "exchanged", "counted from the far end": "counted from the far end", "another unit": "another unit"}[spoilt["fault"]]
         return first["kind"] == "layout" and words in first["name"] and all(f"{at:g} " in first["name"] for at in spoilt.get("at_mm", []))
 
+    def names_layout(r):
+        """Whether the first hypothesis is the layout that was driven."""
+        first = (r["hypotheses"] or [{"name": "", "kind": ""}])[0]
+        return first["kind"] == "layout" and f"sensors at {', '.join(f'{at:g}' for at in r['truth']['sensors_mm'])} mm" in first["name"]
+
     few = of["few"]
     amiss = {
         **{f"{kind}: a name or a place where nothing is wrong": (sum(r["verdict"] in ("cause-named", "ambiguous", "located") for r in of[kind]), len(of[kind]))
@@ -151,6 +157,8 @@ def rates(results):
         "few readings: truth among the causes": (sum(r["names"][0] in r["causes"] for r in few), len(few)),
         "few readings: named alone": (sum(r["verdict"] == "cause-named" and r["causes"] == r["names"] for r in few), len(few)),
         "few readings: wrong name alone": (sum(r["verdict"] == "cause-named" and r["causes"] != r["names"] for r in few), len(few)),
+        "another layout of the sensors: the one that was driven, first": (sum(map(names_layout, of["layout"])), len(of["layout"])),
+        "another layout: something else alone": (sum(r["verdict"] == "cause-named" and not names_layout(r) for r in of["layout"]), len(of["layout"])),
         "faults of the file named": (sum(map(names_fault, of["fault"])), len(of["fault"])),
     }
     alone = [r for r in one if r["verdict"] == "cause-named" and r["causes"] == r["names"]]

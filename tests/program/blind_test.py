@@ -42,6 +42,11 @@ def test_an_effect_outside_the_catalogue_is_taken_for_no_other():
     assert found["verdict"] != "cause-named", f"{found['names']} is out of the catalogue: {found['causes']}"
 
 
+def test_another_layout_of_the_sensors_is_named():
+    found = judged("layout", FIRST)
+    assert trials.rates([found])["another layout of the sensors: the one that was driven, first"] == (1, 1), f"{found['truth']['sensors_mm']}: {found['hypotheses'][:2]}"
+
+
 @pytest.mark.long
 def test_rates():
     counts = dict.fromkeys(("one", "none", "two", "removed"), COUNT) if COUNT else dict(one=3, none=1, two=1, removed=1)
