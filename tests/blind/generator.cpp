@@ -825,7 +825,8 @@ Json words(const Case& c, const Hidden& hidden) {
     return json;
 }
 
-constexpr const char* kinds_of_data[] = {"understated", "overstated", "heavy", "bad", "common", "tied", "fault", "layout"};
+constexpr const char* kinds_of_data[] = {"understated", "overstated", "heavy", "bad",
+                                         "common",      "tied",       "fault", "layout"};
 
 // The numbers of the errors, in standard deviations, as the study does not state them.
 void unlike_stated(const Case& c, Draw& draw, const std::string& data, VectorXd& numbers) {

@@ -110,6 +110,53 @@ TEST(WeakSubgradeTop, IsASectionWithThatLayer) {
     EXPECT_LT(largest_change(values_of(thin), values_of(half)), 1e-12);
 }
 
+TEST(BaseSublayer, IsASectionWithThatBand) {
+    const auto divided = [](double thickness, double size) {
+        return [=](Case& s) {
+            const double whole = s.layers[1].thickness;
+            Layer part = s.layers[1];
+            part.thickness = (whole - thickness) / 2.0;
+            s.layers[1].thickness = thickness;
+            s.layers[1].parameters[1] *= std::exp(size); // k1
+            s.layers.insert(s.layers.begin() + 2, part);
+            s.layers.insert(s.layers.begin() + 1, part);
+        };
+    };
+    const double whole = shared().layers[1].thickness;
+    EXPECT_LT(differs(shared(), "base-sublayer", 0.7, divided(whole / 3.0, 0.7)), 1e-12);
+    EXPECT_LT(differs(shared(), "base-sublayer", -0.5, divided(whole / 3.0, -0.5)), 1e-12);
+    Case thin = with(shared(), "base-sublayer", 0.7);
+    thin.effects[0].thickness = 0.05;
+    Case changed = shared();
+    divided(0.05, 0.7)(changed);
+    EXPECT_LT(largest_change(values_of(thin), values_of(changed)), 1e-12);
+}
+
+// Bonded lifts are one layer; without friction each bends by itself, as in a section of two layers that says so.
+TEST(InterfaceSlipInAsphalt, IsASectionWithThatInterface) {
+    Case c = captif(3000, 40, {.k1 = 2000, .k2 = 0.4, .k3 = -0.3, .n = 0.4});
+    c.layers[0].thickness = 0.12;
+    const auto lifts = [](double upper, double size) {
+        return [=](Case& s) {
+            Layer top = s.layers[0];
+            top.thickness = upper;
+            top.compliance = 1e-9 * (size / (1.0 - size) + 1e-5); // 1 mm/MPa; bonded: 10 nm
+            s.layers[0].thickness -= upper;
+            s.layers.insert(s.layers.begin(), top);
+        };
+    };
+    EXPECT_LT(differs(c, "interface-slip-in-asphalt", 0.5, lifts(0.06, 0.5)), 1e-9);
+    EXPECT_LT(differs(c, "interface-slip-in-asphalt", 0.99, lifts(0.06, 0.99)), 1e-9);
+    Case deeper = with(c, "interface-slip-in-asphalt", 0.5);
+    deeper.effects[0].thickness = 0.08;
+    Case changed = c;
+    lifts(0.08, 0.5)(changed);
+    EXPECT_LT(largest_change(values_of(deeper), values_of(changed)), 1e-9);
+    const double bonded = values_of(c)[0];
+    const double loose = values_of(with(c, "interface-slip-in-asphalt", 0.999))[0];
+    EXPECT_GT(loose, 1.02 * bonded); // a quarter of the bending stiffness
+}
+
 // What varies with depth is the limit of many sublayers.
 TEST(EffectsThatVaryWithDepth, AreManySublayers) {
     Case c = captif(3000, 40, {.k1 = 2000, .k2 = 0.4, .k3 = -0.3, .n = 0.4, .eta = 0.3});

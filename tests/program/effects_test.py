@@ -11,7 +11,7 @@ NAMES = """subgrade-stress-dependence subgrade-depth-gradient weak-subgrade-top 
 base-tension interface-slip-asphalt-base interface-slip-base-subgrade floor-depth base-thickness asphalt-modulus-rate load-magnitude
 load-offset contact-pressure-shape plate-rigidity gauge-depth gauge-length sensor-gain outlier inertia shear-ratio
 wheel-wander sensor-position drift asphalt-temperature-gradient subgrade-anisotropy base-modulus-gradient
-damping asphalt-relaxation density""".split()
+damping asphalt-relaxation density base-sublayer interface-slip-in-asphalt""".split()
 
 
 def extended(text, parameter=""):

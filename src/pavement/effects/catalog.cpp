@@ -10,6 +10,8 @@
     EFFECT(base_residual_stress)                                                                                       \
     EFFECT(base_tension)                                                                                               \
     EFFECT(base_modulus_gradient)                                                                                      \
+    EFFECT(base_sublayer)                                                                                              \
+    EFFECT(interface_slip_in_asphalt)                                                                                  \
     EFFECT(interface_slip_asphalt_base)                                                                                \
     EFFECT(interface_slip_base_subgrade)                                                                               \
     EFFECT(floor_depth)                                                                                                \
