@@ -63,6 +63,11 @@ analysis::FitResult fit_result(const std::vector<double>& unit, int starts, cons
                                .joint = {},
                                .alone = {},
                                .reduced = {},
+                               .without_floor = {},
+                               .mesh = {},
+                               .drifts = {},
+                               .priors = {},
+                               .curves = {},
                                .tally = {}};
     for (int s = 0; s < starts; ++s) {
         minimum.members.push_back(s);
@@ -87,6 +92,9 @@ analysis::UniqueResult unique_result(const analysis::FitResult& fit, landscape::
             .answer = std::move(answer),
             .next = {},
             .landscape = {},
+            .mesh = {},
+            .outputs = {},
+            .posterior = {},
             .reduced = {},
             .curves = {}};
 }
@@ -209,8 +217,11 @@ TEST(FindingsOfADiagnosis, SayTheVerdictAndTheNoise) {
                                     .diagnosis = {},
                                     .before = {},
                                     .after = {},
+                                    .mesh = {},
+                                    .outputs = {},
                                     .located = {},
                                     .next = {},
+                                    .telling = {},
                                     .held_out = {},
                                     .reduced = {},
                                     .tally = {}};
@@ -359,12 +370,12 @@ TEST(EndsOfWalks, AreNamedByWhatStoppedThem) {
 }
 
 TEST(Readings, OfOnePlaceShareTheirWordsAndOthersDoNot) {
-    data::Reading r{.load = "fwd", .quantity = "strain_zz", .x_mm = 170, .depth_mm = 112.5};
+    data::Reading r{.load = "fwd", .quantity = "strain_zz", .x_mm = 170, .depth_mm = 112.5, .sigma = {}, .file = ""};
     EXPECT_EQ(r.place_words(), "strain_zz 112.5 mm deep at 170 mm");
     EXPECT_EQ(r.label(), "fwd.strain_zz@170,0,112.5");
     data::Reading beside = r;
     beside.y_mm = 200;
     EXPECT_NE(r.place_words(), beside.place_words());
-    data::Reading centre{.load = "fwd", .quantity = "deflection"};
+    data::Reading centre{.load = "fwd", .quantity = "deflection", .sigma = {}, .file = ""};
     EXPECT_EQ(centre.words(), "deflection at 0 mm under fwd");
 }
