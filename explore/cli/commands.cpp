@@ -19,6 +19,7 @@ std::span<const Command> commands() {
         {"effects", add_effects},
         {"survey", add_survey, true},
         {"noise", add_noise},
+        {"slab", add_slab},
         {"road", add_road, true},
         {"report", add_report},
         {"plot", add_plot},

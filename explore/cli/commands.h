@@ -18,6 +18,7 @@ void add_diagnose(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action);
 void add_twin(CLI::App& app, Action& action);
 void add_effects(CLI::App& app, Action& action);
+void add_slab(CLI::App& app, Action& action);
 void add_survey(CLI::App& app, Action& action);
 void add_noise(CLI::App& app, Action& action);
 void add_road(CLI::App& app, Action& action);

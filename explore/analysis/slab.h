@@ -1,0 +1,69 @@
+// Concrete slabs from their bowls: what the foundation carries, how stiff the slab is, joints and voids.
+//
+// Each bowl in the middle of a slab is fitted by least squares of relative residuals with a plate on a dense liquid or
+// an elastic solid (layered/plate.h), two unknowns; and by AREA (Hoffman and Thompson 1981; Hall 1991), the area of the
+// bowl over D0, which depends on the radius of relative stiffness alone. Where several levels were dropped, the line
+// through load and D0 that does not start near zero points to a void (Crovetti and Darter 1985; 50 um in AASHTO 1993).
+// At stations named as joints the load transfer is D300/D0, times the D0/D300 of the slabs themselves.
+//
+// What it leaves out: that slabs are finite (near an edge l comes out low and k high), base layers and their bond, the
+// concrete's own compression under the plate (a few per cent of D0 on thick slabs), curling. k is that of a falling
+// weight; the static value of design is about half of it (AASHTO 1993, supplement 1998).
+#pragma once
+
+#include "data/deflection_bowl.h"
+#include "layered/plate.h"
+
+namespace explore::analysis {
+
+struct SlabOptions {
+    double thickness_mm = 0.0;
+    double poisson = 0.15; // of the concrete
+    pave::layered::Foundation foundation = pave::layered::Foundation::dense_liquid;
+    double soil_poisson = 0.45; // of an elastic solid
+    std::vector<std::string>
+        joints; // stations beside a joint: the plate on one slab, the sensor at 300 mm on the other
+};
+
+struct SlabRange {
+    double value = 0.0, low = 0.0, high = 0.0; // 95 %, from what the fit leaves over
+};
+
+struct SlabFit {
+    SlabRange stiffness_mm; // radius of relative stiffness
+    SlabRange foundation;   // k in MPa/m, or the modulus of the solid in MPa
+    SlabRange slab_MPa;     // modulus of the concrete
+    double rms_percent = 0.0;
+};
+
+struct SlabStation {
+    std::string name;
+    std::optional<double> chainage_m{};
+    bool is_joint = false;
+    std::string reason{}; // why there is no answer; "": there is one
+    double pressure_kPa = 0.0, d0_um = 0.0;
+    std::optional<SlabFit> fit{};              // of slabs
+    std::optional<double> area_mm{};           // to the outermost sensor within 1.6 m
+    std::optional<double> area_stiffness_mm{}; // l by it
+    std::optional<double> area_foundation{};   // k or the modulus by it and D0
+    std::optional<double> intercept_um{};      // of the line through load and D0; nothing: one level
+    std::optional<double> transfer_percent{};  // of joints
+};
+
+struct SlabResult {
+    SlabOptions options;
+    std::vector<SlabStation> stations;
+    std::optional<double> bending; // median D0/D300 of the slabs
+    std::vector<std::string> remarks;
+};
+
+inline constexpr double void_intercept_um = 50.0;
+inline constexpr double poor_rms_percent = 5.0; // a plate does not describe the bowl
+
+// Throws pave::Error for a station that is named as a joint and is not in the files.
+SlabResult slabs(const std::vector<data::FwdFile>& files, const SlabOptions& options);
+
+// In sentences, the answer first.
+std::vector<std::string> findings(const SlabResult& result);
+
+} // namespace explore::analysis

@@ -1,0 +1,86 @@
+#include "report/slab.h"
+
+#include "base/text.h"
+#include "report/table.h"
+#include "report/text.h"
+
+#include <fmt/format.h>
+
+namespace explore::report {
+
+using analysis::SlabRange;
+using analysis::SlabStation;
+using pave::figure;
+
+namespace {
+
+Json json_of(const SlabRange& range) {
+    return {{"value", range.value}, {"low", range.low}, {"high", range.high}};
+}
+
+bool is_liquid(const analysis::SlabResult& result) {
+    return result.options.foundation == pave::layered::Foundation::dense_liquid;
+}
+
+} // namespace
+
+Json slab_json(const analysis::SlabResult& result) {
+    const std::string foundation = is_liquid(result) ? "k_MPa_per_m" : "foundation_MPa";
+    Json json = {{"foundation", is_liquid(result) ? "liquid" : "solid"},
+                 {"thickness_mm", result.options.thickness_mm},
+                 {"poisson", result.options.poisson},
+                 {"bending", optional_json(result.bending)},
+                 {"stations", Json::array()},
+                 {"remarks", result.remarks},
+                 {"findings", findings(result)}};
+    for (const SlabStation& s : result.stations) {
+        Json one = {{"station", s.name},
+                    {"chainage_m", optional_json(s.chainage_m)},
+                    {"joint", s.is_joint},
+                    {"pressure_kPa", s.pressure_kPa},
+                    {"d0_um", s.d0_um},
+                    {"area_mm", optional_json(s.area_mm)},
+                    {"intercept_um", optional_json(s.intercept_um)},
+                    {"load_transfer_percent", optional_json(s.transfer_percent)},
+                    {"reason", s.reason}};
+        if (s.fit) {
+            one["stiffness_radius_mm"] = json_of(s.fit->stiffness_mm);
+            one[foundation] = json_of(s.fit->foundation);
+            one["slab_MPa"] = json_of(s.fit->slab_MPa);
+            one["rms_percent"] = s.fit->rms_percent;
+        }
+        if (s.area_stiffness_mm) {
+            one["by_area"] = {{"stiffness_radius_mm", *s.area_stiffness_mm}, {foundation, *s.area_foundation}};
+        }
+        json["stations"].push_back(std::move(one));
+    }
+    return json;
+}
+
+std::string slab_text(const analysis::SlabResult& result) {
+    std::string text = sentences(findings(result));
+    Table table({"station", "D0 um", "AREA mm", "l mm", is_liquid(result) ? "k MPa/m" : "E0 MPa", "slab MPa", "RMS %",
+                 "transfer %"});
+    for (const SlabStation& s : result.stations) {
+        const auto cell = [](const std::optional<double>& value) { return value ? figure(*value, 3) : std::string(); };
+        std::vector<std::string> cells{s.name, s.d0_um > 0.0 ? figure(s.d0_um, 3) : "", cell(s.area_mm)};
+        if (s.fit) {
+            for (const SlabRange& range : {s.fit->stiffness_mm, s.fit->foundation, s.fit->slab_MPa}) {
+                cells.push_back(figure(range.value, 3));
+            }
+            cells.push_back(fmt::format("{:.1f}", s.fit->rms_percent));
+        }
+        cells.resize(7);
+        cells.push_back(cell(s.transfer_percent));
+        table.add(std::move(cells));
+    }
+    text += "\n" + table.text();
+    for (const SlabStation& s : result.stations) {
+        if (!s.reason.empty()) {
+            text += fmt::format("  {}: {}\n", s.name, s.reason);
+        }
+    }
+    return text;
+}
+
+} // namespace explore::report

@@ -1,0 +1,12 @@
+// Concrete slabs as JSON and as text.
+#pragma once
+
+#include "analysis/slab.h"
+#include "report/json.h"
+
+namespace explore::report {
+
+Json slab_json(const analysis::SlabResult& result);
+std::string slab_text(const analysis::SlabResult& result);
+
+} // namespace explore::report
