@@ -1,5 +1,6 @@
 #include "cli/road_input.h"
 
+#include "report/kml.h"
 #include "report/road_run.h"
 #include "run/files.h"
 
@@ -57,7 +58,8 @@ int run_road(const RoadInput& input, const std::string& name,
     session.keep(name, report::json_text(json));
     if (pages->map) {
         run::write_file(folder, name + ".geojson", report::json_text(*pages->map) + "\n");
-        written += ", " + name + ".geojson";
+        run::write_file(folder, name + ".kml", report::kml_of(*pages->map, name));
+        written += fmt::format(", {0}.geojson, {0}.kml", name);
     }
     const std::string page = fmt::format("{}\n  results: {}/{}\n", pages->text, folder, written);
     run::write_file(folder, name + ".txt", page);

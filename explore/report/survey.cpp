@@ -456,6 +456,10 @@ std::optional<Json> survey_geojson(const SurveyResult& result) {
                            {"line", f.line}};
         if (s.has_bowl()) {
             properties["normalised_D0_um"] = s.indices->d0_um;
+            properties["SCI_um"] = optional_json(s.indices->sci_um);
+            properties["BDI_um"] = optional_json(s.indices->bdi_um);
+            properties["BCI_um"] = optional_json(s.indices->bci_um);
+            properties["AREA_mm"] = optional_json(s.indices->area_mm);
             properties["deflection_ratio"] = optional_json(s.ratio());
             properties["verdict"] = std::string(analysis::verdict(s));
             properties["verdict_reason"] = analysis::why_no_ratio(s);

@@ -6,6 +6,7 @@ import json
 import re
 import signal
 import time
+import xml.etree.ElementTree
 
 import pytest
 
@@ -305,6 +306,14 @@ def test_positions_make_a_map_and_temperatures_the_asphalts():
     result = call(places, "--asphalt-thickness", 200, "--air-before", 15, "--out", folder / "places")
     map_of = json.loads((folder / "places" / "survey.geojson").read_text())
     assert [f["geometry"]["coordinates"] for f in map_of["features"]] == [[2.58, 48.97]], f"a map: {map_of}"
+    # SCI = D0 - D300, here 170 um at the pressure that it is normalised to.
+    indices = result["stations"][0]["indices"]
+    assert map_of["features"][0]["properties"]["SCI_um"] == indices["SCI_um"], f"indices: {map_of}"
+    space = {"kml": "http://www.opengis.net/kml/2.2"}
+    marks = xml.etree.ElementTree.parse(folder / "places" / "survey.kml").findall(".//kml:Placemark", space)
+    assert [m.find("kml:name", space).text for m in marks] == ["A"] and marks[0].find(".//kml:coordinates", space).text == "2.58,48.97", "KML: the same map"
+    data = {d.get("name"): d.find("kml:value", space).text for d in marks[0].iter("{http://www.opengis.net/kml/2.2}Data")}
+    assert float(data["SCI_um"]) == indices["SCI_um"], f"KML: {data}"
     assert abs(result["stations"][0]["asphalt_C"] - 20.774) < 0.001, "BELLS3 at half of 200 mm: see survey_analysis_test"
     assert result["stations"][1]["asphalt_C"] is None, "no temperature without a surface"
     assert any("Fahrenheit" in r for r in result["stations"][1]["remarks"]), f"95 C: {result['stations'][1]['remarks']}"
