@@ -1,5 +1,6 @@
 #include "cli/road_input.h"
 
+#include "data/workbook.h"
 #include "report/kml.h"
 #include "report/road_run.h"
 #include "run/files.h"
@@ -55,6 +56,10 @@ int run_road(const RoadInput& input, const std::string& name,
     report::add_run(json, road, session.options());
     std::string written = name + ".csv, " + name + ".json";
     run::write_file(folder, name + ".csv", pages->csv);
+    if (const auto workbook = data::workbook_of(pages->csv, name)) {
+        run::write_file(folder, name + ".xlsx", *workbook);
+        written += ", " + name + ".xlsx";
+    }
     session.keep(name, report::json_text(json));
     if (pages->map) {
         run::write_file(folder, name + ".geojson", report::json_text(*pages->map) + "\n");

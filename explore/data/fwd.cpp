@@ -10,7 +10,9 @@
 #include "data/fwd_pddx.h"
 #include "data/fwd_primax.h"
 #include "data/fwd_r80.h"
+#include "data/fwd_table.h"
 #include "data/fwd_values.h"
+#include "data/workbook.h"
 
 #include <algorithm>
 #include <cmath>
@@ -83,8 +85,8 @@ void refuse_others(std::string_view text, const std::string& file) {
         throw pave::Error({.file = file}, "this file is empty", {}, "a file with FWD drops");
     }
     const std::string head = lower_case(text.substr(0, 1000));
-    const bool is_zip = text.starts_with("PK\x03\x04");
-    if (is_zip || text.starts_with("\xc3\x90\xc3\x8f\x11\xc3\xa0")) { // the signs of zip archives and of compound files
+    if (is_archive(text) ||
+        text.starts_with("\xc3\x90\xc3\x8f\x11\xc3\xa0")) { // the signs of zip archives and of compound files
         throw pave::Error({.file = file}, "this is a workbook or another packed file, not text", {},
                           "a table saved as CSV by the spreadsheet");
     }
@@ -158,6 +160,24 @@ void say_what_was_not_read(FwdFile& file, const std::string& name) {
     }
 }
 
+// The text of a file; of a workbook the first sheet that holds a survey table.
+std::string text_of(const std::string& file, const ColumnMap& columns) {
+    std::string text = read_file(file, "FWD file", Encoding::of_instruments);
+    const auto sheets = is_archive(text) ? sheets_of(file) : std::nullopt;
+    if (!sheets) {
+        return text;
+    }
+    std::vector<std::string> names;
+    for (const Sheet& sheet : *sheets) {
+        if (has_fwd_table(sheet.csv, columns)) {
+            return sheet.csv;
+        }
+        names.push_back(sheet.name);
+    }
+    throw pave::Error({.file = file}, "no sheet of this workbook holds a survey table", pave::join(names),
+                      std::string(fwd_csv.sign) + " (--columns takes names of its own)");
+}
+
 constexpr const char* misread_words =
     "the letters beyond ASCII are neither UTF-8 nor Windows-1252 (GBK, Windows-1251?): "
     "texts come out wrong; a file saved "
@@ -166,7 +186,7 @@ constexpr const char* misread_words =
 } // namespace
 
 FwdFile read_fwd(const std::string& file, const ColumnMap& columns) {
-    const std::string text = read_file(file, "FWD file", Encoding::of_instruments);
+    const std::string text = text_of(file, columns);
     const bool misread = is_misread(text);
     refuse_others(text, file);
     std::string signs;

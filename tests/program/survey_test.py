@@ -1,12 +1,14 @@
 """A road whose moduli are known: they come back, nonsense at one station stops nothing, and neither the number of threads
 nor an interrupt changes a bit."""
 import csv
+import html
 import io
 import json
 import re
 import signal
 import time
 import xml.etree.ElementTree
+import zipfile
 
 import pytest
 
@@ -318,6 +320,67 @@ def test_positions_make_a_map_and_temperatures_the_asphalts():
     assert result["stations"][1]["asphalt_C"] is None, "no temperature without a surface"
     assert any("Fahrenheit" in r for r in result["stations"][1]["remarks"]), f"95 C: {result['stations'][1]['remarks']}"
     assert any("crew" in f for f in result["findings"]), f"columns that are not used are named: {result['findings']}"
+
+
+def workbook(path, sheets):
+    """A workbook by hand: {name: rows}; words are shared strings, None is an empty cell."""
+    words, parts, relations, list_ = [], {}, "", ""
+    for number, (name, rows) in enumerate(sheets.items(), 1):
+        lines = ""
+        for r, row in enumerate(rows, 1):
+            cells = ""
+            for c, cell in enumerate(row):
+                at = f"{chr(ord('A') + c)}{r}"
+                if isinstance(cell, str):
+                    words.append(cell)
+                    cells += f'<c r="{at}" t="s"><v>{len(words) - 1}</v></c>'
+                elif cell is not None:
+                    cells += f'<c r="{at}"><v>{cell}</v></c>'
+            lines += f'<row r="{r}">{cells}</row>' if cells else ""
+        parts[f"xl/worksheets/sheet{number}.xml"] = \
+            f'<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"><sheetData>{lines}</sheetData></worksheet>'
+        relations += f'<Relationship Id="rId{number}" Type="worksheet" Target="worksheets/sheet{number}.xml"/>'
+        list_ += f'<sheet name="{name}" sheetId="{number}" r:id="rId{number}"/>'
+    parts["xl/workbook.xml"] = f'<workbook xmlns:r="http://schemas.openxmlformats.org/officeDocument/2006/relationships"><sheets>{list_}</sheets></workbook>'
+    parts["xl/_rels/workbook.xml.rels"] = f"<Relationships>{relations}</Relationships>"
+    parts["xl/sharedStrings.xml"] = "<sst>" + "".join(f"<si><t>{w}</t></si>" for w in words) + "</sst>"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in parts.items():
+            archive.writestr(name, text)
+    return path
+
+
+def test_a_workbook_is_read_as_its_table_and_written():
+    header = ["station", "chainage_m", "radius_mm", "load_kN", "D0_um", "D200_um", "D300_um", "remark"]
+    rows = [["A", 0, 150, 50, 500, 400.5, 330, "wet, cold"], ["B", 9, 150, 50, 480, 390, None, None]]
+    table = folder / "table.csv"
+    table.write_text("\n".join(",".join('"wet, cold"' if cell == "wet, cold" else "" if cell is None else str(cell) for cell in row) for row in [header, *rows]) + "\n")
+    book = workbook(folder / "book.xlsx", {"Notes": [["Project"], ["by hand"]], "Drops": [["Project 12"], [], header, *rows]})
+    of_table = call(table, "--out", folder / "of-table")
+    of_book = call(book, "--out", folder / "of-book")
+    for a, b in zip(of_table["stations"], of_book["stations"]):
+        assert a["indices"] == b["indices"] and a["station"] == b["station"] and a["comment"] == b["comment"], f"{a}\n{b}"
+    assert len(of_book["stations"]) == 2 and of_book["stations"][0]["comment"] == "wet, cold"
+    with zipfile.ZipFile(folder / "of-book" / "survey.xlsx") as archive:
+        sheet, shared = (archive.read(f"xl/{name}.xml").decode() for name in ("worksheets/sheet1", "sharedStrings"))
+    header_of = next(csv.reader(io.StringIO((folder / "of-book" / "survey.csv").read_text())))
+    assert all(f">{html.escape(name, quote=False)}</t>" in shared for name in header_of if name), "the header of survey.csv"
+    assert re.search(r'<c r="[A-Z]+2"><v>150</v>', sheet) or "<v>9</v>" in sheet, "numbers are numbers"
+
+
+def test_workbooks_without_drops_are_refused():
+    for name, sheets, said in (("empty", {"Notes": [["Project"]]}, "no sheet of this workbook holds a survey table"),):
+        done = run("survey", workbook(folder / f"{name}.xlsx", sheets), "--out", folder / name)
+        assert done.returncode == 2 and said in done.stderr and "Notes" in done.stderr, done.stderr
+    broken = folder / "broken.xlsx"
+    broken.write_bytes((folder / "empty.xlsx").read_bytes()[:200])
+    done = run("survey", broken, "--out", folder / "broken")
+    assert done.returncode == 2 and "this workbook cannot be read" in done.stderr, done.stderr
+    other = folder / "other.xlsx"
+    with zipfile.ZipFile(other, "w") as archive:
+        archive.writestr("hello.txt", "hello")
+    done = run("survey", other, "--out", folder / "other")
+    assert done.returncode == 2 and "holds no workbook" in done.stderr, done.stderr
 
 
 def test_a_survey_that_is_cut_off_continues(made, surveyed):
