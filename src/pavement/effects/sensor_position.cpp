@@ -3,6 +3,7 @@
 // One sensor stands farther from the load by the size. A layout (`offsets`) moves all sensors of the surface, from the
 // distances r_i of the study to r_i + s (o_i - r_i) / max_j |o_j - r_j|, both in order of distance, where s is the
 // size: at 0 they stand as stated, at the largest of the moves in the layout.
+#include "base/error.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "pavement/buried.h"
