@@ -6,6 +6,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+using namespace explore;
 using namespace explore::diagnose;
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -26,7 +27,7 @@ struct World {
             changes.push_back(5.0 * test::normal_matrix(random, rows, 4, 1000 * (c + 1)));
         }
     }
-    Nuisance nuisance() const { return {jacobian, {0.5, 0.5}, VectorXd::Zero(rows)}; }
+    inference::Nuisance nuisance() const { return {jacobian, {0.5, 0.5}, VectorXd::Zero(rows)}; }
 };
 
 } // namespace
