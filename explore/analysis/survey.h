@@ -154,6 +154,14 @@ struct SensorResidual {
     bool one_sign = false;               // more often than chance allows (p < 0.01 over all sensors) and by 1 % or more
 };
 
+// The same of one level of load, where stations are fitted to several: the mean over the sensors of a station.
+struct LoadResidual {
+    double pressure_kPa = 0.0; // median over the stations
+    std::size_t stations = 0, above = 0;
+    double percent = 0.0, scatter_percent = 0.0;
+    bool one_sign = false; // as of a sensor
+};
+
 // A usual layout of sensors that describes the bowls where the file's does not.
 struct BetterLayout {
     std::vector<double> offsets_mm;
@@ -187,8 +195,9 @@ struct SurveyResult {
     std::optional<double> reference_C;
     std::optional<double> repeatability; // of a reading, over the road
     std::vector<RoadSection> sections;
-    std::vector<SensorResidual> residuals; // by offset
-    std::optional<SuspectSensor> suspect;  // the worst, where one sensor explains what several leave over
+    std::vector<SensorResidual> residuals;    // by offset
+    std::vector<LoadResidual> load_residuals; // by rising load; none: stations are fitted to one level
+    std::optional<SuspectSensor> suspect;     // the worst, where one sensor explains what several leave over
     bool section_is_suspect = false; // several sensors have one sign along the road, and no single one explains it
     std::optional<BetterLayout> layout;
     std::vector<SectionTrial> trials; // where the bowls do not fit: what helps most first

@@ -304,6 +304,17 @@ void add_sensors(const SurveyResult& result, std::vector<std::string>& words) {
                 ? "the places of the sensors, or the section"
                 : "the section is wrong (another layer, a half-space or a floor, a thickness) before a sensor is"));
     }
+    if (result.load_residuals.size() > 1) {
+        const LoadResidual& low = result.load_residuals.front();
+        const LoadResidual& high = result.load_residuals.back();
+        if (low.one_sign && high.one_sign && (low.percent > 0.0) != (high.percent > 0.0)) {
+            words.push_back(fmt::format(
+                "The deflections do not grow with load as the model's do: along the road it is {:+.1f} % off at {:.0f} "
+                "kPa and {:+.1f} % at {:.0f} kPa (medians). A layer that {} with load does that: try law = \"{}\".",
+                low.percent, low.pressure_kPa, high.percent, high.pressure_kPa,
+                low.percent > 0.0 ? "softens" : "stiffens", low.percent > 0.0 ? "bilinear" : "uzan"));
+        }
+    }
     if (std::string tried = trial_words(result); !tried.empty()) {
         words.push_back(std::move(tried));
     }

@@ -44,23 +44,30 @@ LevelResiduals residuals_of(const StationResult& s) {
     return found;
 }
 
-std::vector<SensorResidual> judged(const std::map<double, std::vector<double>>& residuals) {
+// The median and the scatter about it of what a sensor or a level of load leaves over, and whether its sign is due to
+// chance, among so many.
+template <class Residual>
+void judge(const std::vector<double>& values, std::size_t among, Residual& of) {
     constexpr double worth_saying = 1.0; // percent
+    const double middle = data::median(values);
+    std::vector<double> off;
+    for (const double value : values) {
+        off.push_back(std::abs(value - middle));
+    }
+    of.stations = values.size();
+    of.percent = 100.0 * std::expm1(middle);
+    of.scatter_percent = 100.0 * 1.4826 * data::median(off);
+    of.above = static_cast<std::size_t>(std::count_if(values.begin(), values.end(), [](double r) { return r > 0.0; }));
+    const std::size_t same = std::max(of.above, values.size() - of.above);
+    of.one_sign = values.size() >= needed && std::abs(of.percent) >= worth_saying &&
+                  sign_test(same, values.size()) * static_cast<double>(among) < p_of_one_sign;
+}
+
+std::vector<SensorResidual> judged(const std::map<double, std::vector<double>>& residuals) {
     std::vector<SensorResidual> found;
     for (const auto& [offset, values] : residuals) {
-        SensorResidual sensor{.offset_mm = offset, .stations = values.size()};
-        sensor.percent = 100.0 * std::expm1(data::median(values));
-        const double middle = data::median(values);
-        std::vector<double> off;
-        for (const double value : values) {
-            off.push_back(std::abs(value - middle));
-        }
-        sensor.scatter_percent = 100.0 * 1.4826 * data::median(off);
-        sensor.above =
-            static_cast<std::size_t>(std::count_if(values.begin(), values.end(), [](double r) { return r > 0.0; }));
-        const std::size_t same = std::max(sensor.above, values.size() - sensor.above);
-        sensor.one_sign = values.size() >= needed && std::abs(sensor.percent) >= worth_saying &&
-                          sign_test(same, values.size()) * static_cast<double>(residuals.size()) < p_of_one_sign;
+        SensorResidual sensor{.offset_mm = offset};
+        judge(values, residuals.size(), sensor);
         found.push_back(sensor);
     }
     return found;
@@ -120,6 +127,34 @@ std::vector<SensorResidual> sensor_residuals(const SurveyResult& result) {
         }
     }
     return judged(residuals);
+}
+
+std::vector<LoadResidual> load_residuals(const SurveyResult& result) {
+    struct Seen {
+        std::vector<double> pressure, residual;
+    };
+    std::map<std::size_t, Seen> seen; // by the place of the level among those of its station
+    for (const StationResult& s : result.stations) {
+        for (std::size_t l = 0; s.is_fitted() && s.fit->levels.size() > 1 && l < s.fit->levels.size(); ++l) {
+            const auto& level = s.bowls->levels[s.fit->levels[l]];
+            const auto& model = s.fit->model_um[l];
+            double sum = 0.0;
+            for (std::size_t i = 0; i < model.size(); ++i) {
+                sum += std::log(model[i] / level.readings[i].deflection_um);
+            }
+            if (std::isfinite(sum)) {
+                seen[l].pressure.push_back(level.pressure_kPa);
+                seen[l].residual.push_back(sum / static_cast<double>(model.size()));
+            }
+        }
+    }
+    std::vector<LoadResidual> found;
+    for (const auto& [level, values] : seen) {
+        LoadResidual load{.pressure_kPa = data::median(values.pressure)};
+        judge(values.residual, seen.size(), load);
+        found.push_back(load);
+    }
+    return found;
 }
 
 std::optional<std::size_t> left_over_without(const SurveyResult& result, double offset_mm) {
@@ -203,6 +238,7 @@ void judge_sensors(SurveyResult& result) {
     constexpr std::size_t few = 1;
     constexpr double beyond_sensors = 2.0; // percent that sensors are good to
     result.residuals = sensor_residuals(result);
+    result.load_residuals = load_residuals(result);
     result.suspect = suspect_sensor(result);
     std::size_t one_sign = 0;
     double largest = 0.0;

@@ -292,6 +292,15 @@ Json survey_json(const SurveyResult& result) {
                                             {"scatter_percent", r.scatter_percent},
                                             {"one_sign", r.one_sign}});
     }
+    json["load_residuals"] = Json::array();
+    for (const auto& r : result.load_residuals) {
+        json["load_residuals"].push_back({{"pressure_kPa", r.pressure_kPa},
+                                          {"stations", r.stations},
+                                          {"above", r.above},
+                                          {"model_percent", r.percent},
+                                          {"scatter_percent", r.scatter_percent},
+                                          {"one_sign", r.one_sign}});
+    }
     json["section_is_suspect"] = result.section_is_suspect;
     json["section_trials"] = Json::array();
     for (const auto& t : result.trials) {

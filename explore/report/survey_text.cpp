@@ -214,6 +214,15 @@ std::string residual_table(const SurveyResult& result) {
     return table.text();
 }
 
+std::string load_table(const SurveyResult& result) {
+    Table table({"load kPa", "model over reading %", "model is above at", ""});
+    for (const auto& r : result.load_residuals) {
+        table.add({fmt::format("{:.0f}", r.pressure_kPa), fmt::format("{:+.1f}", r.percent),
+                   fmt::format("{} of {}", r.above, r.stations), r.one_sign ? "one sign" : ""});
+    }
+    return table.text();
+}
+
 std::string output_table(const SurveyResult& result) {
     const auto outputs = result.outputs();
     std::vector<std::string> header{"station"};
@@ -326,6 +335,10 @@ std::string survey_text(const SurveyResult& result) {
     }
     if (std::any_of(result.residuals.begin(), result.residuals.end(), [](const auto& r) { return r.one_sign; })) {
         text += "\nWhat the model leaves over at the sensors (median over the stations)\n" + residual_table(result);
+    }
+    if (std::any_of(result.load_residuals.begin(), result.load_residuals.end(),
+                    [](const auto& r) { return r.one_sign; })) {
+        text += "\nWhat the model leaves over at the loads (median over the stations)\n" + load_table(result);
     }
     if (result.normalise || result.reference_C) {
         text += fmt::format("\nAt {}\n{}",

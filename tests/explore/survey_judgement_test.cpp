@@ -84,6 +84,44 @@ bool holds(const std::string& text, std::string_view words) {
 
 } // namespace
 
+// Twelve stations with levels of 400 and 700 kPa: the model 4 % below all readings of the one, 3 % above those of the
+// other.
+TEST(LoadResiduals, AreMediansOverTheStationsAndNameTheLaw) {
+    SurveyResult result;
+    for (int number = 0; number < 12; ++number) {
+        StationResult s = station(number, std::vector<double>(offsets_mm.size(), 500.0));
+        data::DeflectionBowl high = s.bowls->levels[0];
+        s.bowls->levels[0].pressure_kPa = 400.0;
+        s.bowls->levels.push_back(high);
+        s.fit->levels = {0, 1};
+        s.fit->model_um.assign(2, {});
+        for (const data::BowlReading& reading : high.readings) {
+            s.fit->model_um[0].push_back(0.96 * reading.deflection_um);
+            s.fit->model_um[1].push_back(1.03 * reading.deflection_um);
+        }
+        result.stations.push_back(std::move(s));
+    }
+    result.load_residuals = analysis::load_residuals(result);
+    ASSERT_EQ(result.load_residuals.size(), 2u);
+    const auto& low = result.load_residuals[0];
+    const auto& high = result.load_residuals[1];
+    EXPECT_EQ(low.pressure_kPa, 400.0);
+    EXPECT_NEAR(low.percent, -4.0, 1e-9);
+    EXPECT_NEAR(high.percent, 3.0, 1e-9);
+    EXPECT_NEAR(high.scatter_percent, 0.0, 1e-9);
+    EXPECT_EQ(low.above, 0u);
+    EXPECT_EQ(high.above, 12u);
+    EXPECT_TRUE(low.one_sign && high.one_sign); // 2 / 2^12 of chance, twice
+    const auto words = analysis::findings_of(result);
+    EXPECT_TRUE(std::any_of(words.begin(), words.end(), [](const std::string& w) {
+        return w.find("stiffens with load does that: try law = \"uzan\"") != std::string::npos;
+    }));
+    for (StationResult& s : result.stations) { // one level alone says nothing of load
+        s.fit->levels = {0};
+    }
+    EXPECT_TRUE(analysis::load_residuals(result).empty());
+}
+
 TEST(JudgeSensors, OneThatAloneIsOffIsNamed) {
     auto result = road([](double x) { return x == 600.0 ? 1.12 : 1.0; });
     analysis::judge_sensors(result);
