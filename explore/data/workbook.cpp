@@ -137,19 +137,20 @@ std::optional<std::vector<Sheet>> sheets_of(const std::string& file) {
     }
     std::vector<std::string> shared;
     if (archive.has("xl/sharedStrings.xml")) {
-        for (const pugi::xml_node& item : archive.part("xl/sharedStrings.xml").child("sst").children("si")) {
+        const pugi::xml_document strings = archive.part("xl/sharedStrings.xml");
+        for (const pugi::xml_node& item : strings.child("sst").children("si")) {
             shared.push_back(text_of(item));
         }
     }
     std::map<std::string, std::string> targets; // of relations
-    for (const pugi::xml_node& relation :
-         archive.part("xl/_rels/workbook.xml.rels").child("Relationships").children("Relationship")) {
+    const pugi::xml_document relations = archive.part("xl/_rels/workbook.xml.rels");
+    for (const pugi::xml_node& relation : relations.child("Relationships").children("Relationship")) {
         const std::string target = relation.attribute("Target").value();
         targets[relation.attribute("Id").value()] = target.starts_with('/') ? target.substr(1) : "xl/" + target;
     }
     std::vector<Sheet> sheets;
-    for (const pugi::xml_node& sheet :
-         archive.part("xl/workbook.xml").child("workbook").child("sheets").children("sheet")) {
+    const pugi::xml_document book = archive.part("xl/workbook.xml");
+    for (const pugi::xml_node& sheet : book.child("workbook").child("sheets").children("sheet")) {
         const auto target = targets.find(sheet.attribute("r:id").value());
         if (target != targets.end() && archive.has(target->second)) {
             sheets.push_back({sheet.attribute("name").value(), csv_of(archive.part(target->second), shared, file)});
