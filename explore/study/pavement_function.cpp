@@ -148,8 +148,8 @@ void members(Archive& archive, T& value) {
         auto& [integration, extent, wall_follows, refine, solver, layered, time_step, shares_paths] = value;
         archive(integration, extent, wall_follows, refine, solver, layered, time_step, shares_paths);
     } else if constexpr (std::is_same_v<Own, AppliedEffect>) {
-        auto& [effect, size, present, layer, load, quantity, reading, thickness] = value;
-        archive(effect, size, present, layer, load, quantity, reading, thickness);
+        auto& [effect, size, present, layer, load, quantity, reading, thickness, offsets] = value;
+        archive(effect, size, present, layer, load, quantity, reading, thickness, offsets);
     } else if constexpr (std::is_same_v<Own, Correction>) {
         auto& [channel, layer, places, factors, present] = value;
         archive(channel, layer, places, factors, present);

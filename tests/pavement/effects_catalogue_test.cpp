@@ -159,7 +159,7 @@ TEST(Effects, AreThoseOfTheCatalogueEachOnce) {
     }
     std::sort(names.begin(), names.end());
     EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
-    EXPECT_EQ(names.size(), 30U);
+    EXPECT_EQ(names.size(), 32U);
 }
 
 // By name, else by the rules that effect.h states.
