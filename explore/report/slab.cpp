@@ -1,8 +1,8 @@
 #include "report/slab.h"
 
 #include "base/text.h"
+#include "report/answer.h"
 #include "report/table.h"
-#include "report/text.h"
 
 #include <fmt/format.h>
 
@@ -58,7 +58,13 @@ Json slab_json(const analysis::SlabResult& result) {
 }
 
 std::string slab_text(const analysis::SlabResult& result) {
-    std::string text = sentences(findings(result));
+    constexpr std::size_t columns = 80;
+    std::string text;
+    for (const std::string& sentence : findings(result)) {
+        for (const std::string& line : wrapped(sentence, columns - 2, 2)) {
+            text += "  " + line + "\n";
+        }
+    }
     Table table({"station", "D0 um", "AREA mm", "l mm", is_liquid(result) ? "k MPa/m" : "E0 MPa", "slab MPa", "RMS %",
                  "transfer %"});
     for (const SlabStation& s : result.stations) {

@@ -94,4 +94,4 @@ def test_bad_input_is_met_with_one_message(options, said):
 
 def test_the_page_is_narrow():
     done = run("slab", write("page", [("S1", [(PRESSURE, bowl("liquid", 60e6))])]), "--thickness", 250)
-    assert done.returncode == 0 and all(len(line) <= 100 for line in done.stdout.splitlines()), done.stdout
+    assert done.returncode == 0 and all(len(line) <= 80 for line in done.stdout.splitlines()), done.stdout

@@ -309,7 +309,7 @@ def test_positions_make_a_map_and_temperatures_the_asphalts():
     map_of = json.loads((folder / "places" / "survey.geojson").read_text())
     assert [f["geometry"]["coordinates"] for f in map_of["features"]] == [[2.58, 48.97]], f"a map: {map_of}"
     # SCI = D0 - D300, here 170 um at the pressure that it is normalised to.
-    indices = result["stations"][0]["indices"]
+    indices = result["stations"][0]["normalised"]
     assert map_of["features"][0]["properties"]["SCI_um"] == indices["SCI_um"], f"indices: {map_of}"
     space = {"kml": "http://www.opengis.net/kml/2.2"}
     marks = xml.etree.ElementTree.parse(folder / "places" / "survey.kml").findall(".//kml:Placemark", space)
@@ -359,7 +359,7 @@ def test_a_workbook_is_read_as_its_table_and_written():
     of_table = call(table, "--out", folder / "of-table")
     of_book = call(book, "--out", folder / "of-book")
     for a, b in zip(of_table["stations"], of_book["stations"]):
-        assert a["indices"] == b["indices"] and a["station"] == b["station"] and a["comment"] == b["comment"], f"{a}\n{b}"
+        assert a["normalised"] == b["normalised"] and a["station"] == b["station"] and a["comment"] == b["comment"], f"{a}\n{b}"
     assert len(of_book["stations"]) == 2 and of_book["stations"][0]["comment"] == "wet, cold"
     with zipfile.ZipFile(folder / "of-book" / "survey.xlsx") as archive:
         sheet, shared = (archive.read(f"xl/{name}.xml").decode() for name in ("worksheets/sheet1", "sharedStrings"))
