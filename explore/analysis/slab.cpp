@@ -274,7 +274,9 @@ SlabResult slabs(const std::vector<data::FwdFile>& files, const SlabOptions& opt
 std::vector<std::string> findings(const SlabResult& result) {
     std::vector<std::string> text;
     const bool is_liquid = result.options.foundation == Foundation::dense_liquid;
-    const auto good = [](const SlabStation& s) { return s.fit && !is_poor(s); };
+    const auto good = [](const SlabStation& s) {
+        return s.fit && !is_poor(s) && s.intercept_um.value_or(0.0) <= void_intercept_um;
+    };
     const auto of = [&](const auto& value) {
         return values_of(result, [&](const SlabStation& s) {
             return good(s) ? std::optional<double>(value(*s.fit)) : std::nullopt;
