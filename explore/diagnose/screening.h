@@ -1,4 +1,4 @@
-// What each candidate could explain of the residuals, before anything is fitted again.
+// The share of the residuals that each candidate could explain, before anything is fitted again.
 #pragma once
 
 #include "diagnose/workbench.h"
@@ -14,7 +14,7 @@ inline bool is_pressed(double unit, double pull) {
     return (unit < at_end && pull > 0.0) || (unit > 1.0 - at_end && pull < 0.0);
 }
 
-// What free parameters can follow, to first order: the span of the residuals' derivatives. Directions that crossing the
+// Directions that parameters follow, to first order: the span of the residuals' derivatives. Those that crossing the
 // whole box moves by less than one standard deviation are not in it, nor are parameters that the fit presses against a
 // bound.
 class Mimicry {
@@ -37,7 +37,7 @@ private:
 class Family {
 public:
     // directions: unit vectors, one column a statistic: minus their product with the residuals. Only the sign of
-    // `sense` counts, where it is not 0. estimated: the noise is what the residuals leave over, beyond `mimicry`.
+    // `sense` counts, where it is not 0. estimated: the noise is that of the residuals, beyond `mimicry`.
     // rows_of: residuals in standard deviations by standard normal deviates; without: the deviates.
     Family(const Eigen::MatrixXd& directions, const std::vector<int>& sense, const Mimicry& mimicry, bool estimated,
            std::uint64_t seed, const std::function<Eigen::VectorXd(Eigen::VectorXd)>& rows_of = {});
@@ -45,7 +45,7 @@ public:
     // The chance that the largest statistic of the family reaches this under noise alone. Simulated with 10,000 draws;
     // below their reach by the bound of Bonferroni, which is close there.
     double p_value(double statistic) const;
-    // What the largest statistic exceeds with this probability.
+    // The limit that the largest statistic exceeds with this probability.
     double threshold(double p) const;
 
 private:
