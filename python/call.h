@@ -15,7 +15,7 @@ namespace python {
 namespace py = pybind11;
 namespace allowed = explore::analysis::allowed;
 
-// What a computation without an answer becomes in Python.
+// A computation without an answer, in Python.
 struct NoAnswer : std::runtime_error {
     using std::runtime_error::runtime_error;
 };

@@ -1,4 +1,4 @@
-// What fits, and where it fits.
+// Fits of a study, and where they fit.
 #include "analyses.h"
 
 #include "analysis/starts.h"

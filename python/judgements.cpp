@@ -1,4 +1,4 @@
-// What the fit is worth: its posterior, other models, what the model lacks, what it means for life.
+// The worth of a fit: its posterior, other models, what the model lacks, what it means for life.
 #include "analyses.h"
 
 #include "call.h"

@@ -20,7 +20,7 @@ using python::Study;
 
 namespace {
 
-// What the command line takes where nothing is said.
+// Defaults of the command line.
 py::dict defaults() {
     namespace analysis = explore::analysis;
     const explore::landscape::MultistartSettings multistart;

@@ -20,7 +20,7 @@ class Study {
 public:
     explicit Study(explore::study::Study study);
 
-    // What makes the same study again, also where its files are not.
+    // State that makes the same study again, also where its files are not.
     struct Source {
         bool in_memory = false;
         bool is_function = false;
@@ -32,7 +32,7 @@ public:
     static std::unique_ptr<Study> of_file(const std::string& file);
     static std::unique_ptr<Study> of_text(const std::string& text, const std::map<std::string, std::string>& files,
                                           const std::string& name);
-    // The same with a Python function for its model. It cannot be asked for its state.
+    // The same with a Python function for its model. It has no state to pickle.
     static std::unique_ptr<Study> of_function(const std::string& text, const std::map<std::string, std::string>& files,
                                               const std::string& name, FunctionOf function);
     pybind11::tuple state() const;

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "data/asphalt_temperature.h"
 #include "data/bowl_indices.h"
+#include "data/fwd_values.h"
 #include "data/reading.h"
 #include "data/resolution.h"
 #include "data/road_bowls.h"
@@ -14,34 +15,20 @@
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
+#include <numbers>
 
 namespace explore::analysis {
 namespace {
 
-constexpr std::string_view base_at_rest =
-    R"(law = "uzan"                  # E = k1 pa (theta/pa)^k2 (tau/pa + 1)^k3, pa = 100 kPa
-modulus_axis = "vertical"     # E is that of the laboratory test; "horizontal": E1
-k1 = 1300                     # 900 to 1700 for crushed rock
-k2 = 0.65                     # 0.5 to 0.8: stiffens with confinement
-k3 = -0.3                     # -0.8 to 0: softens with shear
-)";
-constexpr std::string_view base_in_motion =
-    R"(law = "hyperelastic"          # E = k1 pa (Q/pa^2)^(k/2), Q = sigma : A : sigma; gives all strain back
-modulus_axis = "vertical"     # E is that of the laboratory test; "horizontal": E1
-k1 = 800                      # of a secant: some 0.6 times the k1 of "uzan"
-k = 0.5                       # 0.3 to 0.7: stiffens with stress
-)";
-
-// What the two kinds of study say differently.
+// Differences between the two kinds of study.
 struct Parts {
-    std::string head;                     // comment lines
-    std::string title;                    // harmless in quotes
-    std::string layers;                   // a comment line on where the layers come from
-    std::string loads;                    // [[loads]]
-    std::string noise;                    // of [data]
-    std::string load;                     // that the output is predicted under
-    std::string_view base = base_at_rest; // its law
-    double subgrade_MPa = 60.0, subgrade_low_MPa = 15.0, subgrade_high_MPa = 300.0;
+    std::string head;   // comment lines
+    std::string title;  // harmless in quotes
+    std::string layers; // a comment line on where the layers come from
+    std::string loads;  // [[loads]]
+    std::string noise;  // of [data]
+    std::string load;   // that the output is predicted under
+    NewSection section;
 };
 
 std::string study_text(const std::string& name, const Parts& parts) {
@@ -59,74 +46,15 @@ title = "{2}"
 bottom = "half-space"
 
 {3}
-[[layers]]
-name = "asphalt"
-thickness_mm = 120
-density_kg_m3 = 2300          # with k0: the stress that is there before the load
-k0 = 0.5                      # horizontal over vertical stress at rest
-law = "linear"
-modulus_MPa = 3000
-poisson = 0.35
-
-[[layers]]
-name = "base"
-thickness_mm = 300
-density_kg_m3 = 2200
-k0 = 0.5
-{10}n = 0.4                       # horizontal over vertical modulus
-poisson_12 = 0.35
-poisson_31 = 0.35
-
-[[layers]]
-name = "subgrade"
-density_kg_m3 = 1900
-k0 = 0.5
-law = "linear"
-modulus_MPa = {4:g}
-poisson = 0.40
-
+{4}
 {5}
 {6}
-# What is to be found, and between which bounds.
-[[parameters]]
-name = "asphalt.modulus_MPa"
-min = 500
-max = 20000
-scale = "log"
-
-[[parameters]]
-name = "base.k1"
-min = 200
-max = 8000
-scale = "log"
-
-[[parameters]]
-name = "subgrade.modulus_MPa"
-min = {7:g}
-max = {8:g}
-scale = "log"
-
+# The unknowns, and between which bounds.
+{7}
 # What the answer is for: predicted from every set of parameters that the readings allow.
-[[outputs]]
-name = "subgrade-top strain"
-load = "{9}"
-quantity = "strain_zz"
-depth_mm = 421
-
-[[outputs]]
-name = "asphalt-bottom strain"
-load = "{9}"
-quantity = "strain_xx"
-depth_mm = 119.9
-)",
-        parts.head, run::shell_word(name + ".toml"), parts.title, parts.layers, parts.subgrade_MPa, parts.loads,
-        parts.noise, parts.subgrade_low_MPa, parts.subgrade_high_MPa, parts.load, parts.base);
-}
-
-// Two significant digits.
-double rounded(double value) {
-    const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
-    return std::round(value / unit) * unit;
+{8})",
+        parts.head, run::shell_word(name + ".toml"), parts.title, parts.layers, parts.section.layers_text(),
+        parts.loads, parts.noise, parts.section.parameters_text(), parts.section.outputs_text(parts.load));
 }
 
 double hundredths(double value) {
@@ -168,15 +96,66 @@ const data::FwdStation& chosen(const data::FwdFile& file, const std::string& pat
                       pave::join(names));
 }
 
+// Of the layers of a study; template_words: where none were stated.
+void set_layers(Parts& parts, const NewOptions& options, std::string_view template_words) {
+    parts.layers = options.layers.empty()
+                       ? template_words
+                       : "# Layers from the top down, as stated; their laws, densities and Poisson's "
+                         "ratios are usual ones.";
+    if (!options.layers.empty()) {
+        parts.section.layers = options.layers;
+    }
+    parts.section.is_linear = options.is_linear;
+}
+
+// Vertical strain under the centre of a uniform circle of pressure on an elastic half-space (Ahlvin and Ulery 1962, HRB
+// Bulletin 342), with z over the radius: p (1 + nu)/E ((1 - 2 nu)(1 - z/r) + z/r^3), r = sqrt(1 + z^2).
+double half_space_strain(double z, double pressure_over_modulus, double poisson) {
+    const double r = std::hypot(1.0, z);
+    return pressure_over_modulus * (1.0 + poisson) * ((1.0 - 2.0 * poisson) * (1.0 - z / r) + z / (r * r * r));
+}
+
 } // namespace
 
-NewStudy example_study(const std::string& name) {
+NewStudy example_study(const std::string& name, const NewOptions& options) {
     Parts parts;
     parts.head = "# A study: one section, what was measured on it, what is to be found. Written by `pavescape new`; "
                  "runs as it stands:\n";
     parts.title = name;
-    parts.layers = "# Layers from the top down: replace the numbers by yours.";
-    parts.loads = R"(# What loads it: "plate" (FWD), "wheel" or "dual-wheel".
+    set_layers(parts, options, "# Layers from the top down: replace the numbers by yours.");
+    if (!options.gauges_mm.empty()) {
+        constexpr double radius_mm = 98.9, pressure_kPa = 650.0, modulus_MPa = 120.0, poisson = 0.35;
+        parts.load = "wheel";
+        parts.loads = fmt::format(R"(# The load: "wheel", "dual-wheel" or "plate" (FWD).
+[[loads]]
+name = "wheel"
+type = "wheel"
+patch = "circle"
+force_kN = {:.1f}
+pressure_kPa = {:g}
+)",
+                                  pressure_kPa * std::numbers::pi * radius_mm * radius_mm * 1e-6, pressure_kPa);
+        parts.noise = fmt::format(R"(# The readings: vertical strains over gauges of 75 mm.
+[data]
+files = ["{}.csv"]
+misfit = "weighted"
+
+[data.noise]
+relative = 0.05
+absolute = {{ microstrain = 10 }}
+)",
+                                  name);
+        std::string rows;
+        for (const double depth_mm : options.gauges_mm) {
+            const double strain = half_space_strain(depth_mm / radius_mm, 1e-3 * pressure_kPa / modulus_MPa, poisson);
+            rows += fmt::format("wheel,strain_zz,0,0,{:g},75,{:.0f},microstrain,\n", depth_mm, 1e6 * strain);
+        }
+        return {study_text(name, parts),
+                fmt::format("# Examples, not measurements: strains in a half-space of {:g} MPa. Replace them.\n"
+                            "# Strains are positive in compression. depth_mm: of the middle of a gauge.\n{}\n{}",
+                            modulus_MPa, data::measurement_header(), rows)};
+    }
+    parts.loads = R"(# The load: "plate" (FWD), "wheel" or "dual-wheel".
 [[loads]]
 name = "fwd"
 type = "plate"
@@ -184,7 +163,7 @@ radius_mm = 150
 pressure_kPa = 566            # 40 kN
 )";
     parts.noise = fmt::format(
-        R"(# What was read. Without noise here or a sigma in the file it is taken from what the fit leaves over.
+        R"(# The readings. Without noise here or a sigma in the file it is taken from the residuals of the fit.
 [data]
 files = ["{}.csv"]
 misfit = "weighted"           # by the noise; "log": by the logarithms, for strains of all sizes
@@ -223,7 +202,18 @@ std::string station_head(const data::FwdStation& station, const std::string& sou
                        given("asphalt", data::measured_asphalt_C(station.asphalt_C, station.surface_C)));
 }
 
-constexpr const char* layers_of_station =
+// At mid-depth of the asphalt: measured, or by BELLS3 from the surface; nothing: the file does not tell.
+std::optional<double> asphalt_C(const data::FwdStation& station, const NewSection& section) {
+    const auto measured = data::measured_asphalt_C(station.asphalt_C, station.surface_C);
+    const auto hour = data::hour_of_day(station.time);
+    const NewLayer& top = section.layers[0];
+    return measured ? measured
+           : station.surface_C && station.air_C && hour && top.material == NewMaterial::asphalt
+               ? std::optional(data::bells3(*station.surface_C, *station.air_C, *hour, *top.thickness_mm / 2.0))
+               : std::nullopt;
+}
+
+constexpr std::string_view layers_of_station =
     "# Layers from the top down. The file does not say what they are: REPLACE thicknesses and laws by "
     "those of your road.\n# depth_mm of the outputs below goes with the thicknesses.";
 
@@ -232,9 +222,9 @@ void set_subgrade(Parts& parts, const data::DeflectionBowl& bowl) {
     const auto moduli = data::indices_of(bowl, bowl.pressure_kPa).surface_moduli;
     if (!moduli.empty() && moduli.back().offset_mm > 0.0) {
         const double modulus = std::clamp(moduli.back().modulus_MPa, 10.0, 1000.0);
-        parts.subgrade_MPa = rounded(modulus);
-        parts.subgrade_low_MPa = rounded(modulus / 4.0);
-        parts.subgrade_high_MPa = rounded(modulus * 4.0);
+        parts.section.subgrade_MPa = two_digits(modulus);
+        parts.section.subgrade_low_MPa = two_digits(modulus / 4.0);
+        parts.section.subgrade_high_MPa = two_digits(modulus * 4.0);
     }
 }
 
@@ -262,7 +252,7 @@ const data::StationBowls& bowls_or_error(const std::vector<pave::Outcome<data::S
 } // namespace
 
 NewStudy study_of_pulses(const std::string& name, const data::FwdFile& file, const std::string& path,
-                         const std::string& wanted) {
+                         const std::string& wanted, const NewOptions& options) {
     const data::FwdStation& station = chosen(file, path, wanted);
     const std::string source = harmless(std::filesystem::path(path).filename().string());
     const auto road = bowls_of_file(file);
@@ -272,8 +262,9 @@ NewStudy study_of_pulses(const std::string& name, const data::FwdFile& file, con
     Parts parts;
     parts.head = station_head(station, source);
     parts.title = fmt::format("Station {} of {}, whole pulses", harmless(station.name), source);
-    parts.layers = layers_of_station;
-    parts.base = base_in_motion;
+    set_layers(parts, options, layers_of_station);
+    parts.section.asphalt_C = asphalt_C(station, parts.section);
+    parts.section.has_energy = true;
     parts.loads = "# The drops of the station that have a history. time_shift_ms would move readings against it.\n";
     std::vector<data::Reading> rows;
     double longest_ms = 0.0;
@@ -319,7 +310,7 @@ NewStudy study_of_pulses(const std::string& name, const data::FwdFile& file, con
     }
     parts.loads.pop_back();
     parts.noise = fmt::format(
-        R"(# What was read, one reading a millisecond. Errors of one sensor at two times are alike, and geophones drift.
+        R"(# The readings, one a millisecond. Errors of one sensor at two times are alike, and geophones drift.
 [data]
 files = ["{}.csv"]
 misfit = "weighted"
@@ -343,7 +334,7 @@ time_step_ms = 0.5            # 0.2 for the final answer
 }
 
 NewStudy study_of_station(const std::string& name, const data::FwdFile& file, const std::string& path,
-                          const std::string& wanted) {
+                          const std::string& wanted, const NewOptions& options) {
     const data::FwdStation& station = chosen(file, path, wanted);
     const std::string source = harmless(std::filesystem::path(path).filename().string());
     const auto road = bowls_of_file(file);
@@ -359,7 +350,8 @@ NewStudy study_of_station(const std::string& name, const data::FwdFile& file, co
     Parts parts;
     parts.head = station_head(station, source);
     parts.title = fmt::format("Station {} of {}", harmless(station.name), source);
-    parts.layers = layers_of_station;
+    set_layers(parts, options, layers_of_station);
+    parts.section.asphalt_C = asphalt_C(station, parts.section);
     std::string rows;
     std::string left_out;
     parts.loads = "# The loads of the station, one a level.\n";
@@ -394,7 +386,7 @@ NewStudy study_of_station(const std::string& name, const data::FwdFile& file, co
     for (const std::string& remark : bowls.remarks) {
         left_out += fmt::format("# {}\n", harmless(remark));
     }
-    parts.noise = fmt::format(R"(# What was read; every reading states its noise (sigma).
+    parts.noise = fmt::format(R"(# The readings; every one states its noise (sigma).
 [data]
 files = ["{}.csv"]
 misfit = "weighted"

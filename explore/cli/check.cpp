@@ -80,7 +80,7 @@ int check_study(const CheckArguments& chosen) {
         fmt::print("{}", words.empty() ? "" : "  " + words + "\n");
     }
     if (list->empty()) {
-        fmt::print("\n  What commands take is not known of a model of one's own; --time runs it once.\n");
+        fmt::print("\n  What commands take is not known of a model of your own; --time runs it once.\n");
         return done;
     }
     fmt::print("\n  Time on {}, {}\n", counted(static_cast<std::size_t>(threads), "thread", "threads"),

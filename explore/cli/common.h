@@ -1,4 +1,4 @@
-// What the commands share: options, how a result is handed over, the table of commands.
+// Shared by the commands: options, how a result is handed over, the table of commands.
 #pragma once
 
 #include "analysis/option_ranges.h"
@@ -76,10 +76,10 @@ void add_model(CLI::App& app, analysis::ModelOptions& options, bool alone = true
 // Adds --columns.
 void add_columns(CLI::App& app, std::string& columns);
 
-// What main was called with; kept for the stores that this process writes to.
+// The arguments of main; kept for the stores that this process writes to.
 void remember_command_line(int argc, const char* const* argv);
 
-// What was computed: kept, and printed as JSON or as the page.
+// Keeps a result, and prints it as JSON or as the page.
 int hand_over(analysis::Session& session, const CommonOptions& options, std::string_view name, const report::Json& json,
               const std::function<std::string()>& page);
 // The same of a command that has an answer: its full page is kept too, as NAME.txt.
@@ -88,7 +88,7 @@ int hand_over_answer(analysis::Session& session, const CommonOptions& options, s
 // The answer as standard output shows it.
 std::string shown_answer(const CommonOptions& options, std::string_view name, const report::Json& json,
                          const std::string& page);
-// A computation without an answer: JSON where it is asked for, and the reason on standard error. Exit status 1.
+// A computation without an answer: JSON where it is requested, and the reason on standard error. Exit status 1.
 int hand_over_failure(const CommonOptions& options, const report::Json& json, std::string_view reason);
 // For a run that was cut off: a message on standard error. Exit status 130.
 int report_interrupt(const std::string& folder);

@@ -1,4 +1,4 @@
-// pavescape diagnose: what the simulation gets wrong, the cause, the extended model, the gain.
+// pavescape diagnose: the effect that the model lacks, the extended study, the gain.
 #include "report/diagnose.h"
 #include "cli/commands.h"
 #include "run/files.h"
@@ -34,7 +34,7 @@ int diagnose(const DiagnoseArguments& options) {
 
 void add_diagnose(CLI::App& app, Action& action) {
     auto* command =
-        app.add_subcommand("diagnose", "what the simulation gets wrong, the cause, the extended model, the gain");
+        app.add_subcommand("diagnose", "finds the effect that the model lacks: cause, extended study, gain");
     auto options = std::make_shared<DiagnoseArguments>();
     add_common(*command, options->common);
     add_depth(*command, options->common);

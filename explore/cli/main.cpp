@@ -68,7 +68,7 @@ int perform_together(const explore::cli::Action& action) {
     }
 }
 
-// What is said where a long option is none of the command's, but like one of them; "": there is nothing to say.
+// The message on a long option that is none of the command's, but like one of them; "": there is nothing to say.
 std::string unknown_option(CLI::App& app, int argc, char** argv) {
     const auto commands = app.get_subcommands(
         [&](CLI::App* command) { return argc > 1 && command->get_name() == std::string_view(argv[1]); });

@@ -11,8 +11,9 @@ namespace explore::cli {
 namespace {
 
 struct NewArguments {
-    std::string file, from, station, columns;
+    std::string file, from, station, columns, layers;
     bool pulses = false;
+    analysis::NewOptions study;
 };
 
 // Of a station, unless it is named.
@@ -24,6 +25,10 @@ std::string file_of(const NewArguments& options) {
 }
 
 int write_study(const NewArguments& options) {
+    analysis::NewOptions wanted = options.study;
+    if (!options.layers.empty()) {
+        wanted.layers = analysis::new_layers(options.layers);
+    }
     const std::string file = file_of(options);
     const std::filesystem::path path(file);
     if (path.extension() != ".toml") {
@@ -37,12 +42,12 @@ int write_study(const NewArguments& options) {
     const std::string folder = path.has_parent_path() ? path.parent_path().string() : ".";
     const auto make = [&] {
         if (options.from.empty()) {
-            return analysis::example_study(stem);
+            return analysis::example_study(stem, wanted);
         }
         const data::FwdFile read = data::read_fwd(
             options.from, options.columns.empty() ? data::ColumnMap{} : data::read_column_map(options.columns));
         const auto study = options.pulses ? analysis::study_of_pulses : analysis::study_of_station;
-        return study(stem, read, options.from, options.station);
+        return study(stem, read, options.from, options.station, wanted);
     };
     const auto keep = [&](const std::string& name) {
         const auto there = std::filesystem::path(folder) / name;
@@ -62,7 +67,7 @@ int write_study(const NewArguments& options) {
     run::write_file(folder, stem + ".csv", made.readings);
     run::write_file(folder, stem + ".toml", made.study);
     fmt::print("written: {0}/{1}.toml and {0}/{1}.csv\nnext:    {2}pavescape check {3}\n", folder, stem,
-               options.from.empty() ? "" : "state the layers of your road in it, then ",
+               options.from.empty() || !wanted.layers.empty() ? "" : "state the layers of your road in it, then ",
                run::shell_word(fmt::format("{}/{}.toml", folder, stem)));
     return done;
 }
@@ -82,8 +87,19 @@ void add_new(CLI::App& app, Action& action) {
     command->add_option("--columns", options->columns, "names of the columns of a table, as for survey")->needs(from);
     command->add_flag("--pulses", options->pulses, "the time histories of its drops in place of their peaks")
         ->needs(from);
+    command->add_option("--layers", options->layers,
+                        "the layers from the top down with their mm, the last without: \"asphalt 120, base 300, "
+                        "subgrade\"");
+    command->add_flag("--linear", options->study.is_linear, "granular layers are linear, not stress-dependent");
+    command
+        ->add_option("--gauges", options->study.gauges_mm,
+                     "strain gauges under a wheel in place of a deflection bowl: their depths [mm], z1,z2,...")
+        ->delimiter(',')
+        ->check(within(37.5, 20000.0))
+        ->excludes(from);
     command->footer("Example: pavescape new road.toml\n"
-                    "         pavescape new station.toml --from grids/road-north.f25 --station 100");
+                    "         pavescape new station.toml --from grids/road-north.f25 --layers \"asphalt 90, base 280, "
+                    "subgrade\" --linear");
     command->callback([=, &action] {
         if (file->count() == 0 && from->count() == 0) {
             throw CLI::RequiredError("FILE, or --from FWD");

@@ -1,4 +1,4 @@
-// What survey and road share: the files of a road, which of their drops, and how a result is handed over.
+// Shared by survey and road: the files of a road, which of their drops, and how a result is handed over.
 #pragma once
 
 #include "analysis/road_files.h"
@@ -20,7 +20,7 @@ void add_road_input(CLI::App& app, RoadInput& input);
 void add_load(CLI::App& app, const std::string& name, const std::string& help,
               const std::function<void(const analysis::LoadLevel&)>& keep);
 
-// What a command made of a road.
+// The result of a command on a road.
 struct RoadPages {
     report::Json json;
     std::string csv, text;

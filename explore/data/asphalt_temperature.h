@@ -5,8 +5,8 @@
 
 namespace explore::data {
 
-// What a file states for the asphalt, unless it is the 0 that writers put without a reading: beside a surface that is
-// not near 0 too.
+// The asphalt temperature that a file states, unless it is the 0 that writers put without a reading: beside a surface
+// that is not near 0 too.
 std::optional<double> measured_asphalt_C(std::optional<double> asphalt_C, std::optional<double> surface_C);
 
 // BELLS3, for routine testing (the surface shaded for no more than a minute), in degrees Celsius:

@@ -8,7 +8,7 @@
 
 namespace explore::data {
 
-// What one sensor read under one load.
+// The reading of one sensor under one load.
 struct BowlPoint {
     std::size_t row = 0; // whoever asks: which of his readings
     int load = 0;

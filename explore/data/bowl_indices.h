@@ -1,4 +1,4 @@
-// What the trade reads off a deflection bowl besides the deflections.
+// The trade's indices of a deflection bowl, besides the deflections.
 //
 //     SCI  = D0 - D300      surface curvature index: the bound layers
 //     BDI  = D300 - D600    base damage index

@@ -28,7 +28,7 @@ double accuracy(double deflection_um) {
     return accuracy_um + accuracy_share * deflection_um;
 }
 
-// What is read off the drops of a station, step by step. Each step may find why nothing can be made of it.
+// Reads the drops of a station, step by step. Each step may find why nothing can be made of it.
 class Making {
 public:
     Making(const FwdStation& station, const DropChoice& choice)
@@ -105,7 +105,7 @@ private:
         if (drops.empty()) {
             return !first_reason.empty()    ? first_reason
                    : station_.drops.empty() ? "it has no drops"
-                                            : "it has none of the drops that are asked for";
+                                            : "it has none of the drops that are requested";
         }
         for (const FwdDrop* d : drops) {
             if (d->radius_mm != drops[0]->radius_mm) {

@@ -78,7 +78,7 @@ std::optional<DropAgainstOthers> against_others(const LevelReadings& level, int 
     return off.empty() ? std::nullopt : std::optional(DropAgainstOthers{median(off), median(apart)});
 }
 
-// What all sensors of a drop have in common (of logarithms), which is no error of one of them.
+// The error that all sensors of a drop have in common (of logarithms), which is no error of one of them.
 std::map<int, double> effects_of(const LevelReadings& level) {
     std::map<int, std::vector<double>> off;
     for (const auto& [offset, readings] : level) {
@@ -100,7 +100,7 @@ std::map<int, double> effects_of(const LevelReadings& level) {
     return effects;
 }
 
-// What the readings of a sensor scatter by here, apart from what their drops have in common: of the middle sensor. 0:
+// The scatter of a sensor's readings here, apart from what their drops have in common: of the middle sensor. 0:
 // too few to tell.
 double scatter_here(const LevelReadings& level, const std::map<int, double>& effects) {
     std::vector<ScatterSample> samples;

@@ -70,7 +70,7 @@ struct Disagreement {
 std::vector<ContradictedDrop> take_out_drops(LevelReadings& level, const RepeatScatter& scatter);
 // Takes single readings out.
 std::vector<ContradictedReading> take_out_readings(LevelReadings& level, const RepeatScatter& scatter);
-// What is left and differs by more than 10 %, 4 um and five times the scatter, by offset.
+// The remaining differences of more than 10 %, 4 um and five times the scatter, by offset.
 std::vector<Disagreement> disagreements(const LevelReadings& level, const RepeatScatter& scatter);
 
 } // namespace explore::data

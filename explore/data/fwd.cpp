@@ -79,7 +79,7 @@ void set_position(FwdStation& station, std::optional<double> latitude, std::opti
 
 namespace {
 
-// What is no text with drops at all, in a sentence of its own.
+// A text that holds no drops at all, in a sentence of its own.
 void refuse_others(std::string_view text, const std::string& file) {
     if (trimmed(text).empty() || text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
         throw pave::Error({.file = file}, "this file is empty", {}, "a file with FWD drops");

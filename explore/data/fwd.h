@@ -1,4 +1,4 @@
-// What a falling weight deflectometer (FWD) measured along a road, whatever file it came from.
+// Measurements of a falling weight deflectometer (FWD) along a road, whatever file they came from.
 #pragma once
 
 #include "data/csv.h"
@@ -18,7 +18,7 @@ struct FwdReading {
     double deflection_um = 0.0; // peak, positive down
 };
 
-// What load cell and sensors read over the pulse of a drop.
+// Load cell and sensors over the pulse of a drop.
 struct FwdHistory {
     double step_ms = 0.0;
     std::vector<double> pressure_kPa{};  // of every sample, from time 0 on

@@ -349,7 +349,7 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
             deflections.push_back(&column);
         }
     }
-    // What a table lacks may stand there under a name that is not known.
+    // A column that a table lacks may stand there under a name that is not known.
     std::vector<std::string> not_known = header.unknown;
     for (const FwdHeader::Layer& layer : header.layers) {
         not_known.push_back(layer.name);

@@ -1,4 +1,4 @@
-// What the columns of a survey table mean, by their names.
+// The columns of a survey table, known by their names.
 //
 // A name is a word and a unit: load_kN, "Load (kN)", LOAD [lbf], D300_um, "D12in (mils)". Upper and lower case, blanks
 // and hyphens do not count.
@@ -45,7 +45,7 @@ struct FwdColumn {
     std::optional<double> constant{}; // in place of cells; in the unit of the column
 };
 
-// What a column of this name holds; nothing: not one of the above.
+// The content of a column of this name; nothing: not one of the above.
 std::optional<FwdColumn> column_named(std::string_view name);
 
 // The unit of a deflection, by its word; nothing: none.

@@ -355,7 +355,7 @@ private:
         }
     }
 
-    // What the operator wrote at each drop, once.
+    // The operator's comments at the drops, each once.
     static void add_comment(FwdStation& s, const std::string& words) {
         if (!words.empty() && s.comment.find(words) == std::string::npos) {
             s.comment += (s.comment.empty() ? "" : "; ") + words;

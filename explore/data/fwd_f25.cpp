@@ -43,7 +43,7 @@ std::vector<std::string> cells_of(std::string_view line) {
     return cells;
 }
 
-// What one line holds, and where it stands.
+// The content of one line, and where it stands.
 struct Line {
     std::vector<std::string> cells;
     std::string file;

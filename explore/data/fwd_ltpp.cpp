@@ -48,7 +48,7 @@ public:
         return at->second < cells.size() ? trimmed(cells[at->second]) : std::string_view{}; // a short line
     }
     int line(std::size_t row) const { return rows_[row + 1].line; }
-    // What was measured; nothing: the column is not there, or something else stands in it.
+    // The measured value; nothing: the column is not there, or something else stands in it.
     std::optional<double> reading(std::size_t row, std::string_view column) const {
         return has(column) ? measured(cell(row, column)) : std::nullopt;
     }
@@ -60,7 +60,7 @@ public:
         }
         return static_cast<int>(value);
     }
-    // What tells rows of two tables to belong together: 6 and 06 and 6.0 are one number.
+    // The key by which rows of two tables belong together: 6 and 06 and 6.0 are one number.
     std::string key(std::size_t row, std::span<const std::string_view> columns) const {
         std::string out;
         for (const std::string_view column : columns) {
@@ -113,7 +113,7 @@ Table table_beside(const std::string& file, std::string_view table, std::vector<
                       fmt::format("a file {} in the same folder", name));
 }
 
-// What the database's own checks say against a drop; "": nothing. Records pass levels A to E; what stopped before E
+// The objections of the database's own checks to a drop; "": none. Records pass levels A to E; what stopped before E
 // failed a check.
 std::string flag_of(const Table& drops, std::size_t r) {
     const std::string status = lower_case(drops.has("RECORD_STATUS") ? drops.cell(r, "RECORD_STATUS") : "");

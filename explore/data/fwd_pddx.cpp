@@ -190,7 +190,7 @@ private:
         }
         return list;
     }
-    // What was measured; nothing: something else stands there, or the list ends before.
+    // The measured value; nothing: something else stands there, or the list ends before.
     std::optional<double> measured_at(const std::vector<std::string>& parts, std::size_t i) const {
         return i < parts.size() ? measured(with_point(parts[i])) : std::nullopt;
     }

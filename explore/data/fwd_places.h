@@ -1,4 +1,4 @@
-// What the places of a table mean where plain numbers and sums ("163", "163+10") may be read in several ways.
+// The meaning of the places of a table where plain numbers and sums ("163", "163+10") may be read in several ways.
 #pragma once
 
 #include <optional>

@@ -166,7 +166,7 @@ std::optional<FwdTable> fwd_table(std::string_view text, const std::string& file
         cell = with_plain_letters(cell);
     }
     table.rows.push_back(std::move(header->cells));
-    // What follows, in its lines.
+    // The text that follows, in its lines.
     const auto before = static_cast<std::size_t>(
         std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(header->end), '\n'));
     const std::string rest = std::string(before, '\n') + std::string(text.substr(header->end));

@@ -9,7 +9,7 @@
 
 namespace explore::data {
 
-// What instruments and spreadsheets write for "not measured": nothing, -, N0, N/A, nan, null, #VALUE!, ...
+// Marks of instruments and spreadsheets for "not measured": nothing, -, N0, N/A, nan, null, #VALUE!, ...
 bool is_nil(std::string_view cell);
 
 // A finite number; nothing for everything else. A plus sign may lead.

@@ -1,4 +1,4 @@
-// What a reading states of its error, and a residual in units of it.
+// The stated error of a reading, and a residual in units of it.
 #pragma once
 
 #include <optional>
@@ -18,13 +18,13 @@ namespace explore::data {
 struct Noise {
     double absolute = 0.0; // SI; both 0: not stated
     double relative = 0.0;
-    // What the readings of a load have in common. The share of `relative` that is one error for all of them:
+    // Errors that the readings of a load have in common. The share of `relative` that is one error for all of them:
     double common_relative = 0.0;
     // The rest of the errors of two readings of one quantity: see own_correlation().
     double correlation_length = 0.0; // m
     double correlation_time = 0.0;   // s
-    // SI: what a sensor has drifted by this reading, or errs by in all drops alike, times a standard normal number that
-    // all readings of the sensor have in common.
+    // SI: what a sensor has drifted by this reading, or its error in all drops alike, times a standard normal number
+    // that all readings of the sensor have in common.
     double drift = 0.0;
     // Of Student's t distribution, whose scale the deviations then are: more large errors than a normal one has; 0:
     // normal.

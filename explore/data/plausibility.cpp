@@ -14,7 +14,7 @@ struct Range {
     double low, high;
     bool holds(double value) const { return value >= low && value <= high; }
 };
-// What can be, and what is common: a slip is named when it leads to the latter.
+// Possible and common values: a slip is named when it leads to the latter.
 constexpr Range radius_mm{40.0, 250.0}, common_radius_mm{90.0, 230.0};
 constexpr Range pressure_kPa{20.0, 4000.0}, common_pressure_kPa{200.0, 2000.0};
 constexpr Range centre_um{5.0, 1e4}, common_centre_um{50.0, 3000.0};

@@ -16,7 +16,7 @@ namespace explore::data {
 // Empty: it can.
 std::string implausible(const FwdDrop& drop);
 
-// What can be but is not common, where a slip would make it common: the same words, said and not acted upon. Empty:
+// Possible but uncommon values, where a slip would make them common: the same words, said and not acted upon. Empty:
 // nothing. Common are plates of 90 to 230 mm, 200 to 2000 kPa or 20 kN and more (from 40 kPa on where
 // there is no sensor but the centre: light deflectometers), and ground of less than 1000 MPa: the
 // lowest surface modulus (1 - 0.35^2) pressure radius^2 / (r D(r)) from two radii on.

@@ -1,4 +1,4 @@
-// One response of a study: a reading that was measured, or one that is asked for (an output).
+// One response of a study: a reading that was measured, or one that is requested (an output).
 #pragma once
 
 #include "data/noise.h"

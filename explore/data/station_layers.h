@@ -22,7 +22,7 @@ struct LayerColumn {
     bool is_error = false; // its standard deviation
     double to_mm = 1.0;
 };
-// What a column of this name would be; nothing: its name does not end in a unit of length.
+// The layer that a column of this name states; nothing: its name does not end in a unit of length.
 std::optional<LayerColumn> layer_column(std::string_view name);
 
 struct LayerTable {

@@ -1,4 +1,4 @@
-// What the AASHTO Guide for Design of Pavement Structures (1993), part III, 5.3.4 makes of a bowl.
+// Indices of a bowl by the AASHTO Guide for Design of Pavement Structures (1993), part III, 5.3.4.
 //
 //     M_R  = 0.24 P / (r D(r))                              subgrade, of the first sensor at r >= 0.7 a_e
 //     D0   = 1.5 p a (1 / (M_R sqrt(1 + (H/a)^2 (E_p/M_R)^(2/3))) + (1 - 1 / sqrt(1 + (H/a)^2)) / E_p)   gives E_p

@@ -9,7 +9,7 @@ namespace explore::diagnose {
 // is kept, of a few on each mesh.
 class CandidateFits {
 public:
-    // variance: of a residual, as it is when a fit is asked for. All three have to outlive this.
+    // variance: of a residual, as it is when a fit is requested. All three have to outlive this.
     CandidateFits(Workbench& bench, const std::vector<Candidate>& candidates, const double& variance)
         : bench_(bench),
           candidates_(candidates),
@@ -25,9 +25,9 @@ public:
                                int number, double worth, bool is_proposal) const;
     // Whether a fit gets about as low as the screening promises.
     bool reaches(const std::optional<Model>& found, const Screened& screened) const;
-    // What was found on the coarse mesh, on the study's own.
+    // Results of the coarse mesh, on the study's own.
     std::optional<Model> confirm(const std::optional<Model>& found, int number, double worth = INFINITY) const;
-    // What a fit on the coarse mesh has to get below for it to be worth that on the study's own: it errs by less.
+    // The limit below which a fit on the coarse mesh is worth one on the study's own: it errs by less.
     double worth_confirming(double worth) const;
     // On the coarse mesh, base with one candidate more, whatever the screening says of it: from a typical size on both
     // sides of none, and from large ones; the lowest of them and of what was found before.

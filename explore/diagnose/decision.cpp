@@ -153,7 +153,7 @@ private:
         if (distance < margin && (!is_contradicted_itself || !leaves_noise(first) || distance < 0.0)) {
             return true;
         }
-        // What such readings could not tell from the leading one stands beside it, whatever these say; unless they
+        // Whatever such readings could not tell from the leading one stands beside it, whatever these say; unless they
         // reject it by themselves and by far.
         const double rate = ledger_.rate(own.hypothesis.key(), first.hypothesis.key());
         if (rate < least_rate && !(is_contradicted_itself && distance > 2.0 * margin)) {
@@ -284,7 +284,7 @@ private:
         if (d_.reason == Reason::none) {
             d_.verdict = Verdict::cause_named;
         }
-        // What comes nearest gives way to a correction that is clearly more probable, as the answer or, where what was
+        // The nearest gives way to a correction that is clearly more probable, as the answer or, where what was
         // left out speaks against it, as what comes nearer.
         const bool any_leaves_noise = std::any_of(names_.begin(), names_.end(),
                                                   [&](std::size_t r) { return can_lead(r) && leaves_noise(row(r)); });
@@ -373,7 +373,7 @@ private:
         }
     }
 
-    // What was seen in the readings before any model is the first cause.
+    // A fault seen in the readings before any model is the first cause.
     void add_premise() {
         if (!d_.premise) {
             return;

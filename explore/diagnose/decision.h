@@ -1,4 +1,4 @@
-// What the model may lack, by everything that is known of every hypothesis.
+// Hypotheses of what the model may lack, by everything that is known of each.
 //
 // Hypotheses are compared by their probability, beforehand times marginal likelihood with the size of the noise unknown
 // (hypotheses/evidence.h), by whether noise explains what they leave, and by what they predict of readings left out:
@@ -25,7 +25,7 @@ namespace explore::diagnose {
 enum class Verdict { adequate, cause_named, ambiguous, unexplained, located };
 inline constexpr std::string_view verdict_names[] = {"adequate", "cause-named", "ambiguous", "unexplained", "located"};
 
-// What keeps a name from standing alone, the most telling first; of `unexplained` why.
+// Reasons why a name does not stand alone, the most telling first; of `unexplained` why.
 enum class Reason {
     none,
     leaves_more_than_noise, // what comes nearest

@@ -26,9 +26,9 @@ struct DiagnosisTask {
     std::vector<Channel> channels{}; // of corrections
     // The sample by a quicker model of the baseline; empty: on the coarse mesh. Nothing: interrupted.
     std::function<std::optional<std::vector<problem::Evaluation>>(const search::Design& sample)> explore = {};
-    // Where each term was read, for what errors may have in common; empty: that is not asked.
+    // Where each term was read, for what errors may have in common; empty: not considered.
     std::vector<data::NoisePlace> noise_places{};
-    // What was seen in the readings before any model, and mended in them.
+    // Faults seen in the readings before any model, and mended in them.
     std::vector<hypotheses::Hypothesis> premises{};
 };
 
@@ -45,7 +45,7 @@ struct Alike {
     Interval size;
 };
 
-// What became of one effect.
+// The result of one effect.
 struct EffectResult {
     std::size_t candidate = 0; // its variant that explains most
     std::size_t variants = 0;  // that were compared
@@ -140,7 +140,7 @@ struct Diagnosis {
         return decision.model && ledger.rows()[*decision.model].hypothesis.kind == hypotheses::Kind::correction;
     }
 
-    // What a further reading might tell apart.
+    // Hypotheses that a further reading might tell apart.
     const std::vector<Explanation>& to_compare() const {
         return verdict() == Verdict::unexplained ? nearest : explanations;
     }
@@ -157,7 +157,7 @@ public:
 
     // Fits everything. False: interrupted.
     bool find();
-    // What has been found; a location is there if the decision may rest on it.
+    // The results so far; a location is there if the decision may rest on it.
     const Diagnosis& found() const;
     // Decides. says: of the location, if there is one. False: interrupted.
     bool conclude(Says says);

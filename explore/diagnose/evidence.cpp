@@ -96,7 +96,7 @@ ChannelEvidence::Estimate ChannelEvidence::estimate(const VectorXd& z, bool esti
 
 namespace {
 
-// What makes independent what noise and these corrections do together: (I + sum of s^2 A C A')^(-1/2).
+// The transform that makes independent what noise and these corrections do together: (I + sum of s^2 A C A')^(-1/2).
 MatrixXd whitening(const std::vector<MatrixXd>& changes, const std::vector<Accepted>& accepted, Index rows) {
     MatrixXd covariance = MatrixXd::Identity(rows, rows);
     for (const Accepted& a : accepted) {

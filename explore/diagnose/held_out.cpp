@@ -60,7 +60,7 @@ private:
         search.worth = found ? found->sum - lower * d_.variance : INFINITY;
         return search;
     }
-    // What was found on the coarse mesh, as the study's own has it; where the two part, fitted on from there on that
+    // Results of the coarse mesh, as the study's own has them; where the two part, fitted on from there on that
     // one by the derivatives of what is known with all readings.
     std::optional<Model> confirmed(std::optional<Model> found, int number, const Target& target,
                                    const Model& known) const {

@@ -38,7 +38,7 @@ Eigen::MatrixXd covariance_of(const problem::Problem& problem, const Model& mode
 // The interval of one of them.
 Interval interval_of(const problem::Problem& problem, const Model& model, std::size_t axis, double variance);
 
-// What the data say of a model with effects. variance: of a residual; noise_is_stated: residuals are in units of it.
+// The likelihood of a model with effects. variance: of a residual; noise_is_stated: residuals are in units of it.
 class Judge {
 public:
     Judge(Workbench& bench, const std::vector<Candidate>& candidates, const std::vector<ReadingGroup>& groups)

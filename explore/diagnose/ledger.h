@@ -8,7 +8,7 @@
 
 namespace explore::diagnose {
 
-// What a fit leaves.
+// The residual of a fit.
 struct Fit {
     Mesh mesh = Mesh::study;
     double chi2 = 0.0;         // in units of the noise as it is stated
@@ -44,7 +44,7 @@ struct Row {
     double log_weight() const { return log_prior + log_evidence; }
 };
 
-// What readings say of where a correction is: nothing, that the model errs more at one place than at another, or that
+// A verdict on where a correction is: nothing, that the model errs more at one place than at another, or that
 // it errs at some place.
 enum class Says { nothing, between_places, at_places };
 

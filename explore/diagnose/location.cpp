@@ -43,7 +43,7 @@ public:
             }
             const auto tests = test();
             const std::size_t best = best_of(tests);
-            // What this one promises of AICc, and each of those that may follow, or twice that: fits find up to so much
+            // The AICc that this one promises, and each that may follow, or twice that: fits find up to so much
             // more than the linear evidence.
             const auto further = static_cast<double>(std::max<std::size_t>(2, most_corrections - accepted_.size()));
             const double promised = 2.0 * tests[best].log_ratio * further;
@@ -225,7 +225,7 @@ private:
         return z;
     }
 
-    // What pulls the coefficients of these members to nothing, in the unit of the residuals.
+    // The terms that pull the coefficients of these members to nothing, in the unit of the residuals.
     Target penalised(const problem::Problem& problem, const Members& members) const {
         const auto n = static_cast<Index>(parameters_ + members.size());
         Target target;
@@ -359,7 +359,7 @@ private:
         return fit;
     }
 
-    // What of this change of the residuals each effect makes.
+    // The part of this change of the residuals that each effect makes.
     void compare(const VectorXd& change, const inference::Nuisance& nuisance, Correction& correction) const {
         constexpr double alike = 0.5;
         for (std::size_t e = 0; e < d_.effects.size(); ++e) {

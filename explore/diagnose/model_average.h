@@ -1,4 +1,4 @@
-// What models that may lack something say of a quantity that nobody measured, to first order. Around a point, in
+// Average over models that may lack something, for a quantity that nobody measured, to first order. Around a point, in
 // standard deviations of the noise,
 //     z(u, c) = z + J du + A dc,   z(u, c) ~ N(0, I),   u ~ N(1/2, 1/12),   c ~ N(none, R R'),
 // u the parameters in unit coordinates and c what the model may lack: the size of an effect, or the coefficients of a

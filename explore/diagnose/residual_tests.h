@@ -1,4 +1,4 @@
-// What is wrong with the residuals of a fit: tests that know nothing of causes.
+// Tests of the residuals of a fit that know nothing of causes.
 #pragma once
 
 #include "diagnose/screening.h"

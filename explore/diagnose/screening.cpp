@@ -30,7 +30,7 @@ std::size_t size_index(Workbench& bench, const Members& members, std::size_t can
 
 namespace {
 
-// What is computed of one candidate.
+// The computed statistics of one candidate.
 struct Signature {
     std::string impossible;
     Shift shift;                 // at its null value; empty: not computed
@@ -138,7 +138,7 @@ void scan(Workbench& bench, const Model& base, std::size_t c, int number, const 
         Mesh::coarse);
 }
 
-// The further sizes of scan_of: where the derivative foretells what the typical size does, those on the side that the
+// The further sizes of scan_of: where the derivative predicts what the typical size does, those on the side that the
 // data want.
 std::vector<double> further_sizes(const Candidate& candidate, const Signature& s, const inference::Nuisance& nuisance,
                                   const VectorXd& residuals) {

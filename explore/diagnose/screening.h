@@ -1,4 +1,4 @@
-// What each candidate could explain of the residuals, before anything is fitted again.
+// The share of the residuals that each candidate could explain, before anything is fitted again.
 #pragma once
 
 #include "diagnose/workbench.h"

@@ -21,7 +21,7 @@ public:
           screened_(d.screening.items[leading_.candidate]),
           members_(leading_.fit->model.members) {}
 
-    // What the effect gained in each, where both fits have an answer; nothing: interrupted.
+    // The gain by the effect in each, where both fits have an answer; nothing: interrupted.
     std::optional<std::vector<double>> gains() {
         if (!start()) {
             return std::nullopt;
@@ -70,7 +70,7 @@ public:
     }
 
     // Of the gain in the data, family-wise; there has to be a family. Noise that was stated too small makes gains as
-    // much too large as it makes what is left over.
+    // much too large as it makes the residuals.
     double p_of_gain(double bartlett) const {
         const double excess = std::pow(settings_.noise_factor, 2);
         return d_.screening.family->p_value(std::sqrt(std::max(0.0, leading_.gain / (bartlett * excess))));

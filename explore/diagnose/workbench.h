@@ -36,7 +36,7 @@ struct Channel {
 // Unit coordinate of a coefficient that corrects nothing: its axis is logarithmic, with its middle at 1.
 inline constexpr double no_correction = 0.5;
 
-// What a model leaves over is noise where chance makes as much this often.
+// The residuals of a model are noise where chance makes as much this often.
 inline constexpr double level_noise = 0.05;
 // Half of the change of chi2 that a fit leaves undone.
 inline constexpr double close_enough = 0.005;
@@ -59,7 +59,7 @@ Target leaving_out(const std::vector<std::size_t>& terms, std::size_t residuals)
 // The sum of the squares of those that count.
 double counted_sum(const Eigen::VectorXd& residuals, const Target& target);
 
-// What a model is computed on. The coarse mesh is several times quicker. What its responses lack is taken from a point
+// The mesh of a model. The coarse mesh is several times quicker. What its responses lack is taken from a point
 // where both are known and added to them elsewhere (an additive bridge between models of two fidelities: Alexandrov and
 // Lewis 2001): its error is then that of changes, a few per cent of them. It proposes; what an answer rests on is
 // computed on the study's own mesh.
@@ -140,7 +140,7 @@ private:
     mutable std::mutex mutex_;
     std::map<Mesh, std::shared_ptr<const problem::Problem>> baselines_;
     std::map<Key, std::weak_ptr<const problem::Problem>> problems_; // in use somewhere, or recent
-    // But the baseline: a model is asked for again when it was fitted.
+    // But the baseline: a model is requested again when it was fitted.
     std::map<Mesh, std::shared_ptr<const problem::Problem>> recent_;
     std::map<Key, int> runs_;
     std::atomic<bool> has_coarse_ = true;

@@ -78,7 +78,7 @@ public:
 private:
     bool is_size(std::size_t k) const { return which_[k] >= nominal_.size(); }
 
-    // What is read of what the model says.
+    // Scales the responses read from the model's output.
     void scale(problem::Prediction& prediction, const std::vector<double>& sizes, bool with_jacobian) const {
         for (std::size_t s = 0; s < scalings_.size(); ++s) {
             const auto own = std::find(which_.begin(), which_.end(), nominal_.size() + s);

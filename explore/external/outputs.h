@@ -10,7 +10,7 @@
 
 namespace explore::external {
 
-// What a response is known by.
+// The key of a response.
 struct Wanted {
     std::string label; // of a reading as results call it, of an output its name
     std::string load, quantity;

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// What becomes a Failure.
+// Errors that become a Failure.
 struct NoAnswer : std::runtime_error {
     using std::runtime_error::runtime_error;
 };

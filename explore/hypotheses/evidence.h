@@ -14,7 +14,7 @@
 
 namespace explore::hypotheses {
 
-// What is known of the size of the noise beforehand.
+// Prior knowledge of the size of the noise.
 struct NoisePrior {
     double as_stated = 0.5;      // probability
     double log_deviation = 0.35; // of ln k, else: twice the stated noise is two of it
@@ -22,7 +22,7 @@ struct NoisePrior {
 // Where none is stated and the unit is what a fit leaves: any size.
 NoisePrior any_noise();
 
-// What is known of coordinates beforehand, at the fit.
+// Prior knowledge of coordinates, at the fit.
 struct Prior {
     Eigen::MatrixXd precision; // as it is felt where the data say nothing
     double log_volume = 0.0;   // ln[p(x) (2 pi)^(d/2)]

@@ -1,4 +1,4 @@
-// What may be behind the data: the model as it is with noise of some kind, or something that the model lacks.
+// Hypotheses on data: the model as it is with noise of some kind, or something that the model lacks.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What errors may be like beside independent ones of the stated size: hypotheses on the noise, judged to first order
+// Structures of errors beside independent ones of the stated size: hypotheses on the noise, judged to first order
 // around the fit of the study's model.
 #pragma once
 

@@ -14,7 +14,7 @@ struct Acceptance {
     double threshold = 0.0;     // 95 %
     double chi2 = 0.0;          // of the best minimum, by the stated noise; 0 when none is stated
     double p_value = 1.0;       // of that chi2
-    bool widened = false; // the stated noise does not explain the misfit: the variance is what the fit leaves over
+    bool widened = false;       // the stated noise does not explain the misfit: the variance is that of the residuals
 
     double noise() const; // standard deviation of one residual
     double rise(double misfit, double best_misfit) const {

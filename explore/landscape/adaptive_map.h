@@ -29,7 +29,7 @@ struct AdaptiveMap {
 };
 
 inline constexpr int least_adaptive = 50;
-// What its design is called.
+// The name of its design.
 std::string adaptive_name(int points, std::uint64_t seed);
 
 // The first quarter is a Sobol sequence. Then, round by round: every point is left out in turn and its misfit predicted

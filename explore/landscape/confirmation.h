@@ -18,7 +18,7 @@ int confirming_evaluations(std::size_t searched);
 bool confirm(run::Engine& engine, const problem::Problem& problem, std::string_view method, double noise,
              int evaluations, int first, std::vector<Minimum>& minima);
 
-// What the second method says of all of them, in one sentence; "": it was not asked.
+// The second method's verdict on all of them, in one sentence; "": it was not used.
 std::string confirmation_words(const std::vector<Minimum>& minima);
 
 } // namespace explore::landscape

@@ -5,7 +5,7 @@
 
 namespace explore::landscape {
 
-// What one group wants when it is fitted alone.
+// The parameters of one group that is fitted alone.
 struct GroupAlone {
     std::size_t group = 0;
     std::vector<double> unit, parameters;
@@ -16,8 +16,8 @@ struct GroupAlone {
 
 // Likelihood ratio test of one parameter set for all groups against one for each. Statistic: (f_joint^2 - sum of
 // f_group^2) / variance, chi2 with sum(rank) - joint rank degrees of freedom under stated noise; without, or where even
-// the separate fits contradict that noise (p < 0.01), it is divided by them and by the variance that the separate fits
-// leave over: F. A direction counts as determined when crossing the box along it moves the data by two standard
+// the separate fits contradict that noise (p < 0.01), it is divided by them and by the residual variance of these
+// fits: F. A direction counts as determined when crossing the box along it moves the data by two standard
 // deviations or more.
 struct Conflict {
     std::vector<GroupAlone> alone;

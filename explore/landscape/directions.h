@@ -1,4 +1,4 @@
-// What the sensitivities at a minimum say: which combinations of parameters the data fix, and which they do not.
+// Directions by the sensitivities at a minimum: which combinations of parameters the data fix, and which they do not.
 #pragma once
 
 #include "landscape/acceptance.h"

@@ -1,4 +1,4 @@
-// Whether the readings' noise explains what a fit leaves over.
+// Whether the readings' noise explains the residuals of a fit.
 #pragma once
 
 #include "problem/problem.h"

@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 constexpr double damping = 1e-12;
 constexpr double shows = 0.05; // of a range: less is not worth another form of it
 
-// What the readings say about a minimum, and what is allowed there, as linear functions of a move.
+// The readings near a minimum, and what is allowed there, as linear functions of a move.
 class Allowed {
 public:
     Allowed(const problem::Problem& problem, const Minimum& minimum, const LocalAnalysis& local)

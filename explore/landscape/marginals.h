@@ -1,4 +1,4 @@
-// What a weighted sample from several independent populations says of one quantity, and how far that can be trusted.
+// Marginals of a weighted sample from several independent populations, and how far they can be trusted.
 #pragma once
 
 #include <span>

@@ -20,7 +20,7 @@ Eigen::VectorXd difference(const std::vector<double>& a, const std::vector<doubl
     return d;
 }
 
-// What a change of every reading by the rounding of models makes of the misfit.
+// The change of the misfit when every reading changes by the rounding of models.
 double rounding_of_misfit(const run::Endpoint& end, const problem::Problem& by_noise) {
     constexpr double rounding = 1e-5; // of a reading
     double squares = 0.0;

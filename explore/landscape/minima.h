@@ -26,7 +26,7 @@ Eigen::MatrixXd followed_by(const Eigen::MatrixXd& jacobian, const std::vector<B
 std::string bound_words(const problem::ParameterSpace& space, const BoundMet& bound);
 std::vector<std::string> bound_words(const problem::ParameterSpace& space, const std::vector<BoundMet>& bounds);
 
-// What a second method said of a minimum (landscape/confirmation.h).
+// A second method's result at a minimum (landscape/confirmation.h).
 struct Confirmation {
     std::string_view method;
     bool agrees = false;        // it found nothing lower that the noise tells apart, or hardly moved
@@ -43,7 +43,7 @@ struct Minimum {
     std::vector<BoundMet> on_bound{};
     std::vector<double> lowest{}, highest{}; // of each parameter over the members, physical
     bool converged = false;                  // the search of the best member met a tolerance
-    std::optional<Confirmation> second{};    // nothing: no second method was asked
+    std::optional<Confirmation> second{};    // nothing: no second method was used
     // Where the readings lead from here by themselves, with jacobian (landscape/readings_alone.h); nothing: neither a
     // prior nor a constraint holds the answer.
     std::optional<problem::Evaluation> alone{};
@@ -53,7 +53,7 @@ struct Minimum {
 // them apart by less than its own noise: they fit alike (the misfit differs by less than a tenth of one noise level,
 // the residuals by less than one), and so do the linearised residuals between them. The noise is the stated one;
 // without, s with s2 = f^2 / (data - parameters) of the lower of the two, but no less than a change of every reading by
-// 1e-5 of it: below that no misfit tells anything, and where parameters are left over all such ends are one. by_noise:
+// 1e-5 of it: below that no misfit tells anything, and where parameters remain all such ends are one. by_noise:
 // residuals in units of it, where it is stated; lower: the end with the lower misfit.
 bool fit_alike(const run::Endpoint& lower, const run::Endpoint& other, const problem::Problem& by_noise);
 bool are_one_minimum(const run::Endpoint& lower, const run::Endpoint& other, const problem::Problem& by_noise);
@@ -67,11 +67,11 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, con
 // Stated noise whose chi2 is less probable than this does not explain the misfit: it is then taken larger.
 inline constexpr double contradicted = 0.01;
 
-// What the residuals say around a minimum, to first order.
+// Residuals around a minimum, to first order.
 struct LocalAnalysis {
     int degrees_of_freedom = 0; // data - parameters that are off their bounds
-    // Standard deviation of a residual: the root mean square of what the readings state; else estimated from what is
-    // left over, 0 without degrees of freedom.
+    // Standard deviation of a residual: the root mean square of what the readings state; else estimated from the
+    // residuals, 0 without degrees of freedom.
     double noise = 0.0;
     bool noise_is_stated = false;
     double chi2 = 0.0;          // by the stated noise; of Student's the sum of its rows (problem/student.h)
@@ -90,7 +90,7 @@ struct LocalAnalysis {
     // say, in units of their noise: root' root is the inverse of that covariance. Empty: no noise is known.
     Eigen::MatrixXd root{};
     Eigen::VectorXd rest{};
-    // Half of a 95 % range over a standard error: of Student's t where the noise is what the fit leaves over.
+    // Half of a 95 % range over a standard error: of Student's t where the noise is that of the residuals.
     double quantile() const;
     // Direction of the unit cube in which the misfit grows least, and how much the residual norm grows when moving
     // by a tenth of the box along it.

@@ -5,7 +5,7 @@
 
 namespace explore::landscape {
 
-// What one more reading would leave of the uncertainty, to first order at the minimum.
+// The uncertainty that one more reading would leave, to first order at the minimum.
 struct CandidateEffect {
     std::size_t candidate = 0;
     double gain = 0.0;               // ln of the ratio by which the volume of the acceptable set shrinks (D-optimality)

@@ -77,7 +77,7 @@ struct Work {
     }
 };
 
-// What is to be computed in a wave: a node, and the points it may start from, the most promising first.
+// The work of a wave: a node, and the points it may start from, the most promising first.
 struct Task {
     std::size_t slice = 0, node = 0;
     std::vector<std::vector<double>> starts;

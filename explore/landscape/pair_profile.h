@@ -21,7 +21,7 @@ struct ProfiledLandscape {
 
 inline constexpr double lower_matters = 0.1; // lower by more than this: there is another minimum
 
-// What the data accept of a parameter, in unit coordinates.
+// The accepted range of a parameter, in unit coordinates.
 struct Reach {
     double low = 0.0, high = 1.0;
 };

@@ -33,7 +33,7 @@ struct PosteriorSettings {
     bool show_progress = true;
 };
 
-// What a sample has to reach.
+// Aims of a sample.
 inline constexpr double most_rhat = 1.05;
 inline constexpr double least_ess = 200.0;
 
@@ -49,7 +49,7 @@ struct Posterior {
     double log_evidence = 0.0, log_evidence_error = 0.0; // its standard error, from the populations
     std::vector<double> log_evidences;                   // of each population
     double answered = 0.0;                               // share of the prior that has an answer
-    // What the constraints leave of the prior, by the first draws, which are of the box: for constraints that read
+    // The part of the prior that constraints leave, by the first draws, which are of the box: for constraints that read
     // responses. Nothing: no limit, or next to no draw meets them.
     std::optional<AllowedShare> allowed{};
     int powers = 0;            // steps, of the population that took most

@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// What a parameter that may lie anywhere in its range is known by: the inverse variance of the unit interval.
+// The information on a parameter that may lie anywhere in its range: the inverse variance of the unit interval.
 constexpr double box = 1.0 / inference::box_variance;
 
 // Of every column of the rows j in standard deviations, the others known by their ranges alone.

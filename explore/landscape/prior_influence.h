@@ -1,4 +1,4 @@
-// What comes from the readings and what from the priors.
+// The shares of readings and priors in an answer.
 #pragma once
 
 #include "landscape/acceptance.h"

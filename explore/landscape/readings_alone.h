@@ -1,4 +1,4 @@
-// What the readings say by themselves where priors or constraints hold an answer: that alone judges their noise.
+// The readings by themselves where priors or constraints hold an answer: that alone judges their noise.
 #pragma once
 
 #include "landscape/goodness.h"

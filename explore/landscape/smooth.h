@@ -7,7 +7,7 @@
 namespace explore::landscape {
 
 struct Smooth {
-    Eigen::VectorXd values; // at every point asked for
+    Eigen::VectorXd values; // at every point requested
     double left = 0.0;      // root mean square of the values known, each against the surface made without it
 };
 

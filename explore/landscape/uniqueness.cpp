@@ -188,7 +188,7 @@ private:
         }
     }
 
-    // The explorer's minima, sought again by the model itself.
+    // The explorer's minima, found again by the model itself.
     bool confirm() {
         constexpr int first = first_of(polishing, confirming_round);
         std::vector<std::vector<double>> starts;

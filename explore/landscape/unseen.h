@@ -1,4 +1,4 @@
-// What searches from random starts say about the minima that none of them found.
+// The minima that searches from random starts have not found: bounds and estimates.
 #pragma once
 
 #include <cstddef>

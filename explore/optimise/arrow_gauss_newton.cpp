@@ -195,7 +195,7 @@ private:
     std::vector<std::vector<Index>> own_, shared_, to_common_; // of each block
 };
 
-// What is kept of the blocks at a point.
+// The factors of the blocks kept at a point.
 struct Round {
     std::vector<MatrixXd> normal;
     std::vector<VectorXd> gradient;

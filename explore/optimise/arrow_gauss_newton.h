@@ -40,7 +40,7 @@ ArrowResult arrow_gauss_newton(const std::vector<ArrowBlock>& blocks, std::vecto
                                const ArrowObjective& objective, const ForEach& for_each,
                                const SearchSettings& settings);
 
-// What the normal matrices say of the unknowns, for residuals of unit variance.
+// The covariance of the unknowns by the normal matrices, for residuals of unit variance.
 struct ArrowCovariance {
     Eigen::MatrixXd information;         // of the common unknowns, the others free: the Schur complement
     Eigen::MatrixXd common;              // its inverse

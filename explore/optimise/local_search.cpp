@@ -32,7 +32,7 @@ struct Search {
     SearchResult result{};
     double best = std::numeric_limits<double>::infinity(); // half sum of squares
     double highest = 0.0;                                  // of the computed ones
-    // What the optimiser sees is this times half the sum: a start far beyond a limit has slopes that its first step
+    // The optimiser sees this times half the sum: a start far beyond a limit has slopes that its first step
     // would take at their word.
     double scale = 0.0;        // set by the first slope
     bool takes_limits = false; // as constraints of its own; else they are part of the sum

@@ -21,7 +21,7 @@ struct Method {
 std::span<const Method> methods();
 const Method* find_method(std::string_view name);
 
-// What the search asks for at a point: the residuals (the search minimises half the sum of their squares) and, for a
+// The search's request at a point: the residuals (the search minimises half the sum of their squares) and, for a
 // method with gradients, their derivatives by the unit coordinates.
 struct Sample {
     Eigen::VectorXd residuals;
@@ -31,7 +31,7 @@ struct Sample {
     Eigen::VectorXd limits{};
     Eigen::MatrixXd limit_jacobian{};
     std::vector<Eigen::Index> limit_rows{};
-    bool wants_derivatives = true; // asked of the objective; where not, the jacobian may stay empty
+    bool wants_derivatives = true; // requested of the objective; where not, the jacobian may stay empty
 };
 enum class Answer { computed, no_answer, stop };
 // Fills the sample. no_answer: the point cannot be computed; the search is led away from it and never sees NaN.
@@ -52,7 +52,7 @@ struct SearchSettings {
     // Of searches over blocks alone (arrow_gauss_newton.h): the first damping as a share of the largest diagonal term
     // of the normal matrix.
     double damping = 1e-3;
-    // Gauss-Newton alone: where half the sum of squares is predicted to fall by less, no derivatives are asked for;
+    // Gauss-Newton alone: where half the sum of squares is predicted to fall by less, no derivatives are requested;
     // those of the point before then serve, with Broyden's correction (1965) along the step.
     double secant_below = 0.0;
     // Gauss-Newton alone: half of a sum of squares; the search ends where at two points after each other linear theory

@@ -1,4 +1,4 @@
-// What the explorer sees of a model: a function from a vector of parameters to a vector of responses, with its
+// A model as the explorer sees it: a function from a vector of parameters to a vector of responses, with its
 // derivatives and its status. It does not know that finite elements exist.
 #pragma once
 
@@ -14,7 +14,7 @@ namespace explore::problem {
 
 struct Prediction {
     std::vector<double> responses;
-    Eigen::MatrixXd jacobian; // responses x parameters, empty unless asked for
+    Eigen::MatrixXd jacobian; // responses x parameters, empty unless requested
     std::vector<std::string> warnings;
     bool in_place_of_reduced = false; // by the full model, where a reduced one could not answer
 };
@@ -24,7 +24,7 @@ class ForwardFunction {
 public:
     virtual ~ForwardFunction() = default;
 
-    // What a thread keeps between calls.
+    // The memory of a thread between calls.
     class Workspace {
     public:
         virtual ~Workspace() = default;

@@ -16,7 +16,7 @@ enum class MisfitKind {
     weighted, // (model - measured) / scale
     noise     // in standard deviations of the stated noise (data/noise.h)
 };
-// What a study may choose.
+// Misfits that a study may choose.
 inline constexpr std::string_view misfit_names[] = {"log", "relative", "weighted"};
 constexpr std::string_view to_string(MisfitKind kind) {
     return kind == MisfitKind::noise ? "noise" : misfit_names[static_cast<int>(kind)];
@@ -63,7 +63,7 @@ public:
     Eigen::VectorXd standard_residuals(std::span<const double> responses) const;
     // d(residuals() i)/d(whitened single residual i): 1 of normal noise.
     Eigen::VectorXd loss_slopes(std::span<const double> responses) const;
-    // What replaces it where a reading's mean information counts: the root of student_information; 1 of normal noise.
+    // Its substitute where a reading's mean information counts: the root of student_information; 1 of normal noise.
     Eigen::VectorXd loss_information() const;
 
     // Of kind `noise` with factors of 1: the logarithm of the density of the measured values [SI] is this less half the
@@ -72,7 +72,7 @@ public:
     // it.
     double log_normaliser() const;
 
-    // What the readings say of the standard normal number by which the drift of each sensor is multiplied, where a
+    // The readings' estimate of the standard normal number by which the drift of each sensor is multiplied, where a
     // model has these responses: the mean and the standard deviation given them (Robinson 1991, Statistical Science 6,
     // 15), in the order of the sensors' first readings.
     struct Drift {

@@ -10,7 +10,7 @@ namespace explore::problem {
 
 enum class Scale { linear, log };
 
-// What is known of a parameter without the readings: normal on its scale.
+// Prior knowledge of a parameter: normal on its scale.
 struct Prior {
     double mean = 0.0; // physical; of a logarithmic axis the median
     double sd = 1.0;   // physical; of a logarithmic axis that of the natural logarithm

@@ -17,7 +17,7 @@ struct Evaluation {
     pave::Status status = pave::Status::failed;
     std::string reason; // when not converged
     std::vector<double> responses;
-    Eigen::MatrixXd jacobian; // responses x parameters, physical; empty unless asked for
+    Eigen::MatrixXd jacobian; // responses x parameters, physical; empty unless requested
     std::vector<std::string> warnings;
     double misfit = std::numeric_limits<double>::quiet_NaN();
     bool in_place_of_reduced = false; // by the full model, where a reduced one could not answer

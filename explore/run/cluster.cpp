@@ -99,7 +99,7 @@ private:
     std::vector<std::unique_ptr<ForwardFunction::Workspace>> idle_;
 };
 
-// What a serving process knows: the functions asked for last.
+// The memory of a serving process: the functions used last.
 class Functions {
 public:
     // nullptr: unknown.

@@ -1,6 +1,6 @@
 // Many processes that compute for one: rank 0 runs the command and keeps the store, the others evaluate what it asks.
 //
-// What travels is a point and the answer at it; the function itself goes once to every process that is asked for it.
+// A point travels, and the answer at it; the function itself goes once to every process that computes it.
 // The answers are those that rank 0 would have computed, bit for bit on processors of one kind, so that nothing that
 // is kept or reported depends on how many processes there were.
 #pragma once

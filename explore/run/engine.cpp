@@ -129,7 +129,7 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
 namespace {
 
 // A chain that keeps what it computes under the start number it was given. A point is computed and kept once, however
-// often it is asked for, now or in a run before: evaluations are pure.
+// often it is requested, now or in a run before: evaluations are pure.
 class KeptChain final : public Chain {
 public:
     using Compute = std::function<Evaluation(std::span<const double>, bool with_jacobian)>;

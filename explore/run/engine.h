@@ -1,6 +1,6 @@
 // Evaluations in parallel by run number, each kept as it comes; local searches in parallel by start.
 //
-// What is computed depends on the run alone, never on the number of threads or on what was there before: a run that is
+// Results depend on the run alone, never on the number of threads or on what was there before: a run that is
 // cut off and continued ends with the same bits.
 #pragma once
 

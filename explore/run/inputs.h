@@ -14,7 +14,7 @@ class Database;
 
 namespace explore::run {
 
-// What one process reads: in memory until its session stands in the store.
+// The inputs that one process reads: in memory until its session stands in the store.
 class Inputs {
 public:
     // study_hash: of the study whose file is the first; may be empty. A path that is known already is left out.

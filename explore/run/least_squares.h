@@ -1,4 +1,4 @@
-// What a local search sees of a problem.
+// A problem as a local search sees it.
 #pragma once
 
 #include "optimise/local_search.h"

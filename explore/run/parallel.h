@@ -14,7 +14,7 @@
 
 namespace explore::run {
 
-// How many threads to use when so many are asked for (0: as many as the machine has). One, with a warning on standard
+// How many threads to use when so many are requested (0: as many as the machine has). One, with a warning on standard
 // error, where the BLAS of the machine allows no more. Throws where memory has no room for them.
 int usable_threads(int asked);
 // How many evaluations to have under way: as many as that, and those that other processes of the job have room for.
@@ -23,7 +23,7 @@ int concurrency(int asked);
 // Processor time of this thread.
 std::int64_t thread_cpu_ns();
 
-// What comes before released(x) on one thread has happened for what follows acquired(x) on another. TBB orders its
+// Writes before released(x) on one thread are seen by what follows acquired(x) on another. TBB orders its
 // tasks; but its library is not built for the thread sanitizer, which does not see that and has to be told.
 #ifdef PAVESCAPE_THREAD_SANITIZER
 inline void released(void* x) {

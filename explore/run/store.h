@@ -23,7 +23,7 @@ struct RunNumber {
     }
 };
 
-// What one command was asked to do. Equal keys: the same run, continued.
+// The task of one command. Equal keys: the same run, continued.
 struct RunKey {
     std::string command;
     std::string study_hash;
@@ -31,7 +31,7 @@ struct RunKey {
     bool operator==(const RunKey&) const = default;
 };
 
-// What a run holds about itself.
+// The description that a run keeps of itself.
 struct RunHeader {
     int id = 0;
     RunKey key;
@@ -41,7 +41,7 @@ struct RunHeader {
     std::vector<double> response_to_si;
 };
 
-// What one process computed into a store.
+// One process's part of a store.
 struct Session {
     std::string version{};                // of the program
     std::string libraries{};              // whose versions decide digits
@@ -75,7 +75,7 @@ public:
     // Not what a limit of time ended: the next attempt may have an answer. Those are counted.
     void put(int run, RunNumber number, const problem::Evaluation& evaluation);
     std::size_t over_time() const;
-    // What the run has in [first, last], in run order.
+    // The evaluations of the run in [first, last], in run order.
     std::map<RunNumber, problem::Evaluation> get(int run, RunNumber first, RunNumber last) const;
     void each(int run, const std::function<void(RunNumber, const problem::Evaluation&)>& visit) const;
 

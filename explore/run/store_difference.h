@@ -11,7 +11,7 @@ struct StoreDifference {
     std::string first{};         // difference, in words; "": none
 };
 
-// What the two that are compared are called in words.
+// The names of the two that are compared, in words.
 struct Sides {
     std::string_view first, second;
 };

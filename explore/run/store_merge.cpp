@@ -107,7 +107,7 @@ struct Twin {
     RunNumber first, second;
 };
 
-// What of the second's run has no twin, and under which number it is to be kept.
+// The part of the second's run that has no twin, and under which number it is to be kept.
 struct Plan {
     std::vector<Twin> added;
     std::size_t compared = 0;
@@ -155,7 +155,7 @@ Plan plan_of(const Store& here, const RunHeader& ours, const Store& there, const
         }
         const bool derivatives_in_both = same->second.jacobian.size() > 0 && e.jacobian.size() > 0;
         const bool one_has_derivatives = !derivatives_in_both && same->second.jacobian.size() != e.jacobian.size();
-        if (one_has_derivatives && n.start >= 0) { // asked for first without, then with them
+        if (one_has_derivatives && n.start >= 0) { // requested first without, then with them
             if (e.jacobian.size() > 0) {
                 displaced.push_back(n);
             }

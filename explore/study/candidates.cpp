@@ -67,7 +67,7 @@ std::vector<data::Reading> readings(const Study& study, const Load& load, bool d
     return list;
 }
 
-// What is sought of a load, or follows what is sought, is as unknown of the same load raised.
+// A parameter of a load, or what follows one, is as unknown of the same load raised.
 void tie_raised(Study& extended, const std::string& load, const Load& second) {
     const auto is_sought = [&](const std::string& path) {
         const auto is_it = [&](const auto& item) { return item.path == path; };

@@ -16,7 +16,7 @@ namespace {
 
 using namespace pave::pavement;
 
-// What a side of a condition reads, found once.
+// The references of a side of a condition, found once.
 struct Reads {
     struct Output {
         std::size_t reading = 0;

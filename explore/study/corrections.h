@@ -19,7 +19,7 @@ std::vector<pave::pavement::Correction> correction_channels(const Study& study);
 // study's own.
 Study with_free_corrections(Study study, const std::vector<pave::pavement::Correction>& corrections);
 
-// What a study file says of a correction; strength: the standard deviation of ln(factor) known beforehand, written with
+// A correction in a study file; strength: the standard deviation of ln(factor) known beforehand, written with
 // its parameters; none: factors that stay.
 std::string correction_text(const pave::pavement::Correction& correction, std::optional<double> strength,
                             double neighbour_correlation);

@@ -64,13 +64,13 @@ std::size_t layer_of(TableReader& reader, const Study& study, const Criterion& c
     return layer;
 }
 
-// A place that moves while thicknesses are sought would need a sensor that moves.
+// A place that moves while thicknesses are fitted would need a sensor that moves.
 void check_depth(const TableReader& reader, const Study& study, const Criterion& criterion) {
     const auto last = criterion.layer + (criterion.place == CriticalPlace::asphalt_bottom ? 1 : 0);
     for (const Parameter& p : study.parameters) {
         if (p.changes_geometry() && !p.in_load && static_cast<std::size_t>(p.owner) < last) {
             throw pave::Error(reader.place(keys::criterion_name),
-                              "the depth of this criterion's strain is not known while a thickness is sought",
+                              "the depth of this criterion's strain is not known while a thickness is fitted",
                               "\"" + p.path + "\" among the parameters", "thicknesses that are given");
         }
     }

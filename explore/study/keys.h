@@ -51,7 +51,7 @@ inline constexpr Key model_type{.table = "[model]",
                                 .key = "type",
                                 .kind = word,
                                 .choices = model_types,
-                                .meaning = "a model of one's own in place of layers and loads: a program that is run, "
+                                .meaning = "a model of your own in place of layers and loads: a program that is run, "
                                            "or a server that speaks UM-Bridge (docs/guide/any-model.md)"};
 inline constexpr Key model_command{.table = "[model]",
                                    .key = "command",
@@ -159,7 +159,7 @@ inline constexpr Key model_urls{.table = "[model]",
                                 .kind = texts,
                                 .allowed = "a list of `http://HOST:PORT`",
                                 .without = "of a server: `url`",
-                                .meaning = "several servers with the same model, asked at once"};
+                                .meaning = "several servers with the same model, called in parallel"};
 inline constexpr Key model_name{
     .table = "[model]", .key = "name", .allowed = "a text", .without = "`forward`", .meaning = "of the server's model"};
 inline constexpr Key model_config{.table = "[model]",
@@ -411,9 +411,8 @@ inline constexpr Key noise_shared_relative{
     .low = 0.0,
     .high = 10.0,
     .default_value = 0.0,
-    .meaning =
-        "of `survey` and `road`: what each sensor errs by in all drops of a load alike, which no mean makes less: "
-        "standard deviation over the reading"};
+    .meaning = "of `survey` and `road`: each sensor's error common to all drops of a load, which no mean makes less: "
+               "standard deviation over the reading"};
 inline constexpr Key noise_shared_common_relative{
     .table = "[data.noise]",
     .key = "shared_common_relative",
@@ -711,12 +710,12 @@ inline constexpr Key criterion_law{.table = "[[criteria]]",
 inline constexpr Key criterion_axle{.table = "[[criteria]]",
                                     .key = "axle",
                                     .allowed = "a load of the study",
-                                    .meaning = "under which the strain is sought, and which is counted"};
+                                    .meaning = "under which the strain is evaluated, and which is counted"};
 inline constexpr Key criterion_layer{.table = "[[criteria]]",
                                      .key = "layer",
                                      .allowed = "a layer of the study",
                                      .without = "the top layer, or the last one",
-                                     .meaning = "at whose bottom (asphalt) or top (subgrade) the strain is sought"};
+                                     .meaning = "at whose bottom (asphalt) or top (subgrade) the strain is evaluated"};
 inline constexpr Key criterion_modulus{.table = "[[criteria]]",
                                        .key = "modulus_MPa",
                                        .kind = number,

@@ -136,7 +136,7 @@ std::shared_ptr<const OwnEffects> read_own_effects(const std::vector<const toml:
         }
         if (name.empty() || name.find('.') != std::string::npos || pave::printable(name) != name ||
             find_effect(name) != nullptr) {
-            throw pave::Error(reader.place(keys::effect_name), "this cannot be the name of an effect of one's own",
+            throw pave::Error(reader.place(keys::effect_name), "this cannot be the name of an effect of your own",
                               "\"" + name + "\"",
                               "a name without a full stop that no effect of the built-in model has; or " +
                                   pave::join({of_readings[0].data(), of_readings[1].data()}) + ", of readings");

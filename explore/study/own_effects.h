@@ -18,7 +18,7 @@ struct OwnEffect {
 };
 using OwnEffects = std::deque<OwnEffect>; // whose addresses stay
 
-// What Study::external is.
+// The type of Study::external.
 struct OwnModel : external::Model {
     OwnModel(std::shared_ptr<const external::Simulator> simulator, problem::ParameterSpace space,
              std::vector<double> to_si, std::shared_ptr<const OwnEffects> declared);

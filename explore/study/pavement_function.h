@@ -16,7 +16,7 @@ pave::Outcome<pave::pavement::Response> respond(const pave::pavement::ForwardMod
                                                 const std::vector<pave::pavement::Parameter>& parameters,
                                                 std::span<const double> values, bool with_jacobian,
                                                 pave::pavement::ForwardModel::Workspace& workspace);
-// What the explorer sees of a response. with_jacobian: else it has none.
+// A response as the explorer sees it. with_jacobian: else it has none.
 problem::Prediction prediction_of(pave::pavement::Response response, bool with_jacobian);
 
 // The responses of a case as a function of its parameters' values in file units. loads: which to compute, empty: all.

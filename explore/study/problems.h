@@ -19,7 +19,7 @@ std::shared_ptr<const problem::ForwardFunction> function_of(const Study& study,
 pave::Outcome<pave::pavement::Response> own_response(const Study& study, const pave::pavement::Case& at,
                                                      bool with_jacobian);
 
-// What a problem computes at every point: all responses, or those of the loads with readings that are fitted (the
+// Responses that a problem computes at every point: all, or those of the loads with readings that are fitted (the
 // others are then not numbers).
 enum class Scope { everything, fitted };
 

@@ -316,7 +316,7 @@ pave::pavement::Sensor own_sensor(Study& study, const data::Reading& reading) {
     if (load == loads.end()) {
         loads.push_back({.name = reading.load});
     }
-    // What one quantity is has one of those that are there but deflections, of which more is known.
+    // An effect of one quantity has one of those that are there but deflections, of which more is known.
     std::vector<std::string> known;
     for (const data::Reading& other : study.readings) {
         if (std::find(known.begin(), known.end(), other.quantity) == known.end()) {
@@ -361,7 +361,7 @@ void read_own_output(const toml::table& table, Study& study) {
 
 void check_own_model(const Study& study) {
     if (study.space.axes.empty()) {
-        throw pave::Error({.file = study.file, .key = "parameters"}, "a model of one's own is a function of parameters",
+        throw pave::Error({.file = study.file, .key = "parameters"}, "a model of your own is a function of parameters",
                           {}, "at least one [[parameters]]");
     }
     if (!study.model.ties.empty()) {

@@ -9,13 +9,13 @@
 
 namespace explore::study {
 
-// What a TextReader is asked for where it may be no text: a file in the folder of every run.
+// The text of a file, where it may be no text: a file in the folder of every run.
 inline constexpr std::string_view file_of_program = "file of the program";
 
 // Before anything else is read. Throws pave::Error for tables that belong to the built-in model.
 void begin_own_model(Study& study, const toml::table& table);
 
-// Throws pave::Error at `place` for what cannot be the name of a parameter of a model of one's own.
+// Throws pave::Error at `place` for what cannot be the name of a parameter of a model of your own.
 void check_own_name(const std::string& name, const pave::Place& place);
 // One more value of the model, or the size of an effect that the study has.
 pave::pavement::Parameter add_own_parameter(Study& study, const std::string& name, const pave::Place& place);
@@ -25,7 +25,7 @@ double own_value(TableReader& reader, const problem::Axis& axis);
 pave::pavement::Sensor own_sensor(Study& study, const data::Reading& reading);
 void read_own_output(const toml::table& table, Study& study);
 
-// When all parameters, readings and outputs are known. Throws pave::Error for what no model of one's own can have.
+// When all parameters, readings and outputs are known. Throws pave::Error for what no model of your own can have.
 void check_own_model(const Study& study);
 // Then one of these two makes study.external; it throws pave::Error. What the files of the model hold that changes its
 // responses.

@@ -114,7 +114,7 @@ void read_effect(const toml::table& table, Study& study) {
     model.effects.push_back(std::move(applied));
 }
 
-// What varies is modelled where it does nothing, too.
+// Whatever varies is modelled where it does nothing, too.
 void set_present(Case& model, const Parameter& parameter) {
     if (parameter.in_effect) {
         model.effects[static_cast<std::size_t>(parameter.owner)].present = true;
@@ -325,7 +325,7 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
     }
     const auto layers = reader.tables("layers");
     const auto loads = reader.tables("loads");
-    // What the bottom throws back of a pulse comes late from there.
+    // The reflection of a pulse at the bottom comes late from there.
     const bool has_history =
         std::any_of(loads.begin(), loads.end(), [](const auto* load) { return load->contains("history"); });
     for (const auto* layer : layers) {

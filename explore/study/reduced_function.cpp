@@ -103,7 +103,7 @@ constexpr std::ptrdiff_t hash_length = 32;
 
 std::string why_no_reduced_model(const Study& study) {
     if (study.has_own_model) {
-        return "a model of one's own is not projected";
+        return "a model of your own is not projected";
     }
     const auto loads = fitted_loads(study);
     for (std::size_t l = 0; l < loads.size(); ++l) {

@@ -17,7 +17,7 @@ using ReducedLoads = std::vector<std::optional<ReducedLoad>>;
 // Why this study has no reduced model, or "".
 std::string why_no_reduced_model(const Study& study);
 
-// What a reduced model is a function of: section, loads, sensors, parameters and their ranges, samples.
+// The key of a reduced model: section, loads, sensors, parameters and their ranges, samples.
 std::string reduced_key(const Study& study, std::size_t samples, const pave::reduced::BuildSettings& settings);
 
 // samples: points of the unit cube in random order. Failure: the full model has too few answers.

@@ -14,7 +14,7 @@ Study load_survey_study(const std::string& file);
 // repeated drops, as a share of it; of a sensor whose drops contradict each other their own where that is more.
 //     sqrt(repeatability^2 D^2 / n + r + (1 um)^2 + (0.01 D)^2),
 // r what rounding to the steps of the file adds (data/resolution.h), the last two half of what a
-// sensor is good to (2 um + 2 %, taken for two standard deviations): what a sensor errs by in every drop alike.
+// sensor is good to (2 um + 2 %, taken for two standard deviations): a sensor's error in every drop alike.
 double bowl_sigma_um(const data::BowlReading& reading, double repeatability);
 
 // The survey's study with the station's own layers under its own loads: one plate a bowl, and its deflections, whose

@@ -36,7 +36,7 @@ struct DataSettings {
     std::optional<double> noise_relative;
     std::optional<double> noise_floor;
     std::array<double, 4> noise_absolute{}; // SI, of every data::Dimension
-    // What adds to the error of every reading, whoever states it, and ties those of a load: see data::Noise.
+    // Errors that add to those of every reading, whoever states it, and tie those of a load: see data::Noise.
     double noise_common_relative = 0.0;
     double noise_correlation_length = 0.0; // m
     double noise_correlation_time = 0.0;   // s
@@ -103,7 +103,7 @@ struct Study {
 
     // Name without folder and ending: the default folder of its results.
     std::string stem() const;
-    // "stated", "partly stated" (some are assumed) or "estimated" (from what the fit leaves over).
+    // "stated", "partly stated" (some are assumed) or "estimated" (from the residuals of the fit).
     std::string_view noise_name() const;
     std::span<const data::Reading> measured() const;
     std::vector<std::size_t> outputs() const;       // which of the readings are outputs

@@ -1,4 +1,4 @@
-// Reads one TOML table and remembers what was asked for, so that unknown keys are found. Private to study/.
+// Reads one TOML table and remembers what was requested, so that unknown keys are found. Private to study/.
 #pragma once
 
 #include "base/error.h"
@@ -11,7 +11,7 @@
 
 namespace explore::study {
 
-// What may stand above all tables, and the tables' own names.
+// Keys that may stand above all tables, and the tables' own names.
 std::vector<Key> root_keys();
 
 class TableReader {
@@ -22,7 +22,7 @@ public:
           file_(std::move(file)),
           what_(std::move(what)) {}
 
-    // Keys that may stand here, asked for or not: none of them is taken for a misspelt other one.
+    // Keys that may stand here, requested or not: none of them is taken for a misspelt other one.
     template <class Keys>
     void expect(const Keys& keys) {
         for (const auto& info : keys) {
@@ -204,7 +204,7 @@ public:
         return node != nullptr ? node->as_table() : nullptr;
     }
 
-    // Every key of the table must have been asked for.
+    // Every key of the table must have been requested.
     void done() const { refuse_all_but(used_); }
     // Every key of the table is one of these.
     template <class Keys>

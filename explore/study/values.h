@@ -25,7 +25,7 @@ pave::pavement::Parameter number_named(const Study& study, const std::string& na
 std::vector<pave::pavement::Parameter> changeable(Study& study, const std::vector<std::string>& names,
                                                   const pave::Place& place);
 
-// A study and its model at other values. What is sought changes on the mesh that the study has, as in a search; for
+// A study and its model at other values. Parameters change on the mesh that the study has, as in a search; for
 // other numbers the study itself is another one.
 struct ChangedStudy {
     Study study;

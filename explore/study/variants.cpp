@@ -74,7 +74,7 @@ std::vector<Variant> layouts(const Study& study, const Effect& effect) {
 } // namespace
 
 std::vector<Variant> variants(const Study& study, const std::vector<std::string>& without) {
-    // What is fitted.
+    // The fitted readings and groups.
     std::vector<std::size_t> readings;
     std::vector<std::pair<int, Quantity>> groups;
     for (const Group& group : study.groups) {
@@ -123,10 +123,10 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
                 }
             }
         }
-        // What has a name alone has no place: its instrument is not known by it.
+        // A reading with a name alone has no place: its instrument is not known by it.
         if (effect->takes_reading && (effect->is_error_of_reading || !study.has_own_model)) {
             for (const std::size_t i : readings) {
-                // What one place reads under one load alone could as well be an error of that reading.
+                // A variant on one place under one load alone could as well be an error of that reading.
                 if (effect->is_error_of_reading || first_of_place(i)) {
                     add({.reading = static_cast<int>(i)},
                         effect->takes_quantity ? "every " + study.readings[i].place_words()
@@ -146,7 +146,7 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
                 }
             }
         } else if (!effect->takes_reading) {
-            // What its own choice does is named by its load where it is that of one.
+            // An effect with a choice of its own is named by its load where it is that of one.
             for (std::size_t l = 0; effect->takes_load && study.model.loads.size() > 1 && l < loads.size(); ++l) {
                 add({.load = loads[l]}, load_name(loads[l]));
             }
@@ -317,7 +317,7 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
             }
         }
     }
-    // What the study declares gets its size where it stands.
+    // A declared effect gets its size where it stands.
     const auto declared = [&](const Variant& variant) {
         return find_effect(variant.applied.effect->name) == nullptr
                    ? named(root, "effects", std::string(variant.applied.effect->name))

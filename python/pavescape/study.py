@@ -35,7 +35,7 @@ class Analyses:
 
     @property
     def parameters(self) -> list[str]:
-        """Names of what is sought, in their order."""
+        """Names of the parameters, in their order."""
         return self._core.parameters
 
     @property

@@ -1,4 +1,4 @@
-// What the user can fix: wrong input, met with one message that says where, what was found and what is allowed.
+// Errors that the user can fix: wrong input, met with one message that says where, what was found and what is allowed.
 #pragma once
 
 #include <stdexcept>

@@ -81,7 +81,7 @@ void append_utf8(std::string& text, unsigned code) {
     }
 }
 
-// What Windows-1252 has at 0x80 to 0x9f, where ISO 8859-1 has controls that no text holds; 0: nothing.
+// Windows-1252 at 0x80 to 0x9f, where ISO 8859-1 has controls that no text holds; 0: nothing.
 constexpr unsigned windows_1252[32] = {0x20ac, 0,      0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021,
                                        0x02c6, 0x2030, 0x0160, 0x2039, 0x0152, 0,      0x017d, 0,
                                        0,      0x2018, 0x2019, 0x201c, 0x201d, 0x2022, 0x2013, 0x2014,

@@ -1,4 +1,4 @@
-// What Windows-1252 has besides ISO 8859-1: letters and signs where the latter has controls that no text holds.
+// Signs of Windows-1252 besides ISO 8859-1: letters and signs where the latter has controls that no text holds.
 #pragma once
 
 #include <string_view>

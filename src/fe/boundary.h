@@ -1,4 +1,4 @@
-// What holds the open sides of a mesh in motion. Private to fe/.
+// Springs and dashpots at the open sides of a mesh in motion. Private to fe/.
 #pragma once
 
 #include "base/units.h"

@@ -1,7 +1,7 @@
 // Readings followed over the time of a load, and the one number that stands for each.
 //
 // A load at rest, a section that relaxes and one whose inertia answers are cases of it: the first has one instant, the
-// others one at the end of every step. What else is asked of a reading over time is another functional of the same
+// others one at the end of every step. What else is read of a sensor over time is another functional of the same
 // course.
 #pragma once
 

@@ -182,7 +182,7 @@ public:
     }
     bool empty() const { return material_of_.empty(); }
 
-    // What belongs to a strain of the load at point q: the stress of the load, its state, and by variation k, where the
+    // Values of a strain of the load at point q: the stress of the load, its state, and by variation k, where the
     // strain changes by this, its rate.
     struct Answer {
         Stress whole;

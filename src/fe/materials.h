@@ -8,7 +8,7 @@
 
 namespace pave::fe {
 
-// What varies within a layer: its unit stiffness at a point is that of the law with p[parameter] replaced by
+// A variation within a layer: its unit stiffness at a point is that of the law with p[parameter] replaced by
 // p + size (target - p) w, or without a parameter the law's own times 1 + size w or, as a power, exp(size w); w is the
 // weight at that point. parameter: one that the law's modulus does not depend on.
 struct Field {
@@ -99,7 +99,7 @@ material::UnitGradient local_stiffness_gradient(const LayerMaterial& layer, cons
 mechanics::Stiffness<6> local_stiffness_rate(const LayerMaterial& layer, int at_layer, const Eigen::Vector3d& at,
                                              mechanics::Invariants state, const Variation& variation);
 
-// What its fields without a parameter multiply the stiffness of a layer by at a point, and the rate of the logarithm of
+// The factor of its fields without a parameter on the stiffness of a layer at a point, and the rate of the logarithm of
 // that by a quantity of layer number `at_layer`.
 double local_factor(const LayerMaterial& layer, const Eigen::Vector3d& at);
 double local_factor_rate(const LayerMaterial& layer, int at_layer, const Eigen::Vector3d& at,

@@ -1,4 +1,4 @@
-// What layers that relax remember of the displacement. Private to fe/.
+// Memory of the displacement in layers that relax. Private to fe/.
 #pragma once
 
 #include "fe/materials.h"
@@ -7,7 +7,7 @@
 
 namespace pave::fe {
 
-// What is left of a displacement after it fades with a time of relaxation: v' = u' - v/time. Stress in a layer that
+// A displacement that fades with a time of relaxation: v' = u' - v/time. Stress in a layer that
 // relaxes is E C B f with f = (1 - sum of shares) u + sum of share v, for v of its terms: the strains of its memory are
 // those of displacements.
 struct Term {

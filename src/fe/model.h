@@ -12,7 +12,7 @@
 
 namespace pave::fe {
 
-// What stays when the nodes of a mesh move.
+// The topology of a mesh: it stays when the nodes move.
 template <class Element>
 struct Topology {
     static constexpr int lower_entries = Element::dofs * (Element::dofs + 1) / 2;
@@ -57,7 +57,7 @@ struct Spring {
     }
 };
 
-// What a model holds besides the bonded section, in the order of Model::springs.
+// The parts of a model besides the bonded section, in the order of Model::springs.
 struct Springs {
     // Layers that may slip on the layer below: the horizontal displacements of the two faces are unknowns of their own,
     // tied by the integral of |difference|^2 over the interface; the vertical ones are shared.

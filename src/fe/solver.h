@@ -68,7 +68,7 @@ struct Solution {
     Eigen::MatrixXd d_displacement;
     Eigen::Matrix<double, Element::voigt, Eigen::Dynamic> d_stress;
     Statistics statistics;
-    // At the load factors that were asked for, in their order.
+    // At the load factors that were requested, in their order.
     struct OnTheWay {
         Eigen::VectorXd displacement;
         Eigen::MatrixXd d_displacement;
@@ -76,7 +76,7 @@ struct Solution {
     std::vector<OnTheWay> on_the_way;
 };
 
-// What a march in time leaves: the readings at the end of every step, and the state where the load is largest.
+// The result of a march in time: the readings at the end of every step, and the state where the load is largest.
 template <class Element>
 struct Marched {
     Course course;
@@ -102,7 +102,7 @@ struct InertialCourse {
     Course at_rest; // one instant, at a factor of 1 on the load
 };
 
-// What sees a march in time: the displacement at the end of a step, and the modulus in its middle at the Gauss points
+// Observes a march in time: the displacement at the end of a step, and the modulus in its middle at the Gauss points
 // of the stress-dependent elements, in the order of elements.
 using OnMarch = std::function<void(const Eigen::VectorXd& displacement, const Eigen::VectorXd& modulus)>;
 
@@ -154,7 +154,7 @@ public:
     // damping time. Consistent mass (density = unit weight / g). The sides of the mesh that are open absorb: dashpots
     // of the impedances rho cp and rho cs (Lysmer and Kuhlemeyer 1969) at the moduli before the load, beside springs
     // that stand for the section beyond (boundary.h). The implicit midpoint rule, second order and without damping of
-    // its own, with the moduli at the middle of a step as the step before foretells them: one symmetric positive
+    // its own, with the moduli at the middle of a step as the step before predicts them: one symmetric positive
     // definite system a step, whatever its length. Derivatives are those of its steps. subspace: the motion is looked
     // for in it, of a model without springs; the course alone is of it then.
     Outcome<Marched<Element>> pulse(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,

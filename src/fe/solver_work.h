@@ -1,4 +1,4 @@
-// What both integrations share: the layers prepared for one run, assembly, and the closing figures. Private to fe/.
+// Shared by both integrations: the layers prepared for one run, assembly, and the closing figures. Private to fe/.
 #pragma once
 
 #include "fe/energy_points.h"
@@ -164,7 +164,7 @@ struct Solver<Element>::Work {
 
     static mechanics::Stiffness<N> cut(const mechanics::Stiffness<6>& c) { return c.template topLeftCorner<N, N>(); }
 
-    // at_once: no tangent of a law with an energy is asked for here.
+    // at_once: no tangent of a law with an energy is requested here.
     void prepare(const std::vector<LayerMaterial>& run_layers, const std::vector<Variation>& run_variations,
                  const SolverSettings& settings, const std::vector<double>& run_springs,
                  const std::vector<Motion<Element>>& run_motions, bool at_once = false) {
@@ -265,7 +265,7 @@ struct Solver<Element>::Work {
         }
     }
 
-    // What the stiffness of a layer for a modulus of 1 is made of; nothing, where set_moduli makes it.
+    // The parts of the stiffness of a layer for a modulus of 1; nothing, where set_moduli makes it.
     std::vector<mechanics::Stiffness<N>> units_of(std::size_t l) const {
         if (prepared[l].turns_with_stress) {
             return {};

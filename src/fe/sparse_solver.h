@@ -1,4 +1,4 @@
-// What sparse direct solvers take from SuiteSparse: the analysis of a pattern (CHOLMOD), and LU (UMFPACK).
+// SuiteSparse for the sparse direct solvers: the analysis of a pattern (CHOLMOD), and LU (UMFPACK).
 #pragma once
 
 #include "fe/supernodal_factor.h"

@@ -215,7 +215,7 @@ Outcome<InertialCourse> Solver<Element>::inertial(const Solution<Element>& end, 
     for (int k = 0; k < count; ++k) {
         matrix_rates.push_back(dynamics.rates(k, modulus_rate.col(k)));
     }
-    // What is read, as weights on the displacement, and the rates of those weights.
+    // Readings as weights on the displacement, and the rates of those weights.
     std::vector<Weights> weights;
     weights.reserve(readings.size());
     std::vector<std::vector<Weights>> weight_rates(readings.size());

@@ -105,7 +105,7 @@ Seen seen(const Place& place, const Circle& circle) {
     return {std::sqrt(square), square > 0.0 ? (x * x - y * y) / square : 1.0};
 }
 
-// What is to be integrated over a panel, of one place at one node of a fine rule, times the rule's weight.
+// The integrand over a panel, of one place at one node of a fine rule, times the rule's weight.
 struct Sample {
     double mean = 0.0, difference = 0.0;
 };

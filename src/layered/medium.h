@@ -3,7 +3,7 @@
 // Displacements u_r = U(z) J1(k r), u_z = W(z) J0(k r) and tractions s_rz = T(z) J1(k r), s_zz = S(z) J0(k r) (z down,
 // tension positive) obey
 //     U' = T/C44 + k W,  W' = (S - C13 k U)/C33,  T' = (C11 - C13^2/C33) k^2 U + (C13/C33) k S,  S' = -k T.
-// What decays downwards is (U, W)(z) = exp(-k z M) (U, W)(0) with (T, S) = k Z (U, W); what decays upwards is its
+// Decaying downwards: (U, W)(z) = exp(-k z M) (U, W)(0) with (T, S) = k Z (U, W); decaying upwards, it is the
 // mirror image: W and T change their signs. M has the eigenvalues l1, l2 with
 //     l1 l2 = q = sqrt(C11/C33),  (l1 + l2)^2 = p^2 = (s - C13)(s + C13 + 2 C44)/(C33 C44),  s = sqrt(C11 C33),
 // which are equal for an isotropic material and may be a complex pair: the exponential is written without them.

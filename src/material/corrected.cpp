@@ -14,7 +14,7 @@ namespace {
 constexpr double floor_of_theta = 5.0 * unit::kPa;
 constexpr std::size_t extra = 4 * most_places;
 
-// What theta and tau are counted by.
+// The scales that theta and tau are counted by.
 double theta_scale(double thp) {
     return std::log(thp / unit::reference_pressure);
 }

@@ -1,4 +1,4 @@
-// What isotropic laws share: a unit stiffness of Poisson's ratio alone.
+// Shared by isotropic laws: a unit stiffness of Poisson's ratio alone.
 #pragma once
 
 #include "material/law.h"

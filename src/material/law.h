@@ -1,4 +1,4 @@
-// What a material law is: a stateless description of its parameters and of the modulus as a function of stress.
+// A material law: a stateless description of its parameters and of the modulus as a function of stress.
 //
 // The stiffness of a layer is D = E(theta, tau) C, with C the dimensionless cross-anisotropic stiffness, which of most
 // laws is the same at any stress. A law is one
@@ -16,7 +16,7 @@
 
 namespace pave::material {
 
-// Where a parameter is sought when nothing else is known of the material, in file units.
+// The range of a parameter when nothing else is known of the material, in file units.
 struct UsualRange {
     double low = 0.0, high = 0.0;
     double start = 0.0;

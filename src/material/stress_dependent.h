@@ -1,4 +1,4 @@
-// What laws of the modulus E(theta, tau) of a cross-anisotropic layer share: the directions, the smooth floor thp of
+// Shared by laws of the modulus E(theta, tau) of a cross-anisotropic layer: the directions, the smooth floor thp of
 // theta. A law gives E(thp, tau) and its derivatives.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace pave::material {
 // sigma1 - sigma3 of a triaxial test over the octahedral shear stress.
 inline constexpr double deviator_over_tau = 3.0 / std::numbers::sqrt2;
 
-// Rows that laws of theta share: k1 and k2 (range: where it is sought), Poisson's ratios, the floor of theta.
+// Rows that laws of theta share: k1 and k2 (range: its usual bounds), Poisson's ratios, the floor of theta.
 ParameterInfo scale_info(std::string_view meaning);
 ParameterInfo confinement_info(UsualRange range);
 ParameterInfo poisson_12_info();

@@ -17,7 +17,7 @@ AxisymmetricMesh axisymmetric_mesh(const AxisymmetricDemand& demand) {
     std::partial_sum(demand.thickness.begin(), demand.thickness.end(), bottoms.begin());
     const double depth = bottoms.back();
 
-    // What a reading sees changes over its depth, or nearer to the surface over the top layer; the edge of the load
+    // A reading sees changes over its depth, or nearer to the surface over the top layer; the edge of the load
     // matters to it the less the farther away it is.
     const auto reading_size = [&](double z) {
         return demand.follows_gauges ? 0.35 * std::max(z, std::min(bottoms.front(), 0.2 * a))

@@ -30,7 +30,7 @@ struct AxisymmetricMesh {
     int z_cells() const { return static_cast<int>(z_lines.size()) - 1; }
 };
 
-// What the mesh must resolve by itself.
+// Lengths that the mesh must resolve by itself.
 struct AxisymmetricDemand {
     std::vector<double> thickness; // of each layer, top to bottom [m]
     double load_radius = 0.15;     // m: edge of the loaded circle

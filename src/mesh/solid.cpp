@@ -31,7 +31,7 @@ SolidMesh solid_mesh(const SolidDemand& demand) {
     std::partial_sum(demand.thickness.begin(), demand.thickness.end(), bottoms.begin());
     const double depth = bottoms.back();
 
-    // What a reading at a point sees changes over its depth, or nearer to the surface over the top layer; the edges of
+    // A reading at a point sees changes over its depth, or nearer to the surface over the top layer; the edges of
     // the patch matter to it the less the farther away they are.
     std::vector<double> point_size;
     for (const double z : demand.point_depths) {

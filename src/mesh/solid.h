@@ -29,7 +29,7 @@ struct SolidMesh {
     int element(int i, int j, int k) const { return (i * y_cells() + j) * z_cells() + k; }
 };
 
-// What the mesh must resolve by itself. The loaded patch reaches from x_inner to x_outer and from y = 0 to y_outer.
+// Lengths that the mesh must resolve by itself. The patch reaches from x_inner to x_outer and from y = 0 to y_outer.
 struct SolidDemand {
     std::vector<double> thickness;        // of each layer, top to bottom [m]
     bool is_dual = false;                 // one of two patches, which mirror each other: x_inner is an edge

@@ -1,4 +1,4 @@
-// What corrects a model where it is wrong without saying why: a smooth factor on the modulus of a layer, or on
+// Corrections of a model where it is wrong without saying why: a smooth factor on the modulus of a layer, or on
 // readings, of one variable.
 #pragma once
 

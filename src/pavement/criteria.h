@@ -23,7 +23,7 @@ struct CriterionOption {
     std::string_view meaning;
 };
 
-// What a criterion is a function of.
+// The arguments of a criterion.
 struct CriterionState {
     double strain = 0.0;               // microstrain, positive as its place says
     double modulus_MPa = 0.0;          // of the bound layer

@@ -1,4 +1,4 @@
-// What a forward run leaves in the ground: displacement, strain, stress and stiffness all over the mesh of a load.
+// The ground after a forward run: displacement, strain, stress and stiffness all over the mesh of a load.
 #pragma once
 
 #include "fe/solver.h"

@@ -49,13 +49,13 @@ public:
     // inertia go with it. Effects that are varied must be `present`. Pure: same input, same bits.
     Outcome<Response> run(const Case& values, const std::vector<Parameter>& parameters, Workspace& workspace) const;
 
-    // What the run at `values` leaves under a load, at rest; of a load that nothing reads too.
+    // The state of the run at `values` under a load, at rest; of a load that nothing reads too.
     Outcome<Fields> fields(const Case& values, int load) const;
 
     const Case& nominal() const { return nominal_; }
     // Unknowns of the finite element model of each load, 0 where nothing is read.
     std::vector<int> unknowns() const;
-    // What a run takes, from the sizes of its meshes; a machine may differ from these estimates by a factor of two.
+    // The cost of a run, from the sizes of its meshes; a machine may differ from these estimates by a factor of two.
     struct Cost {
         double memory = 0.0; // bytes of a workspace once every load was run, of three-dimensional models: all else is
                              // small beside them

@@ -61,7 +61,7 @@ double direction_of(const Sensor& sensor, double at_rest) {
     return sensor.quantity == Quantity::deflection || at_rest >= 0.0 ? 1.0 : -1.0;
 }
 
-// What sensors read over the time of a load, a row a sensor. All ways of modelling it end here; a load at rest is the
+// Readings of sensors over the time of a load, a row a sensor. All ways of modelling it end here; a load at rest is the
 // course of one instant.
 struct Responses {
     fe::Course at_rest; // one instant: the load at rest, or where it is largest

@@ -65,12 +65,12 @@ class LoadModel {
 public:
     virtual ~LoadModel() = default;
 
-    // What one thread keeps: the last geometry and the factors on it. Makes a run faster, never different.
+    // The cache of one thread: the last geometry and the factors on it. Makes a run faster, never different.
     class Workspace {
     public:
         virtual ~Workspace() = default;
     };
-    // What the loads of one thread use in turn: a solver serves all whose finite element model is the same one. By that
+    // Solvers that the loads of one thread use in turn: one serves all whose finite element model is the same. By that
     // model; what is under it is the model's business.
     using Lent = std::map<const void*, std::shared_ptr<void>>;
     virtual std::unique_ptr<Workspace> make_workspace(Lent& lent) const = 0;

@@ -122,10 +122,10 @@ struct Sensor {
     Quantity quantity = Quantity::deflection;
     double x = 0.0, y = 0.0, depth = 0.0; // m
     double gauge = 0.0;                   // m
-    bool measured = true;                 // by an instrument, which may err; false: an asked-for response
+    bool measured = true;                 // by an instrument, which may err; false: a requested response
     double gain = 1.0;                    // of the instrument
     std::optional<double> time{};         // s, under a pulse: when; none: the extreme over time
-    // What the reading is the weighted sum of: readings at places beside the sensor, over gauge lengths of their own.
+    // Terms of a reading that is a weighted sum: readings at places beside the sensor, over gauge lengths of their own.
     // None: that of the sensor itself.
     struct Share {
         double dx = 0.0;    // m

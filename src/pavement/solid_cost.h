@@ -1,4 +1,4 @@
-// What a run of a finite element model asks for, known from its mesh.
+// The cost of a run of a finite element model, known from its mesh.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ inline double axisymmetric_seconds(double unknowns, bool is_linear, std::size_t 
     return (is_linear ? 3e-8 : 1.4e-7) * std::pow(unknowns, 1.5) *
            std::max(1.0, static_cast<double>(steps) / as_long_as_at_rest);
 }
-// What every derivative adds to a run, as a share of it.
+// The cost of every derivative, as a share of a run.
 inline constexpr double solid_derivative = 0.4;
 inline constexpr double axisymmetric_derivative = 0.14;
 // A load on linear layers, by transforms: of all its readings; every derivative takes as long again.

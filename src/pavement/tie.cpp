@@ -27,7 +27,7 @@ void add_tie(Case& c, const std::string& path, const std::string& expression, co
         throw Error(place, std::string("this expression cannot be read: ") + error.what(), "\"" + expression + "\"",
                     "arithmetic of numbers and " + join(paths));
     }
-    // What the expression reads, through the ties that there are.
+    // References that the expression reads, through the ties that there are.
     std::vector<std::string> reached = read->reads();
     for (std::size_t i = 0; i < reached.size(); ++i) {
         for (const Tie& tie : c.ties) {

@@ -1,4 +1,4 @@
-// What a reduced model is made of, what its errors are relative to, and the correction of its readings.
+// The parts of a reduced model, what its errors are relative to, and the correction of its readings.
 #pragma once
 
 #include "pavement/load_model.h"
@@ -13,7 +13,7 @@ namespace pave::reduced {
 // without springs, fields within layers and inertia.
 std::string why_not(const pavement::Case& c, int load);
 
-// What fixes a reduced model besides the case; plain numbers that can be written to a file.
+// The settings of a reduced model besides the case; plain numbers that can be written to a file.
 struct Basis {
     Eigen::MatrixXd modes; // free unknowns x modes
     int coarse = 0;        // the first so many make the model that errors are estimated against
@@ -22,7 +22,7 @@ struct Basis {
         double weight = 0.0;
     };
     std::vector<Point> points; // of the cubature
-    // What the readings lack relative to smooth_scales(), learnt from full runs, by what the samples of the build vary.
+    // The errors of readings relative to smooth_scales(), learnt from full runs, by what the samples of the build vary.
     struct Coordinate {
         fe::Variation::Kind kind;
         int layer;
@@ -51,7 +51,7 @@ std::vector<Basis::Coordinate> coordinates_of(const std::vector<std::vector<fe::
 // As scales(), but smooth: the root of the sum of squares of a value and of a twentieth of all of the same quantity.
 std::vector<double> smooth_scales(const pavement::Case& c, int load, const std::vector<double>& values);
 
-// What errors are relative to: |value|, but at least a twentieth of the largest reading of the same quantity, and of
+// The scale of errors: |value|, but at least a twentieth of the largest reading of the same quantity, and of
 // what has a time a quarter of the largest at its place.
 std::vector<double> scales(const pavement::Case& c, int load, const std::vector<double>& values);
 

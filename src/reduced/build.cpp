@@ -17,7 +17,7 @@ namespace {
 
 using namespace pavement;
 
-// What a run of the full model leaves: the rates along its load path, and its readings.
+// The record of a run of the full model: the rates along its load path, and its readings.
 struct Snapshots {
     std::vector<Eigen::VectorXd> rates;  // d(displacement)/d(load factor)
     std::vector<Eigen::VectorXd> moduli; // at the Gauss points of the stress-dependent elements
@@ -76,7 +76,7 @@ public:
                 return Failure{Status::failed, "the full model has no answer at the samples of the build"};
             }
             basis = make_basis();
-            // Where the estimate is worst, the full model is asked next.
+            // Where the estimate is worst, the full model is run next.
             const auto trial = make_load_model(nominal_, load_, basis);
             std::vector<double> estimate(candidates, -1.0);
             for_each_(candidates, [&](std::size_t i) {
@@ -317,7 +317,7 @@ private:
         return {std::move(both), of_modes};
     }
 
-    // What the estimates are worth, learnt. False: there is an answer at none of the samples from `first`.
+    // The quality of the estimates, learnt. False: there is an answer at none of the samples from `first`.
     bool judge(Basis& basis, std::size_t first, BuildReport& report) const {
         const auto [runs, of_modes] = compare(basis, first);
         report.full_runs += static_cast<int>(samples_.size() - first);

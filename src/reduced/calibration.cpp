@@ -16,7 +16,7 @@ struct Unseen {
     Eigen::MatrixXd missed, added, reach;
 };
 
-// What the readings lack, learnt from all these runs: the modes are few beside the snapshots of the runs that they
+// The errors of the readings, learnt from all these runs: the modes are few beside the snapshots of the runs that they
 // are from (the first of them), so that the readings lack there hardly less than elsewhere.
 Unseen learn_correction(Basis& basis, const Case& c, int load, const std::vector<Comparison>& runs,
                         std::size_t of_modes, const ForEach& for_each) {

@@ -1,4 +1,4 @@
-// What a reduced model errs by: a correction that foretells it, and what its estimates are worth.
+// Errors of a reduced model: a correction that predicts them, and the quality of its estimates.
 #pragma once
 
 #include "reduced/basis.h"
@@ -6,7 +6,7 @@
 
 namespace pave::reduced {
 
-// What the full model and the reduced one read at the same sample.
+// Readings of the full model and the reduced one at the same sample.
 struct Comparison {
     std::vector<fe::LayerMaterial> layers;
     pavement::Load load;

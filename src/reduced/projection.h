@@ -1,4 +1,4 @@
-// What reduced models take from the full one: stiffness, readings as loads, projections on displacement fields.
+// The full model's part in reduced models: stiffness, readings as loads, projections on displacement fields.
 #pragma once
 
 #include "fe/materials.h"
@@ -93,7 +93,7 @@ inline Eigen::MatrixXd proper_modes(const Eigen::MatrixXd& snapshots, Eigen::Mat
     return snapshots * factors;
 }
 
-// What each observation reads, as forces, a column each: their work on a displacement is its reading (of a stress, with
+// Observations as forces, a column each: their work on a displacement is its reading (of a stress, with
 // the modulus of every Gauss point as it is [Pa]).
 template <class Element>
 Eigen::MatrixXd as_loads(const fe::Model<Element>& model,

@@ -13,7 +13,7 @@ namespace {
 
 using namespace pavement;
 
-// What a run of the full model leaves.
+// The record of a run of the full model.
 struct Motion {
     std::vector<Eigen::VectorXd> fields; // displacements at some of its instants
     Eigen::MatrixXd modes;               // what they are made of, by their energy; of energy 1 the largest of them

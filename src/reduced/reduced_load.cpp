@@ -73,7 +73,7 @@ private:
     struct State {
         Eigen::VectorXd a;      // factors of the modes
         Eigen::VectorXd stress; // N of each point
-        // What the coarse model lacks: of a, and of the N stresses of each point that is only followed.
+        // The errors of the coarse model: of a, and of the N stresses of each point that is only followed.
         Eigen::VectorXd gap, stress_gap;
         Eigen::MatrixXd da, d_stress; // a column a variation
 
@@ -208,7 +208,7 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
             linear += linear_stiffness(l, linear_modulus(layers[l]) * units[l]);
         }
     }
-    // What each variation changes: the stiffness of a linear layer, C of a stress-dependent one, the load.
+    // The change by each variation: the stiffness of a linear layer, C of a stress-dependent one, the load.
     std::vector<Eigen::MatrixXd> linear_rate(variations.size());
     std::vector<Stiffness> linear_d_rate(variations.size(), Stiffness::Zero());
     std::vector<Stiffness> unit_rate(variations.size(), Stiffness::Zero());

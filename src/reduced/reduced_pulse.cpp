@@ -11,7 +11,7 @@ using namespace pavement;
 
 namespace {
 
-// A whole pulse in the subspace of a basis. What its readings err by is known of each sensor.
+// A whole pulse in the subspace of a basis. The error of its readings is known of each sensor.
 class ReducedPulse final : public LoadModel {
 public:
     ReducedPulse(const Case& nominal, int load, Basis basis)

@@ -185,7 +185,7 @@ TEST(Multistart, FollowsAValleyThatBendsAndLeavesApartWhatARidgeSeparates) {
 }
 
 // A straight line fitted without weights to readings of unequal noise: (X'X)^-1 X'SX (X'X)^-1 (White 1980,
-// Econometrica 48), and the same times chi2 / degrees of freedom where the noise does not explain what is left over.
+// Econometrica 48), and the same times chi2 / degrees of freedom where the noise does not explain the residual.
 TEST(Minima, HaveTheErrorsThatTheStatedNoiseGivesThem) {
     static const std::vector<double> at{0.0, 0.2, 0.5, 0.6, 0.9, 1.0};
     class Line final : public problem::ForwardFunction {

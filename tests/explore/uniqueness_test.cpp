@@ -36,7 +36,7 @@ landscape::Uniqueness analyse(const problem::Problem& problem, const landscape::
     return *result;
 }
 
-// Random numbers of a trial, in the order they are asked for.
+// Random numbers of a trial, in the order they are requested.
 class Draw {
 public:
     explicit Draw(std::uint64_t seed) : stream_(seed, 0x7e57ULL) {}

@@ -67,6 +67,33 @@ def test_every_link_leads_somewhere(page):
             assert anchor in anchors(target), f"{page.name}: {target.name}#{anchor}"
 
 
+# --- words and lines
+
+
+def check(tool, *files):
+    return subprocess.run([ROOT / "tools" / "check" / tool, *files], capture_output=True, text=True)
+
+
+def test_no_text_stumbles_and_no_line_is_long():
+    for tool in ("words", "columns"):
+        done = check(tool)
+        assert done.returncode == 0, done.stdout
+
+
+def test_the_checks_find_what_they_are_for():
+    folder = workspace()
+    source, page = folder / "a.cpp", folder / "a.md"
+    source.write_text('// What a run holds.\nint asked = 0; // `asked`\nauto text = "the data that were asked for";\n')
+    done = check("words", source)
+    assert done.returncode == 1 and [line.split(":")[1] for line in done.stdout.splitlines()] == ["1", "3"], done.stdout
+    text = "- " + "word " * 40 + "\n\n| " + "cell " * 40 + "|\n\n    " + "code " * 40 + "\n"
+    page.write_text(text)
+    assert check("columns", page).returncode == 1
+    assert check("columns", "--fix", page).returncode == 0 and check("columns", page).returncode == 0
+    lines = page.read_text().splitlines()
+    assert page.read_text().split() == text.split() and [len(line) > 120 for line in lines] == [False] * 3 + [True, False, True], lines
+
+
 def test_every_page_is_reached_from_the_index():
     linked = {target for target, _ in links(ROOT / "docs" / "README.md")}
     pages = {page for page in (ROOT / "docs").rglob("*.md") if page.name != "README.md"}

@@ -35,11 +35,7 @@ CLIPPED = """[...document.querySelectorAll("main *")].filter((e) => !e.closest("
 
 @pytest.fixture(scope="module", autouse=True)
 def linear_study():
-    assert run("new", linear).returncode == 0, "new"
-    text = linear.read_text()
-    base = text[text.index('law = "uzan"'):text.index("poisson_12")]
-    text = text.replace(base, 'law = "linear"\nmodulus_MPa = 300\n').replace("poisson_12 = 0.35\npoisson_31 = 0.35", "poisson = 0.35")
-    linear.write_text(text.replace("base.k1", "base.modulus_MPa").replace("min = 200\nmax = 8000", "min = 50\nmax = 2000"))
+    assert run("new", linear, "--linear").returncode == 0, "new"
 
 
 @pytest.fixture(scope="module")

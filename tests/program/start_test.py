@@ -95,6 +95,48 @@ def test_every_level_of_a_station_is_a_load():
         assert done.returncode == 2 and done.stdout == "" and word in done.stderr, f"new {arguments}: {done.returncode} {done.stderr}"
 
 
+def test_layers_can_be_stated():
+    stated = folder / "stated.toml"
+    done = run("new", stated, "--from", ROOT / "grids" / "road-north.f25", "--station", "100", "--layers", "asphalt 90, subbase 280,subgrade", "--linear")
+    assert done.returncode == 0 and "state the layers" not in done.stdout, done.stderr
+    text = stated.read_text()
+    for words in ('name = "asphalt"\nthickness_mm = 90', 'name = "subbase"\nthickness_mm = 280', 'name = "subbase.modulus_MPa"', "depth_mm = 371", "depth_mm = 89.9"):
+        assert words in text, f"{words}:\n{text}"
+    assert text.count('law = "linear"') == 3 and "uzan" not in text
+    assert json.loads(run("forward", stated, "--json").stdout)["status"] == "converged"
+    for layers, word in (("asphalt 90, base 280", "no thickness"), ("asphalt, base", "only the last"), ("asphalt 0, base", "from 1 to 20000"), ("asphalt 9x, base", "9x"),
+                         ("a 90, a 100, b", "this name"), ("subgrade", "fewer than two"), ("asphalt 90 mm, b", "not a layer"), ("a.b 90, c", "not a layer")):
+        wrong = run("new", folder / "wrong.toml", "--layers", layers)
+        assert wrong.returncode == 2 and word in wrong.stderr and wrong.stderr.count("\n") == 1 and not (folder / "wrong.toml").exists(), f"{layers}: {wrong.stderr}"
+
+
+def test_asphalt_has_its_modulus_at_the_temperature_of_the_file():
+    # E(T) = E(20) 10^(-0.021 (T - 20)) (FHWA-RD-98-085), two digits.
+    bowl = "402,318,262,201,158,103"
+    for celsius, modulus in ((20, 3000), (35, 1500), (5, 6200)):
+        road = folder / f"road-at{celsius}.csv"
+        road.write_text(f"station,drop,radius_mm,pressure_kPa,asphalt_C,D0_um,D200_um,D300_um,D450_um,D600_um,D900_um\n1,1,150,600,{celsius},{bowl}\n")
+        assert run("new", folder / f"at{celsius}.toml", "--from", road).returncode == 0
+        assert f"modulus_MPa = {modulus} " in (folder / f"at{celsius}.toml").read_text(), celsius
+
+
+def test_a_study_of_strain_gauges():
+    gauges = folder / "gauges.toml"
+    done = run("new", gauges, "--gauges", "150,300", "--linear", "--layers", "base 250, subgrade")
+    assert done.returncode == 0, done.stderr
+    rows = [line.split(",") for line in (folder / "gauges.csv").read_text().splitlines() if line.startswith("wheel")]
+    assert [(row[1], row[4], row[7]) for row in rows] == [("strain_zz", "150", "microstrain"), ("strain_zz", "300", "microstrain")]
+    # Boussinesq under the centre of a circle: (s_z - 2 nu s_r)/E of 650 kPa, 120 MPa, 0.35.
+    for row in rows:
+        cosine = float(row[4]) / math.hypot(float(row[4]), 98.9)
+        vertical = 650e3 * (1 - cosine**3)
+        radial = 650e3 / 2 * (1 + 2 * 0.35 - 2 * 1.35 * cosine + cosine**3)
+        assert abs(float(row[6]) - 1e6 * (vertical - 0.7 * radial) / 120e6) < 0.6, row
+    fitted = json.loads(run("fit", gauges, "--explore", 16, "--starts", 2, "--out", folder / "run-gauges", "--json").stdout)
+    assert fitted["best"]["status"] == "converged" and fitted["readings"] == 2
+    assert run("new", folder / "both.toml", "--gauges", "150", "--from", ROOT / "grids" / "road-north.f25").returncode == 2
+
+
 def test_check_finds_a_misspelt_key(new):
     study, text = new
     misspelt = folder / "misspelt.toml"

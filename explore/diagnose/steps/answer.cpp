@@ -7,7 +7,7 @@ namespace explore::diagnose {
 
 using hypotheses::Kind;
 
-// What is an explanation, or comes nearest, is fitted on the study's own mesh. False: interrupted.
+// Every explanation, or what comes nearest, is fitted on the study's own mesh. False: interrupted.
 bool Investigation::settle() {
     constexpr int rounds = 4; // others may come to the fore
     for (int round = 0; round < rounds; ++round) {
@@ -36,7 +36,7 @@ bool Investigation::settle() {
     return true;
 }
 
-// What the decision says, as models.
+// The decision as models.
 void Investigation::take_decision() {
     d_.decision = decide(d_.ledger);
     const auto explanations_of = [&](const std::vector<std::size_t>& rows) {
@@ -94,7 +94,7 @@ bool Investigation::conclude(Says says) {
     if (!hold_out()) {
         return false;
     }
-    // What was left out may speak against a correction: the next model is then asked.
+    // Readings left out may speak against a correction: the next model is then tried.
     const auto asked = d_.decision.model;
     take_decision();
     return d_.decision.model == asked || hold_out();

@@ -1,4 +1,4 @@
-// What the steps of a diagnosis share.
+// Shared by the steps of a diagnosis.
 #pragma once
 
 #include "diagnose/candidate_fits.h"
@@ -73,7 +73,7 @@ private:
     // Chi2 with the price of having chosen the best of several variants.
     double criterion(const Judged& j) const;
     std::size_t variants_of(std::size_t candidate) const;
-    // What a model has to get below to stand beside this one among the explanations, and more: a sum of squares.
+    // The sum of squares below which a model stands beside this one among the explanations, or nearly so.
     double worth_beside(const Judged& j) const { return (criterion(j) + 2.0 * margin) * d_.variance; }
     std::optional<Model> fit_from(const Members& members, int number, const std::vector<double>& start,
                                   const Target& target = {}, const FitSettings& settings = {});

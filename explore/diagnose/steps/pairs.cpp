@@ -17,7 +17,7 @@ constexpr double level_doubtful = 0.05;
 
 } // namespace
 
-// What each candidate could explain beside the model that stands at this place of the beam.
+// The part that each candidate could explain beside the model that stands at this place of the beam.
 std::optional<Screening> Investigation::screen_seconds(const Model& base, std::size_t place, std::size_t scanned) {
     return screen(bench_, base, task_.candidates, d_.variance, !noise_is_stated_, task_.seed, scanned,
                   pair_number + 100 * static_cast<int>(place), &d_.screening);
@@ -134,7 +134,7 @@ bool Investigation::fit_jobs(const char* name, std::size_t count, std::vector<Ju
     return true;
 }
 
-// What each of these explains without the other, where it was not fitted for it promised little. False:
+// The part that each of these explains without the other, where it was not fitted for it promised little. False:
 // interrupted.
 bool Investigation::fit_alone(const Members& members) {
     for (EffectResult& effect : d_.effects) {

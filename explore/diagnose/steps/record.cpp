@@ -1,4 +1,4 @@
-// What was found, as rows of the ledger.
+// The results as rows of the ledger.
 #include "diagnose/simulated_data.h"
 #include "diagnose/steps/investigation.h"
 #include "hypotheses/noise_structure.h"
@@ -158,7 +158,7 @@ void Investigation::record_noise() {
         add(hypotheses::common_errors(linear, common, judge_.noise_prior()), "errors that the readings of a load share",
             "common_relative");
     }
-    // What is read twice in one place at one time, as far as is stated, says nothing of distances.
+    // Readings taken twice in one place at one time, as far as is stated, say nothing of distances.
     const auto& places = task_.noise_places;
     const bool have_places = std::none_of(places.begin(), places.end(), [&](const auto& place) {
         return std::count_if(places.begin(), places.end(), [&](const auto& other) {
@@ -211,7 +211,7 @@ bool Investigation::weigh_chances() {
     return true;
 }
 
-// What a model changes in the residuals, beyond what the parameters follow: length 1; empty: nothing.
+// The change of the residuals by a model, beyond what the parameters follow: length 1; empty: nothing.
 VectorXd Investigation::direction_of(const EffectResult& effect, const inference::Nuisance& nuisance) const {
     VectorXd change = d_.screening.items[effect.candidate].change;
     if (effect.fit) {

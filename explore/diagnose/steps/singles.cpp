@@ -179,7 +179,7 @@ std::vector<Alike> Investigation::alike_of(const EffectResult& effect) const {
 
 // Everything that depends on the variance.
 void Investigation::set_statistics() {
-    if (!noise_is_stated_) { // the noise is what the best model leaves over
+    if (!noise_is_stated_) { // the noise is that of the best model's residuals
         d_.variance = d_.baseline.model.sum / std::max(1, d_.baseline.dof);
         for (const EffectResult& effect : d_.effects) {
             if (effect.fit) {

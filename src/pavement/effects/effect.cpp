@@ -69,7 +69,7 @@ Case with_effects(const Case& c, int load) {
     out.ties.clear();
     out.effects.clear();
     out.corrections.clear();
-    // What is applied need not be the same under every load.
+    // Effects need not be the same under every load.
     out.settings.shares_paths = c.settings.shares_paths && c.effects.empty() && c.corrections.empty();
     // Gains know instruments by their places, so they act before others move them; the order of gains is none.
     for (const bool of_gains : {true, false}) {

@@ -1,4 +1,4 @@
-// What a missing physical effect is: a size with a null value, and how it changes a case.
+// A missing physical effect: a size with a null value, and how it changes a case.
 //
 // An effect is one file with one object, named in one line of catalog.cpp. It turns a case into another one: the model
 // knows fields, interfaces, springs and the like (section.h, fe/materials.h), not effects.
@@ -41,7 +41,7 @@ struct Effect {
     void (*apply)(Case& c, const AppliedEffect& applied, int load) = nullptr;
     // Why the case cannot have the effect, or "".
     std::string (*refuses)(const Case& c, const AppliedEffect& applied) = nullptr;
-    // What its size says of the road or the instrument: which way, and how much. "the wheel runs 30 mm beside the
+    // The size in words of the road or the instrument: which way, and how much. "the wheel runs 30 mm beside the
     // gauges"
     std::string (*in_words)(const AppliedEffect& applied) = nullptr;
 };
@@ -77,7 +77,7 @@ std::optional<std::size_t> layer_of_role(const Case& c, LayerRole role);
 void scale_modulus(Layer& layer, double factor);
 // Shear compliance of an interface that slips by a share [m/Pa]: (1 mm/MPa) size/(1 - size); bonded is 1e-5 mm/MPa.
 double slip_compliance(double size);
-// What the interfaces of the base have in common: an effect without name, place and functions.
+// Shared by the interfaces of the base: an effect without name, place and functions.
 Effect interface_slip();
 // Whether a load, or with none given any of them, is a plate.
 bool is_plate(const Case& c, std::optional<int> load);
@@ -85,7 +85,7 @@ bool is_plate(const Case& c, std::optional<int> load);
 std::string why_not_in_time(const Case& c);
 // Whether strains or stresses are measured.
 bool has_gauges(const Case& c);
-// What a sensor reads, as shares: those it has, or itself.
+// The reading of a sensor, as shares: those it has, or itself.
 std::vector<Sensor::Share> shares_of(const Sensor& sensor);
 // Makes a linear isotropic layer one of equation 1 with the same stiffness: k2 = k3 = 0, n = 1, the vertical modulus
 // stated, so that the effects on its parameters may act on it. Other layers stay as they are.
