@@ -3,6 +3,7 @@
 #include "analysis/feasible.h"
 
 #include "analysis/build.h"
+#include "analysis/stand_in.h"
 #include "base/text.h"
 #include "external/model.h"
 #include "run/files.h"
@@ -104,6 +105,9 @@ std::optional<ReducedProblem> Session::reduced(const problem::Problem& fitted, c
                                                const pave::reduced::BuildSettings& settings) {
     if (!model.reduced()) {
         return std::nullopt;
+    }
+    if (study.has_own_model) {
+        return stand_in(*this, fitted, study, model);
     }
     if (const std::string why = study::why_no_reduced_model(study); !why.empty()) {
         throw pave::Error({.file = study.file}, "this study has no reduced model", why, "--model full");

@@ -95,6 +95,13 @@ std::string reduced_words(const analysis::ReducedProblem& reduced) {
     std::string text;
     for (const auto& load : reduced.loads) {
         const auto& r = load.report;
+        if (r.modes == 0) {
+            text +=
+                fmt::format("  stand-in for the model: from {} runs of it{}; errors at new points below {:.2g} % of "
+                            "the range of a reading in 95 of 100\n",
+                            r.full_runs, reduced.built ? "" : " before", 100.0 * r.error_95);
+            continue;
+        }
         text +=
             fmt::format("  reduced model of load {}: {} modes, {} points, from {} full runs{}; errors at "
                         "new points below {:.2g} % in 95 of 100\n",

@@ -175,7 +175,7 @@ std::shared_ptr<const external::Simulator> read_program(TableReader& reader, con
                                                         const TextReader& read_text) {
     const std::string own_folder = reader.text(keys::model_folder, "");
     const fs::path study_folder = fs::path(study.file).parent_path();
-    const fs::path folder = fs::absolute(study_folder / own_folder);
+    const fs::path folder = fs::current_path() / study_folder / own_folder; // both may be empty
     const auto check_in_folder = [&](const std::string& name, const Key& key) {
         if (leaves_folder(study_folder / own_folder, name)) {
             throw pave::Error(reader.place(key), "this file lies outside the model's folder", "\"" + name + "\"",

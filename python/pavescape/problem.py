@@ -18,9 +18,12 @@ import numpy as np
 
 from . import _pavescape
 from .study import Analyses
+from .workers import Workers
 
 # Of the readings, besides value and sigma.
 _places = ("name", "load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm", "time_ms", "unit")
+
+_most_processes = 1024
 
 
 @dataclasses.dataclass(frozen=True)
@@ -204,31 +207,41 @@ class Problem(Analyses):
         Effect. x then holds the parameters and after them the value of each effect, null where the model is without it.
     outputs: names, or (name, unit), of numbers that are predicted. constraints: texts as "slow >= fast". misfit: weighted, relative or log.
 
-    The function is called with the interpreter's lock, one call at a time unless it gives the lock away, as NumPy's and SciPy's long work does.
+    processes: 0: the function is called here, with the interpreter's lock, one call at a time unless it gives the lock away, as NumPy's and SciPy's
+        long work does. Else by so many processes of their own, started when they are needed, with the same answers; the function is pickled, and
+        a script calls analyses from under `if __name__ == "__main__":`. As many work at once as the analysis has threads.
+
     Only analyses with out=FOLDER keep evaluations; a change of the function's own code, defaults or closure begins a new run there, a change of
     what it calls or reads does not. A problem can be pickled where its function can.
     """
 
     def __init__(self, parameters: Sequence[Any], readings: Any, function: Callable[..., Any], jacobian: Callable[..., Any] | None = None, *,
                  outputs: Sequence[Any] = (), constraints: Sequence[str] = (), misfit: str = "weighted", title: str = "problem",
-                 effects: Sequence[Any] = ()) -> None:
+                 effects: Sequence[Any] = (), processes: int = 0) -> None:
         own = [_parameter(p) for p in parameters]
         columns = _readings(readings)
         predicted = [(output, "-") if isinstance(output, str) else (output[0], output[1]) for output in outputs]
         names = [str(name) for name in columns["name"]] + [name for name, _ in predicted]
         switches = [_effect(e) for e in effects]
-        self._state = (own, columns, function, jacobian, predicted, list(constraints), misfit, title, switches)
+        if isinstance(processes, bool) or not isinstance(processes, int) or not 0 <= processes <= _most_processes:
+            raise ValueError(f"processes = {processes!r}; allowed: whole numbers from 0 to {_most_processes}")
+        self._state = (own, columns, function, jacobian, predicted, list(constraints), misfit, title, switches, processes)
+        calls: list[Callable[[Any], Any]] = [_Checked(function, (len(names),), names)]
+        if jacobian is not None:
+            calls.append(_Checked(jacobian, (len(names), len(own) + len(switches)), names))
+        if processes > 0:
+            workers = Workers(calls, processes)
+            calls = [workers.function(which) for which in range(len(calls))]
         identity = hashlib.sha256(_stable(function) + b"|" + _stable(jacobian)).hexdigest()
         self._core = _pavescape.Study.of_function(
             text=_study_text(title, misfit, own, predicted, constraints, switches), files={"readings.csv": _csv(columns)}, name="problem",
-            function=_Checked(function, (len(names),), names),
-            jacobian=_Checked(jacobian, (len(names), len(own) + len(switches)), names) if jacobian is not None else None,
-            identity=identity, parameters=len(own) + len(switches), responses=len(names))
+            function=calls[0], jacobian=calls[1] if jacobian is not None else None, identity=identity, parameters=len(own) + len(switches), responses=len(names))
 
     def __reduce__(self) -> Any:
         return _again, self._state
 
 
 def _again(parameters: Any, readings: Any, function: Any, jacobian: Any, outputs: Any, constraints: Any, misfit: str, title: str,
-           effects: Any) -> Problem:
-    return Problem(parameters, readings, function, jacobian, outputs=outputs, constraints=constraints, misfit=misfit, title=title, effects=effects)
+           effects: Any, processes: int) -> Problem:
+    return Problem(parameters, readings, function, jacobian, outputs=outputs, constraints=constraints, misfit=misfit, title=title, effects=effects,
+                   processes=processes)

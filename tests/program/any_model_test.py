@@ -72,6 +72,14 @@ def test_forward_of_a_program_and_its_derivatives():
     assert [r["value"] for r in set_to["responses"]] == [0, 0, 2]
 
 
+def test_a_study_in_the_folder_where_one_stands():
+    folder = workspace()
+    rosenbrock(folder)
+    done = run("forward", "study.toml", "--json", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert [round(r["value"], 12) for r in json.loads(done.stdout)["responses"]] == [-4.4, 2.2]
+
+
 def test_kill_and_continue():
     folder = workspace()
     study = rosenbrock(folder)
@@ -184,7 +192,7 @@ class Model:
         return [-t * math.exp(-k[0] * t) * vec[0] - t * math.exp(-k[1] * t) * vec[1] for t in self.times]
 
 
-def serve(model, offers=("Evaluate",)):
+def serve(model, offers=("Evaluate",), port=0):
     """(address, list of paths asked for, server)"""
     asked = []
 
@@ -229,7 +237,7 @@ def serve(model, offers=("Evaluate",)):
                 vec[request["inWrt"]] = request["vec"][0]
                 self.answer({"output": model.column(k, vec)})
 
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", port), Handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     return f"http://127.0.0.1:{server.server_port}", asked, server
 

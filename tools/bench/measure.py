@@ -164,6 +164,52 @@ def survey_table(build, rounds, folder):
     return table(["survey of a road", "1 thread", "2 threads"], rows) + end
 
 
+def own_model_table(build, rounds, folder):
+    """What a server or a program costs beside the work it does: maps of one thread, wall milliseconds a run."""
+    program, points = f"{build}/explore/pavescape", 2000
+    own = f"{folder}/own"
+    os.makedirs(own)
+
+    def write(name, text):
+        with open(f"{own}/{name}", "w", encoding="utf-8") as f:
+            f.write(text)
+
+    with open("grids/layered-bowl.toml", encoding="utf-8") as f:
+        section = f.read().split("[[outputs]]")[0]
+    search = '[data]\nfiles = ["{}.csv"]\nmisfit = "relative"\n[[parameters]]\nname = "base.modulus_MPa"\nmin = 100\nmax = 1500\n'
+    write("bowl.csv", "load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n"
+          + "".join(f"fwd,deflection,{x},0,0,0,0.3,mm,\n" for x in (0, 300, 600, 900, 1800)))
+    write("one.csv", "name,value\none,1\n")
+    write("direct.toml", section + search.format("bowl"))
+    write("one.in", "name,value\none,{{base.modulus_MPa}}\n")
+    write("program.toml", 'schema = 1\n[model]\ntype = "program"\ncommand = ["cp", "one.txt", "one.csv"]\n'
+          'inputs = [{ template = "one.in", file = "one.txt" }]\noutputs = [{ file = "one.csv", by = ["name"] }]\n' + search.format("one"))
+    server = subprocess.Popen([program, "serve", f"{own}/direct.toml", "--port", "0", "--threads", "1"], stdout=subprocess.PIPE,
+                              stderr=subprocess.DEVNULL, text=True)
+    try:
+        url = server.stdout.readline().split(" at ")[1].strip()
+        write("server.toml", f'schema = 1\n[model]\ntype = "um-bridge"\nurl = "{url}"\n' + search.format("bowl"))
+        ms = {name: [] for name in ("direct", "server", "program", "cp")}
+        for number in range(rounds):
+            for name in ("direct", "server", "program"):
+                out = Process(program, "map", f"{own}/{name}.toml", "--design", "sobol", "--points", str(points), "--threads", "1", "--out",
+                              f"{own}/{name}{number}", "--json").out
+                ms[name].append(1e3 / json.loads(out)["runs_per_second"])
+            begin = time.monotonic()
+            for _ in range(points):
+                os.waitpid(os.posix_spawnp("cp", ["cp", f"{own}/one.in", f"{own}/one.out"], os.environ), 0)
+            ms["cp"].append(1e3 * (time.monotonic() - begin) / points)
+    finally:
+        server.terminate()
+        server.wait()
+    rows = []
+    for name, alone, words in (("server", "direct", "a bowl of four linear layers through `serve` and the UM-Bridge client"),
+                               ("program", "cp", "a program that does nothing (`cp`): folder, template, start, reading")):
+        extra = median([a - b for a, b in zip(ms[name], ms[alone])])
+        rows.append([words, f"{median(ms[name]):.2f}", f"{median(ms[alone]):.2f}", f"{extra:.2f}"])
+    return table(["a model of one's own, one thread", "wall ms a run", "its own work", "beyond it"], rows)
+
+
 def report_table(build, rounds, folder):
     """Reports in a browser: from its start to a picture of the page, against an empty page."""
     program = f"{build}/explore/pavescape"
@@ -300,6 +346,7 @@ def main():
             "process": lambda: process_table(build, rounds),
             "throughput": lambda: throughput_table(build, few, folder),
             "survey": lambda: survey_table(build, few, folder),
+            "own-model": lambda: own_model_table(build, few, folder),
             "landscape": lambda: landscape_table(build, few, folder),
             "posterior": lambda: posterior_table(build, 100 if quick else 1000, folder),
             "reports": lambda: report_table(build, rounds, folder),
