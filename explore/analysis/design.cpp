@@ -77,7 +77,7 @@ public:
         std::vector<landscape::Branch> branches(2 * count * lives_.size());
         std::vector<std::size_t> critical;
         for (const Life& life : lives_) {
-            critical.push_back(life.critical(best.responses));
+            critical.push_back(life.critical(life.at(best.parameters), best.responses));
         }
         if (!engine_.chains("lives", 0, branches.size(), [&](std::size_t i, run::Chain& chain) {
                 const std::size_t l = i / (2 * count);
@@ -135,8 +135,9 @@ private:
                     ? *last
                     : engine_.evaluate_one(branch.limit_unit);
             if (there.converged()) {
-                end.strain = life.strain(life.critical(there.responses), there.responses);
-                end.log_life = life.log_repetitions(life.at(there.parameters), there.responses);
+                const auto at = life.at(there.parameters);
+                end.strain = life.strain(life.critical(at, there.responses), there.responses);
+                end.log_life = life.log_repetitions(at, there.responses);
             }
         }
         return end;
@@ -148,6 +149,11 @@ private:
     run::Engine& engine_;
 };
 
+// Of ln(life) by the unit coordinates.
+VectorXd gradient_of(const Life& life, const std::vector<double>& unit, const problem::Evaluation& e) {
+    return life.gradient(life.critical(life.at(e.parameters), e.responses), unit, e);
+}
+
 // Correlation of the logarithms of the lives over what the readings say at a point, to first order.
 MatrixXd correlation(const problem::Problem& everything, const std::vector<Life>& lives,
                      const landscape::Acceptance& acceptance, const std::vector<double>& unit,
@@ -158,7 +164,7 @@ MatrixXd correlation(const problem::Problem& everything, const std::vector<Life>
         rows.transpose() * rows + MatrixXd::Identity(n, n) / inference::box_variance; // uniform in the box
     MatrixXd gradients(n, static_cast<Index>(lives.size()));
     for (std::size_t l = 0; l < lives.size(); ++l) {
-        gradients.col(static_cast<Index>(l)) = lives[l].gradient(lives[l].critical(e.responses), unit, e);
+        gradients.col(static_cast<Index>(l)) = gradient_of(lives[l], unit, e);
     }
     MatrixXd covariance = gradients.transpose() * information.llt().solve(gradients);
     const VectorXd deviation = covariance.diagonal().cwiseSqrt().cwiseMax(1e-12);
@@ -214,13 +220,15 @@ void set_remaining(CriterionLife& c) {
     c.years = mapped(c.remaining, [&](double n) { return c.criterion.years_of(n); });
 }
 
-// What the strains may be if the model lacks something, at the modulus of the best set.
+// What the strains may be if the model lacks something, at the modulus of the best set; in all seasons alike.
 void widen(DesignResult& result, const CriticalPlaces& places, const std::vector<Life>& lives,
            const landscape::Minimum& best, int threads) {
+    const problem::Evaluation& here = best.evaluation;
+    const auto at_best = lives[0].at(here.parameters);
     study::Study study = places.study; // with the critical places alone
     std::vector<std::size_t> kept;
     for (const Life& life : lives) {
-        const std::size_t at = life.critical(best.evaluation.responses);
+        const std::size_t at = life.critical(at_best, here.responses);
         if (life.criterion().place != CriticalPlace::plate && std::find(kept.begin(), kept.end(), at) == kept.end()) {
             kept.push_back(at);
         }
@@ -234,22 +242,30 @@ void widen(DesignResult& result, const CriticalPlaces& places, const std::vector
     const auto& acceptance = *result.answer.acceptance;
     const auto ranges = output_ranges(study, best.unit, acceptance.noise_is_stated ? 1.0 : acceptance.noise(), threads);
     for (std::size_t l = 0; l < lives.size(); ++l) {
-        const std::size_t at = lives[l].critical(best.evaluation.responses);
+        const std::size_t at = lives[l].critical(at_best, here.responses);
         for (const OutputUncertainty& range : ranges) {
             if (range.reading < places.first || kept[range.reading - places.first] != at ||
                 lives[l].criterion().place == CriticalPlace::plate) {
                 continue;
             }
             CriterionLife& c = result.criteria[l];
-            const double sign = c.criterion.place == CriticalPlace::asphalt_bottom ? -1e6 : 1e6;
-            const auto [least, most] = std::minmax(sign * range.wide_low, sign * range.wide_high);
-            c.strain.wide_low = std::min(least, c.strain.low); // no narrower than if it is right
-            c.strain.wide_high = std::max(most, c.strain.high);
-            const auto at_best = lives[l].at(best.evaluation.parameters);
-            c.allowable.wide_low =
-                std::min(c.allowable.low, std::exp(lives[l].log_repetitions(c.strain.wide_high, at_best)));
-            c.allowable.wide_high =
-                std::max(c.allowable.high, std::exp(lives[l].log_repetitions(c.strain.wide_low, at_best)));
+            c.short_is_held = range.most_is_held;
+            c.long_is_held = range.least_is_held;
+            if (!(c.strain.best > 0.0)) {
+                continue;
+            }
+            const auto [least, most] = std::minmax({1e6 * std::abs(range.wide_low), 1e6 * std::abs(range.wide_high)});
+            const auto life_at = [&](double strain) {
+                return std::exp(lives[l].log_repetitions(at, at_best, here.responses, strain / c.strain.best));
+            };
+            if (c.long_is_held) { // no narrower than if it is right
+                c.strain.wide_low = std::min(least, c.strain.low);
+                c.allowable.wide_high = std::max(c.allowable.high, life_at(least));
+            }
+            if (c.short_is_held) {
+                c.strain.wide_high = std::max(most, c.strain.high);
+                c.allowable.wide_low = std::min(c.allowable.low, life_at(most));
+            }
         }
     }
 }
@@ -258,7 +274,7 @@ void widen(DesignResult& result, const CriticalPlaces& places, const std::vector
 std::optional<Overlay> overlay_of(const DesignResult& result, const CriticalPlaces& places,
                                   const std::vector<Life>& lives, const Walks& walks, const landscape::Minimum& best,
                                   int threads) {
-    OverlayDemand demand{.study = places.study, .lives = lives, .required = {}};
+    OverlayDemand demand{.places = places, .lives = lives, .required = {}};
     for (const CriterionLife& c : result.criteria) {
         demand.required.push_back(c.required);
     }
@@ -306,6 +322,13 @@ std::optional<Overlay> overlay_of(const DesignResult& result, const CriticalPlac
 
 } // namespace
 
+std::optional<double> Overlay::cost() const {
+    if (!best || !reliable) {
+        return std::nullopt;
+    }
+    return std::max(0.0, *reliable) - std::max(0.0, *best);
+}
+
 const CriterionLife& DesignResult::governing() const {
     return *std::min_element(criteria.begin(), criteria.end(), [](const auto& a, const auto& b) {
         return a.criterion.years_of(a.allowable.best - a.criterion.passed) <
@@ -315,20 +338,22 @@ const CriterionLife& DesignResult::governing() const {
 
 std::optional<DesignResult> design(Session& session, const study::Study& given, const DesignOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
+    study::refuse_own_model(given, "design");
     const std::vector<study::Criterion> criteria = study::criteria_of(given);
     if (criteria.empty()) {
         throw pave::Error({.file = given.file, .key = "criteria"},
                           "the study says nothing of what its pavement fails by", {},
                           "at least one [[criteria]] (docs/guide/design.md)");
     }
-    CriticalPlaces places = critical_places(with_enough_load_steps(given, session), criteria);
+    const study::Study as_read = with_enough_load_steps(given, session);
+    const CriticalPlaces places = critical_places(as_read, criteria);
     const study::Study& study = places.study;
     std::vector<Life> lives;
     for (std::size_t l = 0; l < criteria.size(); ++l) {
-        lives.emplace_back(study, criteria[l], places.candidates[l]);
+        lives.emplace_back(places, criteria[l], places.candidates[l]);
     }
     const problem::Problem fitted = study::make_noise_problem(study, study::Scope::fitted);
-    const problem::Problem everything = study::make_noise_problem(study, study::Scope::everything);
+    const problem::Problem everything = seasonal(study::make_noise_problem(study, study::Scope::everything), places);
     DesignResult result{.study = study, .options = options, .answer = {}, .criteria = {}};
     const std::string settings =
         fmt::format("searches of {} evaluations, seed {}", options.settings.max_evaluations, session.options().seed);
@@ -352,16 +377,14 @@ std::optional<DesignResult> design(Session& session, const study::Study& given, 
         result.failure = "the best set has no answer under the axle: " + best.evaluation.reason;
         return result;
     }
+    const auto at_best = lives[0].at(best.evaluation.parameters);
     for (std::size_t l = 0; l < lives.size(); ++l) {
-        const std::size_t at = lives[l].critical(best.evaluation.responses);
+        const std::size_t at = lives[l].critical(at_best, best.evaluation.responses);
         CriterionLife c{.criterion = criteria[l], .place = study.readings[at]};
         c.strain = {lives[l].strain(at, best.evaluation.responses), unknown, unknown, unknown, unknown};
-        const double log_life =
-            lives[l].log_repetitions(lives[l].at(best.evaluation.parameters), best.evaluation.responses);
+        const double log_life = lives[l].log_repetitions(at, at_best, best.evaluation.responses);
         c.allowable = {std::exp(log_life), unknown, unknown, unknown, unknown};
         c.required = criteria[l].passed + criteria[l].design_traffic.value_or(criteria[l].traffic_of(options.years));
-        c.extrapolated = criteria[l].guide != nullptr &&
-                         !(c.allowable.best >= criteria[l].guide->least && c.allowable.best <= criteria[l].guide->most);
         result.criteria.push_back(std::move(c));
     }
     Walks walks(result.answer, lives, everything, everything_engine);
@@ -388,6 +411,11 @@ std::optional<DesignResult> design(Session& session, const study::Study& given, 
     result.overlay = overlay_of(result, places, lives, walks, best, session.options().threads);
     if (!result.overlay) {
         return std::nullopt;
+    }
+    if (result.answer.acceptance) {
+        const auto ends_first = static_cast<std::size_t>(&result.governing() - result.criteria.data());
+        result.next = narrowing_steps(as_read, fitted, *result.answer.acceptance, result.answer.minima[0],
+                                      gradient_of(lives[ends_first], best.unit, best.evaluation));
     }
     result.computed = engine.tally().computed + everything_engine.tally().computed;
     result.kept = engine.tally().kept + everything_engine.tally().kept;

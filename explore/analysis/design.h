@@ -2,10 +2,13 @@
 // parameter set that the data accept.
 #pragma once
 
+#include "analysis/design_next.h"
 #include "analysis/output_ranges.h"
 #include "analysis/session.h"
 #include "landscape/uniqueness.h"
 #include "study/criteria.h"
+
+#include <cmath>
 
 namespace explore::analysis {
 
@@ -24,14 +27,23 @@ struct LifeRange {
 
 struct CriterionLife {
     study::Criterion criterion;
-    data::Reading place{};     // where its strain is largest at the best set
-    LifeRange strain{};        // microstrain; of a plate not a number
-    LifeRange allowable{};     // repetitions; infinite: no strain of its sign
-    LifeRange remaining{};     // the same less those that passed, not below 0
-    LifeRange years{};         // of the remaining ones
-    double required = 0.0;     // repetitions, with those that passed, that an overlay must last
-    double governs = 0.0;      // probability that its life ends first
-    bool extrapolated = false; // beyond the repetitions that the guide uses its law for
+    data::Reading place{}; // where its strain is largest at the best set
+    LifeRange strain{};    // microstrain; of a plate not a number
+    LifeRange allowable{}; // repetitions; infinite: no strain of its sign
+    LifeRange remaining{}; // the same less those that passed, not below 0
+    LifeRange years{};     // of the remaining ones
+    double required = 0.0; // repetitions, with those that passed, that an overlay must last
+    double governs = 0.0;  // probability that its life ends first
+    // Whether the data hold the short and the long end of its life if the model may lack something; else those are not
+    // numbers.
+    bool short_is_held = true, long_is_held = true;
+
+    // Repetitions between which the guide uses the law: a life beyond is only known to be beyond.
+    double least() const { return criterion.guide != nullptr ? criterion.guide->least : 0.0; }
+    double most() const { return criterion.guide != nullptr ? criterion.guide->most : INFINITY; }
+    // Of allowable repetitions: below the law -1, beyond it 1, where it is used 0.
+    int beyond(double repetitions) const { return repetitions < least() ? -1 : repetitions > most() ? 1 : 0; }
+    bool extrapolated() const { return beyond(allowable.best) != 0; }
 };
 
 struct Overlay {
@@ -40,6 +52,9 @@ struct Overlay {
     std::optional<double> best, low, high; // of the best set, and over the sets at the ends of the ranges
     std::optional<double> reliable;        // at the stated reliability: to be built
     double most = 0.0;                     // thickest that was tried, mm
+
+    // What is built for what the data leave open [mm]; nothing: not known.
+    std::optional<double> cost() const;
 };
 
 struct DesignResult {
@@ -48,8 +63,9 @@ struct DesignResult {
     landscape::Uniqueness answer;
     std::vector<CriterionLife> criteria;
     std::optional<Overlay> overlay{};
-    std::string no_range{}; // why no range is said; "": it is
-    std::string failure{};  // why nothing is said
+    std::vector<NarrowingStep> next{}; // what narrows the life that ends first most, best first
+    std::string no_range{};            // why no range is said; "": it is
+    std::string failure{};             // why nothing is said
     std::int64_t computed = 0, kept = 0;
     double seconds = 0.0;
 
@@ -62,5 +78,10 @@ std::optional<DesignResult> design(Session& session, const study::Study& study, 
 
 // The answer and what to do next, in sentences.
 std::vector<std::string> findings(const DesignResult& result);
+
+// An end of a range, or the best value, in words: "2.6e7"; "> 1e9" beyond the law of the criterion; "-": not known.
+std::string repetitions_words(const CriterionLife& c, double allowable);
+// The years that are left after so many repetitions in all: "12"; "> 200"; "-".
+std::string years_words(const CriterionLife& c, double allowable);
 
 } // namespace explore::analysis

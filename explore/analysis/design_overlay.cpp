@@ -16,9 +16,10 @@ constexpr double close_enough = 0.5; // mm
 
 std::vector<double> lives_with_overlay(const OverlayDemand& demand, const std::vector<double>& parameters,
                                        double added_mm) {
-    const std::size_t measured = demand.study.measured().size();
+    const CriticalPlaces& places = demand.places;
     Case c = demand.lives[0].at(parameters);
-    c.sensors.erase(c.sensors.begin(), c.sensors.begin() + static_cast<std::ptrdiff_t>(measured));
+    c.sensors.resize(places.first + places.count);
+    c.sensors.erase(c.sensors.begin(), c.sensors.begin() + static_cast<std::ptrdiff_t>(places.first));
     const double added = 1e-3 * added_mm;
     c.layers[0].thickness += added;
     std::vector<bool> loads(c.loads.size(), false);
@@ -29,13 +30,19 @@ std::vector<double> lives_with_overlay(const OverlayDemand& demand, const std::v
     if (c.settings.wall_follows) {
         c.settings.extent = c.default_extent();
     }
-    const ForwardModel model(c, loads);
-    const auto response = model.run(c, {}, *model.make_workspace());
-    if (!response) {
-        return {};
+    std::vector<double> responses(places.first, 0.0); // that nobody reads
+    for (std::size_t s = 0; s <= places.seasons.size(); ++s) {
+        Case then = c;
+        if (s > 0) {
+            study::soften(then, places.seasons[s - 1]);
+        }
+        const ForwardModel model(then, loads);
+        const auto response = model.run(then, {}, *model.make_workspace());
+        if (!response) {
+            return {};
+        }
+        responses.insert(responses.end(), response->values.begin(), response->values.end());
     }
-    std::vector<double> responses(measured, 0.0); // that nobody reads
-    responses.insert(responses.end(), response->values.begin(), response->values.end());
     std::vector<double> lives;
     for (const Life& life : demand.lives) {
         lives.push_back(life.log_repetitions(c, responses));

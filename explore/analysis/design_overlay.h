@@ -10,7 +10,7 @@ inline constexpr double thickest_overlay = 400.0;
 inline constexpr double thinnest_top = 20.0; // that milling leaves
 
 struct OverlayDemand {
-    const study::Study& study; // of critical_places
+    const CriticalPlaces& places;
     const std::vector<Life>& lives;
     std::vector<double> required; // of each: repetitions
 };

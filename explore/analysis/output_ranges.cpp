@@ -363,9 +363,9 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
         const auto at = static_cast<Index>(o);
         std::vector<double> means;
         std::vector<double> deviations;
+        // Linear theory reaches no farther: no more than a factor of e as one standard deviation.
+        constexpr double farthest = 1.0;
         for (const Said& said : all) {
-            // Linear theory reaches no farther: no more than a factor of e as one standard deviation.
-            constexpr double farthest = 1.0;
             means.push_back(std::clamp(said.mean[at] - right_slopes->outputs[at], -farthest, farthest));
             deviations.push_back(std::hypot(std::min(farthest, larger * said.deviation[at]), of_mesh[at]));
         }
@@ -382,7 +382,9 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
                                 .of_mesh = of_mesh[at],
                                 .deviation = right.deviation[at],
                                 .channel = hypotheses[leads].name,
-                                .share = shares[leads]};
+                                .share = shares[leads],
+                                .least_is_held = below > -farthest,
+                                .most_is_held = above < farthest};
         if (value < 0.0) {
             std::swap(range.wide_low, range.wide_high);
         }

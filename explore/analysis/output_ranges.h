@@ -23,6 +23,9 @@ struct OutputUncertainty {
     std::string channel;                    // or effect, that the data and the strengths allow most: "base-depth"
     double share = 0.0;                     // its probability among them
     bool may_be_right = true;               // the model; else low and high are the wide range
+    // Whether the data hold the ends of |output| in the wide range. One that is a factor of e away is not: nothing is
+    // linear there any more, and its value means nothing.
+    bool least_is_held = true, most_is_held = true;
 
     // Where the model is not right: nothing is said of what it would be if it were. shown: a value that stands beside
     // the range, which it holds.

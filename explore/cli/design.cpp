@@ -41,6 +41,14 @@ void add_design(CLI::App& app, Action& action) {
                      "of traffic that an overlay must last, where a criterion states no design_traffic")
         ->check(within(analysis::allowed::design_years))
         ->capture_default_str();
+    command->add_option("--explore", options->design.settings.explore, "points of the Sobol sample, with derivatives")
+        ->check(within(analysis::allowed::unique_explore))
+        ->capture_default_str();
+    command
+        ->add_option("--verify", options->design.settings.verify,
+                     "independent random starts in a row that must find no new minimum")
+        ->check(within(analysis::allowed::unique_verify))
+        ->capture_default_str();
     command->footer("Example: pavescape design grids/captif-p1-design.toml");
     command->callback([=, &action] { action = [=] { return design(*options); }; });
 }

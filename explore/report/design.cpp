@@ -2,7 +2,9 @@
 
 #include "base/text.h"
 #include "report/text.h"
+#include "study/seasons.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -18,10 +20,32 @@ Json number(double value) {
     return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-void add_range(Json& json, const std::string& name, const LifeRange& range) {
+// If the model may lack something, no number stands for what the law or the data
+// do not bound.
+Json wide_json(const CriterionLife& c, const LifeRange& range) {
+    const auto end = [&](double value, double allowable) {
+        return c.beyond(allowable) == 0 ? number(value) : Json(nullptr);
+    };
+    return {{"low", end(range.wide_low, c.allowable.wide_low)}, {"high", end(range.wide_high, c.allowable.wide_high)}};
+}
+
+void add_range(Json& json, const std::string& name, const CriterionLife& c, const LifeRange& range) {
     json[name + "_low"] = number(range.low);
     json[name + "_high"] = number(range.high);
-    json[name + "_if_wrong"] = {{"low", number(range.wide_low)}, {"high", number(range.wide_high)}};
+    json[name + "_if_wrong"] = wide_json(c, range);
+}
+
+// Which numbers are beyond what the guide uses the law for.
+Json beyond_json(const CriterionLife& c) {
+    Json list = Json::array();
+    for (const auto& [name, value] : {std::pair{"allowable", c.allowable.best},
+                                      {"allowable_low", c.allowable.low},
+                                      {"allowable_high", c.allowable.high}}) {
+        if (c.beyond(value) != 0) {
+            list.push_back(name);
+        }
+    }
+    return list;
 }
 
 Json criterion_json(const CriterionLife& c) {
@@ -33,15 +57,20 @@ Json criterion_json(const CriterionLife& c) {
                  {"remaining_years", number(c.years.best)},
                  {"low", number(c.years.low)},
                  {"high", number(c.years.high)}};
-    add_range(json, "strain", c.strain);
-    add_range(json, "allowable", c.allowable);
-    add_range(json, "remaining", c.remaining);
-    json["if_wrong"] = {{"low", number(c.years.wide_low)}, {"high", number(c.years.wide_high)}};
+    json["strain_low"] = number(c.strain.low);
+    json["strain_high"] = number(c.strain.high);
+    json["strain_if_wrong"] = {{"low", number(c.strain.wide_low)}, {"high", number(c.strain.wide_high)}};
+    add_range(json, "allowable", c, c.allowable);
+    add_range(json, "remaining", c, c.remaining);
+    json["if_wrong"] = wide_json(c, c.years);
+    json["if_wrong"]["held_by_data"] = c.short_is_held && c.long_is_held;
     json["passed"] = c.criterion.passed;
     json["required"] = c.required;
     json["place"] = place_json(c.place);
-    json["extrapolated"] = c.extrapolated;
+    json["extrapolated"] = c.extrapolated();
+    json["beyond_law"] = beyond_json(c);
     if (c.criterion.guide != nullptr) {
+        json["used_for"] = {{"least", c.least()}, {"most", c.most()}};
         json["formula"] = std::string(c.criterion.guide->formula);
         json["source"] = std::string(c.criterion.guide->source);
     } else {
@@ -50,28 +79,29 @@ Json criterion_json(const CriterionLife& c) {
     return json;
 }
 
-std::string repetitions_words(double value) {
-    if (std::isnan(value) || value > 1e12) {
-        return std::isnan(value) ? "-" : "> 1e12";
+// What narrows the life most.
+Json next_json(const DesignResult& result) {
+    constexpr std::size_t shown = 10;
+    Json list = Json::array();
+    for (std::size_t i = 0; i < std::min(shown, result.next.size()); ++i) {
+        const analysis::NarrowingStep& step = result.next[i];
+        Json json = {{"what", step.words()}, {"at_hand", step.is_at_hand}, {"left", step.left}};
+        if (step.reading) {
+            json["place"] = place_json(*step.reading);
+        }
+        const auto cost = result.overlay->cost();
+        json["overlay_saved_mm"] = cost ? Json(*cost * (1.0 - step.left)) : Json(nullptr);
+        list.push_back(std::move(json));
     }
-    std::string text = fmt::format("{:.2g}", value);
-    if (const auto at = text.find("e+"); at != std::string::npos) { // 2.6e7, not 2.6e+07
-        text.erase(at + 1, text[at + 2] == '0' ? 2 : 1);
-    }
-    return text;
+    return list;
 }
 
-std::string years_words(double value) {
-    constexpr double long_time = 200.0;
-    return std::isnan(value) ? "-" : value > long_time ? "> 200" : figure(value, 2);
-}
-
-std::string range_words(const LifeRange& range, const auto& words) {
-    if (std::isnan(range.low)) {
+std::string range_words(const CriterionLife& c, const auto& words) {
+    if (std::isnan(c.allowable.low)) {
         return "-";
     }
-    const std::string low = words(range.low);
-    const std::string high = words(range.high);
+    const std::string low = words(c, c.allowable.low);
+    const std::string high = words(c, c.allowable.high);
     return low == high ? low : fmt::format("{} to {}", low, high);
 }
 
@@ -106,7 +136,17 @@ Json design_json(const DesignResult& result, const analysis::RunOptions& run) {
                           {"at_reliability", optional_json(overlay.reliable)},
                           {"reliability_percent", result.options.reliability_percent},
                           {"layer", result.study.model.layers[0].name},
-                          {"tried_up_to", overlay.most}};
+                          {"tried_up_to", overlay.most},
+                          {"cost_of_what_is_open", optional_json(overlay.cost())}};
+    json["next"] = next_json(result);
+    json["seasons"] = Json::array();
+    for (const auto& season : study::seasons_of(result.study)) {
+        Json factors = Json::object();
+        for (std::size_t i = 0; i < season.factors.size(); ++i) {
+            factors[result.study.model.layers[i].name] = season.factors[i];
+        }
+        json["seasons"].push_back({{"name", season.name}, {"share", season.share}, {"factors", factors}});
+    }
     json["computed"] = result.computed;
     json["kept"] = result.kept;
     json["seconds"] = result.seconds;
@@ -117,8 +157,8 @@ std::string design_text(const DesignResult& result, const analysis::RunOptions& 
     Table table({"criterion", "strain", "repeats", "95 %", "years", "95 %", "first"});
     for (const CriterionLife& c : result.criteria) {
         table.add({c.criterion.name, std::isnan(c.strain.best) ? "-" : figure(c.strain.best),
-                   repetitions_words(c.allowable.best), range_words(c.allowable, repetitions_words),
-                   years_words(c.years.best), range_words(c.years, years_words),
+                   repetitions_words(c, c.allowable.best), range_words(c, analysis::repetitions_words),
+                   years_words(c, c.allowable.best), range_words(c, analysis::years_words),
                    result.no_range.empty() ? fmt::format("{:.0f} %", 100.0 * c.governs) : "-"});
     }
     const analysis::Overlay& overlay = *result.overlay;

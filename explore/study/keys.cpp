@@ -120,6 +120,11 @@ std::span<const Key> study_keys() {
         criterion_design,
         criterion_life,
         criterion_place,
+        season_name,
+        season_share,
+        season_factors,
+        season_asphalt,
+        season_tested,
     };
     return all;
 }

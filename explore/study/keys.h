@@ -767,6 +767,37 @@ inline constexpr Key criterion_place{.table = "[[criteria]]",
                                      .meaning = "with law `expression`: horizontal tension at the bottom of the "
                                                 "asphalt, or vertical compression at the top of the subgrade"};
 
+inline constexpr Key season_name{
+    .table = "[[seasons]]", .key = "name", .allowed = "a text", .meaning = "what reports call it"};
+inline constexpr Key season_share{.table = "[[seasons]]",
+                                  .key = "share",
+                                  .kind = number,
+                                  .low = 0.0,
+                                  .high = 1.0,
+                                  .low_is_open = true,
+                                  .meaning = "of the year's traffic; all seasons together 1"};
+inline constexpr Key season_factors{.table = "[[seasons]]",
+                                    .key = "factors",
+                                    .kind = table,
+                                    .allowed = "LAYER = above 0, up to 100",
+                                    .without = "1 each",
+                                    .meaning = "stiffness of layers over that at the time of the readings"};
+inline constexpr Key season_asphalt{.table = "[[seasons]]",
+                                    .key = "asphalt_C",
+                                    .kind = number,
+                                    .low = -30.0,
+                                    .high = 80.0,
+                                    .without = "as at the time of the readings",
+                                    .meaning = "temperature of the top layer, in place of a factor: its modulus is "
+                                               "10^(-0.021 (asphalt_C - tested_C)) of that of the readings"};
+inline constexpr Key season_tested{.table = "[[seasons]]",
+                                   .key = "tested_C",
+                                   .kind = number,
+                                   .low = -30.0,
+                                   .high = 80.0,
+                                   .without = "must be given with `asphalt_C`",
+                                   .meaning = "its temperature at the time of the readings"};
+
 } // namespace keys
 
 // In the order of docs/reference/keys.md.

@@ -268,6 +268,7 @@ std::string hash_of(toml::table table, const Study& study, const std::string& ow
     table.erase("title");
     table.erase("measure");
     table.erase("criteria"); // which change no run
+    table.erase("seasons");
     std::ostringstream text;
     text << toml::default_formatter(table);
     for (const Load& load : study.model.loads) {
@@ -405,6 +406,7 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
         r.done();
     }
     reader.tables("criteria");
+    reader.tables("seasons");
     reader.done();
     std::string own_files;
     if (study.has_own_model) {

@@ -42,6 +42,7 @@ double shell_subgrade(const CriterionState& s) {
     return power_law(s.strain, 4.0 * std::log(1e-3 * c_in_1000), 4.0);
 }
 
+// No worked example of the guide is openly printed: tested against Shell's law, which it is, and by hand.
 // AGPT02-17 table of reliability factors for asphalt fatigue, and a shift factor of 6 from laboratory to road.
 double austroads_reliability_factor(double percent) {
     constexpr std::array<std::pair<double, double>, 6> table{
@@ -88,7 +89,7 @@ double irc_fatigue(const CriterionState& s, double factor) {
            0.854 * std::log(s.modulus_MPa);
 }
 
-// e = factor eps6 (N/10^6)^-slope.
+// e = factor eps6 (N/10^6)^-slope. No worked example of the standard is openly printed: tested by hand.
 double french_fatigue(const CriterionState& s) {
     return s.strain > 0.0 ? std::log(1e6) - (std::log(s.strain) - std::log(s.options[0] * s.options[2])) / s.options[1]
                           : never;

@@ -63,6 +63,12 @@ law = "aashto-sn"
 axle = "fwd"
 traffic_per_year = 1.0e6
 """
+SEASON = """
+[[seasons]]
+name = "wet"
+share = 1
+factors = { subgrade = 0.6 }
+"""
 OWN = """
 [[criteria]]
 name = "own"
@@ -160,6 +166,28 @@ def test_options_and_repetition(answer):
     assert surer["computed"] == 0, "the walks are in the store"
 
 
+def test_a_season_is_softer_all_over_the_answer(answer):
+    wet = json.loads(run("design", written("wet", RUTTING + SEASON), "--json", "--out", folder / "wet").stdout)
+    assert wet["seasons"] == [{"name": "wet", "share": 1, "factors": {"asphalt": 1, "base": 1, "subgrade": 0.6}}]
+    c, dry = wet["criteria"][0], answer["criteria"][0]
+    values = dict(wet["best"]["parameters"])
+    values["subgrade.modulus_MPa"] *= 0.6
+    outputs = f'[[outputs]]\nname = "s"\nload = "axle"\nquantity = "strain_zz"\nx_mm = {c["place"]["x_mm"]}\ndepth_mm = 500\n'
+    forward = json.loads(run("forward", written("softer", outputs), "--json", *[part for name, value in values.items() for part in ("--set", f"{name}={value!r}")]).stdout)
+    assert math.isclose(c["allowable"], (9150 / forward["responses"][-1]["value"]) ** 7, rel_tol=1e-4)
+    assert c["allowable"] < 0.5 * dry["allowable"] and math.isclose(c["strain_microstrain"], dry["strain_microstrain"], rel_tol=1e-3)
+    assert c["allowable_low"] < c["allowable"] < c["allowable_high"]
+
+
+def test_what_would_decide_has_a_price(answer):
+    steps = answer["next"]
+    assert [s["left"] for s in steps] == sorted(s["left"] for s in steps) and 0 < steps[0]["left"] < 1
+    mm = answer["overlay_mm"]
+    cost = max(0, mm["at_reliability"]) - max(0, mm["value"])
+    assert math.isclose(mm["cost_of_what_is_open"], cost, abs_tol=1e-9)
+    assert math.isclose(steps[0]["overlay_saved_mm"], cost * (1 - steps[0]["left"]), abs_tol=1e-9)
+
+
 FAULTS = {
     "no criteria": ("", "criteria"),
     "no traffic": (RUTTING.replace("1.0e6", "0"), "traffic_per_year"),
@@ -174,6 +202,11 @@ FAULTS = {
     "a mix without its strength": (CRACKING.replace("asphalt-institute-fatigue", "french-fatigue"), "epsilon_6_microstrain"),
     "twice": (RUTTING + RUTTING, "twice"),
     "a plate's law under an axle": (SN.replace('axle = "fwd"', 'axle = "axle"'), "plate"),
+    "a year of shares": (RUTTING + SEASON.replace("share = 1", "share = 0.7"), "add up"),
+    "a season of no layer": (RUTTING + SEASON.replace("subgrade", "subgrad"), "did you mean"),
+    "a season twice": (RUTTING + (SEASON * 2).replace("share = 1", "share = 0.5"), "twice"),
+    "a temperature and a factor": (RUTTING + SEASON.replace("subgrade", "asphalt") + "asphalt_C = 30\ntested_C = 20\n", "one of the two"),
+    "a temperature from nowhere": (RUTTING + SEASON + "asphalt_C = 30\n", "tested_C"),
     "a thickness that is sought": ('[[parameters]]\nname = "base.thickness_mm"\nmin = 200\nmax = 400\n' + RUTTING, "thickness"),
 }
 
@@ -193,3 +226,6 @@ def test_strains_outside_a_law_are_said():
     (folder / "heavy.toml").write_text(heavy)
     done = run("design", folder / "heavy.toml", "--out", folder / "heavy")
     assert done.returncode == 0 and "extrapolated" in done.stdout, done.stdout + done.stderr
+    assert "< 2e6" in done.stdout, "a life below the law is no number: " + done.stdout
+    said = json.loads((folder / "heavy" / "design.json").read_text())["criteria"][0]
+    assert "allowable" in said["beyond_law"] and said["allowable_if_wrong"]["low"] is None, said
