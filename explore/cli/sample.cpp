@@ -14,10 +14,11 @@ struct SampleArguments {
 
 int sample(const SampleArguments& options) {
     const study::Study study = study::load_study(options.common.study);
+    const run::Budget budget(options.common.time_s);
     analysis::Session session(options.common.run(study));
     const auto result = analysis::sample(session, study, options.sample);
     if (!result) {
-        return report_interrupt(session.folder());
+        return end_early(session, options.common, study, "sample", budget);
     }
     const report::Json json = report::sample_json(*result, session.options());
     if (result->failed()) {
@@ -39,6 +40,7 @@ void add_sample(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("sample", "the posterior: what the data leave of every parameter and output");
     auto options = std::make_shared<SampleArguments>();
     add_common(*command, options->common);
+    add_time(*command, options->common);
     add_depth(*command, options->common);
     add_model(*command, options->sample.model);
     auto* model = command->get_option("--model")->default_str("auto where the study has a reduced model, else full");
