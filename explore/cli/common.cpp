@@ -1,7 +1,6 @@
 #include "cli/common.h"
 
 #include "analysis/run_cost.h"
-#include "report/best_so_far.h"
 #include "run/message.h"
 #include "run/parallel.h"
 #include "run/progress.h"
@@ -75,19 +74,6 @@ void add_common(CLI::App& app, CommonOptions& options) {
     add_run_options(app, options, "output/<study name>");
 }
 
-void add_time(CLI::App& app, CommonOptions& options) {
-    app.add_option_function<std::string>(
-           "--time", [&options](const std::string& text) { options.time_s = *run::budget_of(text); },
-           "30s, 10min or 2h for the whole command: then the best answer so far, and the same command goes on")
-        ->type_name("TIME")
-        ->check(CLI::Validator(
-            [](const std::string& text) {
-                return run::budget_of(text) ? std::string()
-                                            : fmt::format("\"{}\" is no time; allowed: {}", text, run::budget_words);
-            },
-            ""));
-}
-
 void add_columns(CLI::App& app, std::string& columns) {
     app.add_option("--columns", columns,
                    "names of the columns of a table: \"load_kN = Force, D0_um = D1, radius_mm = 150\", or a file of "
@@ -135,17 +121,6 @@ int hand_over_failure(const CommonOptions& options, const report::Json& json, st
 
 int report_interrupt(const std::string& folder) {
     run::message("interrupted: what was computed is kept in {}; the same command continues\n", folder);
-    return was_interrupted;
-}
-
-int end_early(analysis::Session& session, const CommonOptions& options, const study::Study& study,
-              std::string_view name, const run::Budget& budget) {
-    if (!budget.is_spent()) {
-        return report_interrupt(session.folder());
-    }
-    const auto found = analysis::best_so_far(session, study, name);
-    fmt::print("{}", options.json ? report::json_text(report::best_so_far_json(study, found, budget.seconds())) + "\n"
-                                  : report::best_so_far_text(study, found, budget.seconds(), name, session.folder()));
     return was_interrupted;
 }
 
