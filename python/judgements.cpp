@@ -5,6 +5,7 @@
 #include "report/compare.h"
 #include "report/design.h"
 #include "report/diagnose.h"
+#include "report/predictive.h"
 #include "report/sample.h"
 
 #include <pybind11/eigen.h>
@@ -50,6 +51,14 @@ py::tuple sample(const Study& study, const py::object& samples, const py::object
                                 },
                                 report::sample_json, {time_of(time), &study.study()});
     return py::make_tuple(json, parameters, outputs, weights);
+}
+
+std::string prior_check(const Study& study, const py::object& samples, const std::string& out,
+                        const py::object& threads, const py::object& seed, const py::object& time) {
+    const int points = whole(samples, "samples", allowed::sample_draws);
+    return analysed(run_options(out, threads, seed), "sample-prior",
+                    [&](auto& session) { return analysis::prior_check(session, study.study(), points); },
+                    report::prior_check_json, {time_of(time), &study.study()});
 }
 
 std::string diagnose(const Study& study, const py::object& explore, const py::object& starts,
@@ -114,6 +123,8 @@ void add_judgements(py::class_<Study>& study) {
     study
         .def("sample", &sample, py::arg("samples"), py::arg("confirm"), py::arg("model"), py::arg("out"),
              py::arg("threads"), py::arg("seed"), py::arg("model_error"), py::arg("time"))
+        .def("prior_check", &prior_check, py::arg("samples"), py::arg("out"), py::arg("threads"), py::arg("seed"),
+             py::arg("time"))
         .def("diagnose", &diagnose, py::arg("explore"), py::arg("starts"), py::arg("bootstrap"), py::arg("without"),
              py::arg("model"), py::arg("out"), py::arg("threads"), py::arg("seed"), py::arg("model_error"),
              py::arg("time"))

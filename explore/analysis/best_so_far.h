@@ -6,9 +6,9 @@
 namespace explore::analysis {
 
 struct BestSoFar {
-    std::int64_t evaluations = 0; // kept of the study's own model, by this command
-    std::int64_t answered = 0;    // of them
-    bool is_explored = false;     // none yet: by its reduced model, a coarser mesh or with mended data
+    std::int64_t evaluations = 0;            // kept of the study's own model, by this command
+    std::int64_t answered = 0;               // of them
+    bool is_explored = false;                // none yet: by its reduced model, a coarser mesh or with mended data
     std::optional<problem::Evaluation> best; // of the lowest misfit that the command compares; nothing: none
     // Of the best point's readings by their stated noise; nothing: it is not stated, or the point is explored.
     std::optional<double> chi2;

@@ -40,6 +40,13 @@ std::string FitResult::reason() const {
     return run::why_no_minimum(problem, searches.explored);
 }
 
+std::optional<problem::NoiseScale> FitResult::noise_scale() const {
+    if (!problem.noise_scale_is_sought() || failed() || local.degrees_of_freedom < 1) {
+        return std::nullopt;
+    }
+    return problem::noise_scale_of_fit(local.noise * local.noise * local.degrees_of_freedom, local.degrees_of_freedom);
+}
+
 std::optional<FitResult> fit(Session& session, const study::Study& given, const FitOptions& asked) {
     const study::Study study = with_enough_load_steps(given, session);
     const problem::Problem full = study::make_problem(study, study::Scope::fitted);

@@ -2,8 +2,10 @@
 #include "analysis/fit.h"
 #include "analysis/knowledge_words.h"
 #include "analysis/layout.h"
+#include "analysis/limit_words.h"
 #include "analysis/option_ranges.h"
 #include "analysis/repeated_rows.h"
+#include "analysis/sought_noise.h"
 #include "analysis/stress_steps.h"
 
 #include "base/error.h"
@@ -401,6 +403,9 @@ std::vector<std::string> findings(const FitResult& result) {
     if (std::string words = noise_key_words(study); !words.empty()) {
         text.push_back(std::move(words));
     }
+    if (std::string words = limit_words(study); !words.empty()) {
+        text.push_back(std::move(words));
+    }
     if (std::string words = misfit_words(study); !words.empty()) {
         text.push_back(std::move(words));
     }
@@ -409,6 +414,8 @@ std::vector<std::string> findings(const FitResult& result) {
                                    counted(problem.readings(), "reading", "readings"),
                                    counted(problem.space.axes.size(), "parameter", "parameters"),
                                    local.noise_is_stated ? "" : ", and no error of the parameters can be given"));
+    } else if (study.noise == study::NoiseSource::sought) {
+        text.push_back(noise_scale_words(study, *result.noise_scale()));
     } else if (study.noise == study::NoiseSource::estimated) {
         if (study.data.misfit == problem::MisfitKind::weighted) {
             text.push_back("No reading states a standard deviation: each was weighted by its own size.");

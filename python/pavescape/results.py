@@ -79,7 +79,7 @@ _first = {"fit": ("fit",), "unique": ("landscape", "profiles"), "sample": ("post
 
 # The list of records that to_dataframe() and table() take where none is named.
 _tables = {"unique": "profiles", "diagnose": "hypotheses", "compare": "laws", "survey": "stations", "road": "stations", "design": "criteria",
-           "sensitivity": "responses", "noise": "sensors"}
+           "sensitivity": "responses", "sample-prior": "readings", "noise": "sensors"}
 
 
 def _columns(rows: list[dict[str, Any]]) -> dict[str, list[Any]]:

@@ -134,6 +134,14 @@ class Analyses:
                                                           model_error=model_error, time=time)
         return SampleResult((result_of("sample", text), draws, outputs, weights))
 
+    def prior_check(self, samples: int = _default["sample_samples"], out: str = "", threads: int = 0, seed: int = 1,
+                    time: float | str | None = None) -> Result:
+        """Before any fit: what the prior predicts of each reading with its noise, and which it does not reach (`unreached`, `readings`).
+
+        samples: points of the prior. Else as fit().
+        """
+        return result_of("sample-prior", self._core.prior_check(samples=samples, out=os.fspath(out), threads=threads, seed=seed, time=time))
+
     def sensitivity(self, parameters: Sequence[str] = (), range: float = _default["sensitivity_range"], points: int = _default["sensitivity_points"],
                     samples: int = _default["sensitivity_samples"], out: str = "", threads: int = 0, seed: int = 1) -> Result:
         """What governs each response: elasticities, curves, Sobol indices.

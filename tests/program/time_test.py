@@ -5,7 +5,7 @@ import time
 from support import *
 
 folder = workspace()
-# A bowl of three linear layers, made up: some milliseconds a point.
+# A bowl of three linear layers, made up: some ten thousand points a second.
 READINGS = ((0, 0.512), (200, 0.402), (300, 0.343), (600, 0.221), (900, 0.156), (1500, 0.092))
 STUDY = 'schema = 1\ntitle = "A bowl"\n' + "".join(
     f'\n[[layers]]\nname = "{name}"\nthickness_mm = {thickness}\ndensity_kg_m3 = 2200\nk0 = 0.5\nlaw = "linear"\nmodulus_MPa = {modulus}\npoisson = 0.4\n'
@@ -32,34 +32,34 @@ def table(out, *options):
     return list(csv.DictReader(lines))
 
 
-@pytest.mark.parametrize("command, options", [("map", ("--design", "sobol", "--points", 2_000_000)), ("fit", ("--explore", 1_000_000)),
+@pytest.mark.parametrize("command, options", [("map", ("--design", "sobol", "--points", 400_000)), ("fit", ("--explore", 400_000)),
                                               ("unique", ("--explore", 100_000)), ("diagnose", ("--explore", 100_000)),
                                               ("sample", ("--samples", 1_000_000))])
 def test_when_the_time_is_over_the_best_so_far_is_said_as_such(command, options):
     out = folder / command
     begin = time.monotonic()
-    done = run(command, study, *options, "--threads", 1, "--time", "1.5s", "--json", "--out", out)
-    assert time.monotonic() - begin < 10.0, "a point takes milliseconds, all of them an hour"
+    done = run(command, study, *options, "--threads", 1, "--time", "0.8s", "--json", "--out", out)
+    assert time.monotonic() - begin < 10.0, "all of it takes minutes"
     assert done.returncode == 130, (done.returncode, done.stderr)
     answer = json.loads(done.stdout)
-    assert answer["complete"] is False and answer["time_s"] == 1.5 and not (out / f"{command}.json").exists(), answer
+    assert answer["complete"] is False and answer["time_s"] == 0.8 and not (out / f"{command}.json").exists(), answer
     rows = table(out, "--command", command)
     assert answer["evaluations"] >= len(rows) > 10, (answer["evaluations"], len(rows))
     lowest = min((row for row in rows if row["status"] == "converged"), key=lambda row: float(row["misfit"]))
     assert abs(answer["best"]["misfit"] / float(lowest["misfit"]) - 1) < 1e-6, (answer["best"], lowest)
     for name, value in answer["best"]["parameters"].items():
         assert abs(float(lowest[name]) / value - 1) < 1e-6, (name, lowest)
-    text = run(command, study, *options, "--threads", 1, "--time", "1s", "--out", out).stdout
+    text = run(command, study, *options, "--threads", 1, "--time", "1.2s", "--out", out).stdout
     assert text.startswith("NOT FINISHED") and "goes on" in text and "subgrade.modulus_MPa" in text, text
     assert len(table(out, "--command", command)) > len(rows), "the same command goes on"
 
 
 def test_a_fit_that_runs_out_of_time_again_and_again_ends_with_the_same_bits():
-    asked = ("fit", study, "--explore", 1500, "--starts", 4, "--threads", 1, "--json")
+    asked = ("fit", study, "--explore", 20_000, "--starts", 4, "--threads", 1, "--json")
     whole = run(*asked, "--out", folder / "whole")
     assert whole.returncode == 0, whole.stderr
     times = 0
-    while (done := run(*asked, "--out", folder / "pieces", "--time", "0.7s")).returncode == 130:
+    while (done := run(*asked, "--out", folder / "pieces", "--time", "0.6s")).returncode == 130:
         times += 1
         assert times < 200
     assert done.returncode == 0 and times > 0, (times, done.stderr)
