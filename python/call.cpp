@@ -62,6 +62,20 @@ double real(const py::object& value, const char* name, const allowed::Real& rang
     return number;
 }
 
+double time_of(const py::object& value) {
+    if (value.is_none()) {
+        return 0.0;
+    }
+    if (!py::isinstance<py::str>(value)) {
+        return real(value, "time", allowed::budget);
+    }
+    const auto seconds = explore::run::budget_of(value.cast<std::string>());
+    if (!seconds) {
+        throw py::value_error(fmt::format("time = {}; allowed: {}", shown(value), explore::run::budget_words));
+    }
+    return *seconds;
+}
+
 std::uint64_t seed_of(const py::object& value) {
     const auto number = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
     if (!number) {

@@ -3,7 +3,9 @@
 
 #include "analysis/option_ranges.h"
 #include "analysis/session.h"
-#include "report/json.h"
+#include "report/best_so_far.h"
+#include "run/budget.h"
+#include "run/files.h"
 
 #include <functional>
 #include <optional>
@@ -39,6 +41,9 @@ std::size_t one_of(const std::string& word, const Words& words, const char* name
     throw py::value_error(std::string(name) + " = \"" + word + "\"; allowed: " + pave::join(list));
 }
 
+// Seconds, or "30s", "10min", "2h"; None: 0, no limit.
+double time_of(const py::object& value);
+
 // Where and how an analysis runs. threads: 0 for all.
 explore::analysis::RunOptions run_options(const std::string& out, const py::object& threads, const py::object& seed);
 explore::analysis::ModelOptions model_of(const std::string& name, const py::object& error);
@@ -48,14 +53,31 @@ explore::analysis::ModelOptions model_of(const std::string& name, const py::obje
 // body: false where it was cut off.
 void call(const std::function<bool()>& body);
 
+// How long an analysis may take, and of which study the best answer so far is, where it takes longer.
+struct TimeLimit {
+    double seconds = 0.0; // 0: no limit
+    const explore::study::Study* study = nullptr;
+};
+
 // analyse(session): an optional result; json(result, run). The JSON of the command as text, kept where it keeps it.
 template <class Analyse, class Render>
 std::string analysed(const explore::analysis::RunOptions& run, const char* name, const Analyse& analyse,
-                     const Render& render) {
+                     const Render& render, const TimeLimit& limit = {}) {
     std::string text;
     call([&] {
-        explore::analysis::Session session(run);
+        explore::analysis::RunOptions options = run;
+        std::optional<explore::run::TemporaryFolder> scratch; // what an answer so far is read from
+        if (limit.seconds > 0.0 && options.folder.empty()) {
+            options.folder = scratch.emplace().path();
+        }
+        const explore::run::Budget budget(limit.seconds);
+        explore::analysis::Session session(options);
         const auto result = analyse(session);
+        if (!result && budget.is_spent()) {
+            text = explore::report::json_text(explore::report::best_so_far_json(
+                *limit.study, explore::analysis::best_so_far(session, *limit.study, name), limit.seconds));
+            return true;
+        }
         if (!result) {
             return false;
         }

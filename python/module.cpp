@@ -33,6 +33,7 @@ py::dict defaults() {
     all["fit_starts"] = multistart.starts;
     all["fit_explore"] = analysis::fit_points;
     all["fit_method"] = multistart.method;
+    all["fit_evaluations"] = multistart.search.max_evaluations;
     all["unique_explore"] = unique.explore;
     all["unique_verify"] = unique.verify;
     all["unique_searches"] = unique.max_searches;

@@ -235,7 +235,7 @@ bool is_same_reading(const data::Reading& a, const data::Reading& b) {
     const double largest = std::max(std::abs(a.measured()), std::abs(b.measured()));
     constexpr double rounding = 1e-9; // of the unit
     return a.load == b.load && a.quantity == b.quantity && a.x_mm == b.x_mm && a.y_mm == b.y_mm &&
-           a.depth_mm == b.depth_mm && a.gauge_mm == b.gauge_mm && a.time_ms == b.time_ms &&
+           a.depth_mm == b.depth_mm && a.gauge_mm == b.gauge_mm && a.time_ms == b.time_ms && a.censored == b.censored &&
            std::abs(a.measured() - b.measured()) <= rounding * largest;
 }
 
@@ -246,7 +246,7 @@ bool is_same_noise(const data::Reading& a, const data::Reading& b) {
     return std::abs(n.deviation(a.measured()) - m.deviation(b.measured())) <= rounding * n.deviation(a.measured()) &&
            n.relative == m.relative && n.common_relative == m.common_relative &&
            n.correlation_length == m.correlation_length && n.correlation_time == m.correlation_time &&
-           n.drift == m.drift && n.degrees == m.degrees;
+           n.drift == m.drift && n.degrees == m.degrees && n.scale_is_sought == m.scale_is_sought;
 }
 
 // Whether the noise of the readings is the same, too. Throws where the readings are not.

@@ -18,8 +18,8 @@ namespace {
 
 bool is_of_bowl(const study::Study& study, std::size_t row) {
     const auto& sensor = study.model.sensors[row];
-    return sensor.quantity == Quantity::deflection && sensor.depth == 0.0 &&
-           study.model.loads[static_cast<std::size_t>(sensor.load)].is_axisymmetric();
+    return study.readings[row].censored == data::Censored::no && sensor.quantity == Quantity::deflection &&
+           sensor.depth == 0.0 && study.model.loads[static_cast<std::size_t>(sensor.load)].is_axisymmetric();
 }
 
 // The readings of one sensor under one load, at whatever time.

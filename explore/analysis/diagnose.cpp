@@ -1,6 +1,7 @@
 #include "analysis/diagnose.h"
 
 #include "analysis/groups.h"
+#include "base/text.h"
 #include "diagnose/evidence.h"
 #include "inference/quantiles.h"
 #include "pavement/effects/effect.h"
@@ -304,6 +305,12 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
         throw pave::Error({.file = study.file, .line = study.data.noise_line, .key = "[data.noise] loss"},
                           "the tests of diagnose are those of normal noise", "loss = \"student\"",
                           "loss = \"normal\": a wrong reading is one of the causes that it looks for");
+    }
+    if (baseline.censored() > 0) {
+        throw pave::Error({.file = study.file, .key = "data"},
+                          "the tests of diagnose are those of readings with a value",
+                          pave::counted(baseline.censored(), "reading is a limit", "readings are limits"),
+                          "data without rows whose value is < or >; fit, unique and sample take them");
     }
     for (const std::string& name : options.without) {
         study::effect_named(study, name, {.key = "--without"});

@@ -40,6 +40,13 @@ std::string FitResult::reason() const {
     return run::why_no_minimum(problem, searches.explored);
 }
 
+std::optional<problem::NoiseScale> FitResult::noise_scale() const {
+    if (!problem.noise_scale_is_sought() || failed() || local.degrees_of_freedom < 1) {
+        return std::nullopt;
+    }
+    return problem::noise_scale_of_fit(local.noise * local.noise * local.degrees_of_freedom, local.degrees_of_freedom);
+}
+
 std::optional<FitResult> fit(Session& session, const study::Study& given, const FitOptions& asked) {
     const study::Study study = with_enough_load_steps(given, session);
     const problem::Problem full = study::make_problem(study, study::Scope::fitted);
@@ -66,11 +73,11 @@ std::optional<FitResult> fit(Session& session, const study::Study& given, const 
                      .curves = {},
                      .tally = {}};
     const auto& search = options.multistart.search;
-    const std::string settings =
-        fmt::format("{}; starts at distance {}; {}, {} evaluations, tolerances {} {}{}{}", result.design.run_name(),
-                    options.multistart.start_distance, options.multistart.method, search.max_evaluations,
-                    search.step_tolerance, search.misfit_tolerance, result.reduced ? result.reduced->settings : "",
-                    options.model.confirmed() ? " to explore" : "");
+    // Not how many evaluations a search may take: with more it goes on where it ended.
+    const std::string settings = fmt::format(
+        "{}; starts at distance {}; {}, tolerances {} {}{}{}", result.design.run_name(),
+        options.multistart.start_distance, options.multistart.method, search.step_tolerance, search.misfit_tolerance,
+        result.reduced ? result.reduced->settings : "", options.model.confirmed() ? " to explore" : "");
     std::optional<std::vector<problem::Evaluation>> explored;
     if (options.model.confirmed()) { // a run of its own: its evaluations are not the full model's
         auto engine = session.engine(result.reduced->problem, session.begin(study, "explore", settings));

@@ -9,6 +9,7 @@
 #include "analysis/mesh_error.h"
 #include "landscape/held_ranges.h"
 #include "landscape/prior_influence.h"
+#include "problem/noise_scale.h"
 
 namespace explore::analysis {
 
@@ -53,6 +54,8 @@ struct FitResult {
     const landscape::Minimum& best() const { return searches.minima[0]; }
     bool failed() const { return searches.minima.empty(); }
     std::string reason() const; // of failed()
+    // Nothing: it is not sought, or no degrees of freedom tell it.
+    std::optional<problem::NoiseScale> noise_scale() const;
 };
 
 // Throws pave::Error for a study that cannot be fitted so. Nothing: interrupted.

@@ -2,7 +2,10 @@
 #include "analysis/fit.h"
 #include "analysis/knowledge_words.h"
 #include "analysis/layout.h"
+#include "analysis/limit_words.h"
+#include "analysis/option_ranges.h"
 #include "analysis/repeated_rows.h"
+#include "analysis/sought_noise.h"
 #include "analysis/stress_steps.h"
 
 #include "base/error.h"
@@ -251,6 +254,24 @@ std::string why_not_converged(const FitResult& result) {
     return best.members.empty() ? "" : ends[static_cast<std::size_t>(best.members[0])].search.ended;
 }
 
+// Of searches that had not converged when they were ended; "": none.
+std::string limited_words(const FitResult& result) {
+    const int most = result.options.multistart.search.max_evaluations;
+    const auto& ends = result.searches.ends;
+    const auto limited = static_cast<std::size_t>(std::count_if(ends.begin(), ends.end(), [&](const auto& end) {
+        return !end.search.converged && end.search.evaluations >= most;
+    }));
+    if (limited == 0) {
+        return "";
+    }
+    const int more = static_cast<int>(std::min<long>(4L * most, allowed::fit_evaluations.high));
+    return fmt::format("{} had not converged when {} ended after {}: the same fit with --evaluations {} goes on with "
+                       "{}.",
+                       counted(limited, "search", "searches"), limited == 1 ? "it was" : "they were",
+                       counted(static_cast<std::size_t>(most), "evaluation", "evaluations"), more,
+                       limited == 1 ? "it" : "them");
+}
+
 } // namespace
 
 std::vector<std::string> findings(const FitResult& result) {
@@ -313,6 +334,9 @@ std::vector<std::string> findings(const FitResult& result) {
     if (early > 0) {
         text.push_back(fmt::format("{} ended early, or beyond a constraint, and {} no minimum.",
                                    counted(early, "search", "searches"), early == 1 ? "is" : "are"));
+    }
+    if (std::string words = limited_words(result); !words.empty()) {
+        text.push_back(std::move(words));
     }
     if (close.size() > 1) {
         text.push_back(fmt::format("{} minima fit these data equally well within their noise: the data do not single "
@@ -379,6 +403,9 @@ std::vector<std::string> findings(const FitResult& result) {
     if (std::string words = noise_key_words(study); !words.empty()) {
         text.push_back(std::move(words));
     }
+    if (std::string words = limit_words(study); !words.empty()) {
+        text.push_back(std::move(words));
+    }
     if (std::string words = misfit_words(study); !words.empty()) {
         text.push_back(std::move(words));
     }
@@ -387,6 +414,8 @@ std::vector<std::string> findings(const FitResult& result) {
                                    counted(problem.readings(), "reading", "readings"),
                                    counted(problem.space.axes.size(), "parameter", "parameters"),
                                    local.noise_is_stated ? "" : ", and no error of the parameters can be given"));
+    } else if (study.noise == study::NoiseSource::sought) {
+        text.push_back(noise_scale_words(study, *result.noise_scale()));
     } else if (study.noise == study::NoiseSource::estimated) {
         if (study.data.misfit == problem::MisfitKind::weighted) {
             text.push_back("No reading states a standard deviation: each was weighted by its own size.");

@@ -1,6 +1,8 @@
 // What options of the analyses may be, for every way to ask for one.
 #pragma once
 
+#include "run/budget.h"
+
 namespace explore::analysis::allowed {
 
 struct Whole {
@@ -13,8 +15,11 @@ struct Real {
 inline constexpr Whole threads{1, 4096};
 inline constexpr Real model_error{0.01, 100.0}; // %
 
+inline constexpr Real budget{run::least_budget, run::most_budget}; // s, of a whole analysis
+
 inline constexpr Whole fit_explore{1, 1'000'000};
 inline constexpr Whole fit_starts{1, 10'000};
+inline constexpr Whole fit_evaluations{1, 100'000}; // of one search
 inline constexpr Whole map_points{1, 10'000'000};
 inline constexpr Whole unique_explore{1, 100'000};
 inline constexpr Whole unique_verify{1, 10'000};

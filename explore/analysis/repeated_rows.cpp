@@ -12,7 +12,7 @@ namespace explore::analysis {
 std::string repeated_rows_words(const study::Study& study) {
     const auto cells = [](const data::Reading& r) {
         return std::tuple(r.name, r.load, r.quantity, r.x_mm, r.y_mm, r.depth_mm, r.gauge_mm, r.value, r.unit.name,
-                          r.sigma, r.time_ms);
+                          r.sigma, r.time_ms, r.censored);
     };
     std::map<decltype(cells(data::Reading())), const data::Reading*> first;
     std::vector<std::string> pairs;

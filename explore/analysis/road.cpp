@@ -38,6 +38,11 @@ void check_study(const study::Study& study) {
                           "the tests of a road are those of normal noise", "loss = \"student\"",
                           "loss = \"normal\": stations that do not belong are found by themselves");
     }
+    if (study.data.noise_scale_is_sought) {
+        throw pave::Error({.file = study.file, .line = study.data.noise_line, .key = "[data.noise] scale"},
+                          "a road finds the size of the noise from all stations together", "scale = \"sought\"",
+                          "scale = \"stated\"");
+    }
 }
 
 // The problem of a station in units of its noise. What is known of common unknowns is left out: it counts once.

@@ -43,6 +43,11 @@ std::vector<double> outputs_of(const study::Study& study, const std::vector<doub
     return values;
 }
 
+std::vector<double> readings_of(const study::Study& study, const std::vector<double>& responses) {
+    const auto count = static_cast<std::ptrdiff_t>(study.measured().size());
+    return {responses.begin(), responses.begin() + count};
+}
+
 // The full model at some of the draws. Nothing: interrupted.
 std::optional<std::vector<problem::Evaluation>>
 full_runs(run::Engine& engine, const std::vector<landscape::Draw>& draws, const std::vector<std::size_t>& chosen) {
@@ -107,6 +112,7 @@ void correct(SampleResult& result, const std::vector<std::size_t>& chosen,
             if (was_run) {
                 draw.parameters = evaluations[k].parameters;
                 draw.outputs = outputs_of(result.study, evaluations[k].responses);
+                draw.readings = readings_of(result.study, evaluations[k].responses);
                 draw.chi2 = std::pow(evaluations[k].misfit, 2);
             } else {
                 draw.parameters = result.problem.space.physical(draw.unit);
@@ -146,7 +152,8 @@ void take_all(SampleResult& result) {
         problem::Evaluation e;
         e.parameters = result.problem.space.physical(draw.unit);
         e.responses = draw.responses;
-        result.draws.push_back({draw.unit, e.parameters, outputs_of(result.study, draw.responses), draw.log_likelihood,
+        result.draws.push_back({draw.unit, e.parameters, outputs_of(result.study, draw.responses),
+                                readings_of(result.study, draw.responses), draw.log_likelihood,
                                 result.problem.residuals(e).squaredNorm()});
     }
     result.descent = result.posterior.descent;
@@ -210,6 +217,30 @@ void summarise(SampleResult& result) {
         }
         result.outputs.push_back(landscape::marginal(values, descent));
     }
+}
+
+// Of the draws whose residuals are known.
+void take_noise_scale(SampleResult& result) {
+    std::vector<double> sums;
+    std::vector<double> weights;
+    for (std::size_t i = 0; i < result.draws.size(); ++i) {
+        if (std::isfinite(result.draws[i].chi2)) {
+            sums.push_back(result.draws[i].chi2);
+            weights.push_back(result.descent.weight[i]);
+        }
+    }
+    result.noise_scale = problem::noise_scale_of_draws(sums, weights, result.problem.readings());
+}
+
+std::vector<PredictedReading> predicted_by_draws(const SampleResult& result) {
+    Predictions predictions;
+    for (std::size_t i = 0; i < result.draws.size(); ++i) {
+        if (!result.draws[i].readings.empty()) {
+            predictions.responses.push_back(result.draws[i].readings);
+            predictions.weight.push_back(result.descent.weight[i]);
+        }
+    }
+    return predicted(result.problem, result.study, predictions);
 }
 
 void judge(SampleResult& result) {
@@ -323,9 +354,10 @@ std::string SampleResult::reason() const {
 }
 
 void check_noise_for_sample(const study::Study& study) {
-    if (!study::make_noise_problem(study, study::Scope::fitted).noise_is_stated()) {
+    const problem::Problem problem = study::make_noise_problem(study, study::Scope::fitted);
+    if (!problem.noise_is_stated() && !problem.noise_scale_is_sought()) {
         throw pave::Error({.file = study.file, .key = "data.noise"}, "a posterior needs the noise of every reading", {},
-                          "sigma in the data, or [data.noise] with relative or absolute");
+                          "sigma in the data, or [data.noise] with relative, absolute or scale = \"sought\"");
     }
 }
 
@@ -404,12 +436,15 @@ std::optional<SampleResult> sample(Session& session, const study::Study& given, 
     }
     if (!result.draws.empty()) {
         summarise(result);
+        result.predicted = predicted_by_draws(result);
         const auto best = std::min_element(result.draws.begin(), result.draws.end(), [](const auto& a, const auto& b) {
             return std::isfinite(a.chi2) && !(b.chi2 <= a.chi2);
         });
         result.chi2 = best->chi2;
         result.degrees_of_freedom = full.degrees_of_freedom(full.space.axes.size());
-        if (!result.problem.priors().empty() || !result.problem.limits.empty()) {
+        if (full.noise_scale_is_sought()) { // which makes chi2 what it should be
+            take_noise_scale(result);
+        } else if (!result.problem.priors().empty() || !result.problem.limits.empty()) {
             if (!judge_readings_alone(session, study, settings, best->unit, result)) {
                 return std::nullopt;
             }
@@ -421,7 +456,7 @@ std::optional<SampleResult> sample(Session& session, const study::Study& given, 
         }
         relative_to_allowed(session.options().seed, result);
         judge(result);
-        if (result.converged() && !options.model.alone()) {
+        if (result.converged() && !options.model.alone() && !full.noise_scale_is_sought()) {
             result.telling = telling_of_parameters(result);
         }
     }

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "analysis/candidate_readings.h"
+#include "analysis/predictive.h"
 #include "analysis/sampled_outputs.h"
 #include "analysis/session.h"
 #include "landscape/posterior.h"
 #include "landscape/prior_influence.h"
+#include "problem/noise_scale.h"
 
 namespace explore::analysis {
 
@@ -28,6 +30,7 @@ inline constexpr std::string_view sample_status_names[] = {"converged", "not-con
 struct SampledDraw {
     std::vector<double> unit, parameters; // parameters: physical
     std::vector<double> outputs;          // SI; empty: not computed here
+    std::vector<double> readings;         // SI, as the model gives them; empty: it was not run here
     double log_likelihood = 0.0;          // of the model that is reported
     double chi2 = 0.0;                    // of its residuals by that model; not a number: it was not run here
 };
@@ -59,9 +62,11 @@ struct SampleResult {
     // The lowest of a draw; where priors or constraints hold the answer that of the readings by themselves.
     double chi2 = 0.0;
     int degrees_of_freedom = 0;
-    double p_value = 1.0;                              // of that chi2; 1 without degrees of freedom
+    double p_value = 1.0; // of that chi2; 1 without degrees of freedom, and where the size of the noise is sought
+    std::optional<problem::NoiseScale> noise_scale{};  // where it is sought
     std::optional<landscape::Minimum> held{};          // the best point, where priors or constraints hold it
     std::optional<landscape::PriorInfluence> priors{}; // there
+    std::vector<PredictedReading> predicted{};         // by the draws that were run, with their noise
     std::optional<SampleCorrection> correction{};
     std::vector<TellingReading> telling{}; // most bits first; none: not converged, or no answer at the mean
     SampleStatus status = SampleStatus::failed;

@@ -1,5 +1,7 @@
 #include "analysis/knowledge_words.h"
+#include "analysis/limit_words.h"
 #include "analysis/sample.h"
+#include "analysis/sought_noise.h"
 
 #include "base/error.h"
 #include "base/text.h"
@@ -208,6 +210,12 @@ std::vector<std::string> findings(const SampleResult& result) {
                                                                        "besides"
                                                                      : "at the best draw",
                                    result.degrees_of_freedom, result.p_value));
+    }
+    if (std::string words = limit_words(result.study); !words.empty()) {
+        text.push_back(std::move(words));
+    }
+    if (result.noise_scale) {
+        text.push_back(noise_scale_words(result.study, *result.noise_scale));
     }
     if (result.priors) {
         for (std::string& words : prior_findings(result.problem, *result.priors)) {

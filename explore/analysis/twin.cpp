@@ -90,6 +90,7 @@ TwinResult twin(study::Study study, const TwinOptions& options) {
         data::Reading reading = measured[i];
         const double exact = reading.in_unit(outcome->responses[i]);
         reading.value = exact * (1.0 + errors[i]) + (options.noise > 0.0 ? reading.in_unit(drifted[i]) : 0.0);
+        reading.censored = data::Censored::no;
         reading.sigma = options.noise > 0.0 ? std::optional(options.noise * std::abs(exact)) : std::nullopt;
         result.exact.push_back(exact);
         result.readings.push_back(std::move(reading));

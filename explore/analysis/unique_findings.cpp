@@ -1,6 +1,8 @@
 #include "analysis/knowledge_words.h"
 #include "analysis/layout.h"
+#include "analysis/limit_words.h"
 #include "analysis/range_shape.h"
+#include "analysis/sought_noise.h"
 #include "analysis/unique.h"
 
 #include "base/error.h"
@@ -278,6 +280,9 @@ std::vector<std::string> findings(const UniqueResult& result) {
             : joined ? fmt::format("joined by a way on which chi2 rises by {} at most: one valley", figure(p.pass.rise))
                      : fmt::format("the lowest way found between them rises chi2 by {}", figure(p.pass.rise))));
     }
+    if (std::string words = limit_words(study); !words.empty()) {
+        say(std::move(words));
+    }
     if (acceptance.widened) {
         say(fmt::format(
             "The model does not fit these data within their stated noise ({} = {} with {}, p = {:.2g}). The "
@@ -287,6 +292,11 @@ std::vector<std::string> findings(const UniqueResult& result) {
             counted(static_cast<std::size_t>(std::max(0, acceptance.degrees_of_freedom)), "degree of freedom",
                     "degrees of freedom"),
             acceptance.p_value, figure(acceptance.variance)));
+    } else if (study.noise == study::NoiseSource::sought) {
+        say(fmt::format("{} chi2, counted in that noise, may rise by {} with {}.",
+                        noise_scale_words(study, noise_scale_of(acceptance)), figure(acceptance.threshold),
+                        counted(static_cast<std::size_t>(acceptance.degrees_of_freedom), "degree of freedom",
+                                "degrees of freedom")));
     } else if (!acceptance.noise_is_stated) {
         say(fmt::format(
             "The data state no noise. It is estimated from the residuals of the fit, with only {}: chi2 may rise by "

@@ -4,6 +4,7 @@
 #include "analysis/option_ranges.h"
 #include "analysis/session.h"
 #include "report/answer.h"
+#include "run/budget.h"
 
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -31,6 +32,7 @@ struct CommonOptions {
     std::string out; // empty: output/<study name>
     int threads = 0;
     std::uint64_t seed = 1;
+    double time_s = 0.0; // for the whole command; 0: as long as it takes
     bool json = false;
     bool verbose = false, quiet = false; // of an answer on the terminal
 
@@ -69,6 +71,8 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Enum& value, con
 void add_run_options(CLI::App& app, CommonOptions& options, const std::string& default_folder);
 // Adds STUDY, --out, --threads, --seed, --json.
 void add_common(CLI::App& app, CommonOptions& options);
+// Adds --time, of a command that ends with end_early().
+void add_time(CLI::App& app, CommonOptions& options);
 // Adds --verbose and --quiet, of a command that has an answer (report/answer.h).
 void add_depth(CLI::App& app, CommonOptions& options);
 // Adds --model and --model-error. alone: whether the command can do with the reduced model alone.
@@ -92,5 +96,8 @@ std::string shown_answer(const CommonOptions& options, std::string_view name, co
 int hand_over_failure(const CommonOptions& options, const report::Json& json, std::string_view reason);
 // For a run that was cut off: a message on standard error. Exit status 130.
 int report_interrupt(const std::string& folder);
+// The same where its time may have been over: then the best answer so far is printed.
+int end_early(analysis::Session& session, const CommonOptions& options, const study::Study& study,
+              std::string_view name, const run::Budget& budget);
 
 } // namespace explore::cli

@@ -13,10 +13,11 @@ struct DiagnoseArguments {
 
 int diagnose(const DiagnoseArguments& options) {
     const study::Study study = study::load_study(options.common.study);
+    const run::Budget budget(options.common.time_s);
     analysis::Session session(options.common.run(study));
     const auto result = analysis::diagnose(session, study, options.diagnose);
     if (!result) {
-        return report_interrupt(session.folder());
+        return end_early(session, options.common, study, "diagnose", budget);
     }
     const report::Json json = report::diagnose_json(*result, session.options());
     if (result->failed()) {
@@ -37,6 +38,7 @@ void add_diagnose(CLI::App& app, Action& action) {
         app.add_subcommand("diagnose", "finds the effect that the model lacks: cause, extended study, gain");
     auto options = std::make_shared<DiagnoseArguments>();
     add_common(*command, options->common);
+    add_time(*command, options->common);
     add_depth(*command, options->common);
     add_model(*command, options->diagnose.model, false); // effects change what a reduced model is made for
     command

@@ -22,10 +22,11 @@ int fit(const FitArguments& options) {
         auto starts = analysis::starts_from(study, place, static_cast<std::size_t>(asked.multistart.starts));
         std::move(starts.begin(), starts.end(), std::back_inserter(asked.starts));
     }
+    const run::Budget budget(options.common.time_s);
     analysis::Session session(options.common.run(study));
     const auto result = analysis::fit(session, study, asked);
     if (!result) {
-        return report_interrupt(session.folder());
+        return end_early(session, options.common, study, "fit", budget);
     }
     const report::Json json = report::fit_json(*result, session.options());
     if (result->failed()) {
@@ -40,6 +41,7 @@ void add_fit(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("fit", "explore, then refine the best starts: the main job");
     auto options = std::make_shared<FitArguments>();
     add_common(*command, options->common);
+    add_time(*command, options->common);
     add_depth(*command, options->common);
     add_model(*command, options->fit.model);
     std::vector<std::string> names;
@@ -53,6 +55,11 @@ void add_fit(CLI::App& app, Action& action) {
         ->capture_default_str();
     command->add_option("--starts", options->fit.multistart.starts, "local searches")
         ->check(within(analysis::allowed::fit_starts))
+        ->capture_default_str();
+    command
+        ->add_option("--evaluations", options->fit.multistart.search.max_evaluations,
+                     "evaluations of each local search, at most; with more, those that this limit ended go on")
+        ->check(within(analysis::allowed::fit_evaluations))
         ->capture_default_str();
     command
         ->add_option("--method", options->fit.multistart.method,

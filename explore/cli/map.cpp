@@ -20,10 +20,11 @@ int map(const MapArguments& options) {
                           fmt::format("at least {}", landscape::least_adaptive));
     }
     const study::Study study = study::load_study(options.common.study);
+    const run::Budget budget(options.common.time_s);
     analysis::Session session(options.common.run(study));
     const auto result = analysis::map(session, study, options.map);
     if (!result) {
-        return report_interrupt(session.folder());
+        return end_early(session, options.common, study, "map", budget);
     }
     const int status = hand_over(session, options.common, "map", report::map_json(*result, session.options()),
                                  [&] { return report::map_text(*result, session.options()); });
@@ -39,6 +40,7 @@ void add_map(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("map", "the misfit landscape over a grid or a space-filling design");
     auto options = std::make_shared<MapArguments>();
     add_common(*command, options->common);
+    add_time(*command, options->common);
     add_model(*command, options->map.model);
     command
         ->add_option_function<std::string>(

@@ -17,13 +17,13 @@ namespace {
 using pave::counted;
 using report::Json;
 
-// The command line with another folder for the results.
+// The command line with another folder for the results, and as much time as it takes.
 std::vector<std::string> redirected(const std::vector<std::string>& arguments, const std::string& out) {
     std::vector<std::string> list;
     for (std::size_t i = 0; i < arguments.size(); ++i) {
-        if (arguments[i] == "--out") {
+        if (arguments[i] == "--out" || arguments[i] == "--time") {
             ++i;
-        } else if (!arguments[i].starts_with("--out=")) {
+        } else if (!arguments[i].starts_with("--out=") && !arguments[i].starts_with("--time=")) {
             list.push_back(arguments[i]);
         }
     }

@@ -1,6 +1,7 @@
 // pavescape sample: the posterior of the parameters and the outputs.
 #include "report/sample.h"
 #include "cli/commands.h"
+#include "report/predictive.h"
 #include "run/files.h"
 #include "run/message.h"
 
@@ -10,14 +11,33 @@ namespace {
 struct SampleArguments {
     CommonOptions common;
     analysis::SampleOptions sample;
+    bool prior = false;
 };
+
+int check_prior(const SampleArguments& options, const study::Study& study) {
+    const run::Budget budget(options.common.time_s);
+    analysis::Session session(options.common.run(study));
+    const auto check = analysis::prior_check(session, study, options.sample.samples);
+    if (!check) {
+        return end_early(session, options.common, study, "sample-prior", budget);
+    }
+    const report::Json json = report::prior_check_json(*check, session.options());
+    if (check->failed()) {
+        return hand_over_failure(options.common, json, check->reason());
+    }
+    return hand_over(session, options.common, "sample-prior", json, [&] { return report::prior_check_text(*check); });
+}
 
 int sample(const SampleArguments& options) {
     const study::Study study = study::load_study(options.common.study);
+    if (options.prior) {
+        return check_prior(options, study);
+    }
+    const run::Budget budget(options.common.time_s);
     analysis::Session session(options.common.run(study));
     const auto result = analysis::sample(session, study, options.sample);
     if (!result) {
-        return report_interrupt(session.folder());
+        return end_early(session, options.common, study, "sample", budget);
     }
     const report::Json json = report::sample_json(*result, session.options());
     if (result->failed()) {
@@ -39,6 +59,7 @@ void add_sample(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("sample", "the posterior: what the data leave of every parameter and output");
     auto options = std::make_shared<SampleArguments>();
     add_common(*command, options->common);
+    add_time(*command, options->common);
     add_depth(*command, options->common);
     add_model(*command, options->sample.model);
     auto* model = command->get_option("--model")->default_str("auto where the study has a reduced model, else full");
@@ -52,6 +73,10 @@ void add_sample(CLI::App& app, Action& action) {
             "under loads that no reading has")
         ->check(within(analysis::allowed::sample_confirm))
         ->capture_default_str();
+    command->add_flag(
+        "--prior", options->prior,
+        "no posterior: what the prior predicts of each reading, at as many points as --samples, and which "
+        "readings it does not reach");
     command->footer("Example: pavescape sample grids/captif-p1-unique-fwd.toml");
     command->callback([=, &action] {
         options->sample.any_model = model->count() == 0;

@@ -12,10 +12,11 @@ struct UniqueArguments {
 
 int unique(const UniqueArguments& options) {
     const study::Study study = study::load_study(options.common.study);
+    const run::Budget budget(options.common.time_s);
     analysis::Session session(options.common.run(study));
     const auto result = analysis::unique(session, study, options.unique);
     if (!result) {
-        return report_interrupt(session.folder());
+        return end_early(session, options.common, study, "unique", budget);
     }
     const report::Json json = report::unique_json(*result, session.options());
     if (result->failed()) {
@@ -31,6 +32,7 @@ void add_unique(CLI::App& app, Action& action) {
         app.add_subcommand("unique", "is the answer unique? valleys, profiles, and what they do to the outputs");
     auto options = std::make_shared<UniqueArguments>();
     add_common(*command, options->common);
+    add_time(*command, options->common);
     add_depth(*command, options->common);
     add_model(*command, options->unique.model);
     command->add_option("--explore", options->unique.settings.explore, "points of the Sobol sample, with derivatives")

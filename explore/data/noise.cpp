@@ -58,4 +58,8 @@ double own_correlation(const NoisePlace& a, const NoisePlace& b, double length, 
     return std::exp(-over(distance, length) - over(difference, time));
 }
 
+std::string_view sign_of(Censored censored) {
+    return censored == Censored::no ? "" : censored == Censored::below ? "<" : ">";
+}
+
 } // namespace explore::data

@@ -100,8 +100,9 @@ std::string_view measurement_header() {
 }
 
 std::string measurement_row(const Reading& r) {
-    return fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_cell(r.load), csv_cell(r.quantity), r.x_mm, r.y_mm,
-                       r.depth_mm, r.gauge_mm, r.value, r.unit.name, r.sigma ? fmt::format("{}", *r.sigma) : "");
+    return fmt::format("{},{},{},{},{},{},{}{},{},{}\n", csv_cell(r.load), csv_cell(r.quantity), r.x_mm, r.y_mm,
+                       r.depth_mm, r.gauge_mm, sign_of(r.censored), r.value, r.unit.name,
+                       r.sigma ? fmt::format("{}", *r.sigma) : "");
 }
 
 bool has_times(std::span<const Reading> readings) {
@@ -202,7 +203,11 @@ std::vector<Reading> readings_of(std::string_view text, const std::string& file,
             throw pave::Error(place(gauge_mm), "a gauge length cannot be negative", std::string(cell(gauge_mm)),
                               "0 or more");
         }
-        m.value = cell_number(value);
+        const std::string_view written = cell(value);
+        for (const Censored side : {Censored::below, Censored::above}) {
+            m.censored = written.starts_with(sign_of(side)) ? side : m.censored;
+        }
+        m.value = table.number(trimmed(written.substr(m.censored == Censored::no ? 0 : 1)), place(value));
         std::vector<std::string> unit_names;
         const Unit* found = nullptr;
         for (const Unit& u : units()) {

@@ -30,6 +30,7 @@ struct Reading {
     std::string quantity;
     double x_mm = 0.0, y_mm = 0.0, depth_mm = 0.0, gauge_mm = 0.0; // as the file states them
     double value = 0.0;                                            // measured, in `unit`; of an output nothing
+    Censored censored = Censored::no;                              // what the value says
     std::optional<double> time_ms{}; // under a load with a history: when; none: the extreme over time
     Unit unit{};                     // of the value; of an output the one it is reported in
     std::optional<double> sigma;     // one standard deviation that the file states, in `unit`
@@ -56,8 +57,8 @@ struct Reading {
 
 // Reads the measurement format of this project: RFC 4180 with a header
 // load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma; lines that start with # are comments; sigma may be
-// empty. Columns may come in any order; the ones named must all be there and, but for time_ms, no others. text: of a
-// file that messages call `file`. Throws pave::Error.
+// empty; a value may be a limit, "<12" or ">2000" (Censored). Columns may come in any order; the ones named must all be
+// there and, but for time_ms, no others. text: of a file that messages call `file`. Throws pave::Error.
 std::vector<Reading> measurements_of(std::string_view text, const std::string& file);
 // The same of readings of a model that is not ours: any units, and of the columns value alone must be there. A further
 // one, name, says how messages and results call a reading.

@@ -11,6 +11,11 @@ double Acceptance::noise() const {
     return std::sqrt(variance);
 }
 
+problem::NoiseScale noise_scale_of(const Acceptance& acceptance) {
+    return problem::noise_scale_of_fit(acceptance.variance * acceptance.degrees_of_freedom,
+                                       acceptance.degrees_of_freedom);
+}
+
 std::optional<Acceptance> acceptance_of(const problem::Problem& problem, const Minimum& best) {
     constexpr double level = 0.95;
     Acceptance a;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "landscape/minima.h"
+#include "problem/noise_scale.h"
 
 namespace explore::landscape {
 
@@ -28,5 +29,8 @@ struct Acceptance {
 // freedom). Of Student's noise the rows' sum takes the place of chi2 and what it is expected to be that of the degrees
 // of freedom (goodness.h). Nothing: without stated noise or degrees of freedom no error can be given.
 std::optional<Acceptance> acceptance_of(const problem::Problem& problem, const Minimum& best);
+
+// Of noise whose size is sought, that size: the root of the variance.
+problem::NoiseScale noise_scale_of(const Acceptance& acceptance);
 
 } // namespace explore::landscape

@@ -55,7 +55,12 @@ Particle particle_of(const problem::Problem& problem, VectorXd x, std::vector<do
     for (Eigen::Index k = 0; k < j.cols(); ++k) {
         j.col(k) *= gsl_ran_ugaussian_pdf(p.x[k]);
     }
-    p.slope = j.transpose() * problem.residuals(evaluation);
+    VectorXd rows = problem.residuals(evaluation);
+    const auto readings = static_cast<Eigen::Index>(problem.readings());
+    const double scale = problem.noise_scale(evaluation);
+    rows.head(readings) /= scale;
+    j.topRows(readings) /= scale;
+    p.slope = j.transpose() * rows;
     p.normal = j.transpose() * j;
     const double log_likelihood = problem.log_density(evaluation);
     if (std::isfinite(log_likelihood) && p.normal.allFinite() && p.slope.allFinite()) {

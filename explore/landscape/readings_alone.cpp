@@ -46,8 +46,8 @@ JudgedFit judged_fit(const problem::Problem& problem, const Minimum& minimum) {
     const Eigen::MatrixXd free =
         off_bounds(fit.problem.information_jacobian(*fit.at), bounds_met(problem.space.unit(fit.at->parameters)));
     const auto moved = static_cast<int>((free.colwise().squaredNorm().array() > 0.0).count());
-    fit.degrees_of_freedom =
-        static_cast<int>(fit.problem.readings()) - (problem.noise_is_stated() ? rank_of(free) : moved);
+    fit.degrees_of_freedom = static_cast<int>(fit.problem.readings() - fit.problem.censored()) -
+                             (problem.noise_is_stated() ? rank_of(free) : moved);
     return fit;
 }
 

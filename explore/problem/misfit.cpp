@@ -1,8 +1,10 @@
 #include "problem/misfit.h"
 
+#include "problem/censored.h"
 #include "problem/student.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -70,6 +72,9 @@ Eigen::MatrixXd Misfit::whitened(Eigen::MatrixXd rows) const {
 double Misfit::log_normaliser() const {
     double sum = 0.0;
     for (const Term& t : terms_) {
+        if (t.censored != data::Censored::no) { // a probability, and no density
+            continue;
+        }
         sum += std::log(t.noise.slope(t.measured, t.measured)) +
                (is_student() ? student_log_peak(t.noise.degrees) : -0.5 * std::log(2.0 * std::numbers::pi));
     }
@@ -120,6 +125,12 @@ Eigen::VectorXd Misfit::residuals(std::span<const double> responses) const {
         const Term& t = terms_[i];
         value = t.factor * student_row(value / t.factor, t.noise.degrees);
     }
+    for (std::size_t i = 0; i < size(); ++i) {
+        if (const Term& t = terms_[i]; t.censored != data::Censored::no) {
+            double& value = r[static_cast<Eigen::Index>(i)];
+            value = t.factor * censored_row(value / t.factor, t.censored);
+        }
+    }
     return r;
 }
 
@@ -132,20 +143,40 @@ Eigen::VectorXd Misfit::standard_residuals(std::span<const double> responses) co
 }
 
 Eigen::VectorXd Misfit::loss_slopes(std::span<const double> responses) const {
-    if (!is_student()) {
-        return Eigen::VectorXd::Ones(static_cast<Eigen::Index>(size()));
+    Eigen::VectorXd slope = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(size()));
+    if (!is_student() && censored() == 0) {
+        return slope;
     }
-    Eigen::VectorXd slope = standard_residuals(responses);
+    const Eigen::VectorXd z = standard_residuals(responses);
     for (std::size_t i = 0; i < size(); ++i) {
-        double& value = slope[static_cast<Eigen::Index>(i)];
-        value = student_row_slope(value, terms_[i].noise.degrees);
+        const auto row = static_cast<Eigen::Index>(i);
+        if (is_student()) {
+            slope[row] = student_row_slope(z[row], terms_[i].noise.degrees);
+        } else if (terms_[i].censored != data::Censored::no) {
+            slope[row] = censored_row_slope(z[row], terms_[i].censored);
+        }
     }
     return slope;
 }
 
-Eigen::VectorXd Misfit::loss_information() const {
+Eigen::VectorXd Misfit::loss_information(std::span<const double> responses) const {
     const double each = is_student() ? std::sqrt(student_information(terms_[0].noise.degrees)) : 1.0;
-    return Eigen::VectorXd::Constant(static_cast<Eigen::Index>(size()), each);
+    Eigen::VectorXd root = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(size()), each);
+    if (censored() > 0) {
+        const Eigen::VectorXd z = standard_residuals(responses);
+        for (std::size_t i = 0; i < size(); ++i) {
+            if (terms_[i].censored != data::Censored::no) {
+                const auto row = static_cast<Eigen::Index>(i);
+                root[row] = std::sqrt(censored_information(z[row], terms_[i].censored));
+            }
+        }
+    }
+    return root;
+}
+
+std::size_t Misfit::censored() const {
+    return static_cast<std::size_t>(
+        std::count_if(terms_.begin(), terms_.end(), [](const Term& t) { return t.censored != data::Censored::no; }));
 }
 
 Eigen::VectorXd Misfit::single_residuals(std::span<const double> responses) const {

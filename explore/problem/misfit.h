@@ -34,6 +34,9 @@ constexpr std::string_view to_string(MisfitKind kind) {
 // distributed, and a row is student_row(z) (problem/student.h), whose square is -2 ln of their density but for a
 // constant. With a correlation that is L times independent t errors, not a multivariate t distribution: each reading
 // may be wrong alone.
+//
+// Readings of which a limit is known, of kind `noise` with independent normal errors alone: a row is
+// censored_row(z) (problem/censored.h).
 class Misfit {
 public:
     // One residual: which response it compares with what.
@@ -44,6 +47,7 @@ public:
         double factor = 1.0; // of the residual: the square root of its weight; shapes the fit, says nothing of noise
         data::Noise noise{};
         data::NoisePlace place{};
+        data::Censored censored = data::Censored::no;
     };
     // Throws std::invalid_argument for kind `noise` with a correlation matrix that is not positive definite.
     Misfit(MisfitKind kind, std::vector<Term> terms);
@@ -59,12 +63,15 @@ public:
     Eigen::VectorXd slopes(std::span<const double> responses) const;
 
     bool is_student() const { return kind_ == MisfitKind::noise && !terms_.empty() && terms_[0].noise.degrees > 0.0; }
-    // One each row: residuals() before student_row, in units of the noise.
+    // How many readings are limits.
+    std::size_t censored() const;
+    // One each row: residuals() before student_row or censored_row, in units of the noise.
     Eigen::VectorXd standard_residuals(std::span<const double> responses) const;
     // d(residuals() i)/d(whitened single residual i): 1 of normal noise.
     Eigen::VectorXd loss_slopes(std::span<const double> responses) const;
-    // Its substitute where a reading's mean information counts: the root of student_information; 1 of normal noise.
-    Eigen::VectorXd loss_information() const;
+    // Its substitute where a reading's mean information counts: the root of student_information or of
+    // censored_information; 1 of normal noise.
+    Eigen::VectorXd loss_information(std::span<const double> responses) const;
 
     // Of kind `noise` with factors of 1: the logarithm of the density of the measured values [SI] is this less half the
     // sum of the squares of residuals(). On the scale of data::Noise the density is that of the standard normal, so its

@@ -2,6 +2,7 @@
 
 #include "base/over_time.h"
 #include "base/passing_failure.h"
+#include "problem/noise_scale.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -174,7 +175,11 @@ double Problem::log_density(const Evaluation& evaluation) const {
     if (!evaluation.converged()) {
         return -std::numeric_limits<double>::infinity();
     }
-    double log = misfit_.log_normaliser() - 0.5 * residuals(evaluation).squaredNorm();
+    const Eigen::VectorXd rows = residuals(evaluation);
+    const auto of_readings = static_cast<Eigen::Index>(readings());
+    const double sum = rows.head(of_readings).squaredNorm();
+    double log = misfit_.log_normaliser() - 0.5 * rows.tail(rows.size() - of_readings).squaredNorm() +
+                 (noise_scale_is_sought() ? log_of_sought_scale(sum, readings()) : -0.5 * sum);
     const auto below = [](double pull) { return 0.5 * std::erfc(-pull / std::numbers::sqrt2); };
     for (const std::size_t k : priors()) { // normal within the box, over what is uniform in it
         const Axis& axis = space.axes[k];
@@ -192,7 +197,7 @@ Eigen::MatrixXd Problem::residual_jacobian(const Evaluation& evaluation) const {
 }
 
 Eigen::MatrixXd Problem::information_jacobian(const Evaluation& evaluation) const {
-    return rows_by_unit(evaluation, misfit_.loss_information());
+    return rows_by_unit(evaluation, misfit_.loss_information(evaluation.responses));
 }
 
 Eigen::MatrixXd Problem::rows_by_unit(const Evaluation& evaluation, const Eigen::VectorXd& loss) const {
@@ -269,7 +274,18 @@ Problem Problem::setting_apart(const std::vector<char>& readings) const {
 
 bool Problem::noise_is_stated() const {
     const auto terms = misfit_.terms();
-    return !terms.empty() && std::all_of(terms.begin(), terms.end(), [](const auto& t) { return t.noise.is_stated(); });
+    return !terms.empty() && !noise_scale_is_sought() &&
+           std::all_of(terms.begin(), terms.end(), [](const auto& t) { return t.noise.is_stated(); });
+}
+
+bool Problem::noise_scale_is_sought() const {
+    return !misfit_.terms().empty() && misfit_.terms()[0].noise.scale_is_sought;
+}
+
+double Problem::noise_scale(const Evaluation& evaluation) const {
+    return noise_scale_is_sought()
+               ? std::sqrt(sought_variance(misfit_.residuals(evaluation.responses).squaredNorm(), readings()))
+               : 1.0;
 }
 
 Eigen::VectorXd Problem::noise(const Evaluation& evaluation) const {

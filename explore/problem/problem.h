@@ -60,7 +60,8 @@ public:
     Eigen::VectorXd residuals(const Evaluation& evaluation) const;
     double misfit(const Evaluation& evaluation) const { return residuals(evaluation).norm(); }
     // Of a problem in units of noise that every reading states: the logarithm of the density of the measured values
-    // [SI] times that of the priors over what is uniform in the box; minus infinity without an answer. Priors are cut
+    // [SI] times that of the priors over what is uniform in the box; minus infinity without an answer. A size of the
+    // noise that is sought is integrated out. Priors are cut
     // off at the box, each by itself: of correlated ones that reach beyond it the constant is an approximation.
     double log_density(const Evaluation& evaluation) const;
     // d(residuals)/d(unit coordinates) of an evaluation with a jacobian; rows x parameters.
@@ -96,12 +97,20 @@ public:
     // none: then the residuals of the others say nothing of them.
     Problem setting_apart(const std::vector<char>& readings) const;
 
-    // Readings and priors less the parameters that are free.
+    // Of them, how many are limits (data::Censored).
+    std::size_t censored() const { return misfit_.censored(); }
+    // Readings and priors less the parameters that are free. A limit is no degree of freedom: a model that keeps it
+    // adds next to nothing to the sum of squares, and one on it 1.4, so the test of that sum finds a wrong model a
+    // little too soon rather than too late.
     int degrees_of_freedom(std::size_t free) const {
-        return static_cast<int>(readings() + priors().size()) - static_cast<int>(free);
+        return static_cast<int>(readings() - censored() + priors().size()) - static_cast<int>(free);
     }
-    // Whether every reading states its noise.
+    // Whether every reading states its noise, and its size is not sought.
     bool noise_is_stated() const;
+    // Whether it is known but for its size (problem/noise_scale.h).
+    bool noise_scale_is_sought() const;
+    // That size where the likelihood has the slope of normal noise here; 1 where it is not sought.
+    double noise_scale(const Evaluation& evaluation) const;
     // Which limits hold back here: equalities, and those within ten tolerances of it.
     std::vector<std::size_t> active_limits(const Evaluation& evaluation) const;
     // Which limits are not met here, by more than a penalty gives way to readings: a hundred tolerances.

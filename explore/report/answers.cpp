@@ -96,7 +96,8 @@ Answer fit_answer(const Json& json) {
         answer.verdict = take_first(answer.notes);
     } else {
         answer.verdict = at(noise, "p_value").is_null()
-                             ? fmt::format("Fitted {}, which state no noise to judge the model by", readings)
+                             ? fmt::format("Fitted {}, which state no {}noise to judge the model by", readings,
+                                           at(noise, "source") == "sought" ? "size of their " : "")
                          : is_contradicted
                              ? fmt::format("The model does NOT fit the {} within their noise (p = {:.2g})", readings,
                                            at(noise, "p_value").get<double>())

@@ -190,6 +190,9 @@ std::vector<std::string> figures_of(const FolderContents& contents) {
     }
     if (results.contains("sample") && !results.at("sample").value("draws", Json::array()).empty()) {
         names.emplace_back("posterior");
+        if (results.at("sample").contains("predictive")) {
+            names.emplace_back("predictive");
+        }
     }
     if (const Json* road = road_in(results)) {
         const auto any = [&](const char* key) {
@@ -247,6 +250,9 @@ Figure make_figure(const FolderContents& contents, const std::string& name) {
     }
     if (name == "posterior") {
         return posterior_figure(contents.results.at("sample"));
+    }
+    if (name == "predictive") {
+        return predictive_figure(contents.results.at("sample"));
     }
     if (name == "deflections") {
         return deflections_figure(*road_in(contents.results));

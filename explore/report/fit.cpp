@@ -134,6 +134,9 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
         json["priors"] = priors_json(result.problem, best.evaluation.parameters, *result.priors);
     }
     add_residuals(json["responses"], study, result.problem, best.evaluation, local.noise);
+    if (const auto scale = result.noise_scale()) {
+        json["noise"]["scale"] = noise_scale_json(*scale);
+    }
     if (result.problem.noise_is_student()) {
         json["noise"]["loss"] = "student";
         json["noise"]["degrees"] = result.problem.noise_degrees();

@@ -1,5 +1,7 @@
 #include "report/json.h"
 
+#include "problem/censored.h"
+
 #include "report/model_words.h"
 
 #include <algorithm>
@@ -55,6 +57,9 @@ Json responses_json(const study::Study& study, const std::vector<double>& respon
         row["unit"] = std::string(reading.unit.name);
         if (reading.is_measured()) {
             row["measured"] = reading.value;
+            if (reading.censored != data::Censored::no) {
+                row["limit"] = data::sign_of(reading.censored);
+            }
         } else {
             row["name"] = reading.output;
         }
@@ -72,7 +77,9 @@ void add_residuals(Json& responses, const study::Study& study, const problem::Pr
             }
             const data::Reading& reading = study.readings[i];
             if (study.noise == study::NoiseSource::stated && std::isfinite(evaluation.responses[i])) {
-                responses[i]["residual"] = reading.noise.residual(evaluation.responses[i], reading.measured());
+                const double z = reading.noise.residual(evaluation.responses[i], reading.measured());
+                const bool is_limit = reading.censored != data::Censored::no;
+                responses[i]["residual"] = is_limit ? problem::censored_row(z, reading.censored) : z;
                 responses[i]["sigma"] = reading.in_unit(reading.noise.deviation(reading.measured()));
             }
         }
@@ -83,6 +90,10 @@ void add_residuals(Json& responses, const study::Study& study, const problem::Pr
             responses[problem.response_of(i)]["residual"] = residuals[static_cast<Eigen::Index>(i)] / noise;
         }
     }
+}
+
+Json noise_scale_json(const problem::NoiseScale& scale) {
+    return {{"estimate", scale.estimate}, {"low", scale.low}, {"high", scale.high}};
 }
 
 Json study_json(const study::Study& study) {

@@ -8,6 +8,7 @@
 #include "analysis/session.h"
 #include "landscape/minima.h"
 #include "landscape/prior_influence.h"
+#include "problem/noise_scale.h"
 
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -33,8 +34,8 @@ Json space_json(const problem::ParameterSpace& space);
 // states them.
 Json place_json(const data::Reading& reading);
 
-// [{"load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm", "value", "unit", ("measured"), ("name")}], value in
-// unit.
+// [{"load", "quantity", "x_mm", "y_mm", "depth_mm", "gauge_mm", "value", "unit", ("measured"), ("limit"), ("name")}],
+// value in unit; limit: "<" or ">", where what was measured is one.
 Json responses_json(const study::Study& study, const std::vector<double>& responses);
 
 // Adds to rows of responses_json what is known of each reading's error: "residual", of the evaluation in standard
@@ -42,6 +43,9 @@ Json responses_json(const study::Study& study, const std::vector<double>& respon
 // it is stated "sigma", one standard deviation in unit; and "held_out" where the study holds it out.
 void add_residuals(Json& responses, const study::Study& study, const problem::Problem& problem,
                    const problem::Evaluation& evaluation, double noise);
+
+// {"estimate", "low", "high"}: factor of the noise that is stated, with its 95 % range.
+Json noise_scale_json(const problem::NoiseScale& scale);
 
 // {"file", "title", "hash", "model_words"}
 Json study_json(const study::Study& study);

@@ -4,6 +4,7 @@
 #include "analysis/knowledge_words.h"
 #include "base/text.h"
 #include "report/density.h"
+#include "report/predictive.h"
 #include "report/text.h"
 #include "run/program.h"
 #include "run/progress.h"
@@ -174,8 +175,11 @@ Json sample_json(const SampleResult& s, const analysis::RunOptions& run) {
     json["missing"] = s.missing;
     json["chi2"] = s.chi2;
     json["degrees_of_freedom"] = s.degrees_of_freedom;
-    json["p_value"] = s.p_value;
+    json["p_value"] = s.noise_scale ? Json(nullptr) : Json(s.p_value);
     json["noise"] = {{"source", study.noise_name()}};
+    if (s.noise_scale) {
+        json["noise"]["scale"] = noise_scale_json(*s.noise_scale);
+    }
     json["model"] = s.options.model.name();
     if (s.reduced) {
         json["reduced_model"] = reduced_json(*s.reduced);
@@ -196,6 +200,10 @@ Json sample_json(const SampleResult& s, const analysis::RunOptions& run) {
                        {"accepted_other", posterior.accepted_other},
                        {"answered_share", posterior.answered},
                        {"log_evidences", posterior.log_evidences}};
+    const auto inside =
+        std::count_if(s.predicted.begin(), s.predicted.end(), [](const auto& p) { return p.is_inside(); });
+    json["predictive"] = {{"inside", static_cast<double>(inside) / static_cast<double>(s.predicted.size())},
+                          {"readings", predicted_json(study, s.predicted)}};
     json["draws"] = draws_json(s);
     json["regions"] = regions_json(s);
     json["study"] = study_json(study);
@@ -241,6 +249,9 @@ std::string sample_text(const SampleResult& s, const analysis::RunOptions& run) 
         }
         text += "\n" + table.text();
     }
+    text +=
+        "\nEach reading as the draws predict it, with its noise (the fit saw it, so hardly one should lie outside)\n" +
+        predicted_table(s.study, s.predicted);
     if (!s.telling.empty()) {
         text += fmt::format("\nWhat one reading more would tell of the parameters\n  {}\n", sign_convention);
         Table table({"reading", "value", "noise", "unit", "bits"});

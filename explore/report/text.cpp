@@ -71,7 +71,7 @@ std::string response_table(const study::Study& study, const std::vector<double>&
             plain(r.y_mm),
             plain(r.depth_mm),
             plain(r.gauge_mm),
-            r.is_measured() ? fmt::format("{}", r.value) : "",
+            r.is_measured() ? fmt::format("{}{}", data::sign_of(r.censored), r.value) : "",
             figure(model),
             std::string(r.unit.name),
             r.is_measured() && r.value != 0.0 ? fmt::format("{:+.1f} %", 100.0 * (model / r.value - 1.0)) : ""};

@@ -167,6 +167,9 @@ Json answer_json(const UniqueResult& result) {
             json["acceptance"]["chi2"] = u.acceptance->chi2;
             json["acceptance"]["p_value"] = u.acceptance->p_value;
         }
+        if (problem.noise_scale_is_sought()) {
+            json["acceptance"]["noise_scale"] = noise_scale_json(noise_scale_of(*u.acceptance));
+        }
     }
     const auto range_json = [&](const Range& range, double to_unit, const std::function<double(double)>& physical) {
         Json branches = Json::array();

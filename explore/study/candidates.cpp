@@ -92,6 +92,7 @@ Study candidates(const Study& study, const std::vector<std::size_t>& again) {
     extended.data.noise_correlation_time = 0.0;
     extended.data.noise_drift = 0.0;
     extended.data.noise_degrees = 0.0;
+    extended.data.noise_scale_is_sought = false;
     std::vector<data::Reading> list;
     for (const Load& load : study.model.loads) {
         auto more = readings(study, load, false);

@@ -68,6 +68,7 @@ std::span<const Key> study_keys() {
         noise_shared_common_relative,
         noise_loss,
         noise_degrees,
+        noise_scale,
         data_held_out,
         data_weights,
         output_name,

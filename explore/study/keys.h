@@ -437,6 +437,15 @@ inline constexpr Key noise_degrees{.table = "[data.noise]",
                                    .high = 100.0,
                                    .default_value = 4.0,
                                    .meaning = "of loss `student`: degrees of freedom of Student's t distribution"};
+inline constexpr std::string_view noise_scales[] = {"stated", "sought"};
+inline constexpr Key noise_scale{
+    .table = "[data.noise]",
+    .key = "scale",
+    .kind = word,
+    .default_value = 0,
+    .choices = noise_scales,
+    .meaning = "size of the noise; `sought`: what is stated, or 2 % of each reading where nothing "
+               "is, times a factor that is sought with the parameters"};
 inline constexpr Key data_held_out{.table = "[data]",
                                    .key = "held_out",
                                    .kind = texts,

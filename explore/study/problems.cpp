@@ -17,7 +17,7 @@ namespace {
 problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& rows, const std::vector<double>& factor) {
     std::vector<problem::Misfit::Term> terms;
     const auto largest = largest_of_group(study);
-    const bool stated = study.noise == NoiseSource::stated;
+    const bool stated = study.noise != NoiseSource::estimated;
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const std::size_t i = rows[k];
         const auto& m = study.readings[i];
@@ -25,7 +25,8 @@ problem::Misfit misfit_of(const Study& study, const std::vector<std::size_t>& ro
                                    .measured = m.measured(),
                                    .factor = factor[k],
                                    .noise = m.noise,
-                                   .place = noise_place(study.model.sensors[i])};
+                                   .place = noise_place(study.model.sensors[i]),
+                                   .censored = m.censored};
         switch (study.data.misfit) {
         case problem::MisfitKind::log: term.scale = study.data.log_floor * largest[i]; break;
         case problem::MisfitKind::relative: term.scale = std::abs(term.measured); break;
@@ -143,11 +144,13 @@ problem::Problem make_problem(const Study& study, Scope scope) {
     problem::Problem problem = problem_of(study, loads, misfit_of(study, rows, factor));
     if (const auto known = problem.priors();
         !known.empty() && (study.data.misfit != problem::MisfitKind::weighted || !problem.noise_is_stated())) {
-        throw pave::Error({.file = study.file, .key = "parameter \"" + study.space.axes[known[0]].name + "\" prior"},
-                          "what is known of a parameter is weighed against the noise of the readings",
-                          problem.noise_is_stated() ? fmt::format("misfit = \"{}\"", to_string(study.data.misfit))
-                                                    : "readings without stated noise",
-                          "misfit = \"weighted\" and a sigma of every reading, or [data.noise]");
+        throw pave::Error(
+            {.file = study.file, .key = "parameter \"" + study.space.axes[known[0]].name + "\" prior"},
+            "what is known of a parameter is weighed against the noise of the readings",
+            problem.noise_is_stated()         ? fmt::format("misfit = \"{}\"", to_string(study.data.misfit))
+            : problem.noise_scale_is_sought() ? "[data.noise] scale = \"sought\""
+                                              : "readings without stated noise",
+            "misfit = \"weighted\" and a sigma of every reading, or [data.noise], of a size that is known");
     }
     return problem;
 }

@@ -175,6 +175,13 @@ void read_noise(const toml::table& table, Study& study, const TableReader& of_da
     }
     const double degrees = reader.number(keys::noise_degrees);
     study.data.noise_degrees = is_student ? degrees : 0.0;
+    study.data.noise_scale_is_sought = reader.choice(keys::noise_scale) == 1;
+    if (study.data.noise_scale_is_sought && (is_student || study.data.misfit != problem::MisfitKind::weighted)) {
+        throw pave::Error(reader.place(keys::noise_scale), "a size of the noise is sought by a misfit of normal noise",
+                          is_student ? std::string("loss = \"student\"")
+                                     : fmt::format("misfit = \"{}\"", to_string(study.data.misfit)),
+                          "misfit = \"weighted\" and loss = \"normal\"");
+    }
     if (study.data.shapes_noise() && study.data.misfit != problem::MisfitKind::weighted) {
         throw pave::Error(
             reader.place(study.data.noise_common_relative > 0.0          ? keys::noise_common_relative
@@ -268,6 +275,32 @@ void shape_noise(Study& study) {
     }
 }
 
+// The probability of a limit is that of independent normal errors of a known size.
+void check_limits(const Study& study) {
+    const auto measured = study.measured();
+    const auto limit = std::find_if(measured.begin(), measured.end(),
+                                    [](const data::Reading& m) { return m.censored != data::Censored::no; });
+    if (limit == measured.end()) {
+        return;
+    }
+    const auto refuse = [&](std::string_view found, std::string_view allowed) {
+        throw pave::Error({.file = limit->file, .line = limit->line, .key = "value"},
+                          fmt::format("a reading of which a limit is known ({}{:g}) needs the probability of its error",
+                                      sign_of(limit->censored), limit->value),
+                          found, allowed);
+    };
+    if (study.noise != NoiseSource::stated) {
+        refuse(study.noise == NoiseSource::sought ? "[data.noise] scale = \"sought\"" : "no stated noise",
+               "a sigma, or [data.noise], of a size that is known");
+    }
+    if (study.data.misfit != problem::MisfitKind::weighted) {
+        refuse(fmt::format("misfit = \"{}\"", to_string(study.data.misfit)), "misfit = \"weighted\"");
+    }
+    if (study.data.shapes_noise()) {
+        refuse("[data.noise] with errors in common or loss = \"student\"", "independent normal errors");
+    }
+}
+
 } // namespace
 
 void set_noise(Study& study) {
@@ -311,10 +344,28 @@ void set_noise(Study& study) {
             ++study.noise_assumed;
         }
     }
+    const bool scale_is_sought = study.data.noise_scale_is_sought;
+    if (scale_is_sought && median.empty()) {
+        for (data::Reading& m : measured) {
+            m.noise = {.relative = unit_of_sought_noise};
+        }
+    }
     if (std::all_of(measured.begin(), measured.end(), is_stated)) {
         study.noise = NoiseSource::stated;
         shape_noise(study);
+        if (scale_is_sought) {
+            study.noise = NoiseSource::sought;
+            for (data::Reading& m : measured) {
+                m.noise.scale_is_sought = true;
+            }
+        }
+        check_limits(study);
         return;
+    }
+    if (scale_is_sought) {
+        throw pave::Error({.file = study.file, .line = study.data.noise_line, .key = "[data.noise] scale"},
+                          "where no noise is stated its size is a share of each reading", "a reading of zero",
+                          "a sigma of every reading, relative or absolute");
     }
     for (data::Reading& m : measured) {
         m.noise = {};
@@ -322,6 +373,7 @@ void set_noise(Study& study) {
     study.noise_assumed = 0;
     study.noise = NoiseSource::estimated;
     shape_noise(study);
+    check_limits(study);
 }
 
 std::string hash_with_readings(std::string text, std::span<const data::Reading> readings) {
@@ -337,6 +389,7 @@ std::string hash_with_readings(std::string text, std::span<const data::Reading> 
         if (!m.name.empty()) {
             text += "," + m.name;
         }
+        text += sign_of(m.censored);
     }
     return data::hash_of(text);
 }

@@ -11,7 +11,10 @@ namespace explore::study {
 using namespace pave::pavement;
 
 std::string_view Study::noise_name() const {
-    return noise == NoiseSource::estimated ? "estimated" : noise_assumed > 0 ? "partly stated" : "stated";
+    return noise == NoiseSource::estimated ? "estimated"
+           : noise == NoiseSource::sought  ? "sought"
+           : noise_assumed > 0             ? "partly stated"
+                                           : "stated";
 }
 
 std::string Study::stem() const {

@@ -25,7 +25,8 @@ namespace explore::study {
 enum class LoadSteps { by_default, stated, chosen };
 
 // Where the noise of a measurement was taken from.
-enum class NoiseSource { stated, estimated };
+// sought: known but for its size ([data.noise] scale).
+enum class NoiseSource { stated, sought, estimated };
 
 struct DataSettings {
     std::vector<std::string> files; // as written in the study
@@ -42,6 +43,7 @@ struct DataSettings {
     double noise_correlation_time = 0.0;   // s
     double noise_drift = 0.0;              // m/s, of deflections in time
     double noise_degrees = 0.0;            // of Student's t distribution; 0: normal
+    bool noise_scale_is_sought = false;    // what is stated is its size but for a factor
     // Of means of drops (data::Reading::drops): how many the noise above is of, 0: of the readings as they are; and
     // what the drops of a load share, each sensor by itself and all sensors alike.
     int noise_of_drops = 0;

@@ -79,7 +79,7 @@ _first = {"fit": ("fit",), "unique": ("landscape", "profiles"), "sample": ("post
 
 # The list of records that to_dataframe() and table() take where none is named.
 _tables = {"unique": "profiles", "diagnose": "hypotheses", "compare": "laws", "survey": "stations", "road": "stations", "design": "criteria",
-           "sensitivity": "responses", "noise": "sensors"}
+           "sensitivity": "responses", "sample-prior": "readings", "noise": "sensors"}
 
 
 def _columns(rows: list[dict[str, Any]]) -> dict[str, list[Any]]:
@@ -125,8 +125,11 @@ class Result(Record):
     def short(self) -> str:
         """The short answer: what was found, in sentences, and the best values."""
         lines = [f"{self.kind} of \"{self['study']['title']}\"" if "study" in self else self.kind]
-        if self.kind == "fit":
-            best = self["best"]
+        best = self.get("best")
+        if not self.get("complete", True):
+            lines.append(f"  not finished after {self['time_s']:g} s: the best of {self['evaluations']} points so far")
+            lines += [f"  {name} = {value:.5g}" for name, value in (best or {}).get("parameters", {}).items()]
+        elif self.kind == "fit":
             for name, value in best["parameters"].items():
                 error = best.get("std_error", {}).get(name)
                 lines.append(f"  {name} = {value:.5g}" + (f" (standard error {error:.2g})" if error is not None else ""))

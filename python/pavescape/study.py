@@ -21,6 +21,10 @@ class Analyses:
     Analyses take the options of their command. out: the folder of the run, which continues where it was ended; empty: nothing is kept.
     threads: 0 for all. seed: fixes what is random. They raise ValueError for an argument out of its range, NoAnswer where there is none, and
     KeyboardInterrupt where Ctrl-C ended them after the evaluations that ran.
+
+    time: seconds, or "30s", "10min", "2h", for the whole analysis; None: as long as it takes. What is not finished by then gives the best answer so
+    far: a result whose `complete` is False, with `best` (None where no point has an answer) and `evaluations`. The same call with `out` goes on.
+    It ends all analyses of the process.
     """
 
     _core: _pavescape.Study
@@ -91,42 +95,52 @@ class Analyses:
 
     def fit(self, starts: int = _default["fit_starts"], explore: int = _default["fit_explore"], model: str = "full", joint_only: bool = False, out: str = "",
             threads: int = 0, seed: int = 1, method: str = _default["fit_method"], scheme: str = "multistart",
-            model_error: float = _default["model_error"], start: Sequence[Mapping[str, float]] = (), from_: Sequence[str] = ()) -> Result:
+            model_error: float = _default["model_error"], start: Sequence[Mapping[str, float]] = (), from_: Sequence[str] = (),
+            evaluations: int = _default["fit_evaluations"], time: float | str | None = None) -> Result:
         """The best parameters, and how well they are known: explore, then search from the best starts.
 
         starts: local searches. explore: points of the sample before them. model: full, reduced or auto. joint_only: no fits of single groups of
         readings. method: of the local search. scheme: multistart or paper. model_error: accepted of a reduced model [%].
         start: searches from these values too, {name: value} each. from_: searches from the lowest points of earlier runs (folders) or of CSV files too.
+        evaluations: of each search, at most. time: of the whole analysis, as Analyses says.
         """
         begin = [",".join(f"{name}={float(value)!r}" for name, value in values.items()) for values in start]
         return result_of("fit", self._core.fit(starts=starts, explore=explore, model=model, joint_only=joint_only, out=os.fspath(out), threads=threads,
                                                seed=seed, method=method, scheme=scheme, model_error=model_error, start=begin,
-                                               from_=[os.fspath(place) for place in from_]))
+                                               from_=[os.fspath(place) for place in from_], evaluations=evaluations, time=time))
 
     def map(self, design: str = "auto", points: int = 0, model: str = "full", out: str = "", threads: int = 0, seed: int = 1,
-            model_error: float = _default["model_error"]) -> MapResult:
+            model_error: float = _default["model_error"], time: float | str | None = None) -> MapResult:
         """The misfit over the box. design: auto, grid, sobol or adaptive. points: 0 for as many as usual. Else as fit()."""
         text, points_, misfit = self._core.map(design=design, points=points, model=model, out=os.fspath(out), threads=threads, seed=seed,
-                                               model_error=model_error)
+                                               model_error=model_error, time=time)
         return MapResult((result_of("map", text), points_, misfit))
 
     def unique(self, explore: int = _default["unique_explore"], verify: int = _default["unique_verify"], searches: int = _default["unique_searches"],
                model: str = "full", out: str = "", threads: int = 0, seed: int = 1, landscape: bool = False, posterior: bool = False,
-               model_error: float = _default["model_error"]) -> Result:
+               model_error: float = _default["model_error"], time: float | str | None = None) -> Result:
         """Is the answer the only one? Minima, flat directions, what the data accept of each parameter and output.
 
         explore: points of the sample. verify: searches that must find no new minimum. searches: at most. landscape: the profiled misfit over every
         pair. posterior: the posterior of each parameter beside its profile. Else as fit().
         """
         return result_of("unique", self._core.unique(explore=explore, verify=verify, searches=searches, model=model, out=os.fspath(out), threads=threads,
-                                                     seed=seed, landscape=landscape, posterior=posterior, model_error=model_error))
+                                                     seed=seed, landscape=landscape, posterior=posterior, model_error=model_error, time=time))
 
     def sample(self, samples: int = _default["sample_samples"], confirm: int = _default["sample_confirm"], model: str = "", out: str = "", threads: int = 0,
-               seed: int = 1, model_error: float = _default["model_error"]) -> SampleResult:
+               seed: int = 1, model_error: float = _default["model_error"], time: float | str | None = None) -> SampleResult:
         """The posterior. samples: draws. confirm: draws that the full model checks. model: empty: whichever is cheaper. Else as fit()."""
         text, draws, outputs, weights = self._core.sample(samples=samples, confirm=confirm, model=model, out=os.fspath(out), threads=threads, seed=seed,
-                                                          model_error=model_error)
+                                                          model_error=model_error, time=time)
         return SampleResult((result_of("sample", text), draws, outputs, weights))
+
+    def prior_check(self, samples: int = _default["sample_samples"], out: str = "", threads: int = 0, seed: int = 1,
+                    time: float | str | None = None) -> Result:
+        """Before any fit: what the prior predicts of each reading with its noise, and which it does not reach (`unreached`, `readings`).
+
+        samples: points of the prior. Else as fit().
+        """
+        return result_of("sample-prior", self._core.prior_check(samples=samples, out=os.fspath(out), threads=threads, seed=seed, time=time))
 
     def sensitivity(self, parameters: Sequence[str] = (), range: float = _default["sensitivity_range"], points: int = _default["sensitivity_points"],
                     samples: int = _default["sensitivity_samples"], out: str = "", threads: int = 0, seed: int = 1) -> Result:
@@ -140,10 +154,10 @@ class Analyses:
 
     def diagnose(self, explore: int = _default["diagnose_explore"], starts: int = _default["diagnose_starts"], bootstrap: int = _default["diagnose_bootstrap"],
                  without: Sequence[str] = (), model: str = "full", out: str = "", threads: int = 0, seed: int = 1,
-                 model_error: float = _default["model_error"]) -> Result:
+                 model_error: float = _default["model_error"], time: float | str | None = None) -> Result:
         """What the model gets wrong, and why. bootstrap: simulated data sets. without: effects that are left out. model: full or auto. Else as fit()."""
         return result_of("diagnose", self._core.diagnose(explore=explore, starts=starts, bootstrap=bootstrap, without=list(without), model=model,
-                                                         out=os.fspath(out), threads=threads, seed=seed, model_error=model_error))
+                                                         out=os.fspath(out), threads=threads, seed=seed, model_error=model_error, time=time))
 
     def compare(self, layer: str = "", laws: Sequence[str] = (), explore: int = _default["unique_explore"], verify: int = _default["unique_verify"],
                 out: str = "", threads: int = 0, seed: int = 1, evidence: bool = False, others: Sequence[Analyses] = ()) -> Result:

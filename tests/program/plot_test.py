@@ -83,7 +83,7 @@ prior = { mean = 60, sd = 0.5 }
     return made_up, sampled, surveyed
 
 
-FIGURES = {"sample": {"posterior"}, "survey": {"deflections", "back-calculation"}, "made-up": {"candidates", "corrections"}, "compare": {"fit"},
+FIGURES = {"sample": {"posterior", "predictive"}, "survey": {"deflections", "back-calculation"}, "made-up": {"candidates", "corrections"}, "compare": {"fit"},
            "sensitivity": {"sensitivity"}, "unique": {"landscape", "profiles", "fit", "residuals"}, "fit": {"fit", "residuals"}, "map": {"landscape"}}
 BEGINS = {"svg": b"<?xml", "pdf": b"%PDF", "png": b"\x89PNG"}
 

@@ -39,7 +39,9 @@ calls = {
     "threads": [lambda: study.fit(threads=-1), lambda: study.map(threads=5000), lambda: pavescape.survey(["nothing.csv"], threads=-2)],
     "seed": [lambda: study.fit(seed=-1), lambda: study.sample(seed=2**64)],
     "points": [lambda: study.map(points=-1), lambda: study.map(design="adaptive", points=1), lambda: study.sensitivity(points=1)],
-    "samples": [lambda: study.sample(samples=10), lambda: study.sensitivity(samples=-1)],
+    "time": [lambda: study.fit(time="10"), lambda: study.map(time=0), lambda: study.unique(time=-1), lambda: study.sample(time="10 years")],
+    "evaluations": [lambda: study.fit(evaluations=0)],
+    "samples": [lambda: study.sample(samples=10), lambda: study.prior_check(samples=1), lambda: study.sensitivity(samples=-1)],
     "confirm": [lambda: study.sample(confirm=0)],
     "verify": [lambda: study.unique(verify=0), lambda: study.compare(verify=0)],
     "searches": [lambda: study.unique(searches=0)],
@@ -161,6 +163,37 @@ def test_ctrl_c_ends_an_analysis_keeps_what_was_computed_and_leaves_the_module_u
     # Another process goes on where this one was ended.
     told = run("map", study, "--design", "sobol", "--points", kept, "--out", folder / "run", "--json")
     assert json.loads(told.stdout)["kept"] == kept, told.stdout[:400]
+
+
+def test_a_limit_of_time_gives_the_best_so_far_and_the_same_call_goes_on():
+    folder = workspace()
+    told = json.loads(python("""
+import json, sys, time, pavescape
+study = pavescape.Study(sys.argv[1])
+begin = time.monotonic()
+early = study.map(design="sobol", points=200_000, threads=1, time=0.5, out=sys.argv[2])[0]
+more = study.map(design="sobol", points=200_000, threads=1, time="1s", out=sys.argv[2])[0]
+alone = study.fit(explore=200_000, threads=1, time=0.5)
+seconds = time.monotonic() - begin
+whole = study.fit(starts=1, explore=4, threads=1, time="1h")
+print(json.dumps([early, more, alone, "complete" in whole, seconds, repr(alone)]))
+""", layered(folder), folder / "run"))
+    early, more, alone, marked, seconds, said = told
+    assert seconds < 20 and not marked
+    for result in (early, more, alone):
+        assert result["complete"] is False and result["best"]["status"] == "converged" and result["best"]["misfit"] > 0, result
+    assert more["evaluations"] > early["evaluations"] > 0 and more["best"]["misfit"] <= early["best"]["misfit"]
+    assert "not finished after 0.5 s" in said and evaluations(folder / "run") == more["evaluations"], said
+
+
+def test_the_check_of_the_prior_says_what_the_command_says():
+    folder = workspace()
+    study = layered(folder)
+    script = "import json, sys, pavescape; r = pavescape.Study(sys.argv[1]).prior_check(samples=400); print(json.dumps([r, r.table()['pit']]))"
+    result, pits = json.loads(python(script, study))
+    told = json.loads(run("sample", study, "--prior", "--samples", 400, "--json", "--out", folder / "run").stdout)
+    assert result["readings"] == told["readings"] and result["unreached"] == told["unreached"]
+    assert pits == [row["pit"] for row in told["readings"]]
 
 
 def test_a_handler_that_raises_nothing_ends_nothing():

@@ -1,0 +1,144 @@
+"""Readings of which a limit is known (`<12`, `>2000`): one stiffness from the bowl of a half-space, whose deflections are c/E. The most
+likely value, its ends and its posterior by root finding and quadrature of the likelihood."""
+import math
+
+import numpy as np
+from scipy import optimize, stats
+
+from support import *
+
+folder = workspace()
+# (offset, value, limit): made up around 80 MPa, the instrument clipped at the centre and blind far out.
+SIGMA = 0.01  # mm
+OFFSETS = (0, 200, 300, 450, 600, 900, 1800, 2400)
+HALF_SPACE = """schema = 1
+title = "A half-space"
+[section]
+bottom = "half-space"
+[[layers]]
+name = "subgrade"
+density_kg_m3 = 2000
+k0 = 0.5
+law = "linear"
+modulus_MPa = 100
+poisson = 0.4
+[[loads]]
+name = "fwd"
+type = "plate"
+radius_mm = 150
+pressure_kPa = 700
+[data]
+files = ["bowl.csv"]
+"""
+WEIGHTED = 'misfit = "weighted"\n'
+SOUGHT = '[[parameters]]\nname = "subgrade.modulus_MPa"\nmin = 20\nmax = 400\nscale = "log"\n'
+
+
+def made(label, cells, data=WEIGHTED, sigma=SIGMA):
+    here = folder / label
+    here.mkdir(exist_ok=True)
+    (here / "bowl.csv").write_text("load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" +
+                                   "".join(f"fwd,deflection,{x},0,0,0,{v},mm,{sigma}\n" for x, v in zip(OFFSETS, cells)))
+    (here / "study.toml").write_text(HALF_SPACE + data + SOUGHT)
+    return here / "study.toml"
+
+
+def answer(command, path, *options):
+    done = run(command, path, "--json", "--threads", 1, "--out", path.parent / command, *options)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return json.loads(done.stdout)
+
+
+FLEXIBILITY = 100 * np.array([r["value"] for r in json.loads(run("forward", made("exact", [1] * len(OFFSETS)), "--json").stdout)["responses"]])
+ERRORS = np.array((0, 0.8, -0.6, 1.1, -1.4, 0.3, 0, 0))
+VALUES = [round(float(v), 4) for v in FLEXIBILITY / 80 + SIGMA * ERRORS]
+# The clipped one lies a little above the model, the blind ones on either side of their limit.
+LIMITS = {0: (">", round(VALUES[0] + 0.012, 4)), 6: ("<", round(VALUES[6] + 0.004, 4)), 7: ("<", round(VALUES[7] - 0.009, 4))}
+CELLS = [f"{LIMITS[i][0]}{LIMITS[i][1]}" if i in LIMITS else v for i, v in enumerate(VALUES)]
+
+
+def deviance(e):
+    """-2 ln likelihood of a stiffness, but for the constant."""
+    total = 0.0
+    for i, c in enumerate(FLEXIBILITY):
+        if i not in LIMITS:
+            total += ((c / e - VALUES[i]) / SIGMA) ** 2
+        else:
+            side, limit = LIMITS[i]
+            z = (c / e - limit) / SIGMA
+            total += -2 * stats.norm.logcdf(z if side == ">" else -z)
+    return total
+
+
+BEST = optimize.minimize_scalar(deviance, bounds=(40, 160), method="bounded", options={"xatol": 1e-9}).x
+
+
+def test_a_fit_finds_the_most_likely_value_with_its_error():
+    fit = answer("fit", made("fit", CELLS), "--explore", 16, "--starts", 2)
+    assert abs(fit["best"]["parameters"]["subgrade.modulus_MPa"] / BEST - 1) < 1e-5
+    assert abs(fit["noise"]["chi2"] / deviance(BEST) - 1) < 1e-6 and fit["noise"]["degrees_of_freedom"] == len(OFFSETS) - len(LIMITS) - 1
+    # Fisher's information of ln E by the likelihood's own curvature in the deflections: 1 of a value, m (m - z) of a limit.
+    information = 0.0
+    for i, c in enumerate(FLEXIBILITY):
+        weight = 1.0
+        if i in LIMITS:
+            z = (c / BEST - LIMITS[i][1]) / SIGMA * (1 if LIMITS[i][0] == "<" else -1)
+            m = math.exp(stats.norm.logpdf(z) - stats.norm.logcdf(-z))
+            weight = m * (m - z)
+        information += weight * (c / BEST / SIGMA) ** 2
+    assert abs(fit["best"]["standard_errors"]["subgrade.modulus_MPa"] / (BEST / math.sqrt(information)) - 1) < 1e-3
+    said = [f for f in fit["findings"] if f.startswith("3 readings are limits")]
+    assert said and "no degree of freedom" in said[0], fit["findings"]
+    rows = {r["x_mm"]: r for r in fit["responses"]}
+    assert rows[0]["limit"] == ">" and rows[1800]["limit"] == "<" and "limit" not in rows[300]
+    page = run("fit", folder / "fit" / "study.toml", "--explore", 16, "--starts", 2, "--verbose", "--out", folder / "fit" / "fit").stdout
+    assert f"<{LIMITS[6][1]:g}" in page and f">{LIMITS[0][1]:g}" in page, page
+
+
+def test_the_ends_of_unique_are_where_the_likelihood_falls_by_its_quantile():
+    unique = answer("unique", made("unique", CELLS), "--explore", 16, "--verify", 4)
+    rise = stats.chi2.ppf(0.95, 1)
+    low, high = (optimize.brentq(lambda e: deviance(e) - deviance(BEST) - rise, *sorted((BEST, far))) for far in (40, 160))
+    profile = unique["profiles"][0]
+    assert abs(profile["low"] / low - 1) < 1e-3 and abs(profile["high"] / high - 1) < 1e-3, (profile["low"], low, profile["high"], high)
+
+
+def test_the_posterior_is_that_of_the_likelihood():
+    sample = answer("sample", made("sample", CELLS), "--samples", 4000)
+    x = np.linspace(math.log(60), math.log(110), 4001)
+    weight = np.exp(-0.5 * np.array([deviance(e) for e in np.exp(x)]) + 0.5 * deviance(BEST))
+    # Of a value the density of the reading in m, of a limit its probability; a uniform prior of ln E over 20 to 400.
+    values = len(OFFSETS) - len(LIMITS)
+    evidence = (math.log(weight.sum() * (x[1] - x[0]) / math.log(20)) - 0.5 * deviance(BEST) -
+                values * math.log(SIGMA / 1000 * math.sqrt(2 * math.pi)))
+    weight /= weight.sum()
+    mean = weight @ np.exp(x)
+    sd = math.sqrt(weight @ (np.exp(x) - mean) ** 2)
+    found = sample["parameters"][0]
+    assert abs(found["mean"] - mean) < 0.08 * sd and abs(found["sd"] / sd - 1) < 0.06, (found, mean, sd)
+    assert abs(sample["log_evidence"] - evidence) < 4 * sample["log_evidence_error"] + 0.02, (sample["log_evidence"], evidence)
+
+
+def test_a_limit_that_is_far_away_says_nothing_and_one_that_is_broken_a_lot():
+    values = [v for i, v in enumerate(VALUES) if i not in LIMITS]
+    alone = FLEXIBILITY[[i for i in range(len(OFFSETS)) if i not in LIMITS]]
+    without = alone @ alone / (alone @ np.array(values))
+    far = [f"{LIMITS[i][0]}{VALUES[i] + (-1 if LIMITS[i][0] == '>' else 1)}" if i in LIMITS else v for i, v in enumerate(VALUES)]
+    fit = answer("fit", made("far", far), "--explore", 16, "--starts", 2)
+    assert abs(fit["best"]["parameters"]["subgrade.modulus_MPa"] / without - 1) < 1e-5
+    broken = [f"<{VALUES[0] / 2}" if i == 0 else v for i, v in enumerate(far)]
+    fit = answer("fit", made("broken", broken), "--explore", 16, "--starts", 2)
+    assert fit["noise"]["p_value"] < 1e-6, fit["noise"]
+
+
+@pytest.mark.parametrize("command, cells, data, sigma, words", [
+    ("fit", CELLS, 'misfit = "log"\n', SIGMA, ['misfit = "log"', "bowl.csv:2", '"weighted"']),
+    ("fit", CELLS, WEIGHTED, "", ["no stated noise", "bowl.csv:2"]),
+    ("fit", CELLS, WEIGHTED + '[data.noise]\nscale = "sought"\n', SIGMA, ["sought", "bowl.csv:2"]),
+    ("fit", CELLS, WEIGHTED + "[data.noise]\ncommon_relative = 0.01\n", SIGMA, ["independent", "bowl.csv:2"]),
+    ("diagnose", CELLS, WEIGHTED, SIGMA, ["3 readings are limits"]),
+    ("fit", ["<"] + VALUES[1:], WEIGHTED, SIGMA, ["bowl.csv:2", "value"]),
+    ("fit", ["<<1"] + VALUES[1:], WEIGHTED, SIGMA, ["bowl.csv:2", "value"])])
+def test_limits_that_have_no_probability_are_refused(command, cells, data, sigma, words):
+    done = run(command, made("refused", cells, data, sigma), "--out", folder / "no")
+    assert done.returncode == 2 and all(w in done.stderr for w in words), done.stderr
