@@ -144,7 +144,7 @@ struct NetworkModel {
     pave::reduced::BuildReport report;
 };
 
-// What the model leaves over of one sensor along the road, at the highest level that was fitted.
+// The residual of one sensor along the road, at the highest level that was fitted.
 struct SensorResidual {
     double offset_mm = 0.0;
     std::size_t stations = 0, above = 0; // above: of these, where the model is above the reading
@@ -187,7 +187,7 @@ struct SurveyResult {
     std::optional<double> repeatability; // of a reading, over the road
     std::vector<RoadSection> sections;
     std::vector<SensorResidual> residuals; // by offset
-    std::optional<SuspectSensor> suspect;  // the worst, where one sensor explains what several leave over
+    std::optional<SuspectSensor> suspect;  // the worst, where one sensor explains the residuals of several
     bool section_is_suspect = false; // several sensors have one sign along the road, and no single one explains it
     std::optional<BetterLayout> layout;
     std::vector<SectionTrial> trials; // where the bowls do not fit: what helps most first
