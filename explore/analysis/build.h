@@ -1,4 +1,4 @@
-// What this program was built from.
+// The sources and settings that this program was built from.
 #pragma once
 
 #include <string>

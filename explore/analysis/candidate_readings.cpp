@@ -62,7 +62,7 @@ std::vector<TellingReading> telling_readings(const study::Study& study, const st
     }
     const auto readings = candidates.readings(there);
     const Eigen::MatrixXd rows = candidates.rows(there, unit, readings);
-    // Of the others, where those asked about are known.
+    // Of the others, where those of interest are known.
     const auto n = static_cast<Eigen::Index>(others);
     const Eigen::Index asked = covariance.rows() - n;
     const Eigen::MatrixXd across = covariance.topRightCorner(n, asked);

@@ -7,7 +7,7 @@
 
 namespace explore::analysis {
 
-// What one reading more is expected to tell of some unknowns: the information it has in common with them, to first
+// Expected information of one more reading about some unknowns: what it has in common with them, to first
 // order about a point, its noise normal: ln(1 + s^2) / (2 ln 2) of all of them, s the standard deviation of its
 // predicted value in units of the noise (Lindley 1956, doi 10.1214/aoms/1177728069).
 struct TellingReading {
@@ -19,7 +19,7 @@ class CandidateReadings {
 public:
     explicit CandidateReadings(const study::Study& study);
 
-    // The responses of all candidates [SI] and, if asked for, their derivatives by physical values.
+    // The responses of all candidates [SI] and, if requested, their derivatives by physical values.
     problem::Evaluation at(const std::vector<double>& unit, bool with_jacobian);
     // With the values of `there` and the noise that is assumed of such values.
     std::vector<data::Reading> readings(const problem::Evaluation& there) const;
@@ -38,7 +38,7 @@ private:
 // Whether the study says that such a reading can be taken, or has taken one: such are proposed first.
 bool is_at_hand(const study::Study& study, const data::Reading& reading);
 
-// What each candidate would tell of the unit coordinates at this point but the first `others`, whatever those are; most
+// Each candidate's information on the unit coordinates at this point but the first `others`, whatever those are; most
 // bits first of those at hand, then of the others. Empty: no answer there. covariance: of all of them.
 std::vector<TellingReading> telling_readings(const study::Study& study, const std::vector<double>& unit,
                                              const Eigen::MatrixXd& covariance, std::size_t others = 0);

@@ -187,7 +187,7 @@ std::vector<Estimate> estimates(const study::Study& study, const RunTimes& timin
                                 : grid > 0 ? " (the grid has too many points)"
                                            : ""),
                     shared(points * timing.forward)});
-    // What the searches and walks below take was counted on studies of two to five parameters; it varies twofold.
+    // Runs of the searches and walks below were counted on studies of two to five parameters; they vary twofold.
     constexpr int steps = 15; // of a search, on a deflection bowl
     const double with = timing.fitted_with_derivatives;
     const int starts = landscape::MultistartSettings{}.starts;

@@ -1,4 +1,4 @@
-// What would run on a study, and for how long.
+// The cost of a study: which runs it needs, and for how long.
 #pragma once
 
 #include "base/outcome.h"
@@ -6,14 +6,14 @@
 
 namespace explore::analysis {
 
-// What a command takes.
+// The estimate for a command.
 struct Estimate {
     std::string command;
     std::string runs; // "256, then 120 with derivatives"
     double seconds = 0.0;
 };
 
-// What a run is told to take by.
+// The basis of an estimate.
 enum class Timing {
     sizes, // of the meshes: at once, within a factor of a few
     runs   // made now at the study's own values
@@ -23,7 +23,7 @@ enum class Timing {
 // fits would complain of.
 pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int threads, Timing timing);
 
-// What is said of readings that no pavement has: a deflection above 20 mm or as far upwards as 2 mm, a strain above 5
+// A sentence on readings that no pavement has: a deflection above 20 mm or as far upwards as 2 mm, a strain above 5
 // %, a stress above 10 MPa.
 std::vector<std::string> doubtful_readings(const study::Study& study);
 

@@ -63,7 +63,7 @@ std::vector<Curve> lines_of(const study::Study& study, const study::Group& group
 } // namespace
 
 std::vector<Curve> curves(const study::Study& study, const std::vector<double>& parameters) {
-    if (study.has_own_model) { // it reads where it is asked to
+    if (study.has_own_model) { // it reads at its own places
         return {};
     }
     std::vector<Curve> lines;

@@ -48,7 +48,7 @@ void move_sensors(study::Study& study, const std::vector<std::pair<std::size_t, 
     }
 }
 
-// What is known of its error may have been stated in the unit that was meant, or in that of the file: as its neighbours
+// The error may have been stated in the unit that was meant, or in that of the file: as its neighbours
 // are, relative to their values.
 void rescale(study::Study& study, std::size_t row, double factor) {
     std::vector<double> shares;

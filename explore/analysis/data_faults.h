@@ -1,4 +1,4 @@
-// What is wrong with the readings of a study before any model is asked: check, fit and diagnose say it, diagnose goes
+// Faults of the readings of a study, found without a model: check, fit and diagnose say them, diagnose goes
 // on with what it can mend.
 #pragma once
 

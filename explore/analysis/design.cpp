@@ -213,14 +213,14 @@ LifeRange mapped(const LifeRange& range, const auto& function) {
             function(range.wide_high)};
 }
 
-// What is left of an allowable number.
+// The repetitions left of an allowable number.
 void set_remaining(CriterionLife& c) {
     const auto none_below = [](double value) { return std::isnan(value) ? value : std::max(0.0, value); };
     c.remaining = mapped(c.allowable, [&](double n) { return none_below(n - c.criterion.passed); });
     c.years = mapped(c.remaining, [&](double n) { return c.criterion.years_of(n); });
 }
 
-// What the strains may be if the model lacks something, at the modulus of the best set; in all seasons alike.
+// Strains that are possible if the model lacks something, at the modulus of the best set; in all seasons alike.
 void widen(DesignResult& result, const CriticalPlaces& places, const std::vector<Life>& lives,
            const landscape::Minimum& best, int threads) {
     const problem::Evaluation& here = best.evaluation;

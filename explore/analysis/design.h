@@ -1,4 +1,4 @@
-// What the answer of a fit means for life: how many repetitions are left, and how thick an overlay, each over every
+// Life by the answer of a fit: how many repetitions are left, and how thick an overlay, each over every
 // parameter set that the data accept.
 #pragma once
 

@@ -246,7 +246,7 @@ void set_outputs(DiagnoseResult& result, int threads) {
     }
 }
 
-// What a fault of the readings is among hypotheses: of the effects that the catalogue has, the one that it comes to.
+// A fault of the readings as a hypothesis: of the effects that the catalogue has, the one that it comes to.
 hypotheses::Hypothesis premise_of(const data::BowlFault& fault) {
     const bool is_of_places =
         fault.kind == data::BowlFault::Kind::exchanged || fault.kind == data::BowlFault::Kind::reversed;
@@ -280,7 +280,7 @@ std::string DiagnoseResult::extended_study(const std::string& folder) const {
     if (!diagnosis.is_located()) { // corrections beside a name are no part of its model
         return text;
     }
-    // What is known beforehand stands beside noise that is stated.
+    // Prior knowledge stands beside noise that is stated.
     const bool with_prior = study.data.misfit == problem::MisfitKind::weighted && diagnosis.variance == 1.0;
     for (const LocatedCorrection& found : located) {
         text += study::correction_text(found.correction, with_prior ? std::optional(found.strength) : std::nullopt,

@@ -1,4 +1,4 @@
-// What the simulation gets wrong, the cause, the extended model, the gain.
+// Diagnosis: the effect that the model lacks, the extended model, the gain.
 #pragma once
 
 #include "analysis/candidate_readings.h"

@@ -126,7 +126,7 @@ private:
         }
     }
 
-    // What would decide; "": nothing is asked.
+    // The reading that would decide; "": none is proposed.
     std::string next_words() const {
         if (!next.empty() && next[0].explanations.empty()) {
             return fmt::format("What would settle it: {}.", next[0].words());

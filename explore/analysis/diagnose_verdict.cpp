@@ -266,7 +266,7 @@ private:
         }
     }
 
-    // What is most probable, how probable, what else; "": nothing was compared.
+    // The most probable explanation, its probability, the others; "": nothing was compared.
     std::string probability_words() const {
         const auto& ranked = d.decision.hypotheses;
         std::vector<std::string> words;
@@ -280,7 +280,7 @@ private:
         return words.empty() ? "" : fmt::format("Most probable of what was tried: {}.", pave::join(words, "; "));
     }
 
-    // What was found of every correction, and which effects of the catalogue it looks like.
+    // The result of every correction, and which effects of the catalogue it looks like.
     void corrections(std::vector<std::string>& text) const {
         std::vector<std::string> where;
         std::vector<std::string> certain;

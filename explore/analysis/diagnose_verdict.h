@@ -5,7 +5,7 @@
 
 namespace explore::analysis {
 
-// What is most probable and how probable, what else may be, and what stands in the way.
+// The most probable explanation and its probability, the others, and what stands in the way.
 std::vector<std::string> verdict_words(const DiagnoseResult& result);
 
 // A hypothesis of the ledger in words: "the noise is some 1.5 times as large as stated".

@@ -55,8 +55,8 @@ public:
     const std::vector<Curve>& curves_of_minimum() const { return curves_; } // of the full model at the best
     double seconds_a_point() const { return seconds_a_point_; }             // of evaluate(), measured
 
-    // Variance of a residual that chi2 is in units of: 1 where the noise is stated, contradicted or not; else what the
-    // best fit leaves over.
+    // Variance of a residual that chi2 is in units of: 1 where the noise is stated, contradicted or not; else that of
+    // the best fit's residuals.
     double unit_variance() const {
         const auto& acceptance = minima_.front().acceptance;
         return acceptance && !acceptance->noise_is_stated ? acceptance->variance : 1.0;

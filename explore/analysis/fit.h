@@ -13,7 +13,7 @@
 
 namespace explore::analysis {
 
-// Points of a Sobol sample when nothing else is asked for.
+// Points of a Sobol sample when nothing else is requested.
 inline constexpr int fit_points = 256;
 
 enum class Scheme {
@@ -61,11 +61,11 @@ struct FitResult {
 // Throws pave::Error for a study that cannot be fitted so. Nothing: interrupted.
 std::optional<FitResult> fit(Session& session, const study::Study& study, const FitOptions& options);
 
-// What the square of each reading's residual counts, in the weighted least squares with the same answer, beside normal
+// The weight of each squared residual, in the weighted least squares with the same answer, beside normal
 // noise (problem/student.h): 1 each with normal noise.
 std::vector<double> reading_weights(const problem::Problem& problem, const problem::Evaluation& evaluation);
 
-// What the ends of the searches mean, in sentences.
+// The ends of the searches, in sentences.
 std::vector<std::string> findings(const FitResult& result);
 
 } // namespace explore::analysis

@@ -61,7 +61,7 @@ std::string direction_words(const problem::ParameterSpace& space, const std::vec
     return text;
 }
 
-// What chi2 says, where the noise is stated.
+// Whether chi2 agrees with the noise, where that is stated.
 std::string noise_words(const landscape::LocalAnalysis& local, bool is_student, bool alone) {
     const std::string dof =
         counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom");
@@ -88,7 +88,7 @@ bool contradicts_noise(const landscape::LocalAnalysis& local) {
     return local.noise_is_stated && local.p_value < landscape::contradicted && local.degrees_of_freedom > 0;
 }
 
-// What the data do not determine: too few readings, errors as wide as the range.
+// Parameters that the data do not determine: too few readings, errors as wide as the range.
 void unknown_parameters(const FitResult& result, std::vector<std::string>& text) {
     const Minimum& best = result.best();
     const problem::ParameterSpace& space = result.problem.space;
@@ -107,7 +107,7 @@ void unknown_parameters(const FitResult& result, std::vector<std::string>& text)
     if (!unseen.empty() && (result.local.degrees_of_freedom > 0 || result.local.noise_is_stated)) {
         text.push_back(fmt::format("Not determined individually (the standard error spans half of the allowed range or "
                                    "more): {}. Other values fit these data as well, and what they predict elsewhere "
-                                   "may differ.",
+                                   "may differ: unique says how far.",
                                    pave::join(unseen)));
     }
 }
@@ -125,7 +125,7 @@ void parameters_on_bounds(const FitResult& result, std::vector<std::string>& tex
                             : "",
                         contradicts_noise(result.local)
                             ? " What does not fit below may do so with the range opened: try that first."
-                            : ""));
+                            : " Widen the range, hold the parameter at a known value, or state a prior."));
     }
 }
 
@@ -150,7 +150,7 @@ std::string held_words(const FitResult& result) {
                        pave::join(ranges));
 }
 
-// What Student's noise made of the readings.
+// The weights of readings under Student's noise.
 std::string downweighted(const FitResult& result) {
     const std::vector<double> weights = reading_weights(result.problem, result.best().evaluation);
     std::vector<std::string> names;
@@ -172,7 +172,7 @@ std::string downweighted(const FitResult& result) {
 }
 
 // A reading whose residual noise does not explain: its studentised residual (Cook and Weisberg 1982), the largest of
-// all at a family-wise level of 5 %. By the stated noise where it explains what the others leave over; where it does
+// all at a family-wise level of 5 %. By the stated noise where it explains the residuals of the others; where it does
 // not, or none is stated, by that, and then with too few of them nothing can be said. "": none.
 std::string accused_reading(const FitResult& result) {
     // Where priors or constraints hold the answer, of the fit of the readings by themselves.
@@ -191,7 +191,7 @@ std::string accused_reading(const FitResult& result) {
         followed = landscape::followed_by(by_noise.residual_jacobian(answer),
                                           landscape::bounds_met(by_noise.space.unit(answer.parameters)));
     }
-    const double dof = local.degrees_of_freedom - 1.0; // of what the other readings leave over
+    const double dof = local.degrees_of_freedom - 1.0; // of the residuals of the other readings
     if (!(local.noise_is_stated && !local.widened) && dof < 1.0) {
         return "";
     }
@@ -215,7 +215,7 @@ std::string accused_reading(const FitResult& result) {
         const double rest = std::max(0.0, r.squaredNorm() - pull * pull / own);
         const bool others_fit =
             local.noise_is_stated && (!local.widened || gsl_cdf_chisq_Q(rest, dof) >= landscape::contradicted);
-        double deviate = std::min(std::abs(pull) / std::sqrt(own), r.norm()); // no more than all that is left over
+        double deviate = std::min(std::abs(pull) / std::sqrt(own), r.norm()); // no more than all residuals
         if (!others_fit) {
             constexpr double rounding = 1e-9;
             deviate = rest > 0.0 && std::abs(pull) > rounding ? std::abs(pull) / std::sqrt(own * rest / dof) : 0.0;
@@ -236,7 +236,8 @@ std::string accused_reading(const FitResult& result) {
     const data::Reading& reading = result.study.readings[result.problem.response_of(static_cast<std::size_t>(worst))];
     const double model = answer.responses[result.problem.response_of(static_cast<std::size_t>(worst))];
     return fmt::format("One reading stands out{} ({:.0f} % of the sum of squares; p {} among {}): {}, measured {:g}, "
-                       "model {}. Either it or {} is wrong there.",
+                       "model {}. Either it or {} is wrong there: check it, and fit without it (a # before its line in "
+                       "the file).",
                        local.noise_is_stated && by_others ? " against the others" : "",
                        100.0 * largest * largest / r.squaredNorm(), p < 1e-15 ? "< 1e-15" : fmt::format("= {:.2g}", p),
                        counted(by_noise.readings(), "reading", "readings"), reading.label_with_unit(), reading.value,
@@ -283,7 +284,7 @@ std::vector<std::string> findings(const FitResult& result) {
     const Minimum& best = result.best();
     const std::size_t starts = result.searches.ends.size();
     const auto close = rivals(minima, problem, local);
-    // What matters most comes first: what is not known, then where the searches ended.
+    // The most important comes first: what is not known, then where the searches ended.
     if (!best.converged) {
         text.push_back(fmt::format("The search that came lowest had not converged ({}): the misfit may fall further. "
                                    "Neither the model nor a reading is judged by it, and its standard errors are of a "
@@ -326,7 +327,8 @@ std::vector<std::string> findings(const FitResult& result) {
             });
         }));
     if (starts == 1) {
-        text.push_back(fmt::format("One search from one start{}: it says nothing about other minima.", unfinished));
+        text.push_back(fmt::format("One search from one start{}: it says nothing about other minima; --starts 12 does.",
+                                   unfinished));
     } else {
         text.push_back(
             fmt::format("{} of {} starts ended in the best minimum{}.", best.members.size(), starts, unfinished));
@@ -340,7 +342,7 @@ std::vector<std::string> findings(const FitResult& result) {
     }
     if (close.size() > 1) {
         text.push_back(fmt::format("{} minima fit these data equally well within their noise: the data do not single "
-                                   "out one of them.",
+                                   "out one of them. unique compares what they predict.",
                                    close.size()));
     } else if (minima.size() > 1) {
         text.push_back(fmt::format("The next minimum has a misfit {:.2g} times as large: a search from a single start "
@@ -371,7 +373,7 @@ std::vector<std::string> findings(const FitResult& result) {
                        ": what fits as well reaches at least that far.");
     }
     if (const auto asked = static_cast<std::size_t>(result.options.multistart.starts); starts < asked) {
-        text.push_back(fmt::format("{} of the {} starts asked for were run: every other explored point with an answer "
+        text.push_back(fmt::format("{} of the {} starts requested were run: every other explored point with an answer "
                                    "lies nearer than {:g} (unit cube) to one of them. More explored points (--explore) "
                                    "give more starts.",
                                    starts, asked, result.options.multistart.start_distance));
@@ -422,7 +424,7 @@ std::vector<std::string> findings(const FitResult& result) {
         }
         text.push_back(fmt::format(
             "The data state no noise. Estimated from the residuals of the fit, with only {}, one "
-            "residual has a standard deviation of {}.",
+            "residual has a standard deviation of {}. State it under [data.noise] to judge the model.",
             counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom"),
             figure(local.noise)));
     }

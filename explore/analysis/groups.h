@@ -6,7 +6,7 @@
 
 namespace explore::analysis {
 
-// What a fit leaves out at every point and a report needs at a few: the loads that are held out or only asked for.
+// Responses that a fit leaves out at every point and a report needs at a few: loads held out or without readings.
 class Predictor {
 public:
     explicit Predictor(const study::Study& study);

@@ -1,4 +1,4 @@
-// What priors and constraints did to an answer, in sentences.
+// The influence of priors and constraints on an answer, in sentences.
 #pragma once
 
 #include "landscape/prior_influence.h"

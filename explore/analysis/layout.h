@@ -16,7 +16,7 @@ struct Layout {
 
 Layout layout_of(const study::Study& study);
 
-// What becomes of the study's weights where noise is stated; "": nothing to say.
+// The use of the study's weights where noise is stated; "": nothing to say.
 std::string weights_words(const study::Study& study);
 
 // Which of the study's keys of noise take effect where readings state a sigma of their own; "": nothing to say.

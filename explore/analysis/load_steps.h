@@ -34,7 +34,7 @@ study::Study with_enough_load_steps(study::Study study, const Session& session);
 // The same for data that the study's own values make, with errors of this share of each.
 study::Study with_enough_load_steps(study::Study study, double relative_noise);
 
-// What is to be said of it, in a sentence; "": the default is enough at the answer.
+// The error of the load path in a sentence; "": the default is enough at the answer.
 std::string path_words(const study::Study& study, const std::optional<PathError>& error);
 
 } // namespace explore::analysis

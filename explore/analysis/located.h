@@ -1,4 +1,4 @@
-// What corrections found by a diagnosis mean in the units of an engineer.
+// Corrections found by a diagnosis in the units of an engineer.
 #pragma once
 
 #include "diagnose/diagnosis.h"

@@ -31,7 +31,7 @@ search::Design make_design(const MapOptions& options, const study::Study& study,
     return search::full_grid(study.space, options.points);
 }
 
-// Whether some load is only asked for, or held out: a map explores without it.
+// Whether some load is only requested, or held out: a map explores without it.
 bool has_more_to_predict(const study::Study& study) {
     const std::vector<bool> fitted = study::fitted_loads(study);
     return std::any_of(study.model.sensors.begin(), study.model.sensors.end(),
@@ -54,7 +54,7 @@ bool complete(Session& session, MapResult& map, const std::string& settings) {
     }
     for (std::size_t k = 0; k < map.lowest.size(); ++k) {
         if (!map.options.model.confirmed() && !(*computed)[k].converged()) {
-            // What the map found stands; what it did not ask for has no answer there.
+            // The map stands; what it did not compute has no answer there.
             map.lowest[k].evaluation.warnings.push_back("not all loads have an answer here: " + (*computed)[k].reason);
             continue;
         }

@@ -6,7 +6,7 @@
 
 namespace explore::analysis {
 
-// Points of a sample when nothing else is asked for.
+// Points of a sample when nothing else is requested.
 inline constexpr int map_points = 1024;
 
 enum class MapDesign { automatic, grid, sobol, adaptive };

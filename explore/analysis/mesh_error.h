@@ -1,4 +1,4 @@
-// What the mesh does to an answer: one run at its parameters on a finer mesh.
+// The mesh's error in an answer: one run at its parameters on a finer mesh.
 #pragma once
 
 #include "study/problems.h"
@@ -41,7 +41,7 @@ study::Study on_coarser_mesh(study::Study study);
 std::optional<MeshError> mesh_error(const study::Study& study, const problem::Problem& problem,
                                     const problem::Evaluation& answer, const std::vector<double>& unit, double noise);
 
-// What it comes to, in a sentence, where it shows; else "".
+// The error in a sentence, where it shows; else "".
 std::string mesh_words(const study::Study& study, const std::optional<MeshError>& error);
 
 } // namespace explore::analysis

@@ -1,4 +1,4 @@
-// What one reading more would leave of the uncertainty.
+// The uncertainty that one more reading would leave.
 #pragma once
 
 #include "landscape/next_measurement.h"

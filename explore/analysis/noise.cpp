@@ -60,7 +60,7 @@ struct Covariance {
     }
 };
 
-// What a part may be.
+// Bounds of the parts.
 constexpr NoiseParts lowest = {1e-5, 1e-5, 1e-3, 1.0};
 constexpr NoiseParts highest = {0.5, 0.5, 100.0, 1e5};
 

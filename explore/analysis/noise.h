@@ -41,7 +41,7 @@ struct NoiseResult {
 // less than 2.71, the 5 % of a part that cannot be negative. Throws pave::Error where no drop is repeated.
 NoiseResult noise_of_drops(const std::vector<data::FwdFile>& files);
 
-// What that means, in sentences.
+// The result in sentences.
 std::vector<std::string> findings(const NoiseResult& result);
 
 } // namespace explore::analysis

@@ -1,4 +1,4 @@
-// What options of the analyses may be, for every way to ask for one.
+// Allowed values of the options of analyses, for every way to call one.
 #pragma once
 
 #include "run/budget.h"

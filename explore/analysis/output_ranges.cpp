@@ -35,7 +35,7 @@ using Eigen::VectorXd;
 constexpr double strengths_of_corrections[] = {0.05, 0.1, 0.2, 0.4, 0.8};
 constexpr double strengths_of_effects[] = {0.25, 0.5, 1.0, 2.0, 4.0};
 
-// What the model may lack, a correction or an effect: further coordinates, where they change nothing, and how far they
+// Possible errors of the model, a correction or an effect: coordinates, where they change nothing, and how far they
 // may be from there: `reach` times a strength times standard normal numbers.
 struct Hypothesis {
     std::string name;
@@ -99,7 +99,7 @@ bool is_error_of_reading(const Hypothesis& hypothesis) {
     return !hypothesis.effects.empty() && hypothesis.effects[0].applied.effect->is_error_of_reading;
 }
 
-// What one run can differentiate by: as many coordinates as a study may have parameters, an effect once. Those that
+// Coordinates that one run can differentiate by: as many as a study may have parameters, an effect once. Those that
 // are too many alone are in none, nor are errors of readings, which take no run.
 std::vector<Batch> batches_of(const std::vector<Hypothesis>& hypotheses, Index parameters) {
     struct Open {
@@ -135,7 +135,7 @@ std::vector<Batch> batches_of(const std::vector<Hypothesis>& hypotheses, Index p
     return batches;
 }
 
-// What slopes are taken on: the coarse mesh, or the study's own where that has no answer.
+// The mesh for slopes: the coarse one, or the study's own where that has no answer.
 struct Sloped {
     const study::Study& study;
     diagnose::Shift shift; // to the responses of the study's own at the answer, where nothing is lacking
@@ -212,7 +212,7 @@ void differentiate_errors(const problem::Problem& problem, const Slopes& plain, 
     }
 }
 
-// From the answer to the hypothesis's own best point at the strength that says most, by Gauss and Newton's steps; the
+// From the answer to the hypothesis's own best point at the most probable strength, by Gauss and Newton's steps; the
 // slopes there.
 Slopes slopes_at_best(const Sloped& sloped, const problem::Problem& problem, const Hypothesis& hypothesis,
                       Slopes slopes, Index parameters) {
@@ -403,6 +403,16 @@ void OutputUncertainty::take_back(double shown) {
     wide_high = std::max(wide_high, shown);
     low = wide_low;
     high = wide_high;
+}
+
+std::pair<double, double> widened(std::pair<double, double> range, const std::vector<OutputUncertainty>& ranges,
+                                  std::size_t reading) {
+    for (const OutputUncertainty& r : ranges) {
+        if (r.reading == reading) {
+            return {std::min(range.first, r.wide_low), std::max(range.second, r.wide_high)};
+        }
+    }
+    return range;
 }
 
 std::vector<std::string> output_words(const study::Study& study, const std::vector<OutputUncertainty>& ranges) {

@@ -1,4 +1,4 @@
-// What the outputs may be: if the model is right, and if it may lack something.
+// Ranges of the outputs: if the model is right, and if it may lack something.
 //
 // A model that may be wrong lacks one effect of the catalogue (study/variants.h), or the modulus of a layer or the
 // readings carry a smooth correction that nobody knows (pavement/correction.h): one hypothesis each effect or channel
@@ -36,6 +36,10 @@ struct OutputUncertainty {
 // deviation of a residual of study::make_noise_problem. Empty: no output, or no run has an answer.
 std::vector<OutputUncertainty> output_ranges(const study::Study& study, const std::vector<double>& unit, double noise,
                                              int threads, const std::vector<std::vector<double>>& others = {});
+
+// A range of an output [SI], widened to what it may be if the model lacks something, where that was computed.
+std::pair<double, double> widened(std::pair<double, double> range, const std::vector<OutputUncertainty>& ranges,
+                                  std::size_t reading);
 
 // A sentence each.
 std::vector<std::string> output_words(const study::Study& study, const std::vector<OutputUncertainty>& ranges);

@@ -22,7 +22,7 @@ void hold_bounds(diagnose::Slopes& slopes, const std::vector<double>& unit);
 Eigen::VectorXd mesh_errors(const study::Study& study, const problem::Problem& plain, const diagnose::Slopes& right,
                             const problem::Evaluation& best, const std::vector<std::size_t>& outputs, double noise);
 
-// What the model says where it is right, at its best point and at other minima of the fit that are as good.
+// The outputs if the model is right, at its best point and at other minima of the fit that are as good.
 struct Right {
     std::vector<diagnose::Said> said;
     std::vector<Eigen::VectorXd> values; // of the outputs there

@@ -6,7 +6,7 @@
 
 namespace explore::analysis {
 
-// What lies between 2.5 % and 97.5 % of the draws.
+// From 2.5 % to 97.5 % of the draws.
 struct PosteriorRange {
     double low = 0.0, high = 0.0; // physical, of an output SI
     std::string reason{};         // why an end is off by more than a fifth of the walked range; "": it is not

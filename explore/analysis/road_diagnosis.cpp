@@ -52,7 +52,7 @@ std::string key_of(const study::Variant& variant, const study::Study& study) {
     return variant.applied.offsets.empty() ? key : key + " " + variant.on;
 }
 
-// What all stations can lack alike: on every load, or at the place of a sensor.
+// Effects that all stations can lack alike: on every load, or at the place of a sensor.
 bool is_of_the_road(const study::Variant& variant) {
     const auto& applied = variant.applied;
     return !applied.load && !applied.quantity && !applied.effect->is_error_of_reading;

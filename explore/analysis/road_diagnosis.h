@@ -1,4 +1,4 @@
-// What the model lacks at every station of a road: an effect of the catalogue, or a sensor, whose size the stations
+// Diagnosis of a road: an effect of the catalogue, or a sensor, whose size the stations
 // share.
 #pragma once
 

@@ -57,7 +57,7 @@ std::string weakest_words(const RoadResult& result) {
     return text;
 }
 
-// Of sensors that the prediction misses: what the fit leaves over at them anyway, and what the load adds. Near ones
+// Of sensors that the prediction misses: the residuals of the fit at them anyway, and what the load adds. Near ones
 // tell of the top, far ones of what lies deep.
 std::string missed_words(const WithheldLevel& level) {
     std::string missed;
@@ -97,7 +97,7 @@ std::string withheld_words(const WithheldLevel& level) {
         missed_words(level));
 }
 
-// What the model lacks at all stations.
+// The effect that the model lacks at all stations.
 std::string diagnosis_words(const RoadDiagnosis& d) {
     const auto words = [](const RoadEffect& e) {
         return fmt::format("{} ({}; size {} to {}, chi2 = {}, p = {:.2g})", e.name, e.words, figure(e.low),

@@ -1,4 +1,4 @@
-// What a road taken as one experiment says, in words.
+// The findings of a road taken as one experiment, in words.
 #pragma once
 
 #include "analysis/road.h"

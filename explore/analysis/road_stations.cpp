@@ -106,7 +106,7 @@ std::optional<RoadEnd> RoadStations::search_together(const std::vector<std::size
         end.blocks.push_back(layout_.blocks[i]);
         start.push_back(points[i].unit);
     }
-    // What is known of common unknowns counts once.
+    // Priors of common unknowns count once.
     const auto& axes = tasks_[which[0]].study.space.axes;
     optimise::ArrowBlock known;
     std::vector<const problem::Axis*> known_axes;

@@ -131,7 +131,7 @@ void add_weakest(const RoadState& state, const MatrixXd& covariance, RoadResult&
     result.condition = eigen.eigenvalues()[last] / eigen.eigenvalues()[0];
 }
 
-// What stations have for themselves, along every lane. Errors of the common unknowns are those of all stations alike
+// Courses of the stations' own unknowns, along every lane. Errors of common unknowns are those of all stations alike
 // and are added afterwards.
 void add_courses(const RoadState& state, const MatrixXd& covariance, double quantile, const RoadResult& result,
                  std::vector<RoadCourse>& courses) {

@@ -1,4 +1,4 @@
-// What a fitted road says: ranges, stations that do not belong, the conflict between stations and road.
+// Statistics of a fitted road: ranges, stations that do not belong, the conflict between stations and road.
 #pragma once
 
 #include "analysis/road.h"

@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// What a station's withheld readings say.
+// The withheld readings of a station against its prediction.
 struct Predicted {
     std::vector<double> offset_mm;
     VectorXd deviation; // ln(measured / predicted) of each
@@ -109,7 +109,7 @@ void add_sensors(const std::vector<Predicted>& all, const MatrixXd& common, With
             squares += std::pow(p->deviation[r] - mean, 2);
         }
         const double error = std::sqrt(squares / (n - 1.0) / n + (by_common * common * by_common.transpose()).value());
-        // Without what the fit leaves over at this sensor anyway.
+        // Without the residuals of the fit at this sensor anyway.
         std::vector<double> change;
         double fitted = 0.0;
         for (const auto& [p, r] : readings) {

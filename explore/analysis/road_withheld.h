@@ -15,7 +15,7 @@ struct WithheldBowls {
 // Throws pave::Error where no station has such a level.
 std::vector<WithheldBowls> withhold(SurveyResult& survey, const LoadLevel& level);
 
-// What the members say of them. make_problem: of a station's study, in units of noise. Nothing: interrupted.
+// The members' predictions of them. make_problem: of a station's study, in units of noise. Nothing: interrupted.
 std::optional<WithheldLevel> predict(const RoadState& state, const SurveyResult& survey,
                                      const std::vector<WithheldBowls>& withheld,
                                      const std::function<problem::Problem(const study::Study&)>& make_problem,

@@ -1,4 +1,4 @@
-// What a run of a study asks for, known before the first.
+// The cost of a run of a study, known before the first.
 #pragma once
 
 #include "pavement/forward.h"

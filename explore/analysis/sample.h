@@ -13,7 +13,7 @@ namespace explore::analysis {
 
 struct SampleOptions {
     ModelOptions model{};
-    bool any_model = true; // model.use is not asked for: `automatic` where the study has a reduced model, else `full`
+    bool any_model = true; // model.use is not requested: `automatic` where the study has a reduced model, else `full`
     int samples = 2000;    // draws, of all populations
     // Draws at which the full model corrects the sample of a reduced model, and at most those at which it computes
     // outputs under loads that no reading has.
@@ -94,7 +94,7 @@ struct Mode {
 // On a scale from 0 to 1; one mode or more, from low to high.
 std::vector<Mode> modes_of(std::span<const double> units, std::span<const double> weight);
 
-// What the draws say, in sentences.
+// The findings of the draws, in sentences.
 std::vector<std::string> findings(const SampleResult& result);
 
 } // namespace explore::analysis

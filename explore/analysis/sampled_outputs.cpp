@@ -114,7 +114,7 @@ public:
         ++runs_;
     }
 
-    // Whether what was added determines them with something left over.
+    // Whether what was added determines them with something to spare.
     bool fit() {
         constexpr Index left_over = 3; // half of as many again
         if (2 * left_.rows() < left_over * left_.cols()) {

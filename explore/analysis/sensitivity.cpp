@@ -10,7 +10,7 @@
 namespace explore::analysis {
 namespace {
 
-// Takes the parameters that were not asked for out of the study: they stay at its own values.
+// Takes the parameters that were not requested out of the study: they stay at its own values.
 void choose_parameters(study::Study& study, const std::vector<std::string>& wanted) {
     std::vector<std::string> names;
     for (const auto& axis : study.space.axes) {

@@ -36,7 +36,7 @@ struct SensitivityResult {
 // Throws pave::Error for parameters that there are not. Nothing: interrupted.
 std::optional<SensitivityResult> sensitivity(Session& session, study::Study study, const SensitivityOptions& options);
 
-// What the global indices say.
+// The findings of the global indices.
 std::vector<std::string> findings(const SensitivityResult& result);
 // The parameters by decreasing total index.
 std::vector<std::size_t> ranked(const landscape::SobolIndices& indices);

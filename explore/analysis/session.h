@@ -58,11 +58,11 @@ public:
     // continue the run.
     int begin(const study::Study& study, const std::string& name, const std::string& settings);
     run::EngineSettings engine_settings() const;
-    // What computes a problem and keeps it in that run, which must outlive the engine.
+    // The engine that computes a problem and keeps it in that run, which must outlive the engine.
     run::Engine engine(const problem::Problem& problem, int run);
 
     // The problem with its reduced model: that of the run's folder when it is still the right one, else built and kept
-    // there, in NAME.bin. fitted: the study's fitted readings. Nothing: interrupted, or the full model is asked for.
+    // there, in NAME.bin. fitted: the study's fitted readings. Nothing: interrupted, or the full model is requested.
     // Throws pave::Error for a study that has none, std::runtime_error where the full model has too few answers.
     std::optional<ReducedProblem> reduced(const problem::Problem& fitted, const study::Study& study,
                                           const ModelOptions& model, const std::string& name = "reduced",

@@ -1,4 +1,4 @@
-// What levels of load that are fitted one at a time say of a layer that is taken for linear.
+// Levels of load fitted one at a time: does a layer that is taken for linear stiffen or soften?
 #pragma once
 
 #include "landscape/minima.h"
@@ -6,7 +6,7 @@
 
 namespace explore::analysis {
 
-// What a group of readings wants of the parameters by itself.
+// The parameters that a group of readings prefers by itself.
 struct WantedAlone {
     std::string group;
     std::vector<double> unit;

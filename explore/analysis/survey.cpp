@@ -94,7 +94,7 @@ private:
         from_near.first_step = optimise::whole_cube;
         if (result_.study->data.misfit == problem::MisfitKind::weighted) {
             from_near.enough = enough;
-        } else if (!near.empty()) { // the noise is what a fit leaves over
+        } else if (!near.empty()) { // the noise is that of the residuals
             const problem::Problem& problem = tasks_[near[0]].problem;
             const int free = problem.degrees_of_freedom(problem.space.axes.size());
             from_near.misfit_tolerance = 2.0 * enough / std::max(1, free);

@@ -145,7 +145,7 @@ struct NetworkModel {
     pave::reduced::BuildReport report;
 };
 
-// What the model leaves over of one sensor along the road, at the highest level that was fitted.
+// The residual of one sensor along the road, at the highest level that was fitted.
 struct SensorResidual {
     double offset_mm = 0.0;
     std::size_t stations = 0, above = 0; // above: of these, where the model is above the reading
@@ -197,7 +197,7 @@ struct SurveyResult {
     std::vector<RoadSection> sections;
     std::vector<SensorResidual> residuals;    // by offset
     std::vector<LoadResidual> load_residuals; // by rising load; none: stations are fitted to one level
-    std::optional<SuspectSensor> suspect;     // the worst, where one sensor explains what several leave over
+    std::optional<SuspectSensor> suspect;     // the worst, where one sensor explains the residuals of several
     bool section_is_suspect = false; // several sensors have one sign along the road, and no single one explains it
     std::optional<BetterLayout> layout;
     std::vector<SectionTrial> trials; // where the bowls do not fit: what helps most first

@@ -121,7 +121,7 @@ void add_fit(const SurveyResult& result, const StationResult& s, std::vector<std
     }
     if (s.is_fitted() && fit.local.widened && fit.local.p_value < landscape::contradicted) {
         words.push_back(fmt::format(
-            "chi2 {:.0f} of {} degrees of freedom: {} does not explain what the fit leaves over, and the ranges are "
+            "chi2 {:.0f} of {} degrees of freedom: {} does not explain the residuals of the fit, and the ranges are "
             "{:.1f} times as wide for it",
             fit.local.chi2, fit.local.degrees_of_freedom, noise_words(result), fit.local.widening));
     }
@@ -255,7 +255,7 @@ void add_light(const SurveyResult& result, std::vector<std::string>& words) {
     }
 }
 
-// What rounding does, where it is more than a sensor errs by anyway.
+// The effect of rounding, where it is more than a sensor errs by anyway.
 void add_resolution(const SurveyResult& result, std::vector<std::string>& words) {
     constexpr double fine_um = 2.0;
     std::map<double, std::size_t> steps;

@@ -1,4 +1,4 @@
-// What the result of a survey means, in words.
+// The findings of a survey, in words.
 #pragma once
 
 #include "analysis/survey.h"
@@ -14,7 +14,7 @@ std::string why_no_ratio(const StationResult& station);
 // Why a station is not "ok"; "": it is.
 std::string reason_of(const StationResult& station);
 
-// What a reader should know of a station besides its numbers: on its file, its readings, its drops, its fit.
+// Remarks on a station besides its numbers: on its file, its readings, its drops, its fit.
 std::vector<std::string> remarks_of(const SurveyResult& result, const StationResult& station);
 
 // On the road as a whole, most important first.

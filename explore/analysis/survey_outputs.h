@@ -1,4 +1,4 @@
-// What the fits of a road say of the [[outputs]] of its study.
+// The [[outputs]] of a road's study at the fits of its stations.
 #pragma once
 
 #include "analysis/survey_stations.h"

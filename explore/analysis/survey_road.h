@@ -1,4 +1,4 @@
-// What the stations of a road say together: sections that are alike, what the floor does.
+// The stations of a road together: sections that are alike, the influence of the floor.
 #pragma once
 
 #include "analysis/survey_stations.h"
@@ -9,7 +9,7 @@ namespace explore::analysis {
 // none.
 std::vector<RoadSection> road_sections(const SurveyResult& result);
 
-// What the floor does to the answer, at the fitted station with the median D0. tasks: of the result. Nothing: none
+// The influence of the floor, at the fitted station with the median D0. tasks: of the result. Nothing: none
 // is fitted, or the question does not arise (analysis/floor.h).
 std::optional<SurveyResult::Floor> floor_of(const SurveyResult& result, const std::vector<StationTask>& tasks);
 

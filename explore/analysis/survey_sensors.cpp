@@ -73,7 +73,7 @@ std::vector<SensorResidual> judged(const std::map<double, std::vector<double>>& 
     return found;
 }
 
-// What the fit of a station leaves over where this sensor is left out, to first order; empty: it cannot be told.
+// The residuals of a station's fit where this sensor is left out, to first order; empty: it cannot be told.
 VectorXd without(const StationResult& s, const LevelResiduals& here, std::size_t sensor) {
     const auto& best = s.fit->best;
     const auto& e = best.evaluation;

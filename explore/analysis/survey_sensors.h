@@ -1,4 +1,4 @@
-// What the fits of a road leave over at its sensors: is one sensor wrong, or the section?
+// Residuals of a road's fits at its sensors: is one sensor wrong, or the section?
 #pragma once
 
 #include "analysis/survey.h"

@@ -61,7 +61,7 @@ void make_bowls(std::vector<StationResult>& stations, const data::DropChoice& ch
     }
 }
 
-// What one lane holds of different dates, or of different files: runs of their own where their stretches lie over each
+// One lane on different dates, or in different files: runs of their own where their stretches lie over each
 // other, one road where one follows the other.
 using Stretches = std::map<std::string, std::pair<double, double>>; // by date or file: the first and the last chainage
 bool are_runs(const Stretches& stretches) {
@@ -106,7 +106,7 @@ void part_runs(std::vector<StationResult>& stations,
     }
 }
 
-// What differs in upper and lower case only is one lane, or one road: as it is written most often (then first).
+// Names that differ in upper and lower case only are one lane, or one road: as it is written most often (then first).
 void unite_spellings(SurveyResult& result, std::string data::FwdStation::*name, std::string_view what) {
     std::map<std::string, std::map<std::string, std::size_t>> spellings; // by the name in lower case
     for (const StationResult& s : result.stations) {

@@ -1,4 +1,4 @@
-// What back-calculating a road begins with, station by station or all at once: the stations with their bowls, a problem
+// The start of back-calculating a road, station by station or all at once: the stations with their bowls, a problem
 // each, and starts for its searches.
 #pragma once
 
@@ -11,7 +11,7 @@ namespace explore::analysis {
 // The stations of the files along the road, with bowls, indices and temperatures; nothing is fitted.
 SurveyResult begin_survey(std::vector<data::FwdFile> files, std::optional<study::Study> survey_study,
                           const SurveyOptions& options);
-// What follows from the fits: moduli at the reference temperature, what is typical of the sections, a suspect sensor.
+// Derived from the fits: moduli at the reference temperature, values typical of sections, a suspect sensor.
 void finish_survey(SurveyResult& result);
 
 // A station that can be fitted.
@@ -48,7 +48,7 @@ ParameterRange range_between(const problem::Axis& axis, double low, double high)
 
 class Networks;
 
-// What is explored once for all stations with one plate and one set of sensors: the responses at the points of a
+// Exploration shared by all stations with one plate and one set of sensors: the responses at the points of a
 // design, under the common pressure. Nothing: interrupted.
 class Exploration {
 public:

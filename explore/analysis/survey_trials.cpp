@@ -38,7 +38,7 @@ struct Section {
     std::optional<std::size_t> repeated{}; // axis whose value a further, last axis starts from
 };
 
-// The last layer in two, each with a modulus of its own; nothing: its modulus is not sought, or it is too thin.
+// The last layer in two, each with a modulus of its own; nothing: its modulus is not fitted, or it is too thin.
 std::optional<Section> parted(study::Study study) {
     auto& layers = study.model.layers;
     const std::string path = layers.back().name + ".modulus_MPa";

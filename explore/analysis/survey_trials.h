@@ -26,7 +26,7 @@ std::vector<const StationResult*> stations_to_try(const SurveyResult& result);
 // misfit first. Empty: not tried (stress-dependent layers, constraints, effects), or no reason to.
 std::vector<SectionTrial> section_trials(const SurveyResult& result);
 
-// What of it helps, and by how much; "": nothing was tried.
+// The trial that helps, and by how much; "": nothing was tried.
 std::string trial_words(const SurveyResult& result);
 
 } // namespace explore::analysis

@@ -48,7 +48,7 @@ std::vector<double> relative_errors(const study::Study& study, const pave::Rando
     return errors;
 }
 
-// What each sensor has drifted by [SI], one draw a sensor.
+// The drift of each sensor [SI], one draw a sensor.
 std::vector<double> drifts(const study::Study& study, const pave::RandomStream& random) {
     const std::size_t n = study.measured().size();
     std::vector<double> drifts(n, 0.0);

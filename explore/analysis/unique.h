@@ -19,7 +19,7 @@ struct UniqueOptions {
     bool posterior = false; // draw it, and hold its ranges against those that were walked
 };
 
-// The rise of chi2 over pairs of parameters, all others fitted. Without one, where it was not asked for or cannot be
+// The rise of chi2 over pairs of parameters, all others fitted. Without one, where it was not requested or cannot be
 // said: nothing.
 struct UniqueLandscape {
     landscape::ProfiledLandscape profiled;
@@ -38,7 +38,7 @@ struct UniqueResult {
     std::optional<MeshError> mesh;
     std::optional<PathError> path{};
     std::vector<OutputUncertainty> outputs;
-    std::optional<PosteriorRanges> posterior; // nothing: not asked for, or no range was walked
+    std::optional<PosteriorRanges> posterior; // nothing: not requested, or no range was walked
     std::optional<ReducedProblem> reduced;
     std::vector<Curve> curves; // of the best minimum, by the full model; of the reduced model alone none
     std::int64_t computed = 0; // runs of this process

@@ -25,7 +25,7 @@ using pave::figure;
 
 namespace {
 
-// What the law of a layer says of a parameter that is an exponent.
+// A sentence on a parameter that is an exponent of a layer's law.
 std::optional<pave::material::StressPower> power_of(const study::Study& study, std::size_t axis) {
     const auto& parameter = study.parameters[axis];
     if (!parameter.law_index) {
@@ -245,8 +245,12 @@ std::vector<std::string> findings(const UniqueResult& result) {
     for (std::size_t o = 0; o < u.outputs.size(); ++o) {
         const Range& r = u.outputs[o];
         const data::Reading& output = study.readings[outputs[o]];
-        say(fmt::format("{} lies between {} and {} {} (95 %; best fit: {}).", output.output,
-                        figure(output.in_unit(r.low)), figure(output.in_unit(r.high)), output.unit.name,
+        const auto [low, high] = acceptance.widened ? widened({r.low, r.high}, result.outputs, outputs[o])
+                                                    : std::pair(r.low, r.high);
+        const bool is_wider = low < r.low || high > r.high;
+        say(fmt::format("{} lies between {} and {} {} (95 %{}; best fit: {}).", output.output,
+                        figure(output.in_unit(low)), figure(output.in_unit(high)), output.unit.name,
+                        is_wider ? ", with what the model may lack" : "",
                         figure(output.in_unit(u.minima[0].evaluation.responses[outputs[o]]))));
     }
     if (u.traces.size() == 2) {
@@ -300,7 +304,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
     } else if (!acceptance.noise_is_stated) {
         say(fmt::format(
             "The data state no noise. It is estimated from the residuals of the fit, with only {}: chi2 may rise by "
-            "{}.",
+            "{}. State it under [data.noise]: ranges get narrower, and a wrong model shows.",
             counted(static_cast<std::size_t>(acceptance.degrees_of_freedom), "degree of freedom", "degrees of freedom"),
             figure(acceptance.threshold)));
     }

@@ -27,7 +27,7 @@ struct Scatter {
     double above(double logarithm) const { return (logarithm - middle) / deviation; }
 };
 
-// The parameter that says most of why station `own` is weak.
+// The parameter that best explains why station `own` is weak.
 void add_parameter(const SurveyResult& result, const std::vector<std::size_t>& group, WeakStation& own) {
     double lowest = -weak_deviations;
     for (std::size_t k = 0; k < result.parameter_names().size(); ++k) {

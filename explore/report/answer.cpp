@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <set>
 
 namespace explore::report {
 namespace {
@@ -34,6 +35,152 @@ std::vector<std::string> lines_of(const std::string& text) {
         begin = end + 1;
     }
     return lines;
+}
+
+std::string trimmed(std::string line) {
+    line.erase(line.find_last_not_of(' ') + 1);
+    return line;
+}
+
+// A row of a table: its cells stand apart by two blanks or more.
+bool is_row(const std::string& line) {
+    const std::size_t begin = line.find_first_not_of(' ');
+    return begin != std::string::npos && line.find("  ", begin) != std::string::npos;
+}
+
+// One code point an entry.
+std::vector<std::string> glyphs_of(const std::string& text) {
+    std::vector<std::string> glyphs;
+    for (const char c : text) {
+        if (glyphs.empty() || (static_cast<unsigned char>(c) & 0xc0U) != 0x80U) {
+            glyphs.emplace_back();
+        }
+        glyphs.back() += c;
+    }
+    return glyphs;
+}
+
+// Rows that are too wide, cut between columns into tables below each other; each begins with the first columns, as many
+// as tell the rows apart.
+class FoldedTable {
+public:
+    explicit FoldedTable(const std::vector<std::string>& rows) {
+        for (const std::string& row : rows) {
+            rows_.push_back(glyphs_of(row));
+            wide_ = std::max(wide_, rows_.back().size());
+        }
+        for (std::size_t c = 0; c < wide_; ++c) {
+            if (!is_blank(c) && (c < gap || (is_blank(c - 1) && is_blank(c - 2)))) {
+                begins_.push_back(c);
+            }
+        }
+        begins_.push_back(wide_ + gap);
+    }
+
+    std::vector<std::string> lines() const {
+        std::vector<std::string> lines;
+        const std::size_t columns = begins_.size() - 1;
+        std::size_t named = 1;
+        while (named + 1 < columns && begins_[named + 1] <= terminal_columns / 2 && !tells_apart(named)) {
+            ++named;
+        }
+        const std::size_t name = columns > 1 ? begins_[named] : 0; // the width of the first columns
+        const std::size_t most = name > terminal_columns / 2 ? 0 : terminal_columns - name;
+        for (std::size_t from = named, to = named; from < columns; from = to) {
+            for (to = from + 1; to < columns && begins_[to + 1] - gap - begins_[from] <= most;) {
+                ++to;
+            }
+            if (from > named) {
+                lines.emplace_back("");
+            }
+            for (std::size_t r = 0; r < rows_.size(); ++r) {
+                const std::string cells = trimmed(part(r, begins_[from], begins_[to]));
+                if (cells.empty() && from > named) {
+                    continue;
+                }
+                const std::string own = part(r, 0, name);
+                if (most > 0 && width(cells) <= most) {
+                    lines.push_back(trimmed(own + cells));
+                } else if (most > 0) { // a column of sentences
+                    const auto words = wrapped(cells, most, 0);
+                    for (std::size_t i = 0; i < words.size(); ++i) {
+                        lines.push_back((i == 0 ? own + std::string(name - width(own), ' ') : std::string(name, ' ')) +
+                                        words[i]);
+                    }
+                } else {
+                    const auto words = wrapped(own + cells, terminal_columns - 2, 2);
+                    for (const std::string& line : words) {
+                        lines.push_back("  " + line);
+                    }
+                }
+            }
+        }
+        return lines;
+    }
+
+private:
+    static constexpr std::size_t gap = 2;
+
+    bool is_blank(std::size_t column) const {
+        return std::all_of(rows_.begin(), rows_.end(),
+                           [&](const auto& row) { return column >= row.size() || row[column] == " "; });
+    }
+    bool tells_apart(std::size_t columns) const {
+        std::set<std::string> names;
+        for (std::size_t r = 0; r < rows_.size(); ++r) {
+            names.insert(part(r, 0, begins_[columns]));
+        }
+        return names.size() == rows_.size();
+    }
+    std::string part(std::size_t row, std::size_t from, std::size_t to) const {
+        std::string text;
+        for (std::size_t c = from; c < std::min(to, rows_[row].size()); ++c) {
+            text += rows_[row][c];
+        }
+        return text;
+    }
+
+    std::vector<std::vector<std::string>> rows_;
+    std::vector<std::size_t> begins_; // of the columns, then where another would begin
+    std::size_t wide_ = 0;
+};
+
+// A page in the width of the terminal: sentences wrapped, tables folded.
+std::string in_columns(const std::string& page) {
+    const std::vector<std::string> all = lines_of(page);
+    std::string text;
+    for (std::size_t i = 0; i < all.size();) {
+        std::size_t end = i;
+        bool is_wide = false;
+        while (end < all.size() && is_row(all[end])) {
+            is_wide = is_wide || width(all[end]) > terminal_columns;
+            ++end;
+        }
+        std::vector<std::string> lines;
+        if (end > i) {
+            lines.assign(all.begin() + static_cast<std::ptrdiff_t>(i), all.begin() + static_cast<std::ptrdiff_t>(end));
+            if (is_wide) {
+                lines = FoldedTable(lines).lines();
+            }
+        } else {
+            end = i + 1;
+            lines = {all[i]};
+            if (width(all[i]) > terminal_columns) {
+                const std::size_t indent = all[i].find_first_not_of(' ');
+                const std::size_t command = all[i].find("pavescape "); // which is pasted from one line
+                lines = wrapped(all[i].substr(0, command), terminal_columns - indent, 2);
+                if (command != std::string::npos) {
+                    lines.push_back("  " + all[i].substr(command));
+                }
+                for (std::string& line : lines) {
+                    line.insert(0, indent, ' ');
+                }
+            }
+        }
+        text += pave::join(lines, "\n") + "\n";
+        i = end;
+    }
+    return text;
 }
 
 std::string more(std::size_t count) {
@@ -114,7 +261,7 @@ std::string laid_out(const Answer& answer, Depth depth, const std::string& full,
         return text;
     }
     if (depth == Depth::full) {
-        return text + "\n" + full;
+        return text + "\n" + in_columns(full);
     }
     const std::vector<std::string> next =
         answer.next.empty() ? std::vector<std::string>() : wrapped("Next: " + answer.next, terminal_columns, 6);

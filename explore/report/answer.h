@@ -25,8 +25,9 @@ inline constexpr std::size_t terminal_columns = 80;
 // Broken at spaces into lines of at most `columns` code points, a longer word too; those after the first indented.
 std::vector<std::string> wrapped(const std::string& text, std::size_t columns, std::size_t indent);
 
-// full: the page with everything; stands behind the verdict where depth is full. In a brief answer no line is longer
-// than terminal_columns, and what does not fit into its lines is counted. colour: of the verdict.
+// full: the page with everything; stands behind the verdict where depth is full, its sentences wrapped and its tables
+// folded. No line is longer than terminal_columns; what does not fit into the lines of a brief answer is counted.
+// colour: of the verdict.
 std::string laid_out(const Answer& answer, Depth depth, const std::string& full, bool colour);
 
 // Of what a command keeps as NAME.json (fit, unique, diagnose, survey, road, sample).

@@ -1,4 +1,4 @@
-// What each command answers, out of what it keeps.
+// The answer of each command, out of what it keeps.
 #include "analysis/survey.h"
 #include "base/error.h"
 #include "base/text.h"
@@ -68,7 +68,7 @@ Answer fit_answer(const Json& json) {
     const auto on_bound = list(at(best, "at_bounds"));
     std::vector<std::string> unknown;
     answer.heading = "Best fit (standard errors; the study allows from ... to)";
-    answer.header = {"parameter", "value", "std. error", "from", "to"};
+    answer.header = {"parameter", "value", "std. error", "from", "to", ""};
     for (const Json& axis : at(json, "parameters")) {
         const std::string name = words(at(axis, "name"));
         const Json& error = at(at(best, "std_error"), name.c_str());
@@ -82,12 +82,12 @@ Answer fit_answer(const Json& json) {
                                : range.is_array() ? number(range[0]) + "-" + number(range[1])
                                : error.is_null()  ? "unknown"
                                                   : number(error),
-                               number(at(axis, "min")), number(at(axis, "max"))});
+                               number(at(axis, "min")), number(at(axis, "max")), ""});
     }
     for (const Json& response : at(json, "responses")) {
         if (!response.contains("measured")) {
             answer.rows.push_back(
-                {words(at(response, "name")), number(at(response, "value")), words(at(response, "unit")), "", ""});
+                {words(at(response, "name")), number(at(response, "value")), "", "", "", words(at(response, "unit"))});
         }
     }
     const auto readings = counted(at(json, "readings").get<std::size_t>(), "reading", "readings");
@@ -138,8 +138,13 @@ Answer unique_answer(const Json& json) {
     answer.heading = "What the data accept (95 %)";
     answer.header = {"", "best", "low", "high", "unit", ""};
     for (const Json& p : at(json, "profiles")) {
+        const std::string kind = words(at(p, "kind"));
         answer.rows.push_back({words(at(p, "name")), number(at(p, "best")), number(at(p, "low")), number(at(p, "high")),
-                               "", words(at(p, "kind"))});
+                               "",
+                               kind == "flat"                  ? "whole range"
+                               : kind == "bounded"             ? ""
+                               : kind == "bounded on one side" ? "to a bound"
+                                                               : kind});
     }
     const bool is_contradicted = at(at(json, "acceptance"), "widened") == true;
     for (const Json& o : at(json, "outputs")) {
@@ -150,7 +155,7 @@ Answer unique_answer(const Json& json) {
     if (answer.rows.empty()) {
         answer.header.clear();
     }
-    // What the table says already.
+    // Sentences that the table says already.
     std::erase_if(answer.notes, [](const std::string& s) {
         return s.starts_with("The data accept ") || s.find(" lies between ") != std::string::npos;
     });
@@ -176,6 +181,12 @@ Answer diagnose_answer(const Json& json) {
         const auto range = output_range(o, is_contradicted);
         answer.rows.push_back({words(at(o, "name")), number(at(o, "before")), number(at(o, "after")), range[0],
                                range[1], words(at(o, "unit"))});
+    }
+    if (!is_extended) { // the same before and after
+        const auto drop = [](std::vector<std::string>& row) { row.erase(row.begin() + 1); };
+        answer.header[1] = answer.header[2] = "value";
+        drop(answer.header);
+        std::for_each(answer.rows.begin(), answer.rows.end(), drop);
     }
     answer.next = take_next(answer.notes);
     if (is_extended) {
@@ -220,6 +231,9 @@ Answer survey_answer(const Json& json) {
     Answer answer;
     answer.lines = 30;
     answer.notes = list(at(json, "findings"));
+    std::erase_if(answer.notes, [](const std::string& s) { // how it was computed
+        return s.find(" searched by one reduced model") != std::string::npos;
+    });
     const Json& counts = at(json, "counts");
     const auto count = [&](const char* key) { return at(counts, key).get<std::size_t>(); };
     const std::string counted_words =
@@ -239,11 +253,24 @@ Answer road_answer(const Json& json) {
     answer.lines = 30;
     answer.notes = list(at(json, "findings"));
     const bool is_weak = !answer.notes.empty() && answer.notes[0].starts_with("Weak station");
-    const auto outliers = at(json, "outliers").size();
-    answer.verdict = (is_weak ? take_first(answer.notes) + " " : judged_words(at(json, "stations").size())) +
-                     fmt::format("{} as one experiment, {} left out as {}.",
-                                 counted(at(json, "stations").size(), "station", "stations"), outliers,
-                                 outliers == 1 ? "an outlier" : "outliers");
+    std::erase_if(answer.notes, [](const std::string& s) { // what the table says already
+        return s.find(", 95 % range ") != std::string::npos ||
+               s.find(" is not determined even by ") != std::string::npos;
+    });
+    constexpr std::size_t named = 3;
+    std::vector<std::string> outliers;
+    for (const Json& outlier : at(json, "outliers")) {
+        outliers.push_back(words(at(outlier, "station")));
+    }
+    const std::string left_out =
+        outliers.empty()
+            ? "none left out as an outlier"
+            : fmt::format("{} left out as {}",
+                          outliers.size() <= named ? pave::join(outliers) : std::to_string(outliers.size()),
+                          outliers.size() == 1 ? "an outlier" : "outliers");
+    answer.verdict =
+        (is_weak ? take_first(answer.notes) + " " : judged_words(at(json, "stations").size())) +
+        fmt::format("{} as one experiment, {}.", counted(at(json, "stations").size(), "station", "stations"), left_out);
     answer.heading = "What the stations have in common (95 %; ?: not determined)";
     answer.header = {"", "value", "from", "to", "times narrower"};
     for (const char* level : {"shared", "section_parameters"}) {

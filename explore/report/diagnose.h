@@ -11,7 +11,7 @@ void write_extended(const analysis::DiagnoseResult& result, const analysis::RunO
 
 // Of a diagnosis, or {"status", "reason"} where there is none.
 Json diagnose_json(const analysis::DiagnoseResult& result, const analysis::RunOptions& run);
-// What it says, without what was computed when.
+// The content of the page, without what was computed when.
 std::string diagnosis_page(const analysis::DiagnoseResult& result);
 std::string diagnose_text(const analysis::DiagnoseResult& result, const analysis::RunOptions& run);
 

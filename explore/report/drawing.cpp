@@ -6,7 +6,10 @@
 #include "run/program.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fmt/format.h>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
 
 namespace explore::report {
@@ -46,6 +49,21 @@ std::vector<Figure> wanted_figures(const FolderContents& contents, const Drawing
     return figures;
 }
 
+// At once: whoever reads the file meets the old picture or the new one, never a part.
+void draw(const Figure& figure, FigureFormat format, const std::string& file) {
+    const run::TemporaryFolder place;
+    const std::string drawn = place.path() + "/drawn";
+    run::write_file(place.path(), "script", gnuplot_script(figure, format, drawn));
+    const run::ProgramEnd end = run::run_program({"gnuplot", place.path() + "/script"});
+    std::ifstream picture(drawn, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(picture), {}};
+    if (end.status != 0 || bytes.empty()) {
+        throw std::runtime_error(fmt::format("gnuplot could not draw {}: {}", file, end.output));
+    }
+    const std::filesystem::path path(file);
+    run::write_file(path.parent_path().string(), path.filename().string(), bytes);
+}
+
 } // namespace
 
 std::vector<std::string> draw_figures(const FolderContents& contents, const DrawingOptions& options) {
@@ -66,10 +84,7 @@ std::vector<std::string> draw_figures(const FolderContents& contents, const Draw
         }
         const std::string file = fmt::format("{}/{}.{}", options.out, figure.name, ending);
         run::write_file(data, figure.name + ".gnuplot", gnuplot_script(figure, options.format, file));
-        const run::ProgramEnd end = run::run_program({"gnuplot", fmt::format("{}/{}.gnuplot", data, figure.name)});
-        if (end.status != 0) {
-            throw std::runtime_error(fmt::format("gnuplot could not draw {}: {}", file, end.output));
-        }
+        draw(figure, options.format, file);
         files.push_back(file);
     }
     return files;

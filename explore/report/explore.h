@@ -1,4 +1,4 @@
-// What the page of `explore` is told, as JSON; numbers in the units of the study, null where there is none.
+// The input of the page of `explore`, as JSON; numbers in the units of the study, null where there is none.
 #pragma once
 
 #include "analysis/explore.h"

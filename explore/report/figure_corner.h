@@ -1,4 +1,4 @@
-// What the corner figures share: parameters as axes, and where the panels stand.
+// Shared by the corner figures: parameters as axes, and where the panels stand.
 #pragma once
 
 #include "report/figure_key.h"
@@ -49,7 +49,7 @@ DataTable minima_table(const Json& minima, const std::vector<Parameter>& paramet
 // A bar of the colours, read at its right side.
 Panel colour_bar(double left, double bottom, double height, const std::vector<Colour>& colours,
                  const std::vector<Tick>& ticks, const std::string& label);
-// What a line of nodes stands for: from half way to the one before to half way to the one after.
+// The reach of a line of nodes: from half way to the one before to half way to the one after.
 std::vector<double> edges_of(const std::vector<double>& lines);
 
 } // namespace explore::report

@@ -28,14 +28,49 @@ std::string text_at(const Json& json, const std::string& key) {
     return json.value(key, std::string());
 }
 
+// The fall of chi2 by a candidate alone: of its fit, or the square of its score.
+double fall_of(const Json& candidate) {
+    const double fitted = -number_or_none(candidate.value("delta_chi2", Json()));
+    const double score = number_or_none(candidate.value("score_z", Json()));
+    return std::isnan(fitted) ? score * score : fitted;
+}
+
+// The fall that one of so many candidates reaches by chance in 5 % of cases: between those on either side of that
+// probability; not a number: all are on one side.
+double fall_by_chance(const Json& candidates) {
+    std::vector<std::pair<double, double>> all; // the square of the score, ln(p / 5 %)
+    for (const Json& candidate : candidates) {
+        const double score = number_or_none(candidate.value("score_z", Json()));
+        const double p = number_or_none(candidate.value("p_familywise", Json()));
+        if (std::isfinite(score) && p > 0.0) {
+            all.emplace_back(score * score, std::log(p / 0.05));
+        }
+    }
+    std::sort(all.begin(), all.end());
+    for (std::size_t i = 1; i < all.size(); ++i) {
+        const auto& [low, above] = all[i - 1];
+        const auto& [high, below] = all[i];
+        if (above > 0.0 && below <= 0.0) {
+            return low + (high - low) * above / (above - below);
+        }
+    }
+    return none;
+}
+
 } // namespace
 
 Figure candidates_figure(const Json& diagnose) {
-    const Json& candidates = diagnose.at("candidates");
+    std::vector<Json> candidates(diagnose.at("candidates").begin(), diagnose.at("candidates").end());
+    const auto known_fall = [](const Json& candidate) {
+        return std::isnan(fall_of(candidate)) ? -1.0 : fall_of(candidate);
+    };
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [&](const Json& a, const Json& b) { return known_fall(a) > known_fall(b); });
+    const double by_chance = fall_by_chance(diagnose.at("candidates"));
     const Json causes = diagnose.value("causes", Json::array());
     constexpr std::size_t most = 20;
     const std::size_t count = std::min(most, candidates.size());
-    Figure figure{.name = "candidates", .height = row * static_cast<double>(count) + 1.8};
+    Figure figure{.name = "candidates", .height = row * static_cast<double>(count) + 2.3};
     DataTable table{"candidates", {"effect", "on", "fall_of_chi2", "by", "named"}, {}};
     const auto name_of = [](const Json& candidate) {
         const std::string on = text_at(candidate, "on");
@@ -45,19 +80,18 @@ Figure candidates_figure(const Json& diagnose) {
     for (std::size_t c = 0; c < count; ++c) {
         longest = std::max(longest, name_of(candidates[c]).size());
     }
-    Panel panel = rows_panel(1.3, count, longest);
+    Panel panel = rows_panel(1.8, count, longest);
     figure.width = panel.left + panel.width + 0.5;
     Boxes bars;
     double highest = 1.0;
     for (std::size_t c = 0; c < count; ++c) {
         const Json& candidate = candidates[c];
         const auto effect = candidate.at("effect").get<std::string>();
-        const double fitted = -number_or_none(candidate.value("delta_chi2", Json()));
-        const double score = number_or_none(candidate.value("score_z", Json()));
-        const double fall = std::isnan(fitted) ? score * score : fitted;
+        const bool is_fitted = candidate.value("delta_chi2", Json()).is_number();
+        const double fall = fall_of(candidate);
         const bool named = std::find(causes.begin(), causes.end(), effect) != causes.end();
         table.rows.push_back(
-            {effect, text_at(candidate, "on"), cell(fall), std::isnan(fitted) ? "score" : "fit", named ? "yes" : "no"});
+            {effect, text_at(candidate, "on"), cell(fall), is_fitted ? "fit" : "score", named ? "yes" : "no"});
         const auto at = static_cast<double>(c);
         panel.y.ticks.push_back({at, name_of(candidate)});
         if (std::isfinite(fall)) {
@@ -70,9 +104,18 @@ Figure candidates_figure(const Json& diagnose) {
         }
     }
     panel.layers.emplace_back(std::move(bars));
+    if (std::isfinite(by_chance)) {
+        highest = std::max(highest, by_chance);
+        panel.layers.emplace_back(Line{.x = {by_chance, by_chance},
+                                       .y = {panel.y.low, panel.y.high},
+                                       .colour = black,
+                                       .width = 1.0,
+                                       .dashed = true});
+    }
     panel.x.high = 1.05 * highest;
     panel.x.ticks = round_ticks(0.0, panel.x.high, false, 6);
-    panel.x.label = "fall of χ² by each effect alone" + std::string(causes.empty() ? "" : "; dark: named as cause");
+    panel.x.label = "fall of χ² by each effect alone" + std::string(causes.empty() ? "" : "; dark: named as cause") +
+                    (std::isfinite(by_chance) ? "\ndashed: by chance in 5 % of cases" : "");
     figure.panels.push_back(std::move(panel));
     figure.tables = {std::move(table)};
     return figure;

@@ -1,4 +1,5 @@
-// The lowest misfit that was computed in the cells of every pair of parameters.
+// The misfit where it was computed, over every pair of parameters: a cell a node of a grid, else a mark a point. No
+// mark stands for what lies between.
 #include "report/figure_corner.h"
 
 #include <algorithm>
@@ -46,8 +47,8 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
         return cividis((std::floor(std::clamp(at, 0.0, 0.999) * shades) + 0.5) / shades);
     };
 
-    // A grid has a cell a value, other points so many cells that a few fall in each.
-    const auto cells_of = [&](std::size_t k) {
+    // Edges of the cells of a grid, one a value; empty: the points are not on one.
+    const auto cells_of = [&](std::size_t k) -> std::vector<double> {
         std::vector<double> values;
         values.reserve(all.size());
         for (const Point& point : all) {
@@ -66,12 +67,7 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
             edges.back() = 1.0;
             return edges;
         }
-        const int count = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(all.size()) / 3.0)), 4, 30);
-        std::vector<double> edges;
-        for (int i = 0; i <= count; ++i) {
-            edges.push_back(static_cast<double>(i) / count);
-        }
-        return edges;
+        return {};
     };
     std::vector<std::vector<double>> edges;
     for (std::size_t k = 0; k < n; ++k) {
@@ -81,6 +77,27 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
         const auto above = std::upper_bound(of.begin() + 1, of.end() - 1, unit);
         return static_cast<std::size_t>(above - of.begin()) - 1;
     };
+    const bool is_grid = std::none_of(edges.begin(), edges.end(), [](const auto& of) { return of.empty(); });
+    // The points in the order of drawing, the lowest last, above the others.
+    std::vector<const Point*> highest_first;
+    std::transform(all.begin(), all.end(), std::back_inserter(highest_first), [](const Point& p) { return &p; });
+    std::stable_sort(highest_first.begin(), highest_first.end(), [](const Point* a, const Point* b) {
+        return std::isnan(a->misfit) ? !std::isnan(b->misfit) : a->misfit > b->misfit;
+    });
+    const auto draw_points = [&](Panel& panel, const auto& place_of) {
+        std::vector<Line> marks; // of one colour each, as they follow each other
+        for (const Point* point : highest_first) {
+            const Colour colour = std::isnan(point->misfit) ? grey : shade(share(point->misfit));
+            if (marks.empty() || marks.back().colour != colour) {
+                const Marker marker = std::isnan(point->misfit) ? Marker::open_circle : Marker::circle;
+                marks.push_back({.colour = colour, .width = 0.0, .marker = marker, .marker_size = 0.45});
+            }
+            const auto [at_x, at_y] = place_of(*point);
+            marks.back().x.push_back(at_x);
+            marks.back().y.push_back(at_y);
+        }
+        panel.layers.insert(panel.layers.end(), marks.begin(), marks.end());
+    };
     bool holes = false;
     for (std::size_t x = 0; x < n; ++x) {
         for (std::size_t y = x; y < n; ++y) {
@@ -88,7 +105,7 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
             const Parameter& px = corner.parameters[x];
             const Parameter& py = corner.parameters[y];
             std::map<std::pair<std::size_t, std::size_t>, double> low; // not a number: tried, no answer
-            for (const Point& point : all) {
+            for (const Point& point : is_grid ? all : std::vector<Point>{}) {
                 const std::pair at{cell_at(edges[x], point.unit[x]), y == x ? 0 : cell_at(edges[y], point.unit[y])};
                 double& value = low.try_emplace(at, none).first->second;
                 if (!std::isnan(point.misfit) && !(value <= point.misfit)) {
@@ -105,13 +122,19 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
                         line.y.push_back(std::min(misfit, 100.0 * highest));
                     }
                 }
-                panel.layers.emplace_back(std::move(line));
+                if (is_grid) {
+                    panel.layers.emplace_back(std::move(line));
+                } else {
+                    draw_points(panel, [&](const Point& p) {
+                        return std::pair{px.physical(p.unit[x]), std::min(p.misfit, 100.0 * highest)};
+                    });
+                }
                 panel.y.low = lowest / std::pow(highest / lowest, 0.06);
                 panel.y.high = highest;
                 panel.y.log = true;
                 panel.y.ticks = round_ticks(panel.y.low, highest, true, 4);
                 panel.y.labelled = x == 0;
-                panel.y.label = x == 0 ? "lowest misfit" : "";
+                panel.y.label = x != 0 ? "" : is_grid ? "lowest misfit" : "misfit";
                 figure.panels.push_back(std::move(panel));
                 continue;
             }
@@ -127,7 +150,13 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
                     to.colours.push_back(shade(share(misfit)));
                 }
             }
-            panel.layers.emplace_back(std::move(boxes));
+            if (is_grid) {
+                panel.layers.emplace_back(std::move(boxes));
+            } else {
+                draw_points(panel, [&](const Point& p) {
+                    return std::pair{px.physical(p.unit[x]), py.physical(p.unit[y])};
+                });
+            }
             if (!failed.left.empty()) {
                 holes = true;
                 add_hatched(panel, std::move(failed));
@@ -154,12 +183,20 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
     if (holes) {
         key.box(grey, true, "no answer of the model");
     }
-    key.box(white, false, "white: nothing was computed");
+    if (!is_grid && misfits.size() < all.size()) {
+        key.mark({.colour = grey, .marker = Marker::open_circle, .marker_size = 0.6}, "no answer of the model");
+    }
+    if (is_grid) {
+        key.box(white, false, "white: nothing was computed");
+    } else {
+        key.text("each mark: a computed point;");
+        key.text("nothing is known between them");
+    }
     figure.width = std::max(figure.width, left + key.reach() + 0.2);
     Panel explained = key.done();
     const double bar_height = std::min(3.6, std::max(2.4, corner.side));
     figure.panels.push_back(colour_bar(left, explained.bottom - 0.95 - bar_height, bar_height, colours, ticks,
-                                       "lowest misfit computed in a cell"));
+                                       is_grid ? "lowest misfit computed in a cell" : "misfit"));
     figure.panels.push_back(std::move(explained));
     figure.tables = {std::move(points), minima_table(minima, corner.parameters)};
     return figure;

@@ -1,4 +1,4 @@
-// What `sample` leaves of the parameters: every pair, and each alone.
+// The posterior of the parameters that `sample` draws: every pair, and each alone.
 #include "report/figure_corner.h"
 
 #include <algorithm>
@@ -86,7 +86,7 @@ void look_at(Parameter& p, const std::vector<double>& unit, const Json& regions)
     p.to = std::min(high + margin, 1.0 + margin);
 }
 
-// What lies beyond the bounds of x and (not of a marginal) y.
+// The part beyond the bounds of x and (not of a marginal) y.
 bool add_outside(Panel& panel, const Parameter& x, const Parameter* y) {
     Boxes outside;
     const double low_y = y != nullptr ? y->physical(y->from) : panel.y.low;

@@ -1,4 +1,4 @@
-// Readings against the model, and what is left over in standard deviations.
+// Readings against the model, and the residual in standard deviations.
 #include "report/figures.h"
 
 #include <algorithm>
@@ -122,6 +122,28 @@ std::optional<std::pair<std::vector<double>, std::vector<double>>> cubic_through
     return curve;
 }
 
+// Borders of layers across a panel whose y is the depth [mm], downwards, and the names of those that it shows.
+void draw_layers(Panel& panel, const Json& layers) {
+    const double span = panel.y.high - panel.y.low;
+    double top = 0.0;
+    for (const Json& layer : layers) {
+        const double bottom = top + number_or_none(layer.value("thickness_mm", Json()));
+        const double begins = std::max(top, panel.y.low);
+        const double ends = std::isnan(bottom) ? panel.y.high : std::min(bottom, panel.y.high);
+        constexpr double readable = 0.07; // of the panel
+        if (ends - begins > readable * span) {
+            panel.notes.push_back(
+                {0.98, (panel.y.high - ends) / span + 0.04, layer.at("name").get<std::string>(), true, grey});
+        }
+        if (bottom > panel.y.low && bottom < panel.y.high) {
+            panel.layers.insert(
+                panel.layers.begin(),
+                Line{.x = {panel.x.low, panel.x.high}, .y = {bottom, bottom}, .colour = grey, .width = 0.8});
+        }
+        top = bottom;
+    }
+}
+
 DataTable readings_table(const std::string& name, const Json& readings, const std::vector<ComparedModel>& models,
                          bool residuals) {
     DataTable table{name, {"load", "quantity", "x_mm", "y_mm", "depth_mm", "series", "value", "unit"}, {}};
@@ -166,7 +188,7 @@ DataTable readings_table(const std::string& name, const Json& readings, const st
 
 } // namespace
 
-Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models) {
+Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models, const Json& layers) {
     const auto groups = groups_of(readings);
     Figure figure{.name = "fit"};
     const std::size_t columns = groups.size() == 1 ? 1 : 2;
@@ -292,6 +314,9 @@ Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models
         PlotAxis& place_axis = by_depth ? panel.y : panel.x;
         fit_range(value_axis, low, high, 5);
         fit_range(place_axis, first, last, 6);
+        if (by_depth) {
+            draw_layers(panel, layers);
+        }
         value_axis.label = fmt::format("{} ({})", quantity_words(group.quantity), unit_words(group.unit));
         place_axis.label = over_time ? "time (ms)" : by_depth ? "depth (mm)" : "distance x (mm)";
         place_axis.reversed = by_depth;

@@ -94,7 +94,7 @@ double median_of(std::vector<double> values) {
     return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
-// What is worth a look at a station: {kind, words}. What more than half of the stations have in common is not.
+// Points of interest at a station: {kind, words}. What more than half of the stations have in common is not.
 std::vector<std::pair<std::string, std::string>> warnings_of(const Road& road, std::size_t i) {
     static const std::map<std::string, std::string> kinds{
         {"doubtful", "doubtful"}, {"rejected", "rejected"}, {"no-fit", "not described"}, {"failed", "no answer"}};

@@ -93,6 +93,17 @@ std::optional<Compared> compared_in(const Json& results) {
     return std::nullopt;
 }
 
+// Of the study whose readings are compared.
+Json layers_in(const Json& results) {
+    for (const char* command : {"fit", "unique", "compare", "diagnose"}) {
+        if (results.contains(command)) {
+            const Json study = results.at(command).value("study", Json());
+            return study.is_object() ? study.value("layers", Json::array()) : Json::array();
+        }
+    }
+    return Json::array();
+}
+
 bool has_residuals(const Compared& compared) {
     return std::any_of(compared.models.begin(), compared.models.end(), [](const ComparedModel& model) {
         return std::any_of(model.residuals.begin(), model.residuals.end(), [](double r) { return std::isfinite(r); });
@@ -264,13 +275,13 @@ Figure make_figure(const FolderContents& contents, const std::string& name) {
         return profiles_figure(contents.results.at("unique"));
     }
     const Compared compared = compared_in(contents.results).value();
-    return name == "fit" ? fit_figure(compared.readings, compared.models)
+    return name == "fit" ? fit_figure(compared.readings, compared.models, layers_in(contents.results))
                          : residuals_figure(compared.readings, compared.models);
 }
 
 namespace {
 
-// What a panel shows of a parameter from low to high: a little more than what the data accept where that is a small
+// The span of a panel for a parameter from low to high: a little more than the accepted range where that is a small
 // part.
 std::pair<double, double> shown_of(double low, double high, bool log, double accepted_low, double accepted_high) {
     const auto at = [log](double value) { return log ? std::log(value) : value; };

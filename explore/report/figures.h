@@ -10,7 +10,7 @@ inline constexpr double none = std::numeric_limits<double>::quiet_NaN();
 // Of JSON; none where it is not a number.
 double number_or_none(const Json& value);
 
-// What a folder holds. results: {command: its JSON}; evaluations: as in report/page.h, or null.
+// The content of a folder. results: {command: its JSON}; evaluations: as in report/page.h, or null.
 struct FolderContents {
     Json results;
     Json evaluations;
@@ -40,7 +40,7 @@ Figure surface_figure(const Json& unique, const NamedPair& pair);
 std::vector<Figure> pair_figures(const FolderContents& contents, const NamedPair& pair);
 // The same of points that were computed: the lowest misfit in the cells of each pair. minima: [{"parameters"}].
 Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters, const Json& minima);
-// What `sample` leaves: the draws over every pair with the region that holds 95 % of them, each parameter alone with
+// The posterior of `sample`: the draws over every pair with the region that holds 95 % of them, each parameter with
 // its prior.
 Figure posterior_figure(const Json& sample);
 // The readings against the ranges in which its draws predict them.
@@ -61,13 +61,14 @@ struct ComparedModel {
     // 1990, Astronomy and Astrophysics 239), which the legend says, other readings by straight lines.
     Json curves = Json::array();
 };
-// What each effect alone would gain, and corrections over their places, of a diagnosis.
+// The gain of each effect alone, and corrections over their places, of a diagnosis.
 Figure candidates_figure(const Json& diagnose);
 Figure corrections_figure(const Json& diagnose);
 // Sobol's indices of every response, with their 95 % intervals.
 Figure sensitivity_figure(const Json& sensitivity);
 
-Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models);
+// layers: {"name", "thickness_mm"}, top down, whose borders are drawn where readings stand over the depth.
+Figure fit_figure(const Json& readings, const std::vector<ComparedModel>& models, const Json& layers = Json::array());
 Figure residuals_figure(const Json& readings, const std::vector<ComparedModel>& models);
 
 } // namespace explore::report

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "report/answer.h"
 #include "report/curves.h"
 #include "report/text.h"
 #include "run/program.h"
@@ -199,6 +200,7 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
     for (const Minimum& m : result.searches.minima) {
         json["minima"].push_back(minimum_json(result.problem, m));
     }
+    json["answer"] = answer_of("fit", json).verdict;
     return json;
 }
 

@@ -1,7 +1,7 @@
 #include "report/json.h"
 
+#include "base/units.h"
 #include "problem/censored.h"
-
 #include "report/model_words.h"
 
 #include <algorithm>
@@ -97,7 +97,18 @@ Json noise_scale_json(const problem::NoiseScale& scale) {
 }
 
 Json study_json(const study::Study& study) {
-    return {{"file", study.file}, {"title", study.title}, {"hash", study.hash}, {"model_words", model_words(study)}};
+    Json layers = Json::array(); // top down; the last without a thickness where it goes on for ever
+    for (std::size_t i = 0; i < study.model.layers.size() && !study.has_own_model; ++i) {
+        const bool is_endless = study.model.half_space && i + 1 == study.model.layers.size();
+        const auto& layer = study.model.layers[i];
+        layers.push_back({{"name", layer.name},
+                          {"thickness_mm", is_endless ? Json(nullptr) : Json(layer.thickness / pave::unit::mm)}});
+    }
+    return {{"file", study.file},
+            {"title", study.title},
+            {"hash", study.hash},
+            {"model_words", model_words(study)},
+            {"layers", std::move(layers)}};
 }
 
 Json status_counts(const std::vector<problem::Evaluation>& evaluations) {

@@ -65,7 +65,7 @@ Json contrast_json(const analysis::LocatedCorrection& found);
 void add_model_errors(Json& json, const study::Study& study, const std::optional<analysis::MeshError>& mesh,
                       const std::optional<analysis::PathError>& path);
 
-// What a reduced model was built of, the same whether now or before.
+// The inputs of a reduced model, the same whether now or before.
 Json reduced_json(const analysis::ReducedProblem& reduced);
 
 // {"converged": 240, "invalid-parameters": 16, ...}, every status named.

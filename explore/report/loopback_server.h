@@ -1,4 +1,4 @@
-// What servers for this machine alone share: where they listen, and until when.
+// Shared by servers for this machine alone: where they listen, and until when.
 #pragma once
 
 #include <functional>

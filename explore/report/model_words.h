@@ -1,4 +1,4 @@
-// What a study's model assumes, in sentences.
+// The assumptions of a study's model, in sentences.
 #pragma once
 
 #include "study/study.h"

@@ -6,7 +6,7 @@
 
 namespace explore::report {
 
-// What survey_json() gives, and what is common, the stations against the road, outliers, the conflict.
+// The JSON of survey_json() and what is common, the stations against the road, outliers, the conflict.
 Json road_json(const analysis::RoadResult& result);
 
 // A line a station: place, section, chi2, parameters by the road and by the station alone.

@@ -1,4 +1,4 @@
-// What the JSON of a survey says of its run.
+// The run of a survey in its JSON.
 #pragma once
 
 #include "analysis/road_files.h"

@@ -44,16 +44,18 @@ bool is_deep(std::string_view text) {
     return false;
 }
 
-// A result has no study, or one with a file, a title and a hash.
+// A result has no study, or one with a file, a title and a hash; its layers are a list.
 bool names_its_study(const Json& result) {
     if (!result.contains("study")) {
         return true;
     }
     const Json& of = result["study"];
-    return of.is_object() && std::all_of(of.begin(), of.end(), [](const Json& value) { return value.is_string(); });
+    return of.is_object() && std::all_of(of.items().begin(), of.items().end(), [](const auto& item) {
+        return item.key() == "layers" ? item.value().is_array() : item.value().is_string();
+    });
 }
 
-// What each command left in the folder when it was done.
+// The results that each command left in the folder when it was done.
 Json results_in(const std::filesystem::path& folder, const std::vector<std::string>& commands) {
     Json results = Json::object();
     for (const std::string& command : commands) {

@@ -1,4 +1,4 @@
-// What a run's folder holds, for the commands that show it.
+// The content of a run's folder, for the commands that show it.
 #pragma once
 
 #include "report/json.h"
@@ -17,7 +17,7 @@ struct RunFolder {
 // the result of one.
 RunFolder read_run_folder(const std::string& folder, const std::vector<std::string>& commands);
 
-// What was computed when, and how fast.
+// The sessions: when each computed, and how fast.
 Json sessions_json(const run::Store& store);
 
 // The studies that the results came from, as they were run. store: may be nullptr.

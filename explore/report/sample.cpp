@@ -103,7 +103,7 @@ std::vector<std::string> row_of(const std::string& name, const std::string& unit
             fmt::format("{:.0f}", m.ess)};
 }
 
-// What was known before the readings.
+// The header of the prior: what was known before the readings.
 std::string prior_header(const problem::Problem& problem) {
     const auto priors = problem.priors();
     if (priors.empty()) {

@@ -86,7 +86,7 @@ Json held_by_json(const study::Study& study, const analysis::StationFit& fit) {
 void add_fit(const SurveyResult& result, const StationResult& s, Json& json) {
     const analysis::StationFit& fit = *s.fit;
     const landscape::Minimum& best = fit.best;
-    // What is no back-calculation must not be read as one.
+    // Indices are no back-calculation and must not be read as one.
     json[s.is_fitted() ? "fit" : "attempt"] = {
         {"parameters", parameters_json(result.study->space, best.evaluation.parameters)},
         {"misfit", best.evaluation.misfit},

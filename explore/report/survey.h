@@ -6,7 +6,7 @@
 
 namespace explore::report {
 
-// What a deflection ratio is, and how D250 is read where no sensor stands there.
+// The deflection ratio, and how D250 is read where no sensor stands there.
 inline constexpr const char* ratio_words =
     "deflection ratio: D250/D0, the deflection 250 mm from the load centre over the one "
     "at the centre (as cited from the Austroads Guide to Pavement Technology Part 5)";

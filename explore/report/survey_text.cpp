@@ -95,7 +95,7 @@ std::string station_table(const SurveyResult& result) {
     return table.text();
 }
 
-// What is remarked, each once, with the stations that it holds for.
+// Remarks, each once, with the stations that it holds for.
 std::string remark_list(const SurveyResult& result) {
     constexpr std::size_t shown = 30;
     std::vector<std::pair<std::string, std::vector<std::string>>> remarks;
@@ -270,7 +270,7 @@ std::string section_table(const SurveyResult& result) {
     const auto words = [](const analysis::Percentiles& p) {
         return p.stations == 0 ? "" : fmt::format("{} / {} / {}", figure(p.p15), figure(p.p50), figure(p.p85));
     };
-    // What is not determined is in no percentile.
+    // A value that is not determined is in no percentile.
     const auto determined = [&](const analysis::Percentiles& p, std::size_t fitted) {
         return p.stations == fitted ? words(p)
                : p.stations == 0    ? fmt::format("? (0 of {})", fitted)
@@ -334,7 +334,7 @@ std::string survey_text(const SurveyResult& result) {
         text += "\nAlong the road\n" + strip_charts(result);
     }
     if (std::any_of(result.residuals.begin(), result.residuals.end(), [](const auto& r) { return r.one_sign; })) {
-        text += "\nWhat the model leaves over at the sensors (median over the stations)\n" + residual_table(result);
+        text += "\nResiduals of the model at the sensors (median over the stations)\n" + residual_table(result);
     }
     if (std::any_of(result.load_residuals.begin(), result.load_residuals.end(),
                     [](const auto& r) { return r.one_sign; })) {

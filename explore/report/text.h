@@ -1,4 +1,4 @@
-// What the pages of several commands share.
+// Shared by the pages of several commands.
 #pragma once
 
 #include "analysis/session.h"
@@ -13,10 +13,10 @@ namespace explore::report {
 // "asphalt 30 mm linear | base 277 mm uzan | ..." and what is varied.
 std::string study_summary(const study::Study& study);
 
-// The same with what is measured and asked for.
+// The same with what is measured and requested.
 std::string readings_summary(const study::Study& study);
 
-// What the header of every table of responses says.
+// The sign convention, for the header of every table of responses.
 inline constexpr std::string_view sign_convention =
     "deflection: positive down; strain and load-induced stress: positive in compression";
 

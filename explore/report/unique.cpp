@@ -396,8 +396,11 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
         for (std::size_t o = 0; o < u.outputs.size(); ++o) {
             const Range& r = u.outputs[o];
             const data::Reading& output = study.readings[outputs[o]];
+            const auto [low, high] = u.acceptance && u.acceptance->widened
+                                         ? analysis::widened({r.low, r.high}, result.outputs, outputs[o])
+                                         : std::pair(r.low, r.high);
             table.add({output.output, figure(output.in_unit(result.best().evaluation.responses[outputs[o]])),
-                       figure(output.in_unit(r.low)), figure(output.in_unit(r.high)), std::string(output.unit.name),
+                       figure(output.in_unit(low)), figure(output.in_unit(high)), std::string(output.unit.name),
                        std::string(landscape::profile_kind_names[static_cast<int>(kind_of(r))]),
                        with_constraint(short_words(space, r.low_end, r.low_bounds), result.problem, r.low_limits),
                        with_constraint(short_words(space, r.high_end, r.high_bounds), result.problem, r.high_limits)});
@@ -439,7 +442,7 @@ std::string unique_text(const UniqueResult& result, const analysis::RunOptions& 
     }
     text += minima.text();
     if (!next.effects.empty()) {
-        text += fmt::format("\nMost informative further readings (standard error left over)\n  {}\n", sign_convention);
+        text += fmt::format("\nMost informative further readings (remaining standard error)\n  {}\n", sign_convention);
         std::vector<std::string> columns = with_axes({"reading", "value", "noise", "unit"}, space);
         for (const std::size_t i : outputs) {
             columns.push_back(study.readings[i].output);

@@ -123,8 +123,12 @@ class Result(Record):
 
     @property
     def short(self) -> str:
-        """The short answer: what was found, in sentences, and the best values."""
+        """The short answer: the verdict, the best values, the two findings that matter most."""
         lines = [f"{self.kind} of \"{self['study']['title']}\"" if "study" in self else self.kind]
+        findings = self.get("findings", [])
+        verdict = self.get("answer") or next(iter(findings), None)
+        if verdict is not None:
+            lines.append(f"  {verdict}")
         best = self.get("best")
         if not self.get("complete", True):
             lines.append(f"  not finished after {self['time_s']:g} s: the best of {self['evaluations']} points so far")
@@ -135,9 +139,9 @@ class Result(Record):
                 lines.append(f"  {name} = {value:.5g}" + (f" (standard error {error:.2g})" if error is not None else ""))
             if self.chi2 is not None:
                 lines.append(f"  chi2 = {self.chi2:.4g}" + (f", p = {self.p_value:.2g}" if self.p_value is not None else ""))
-        lines += [f"  {sentence}" for sentence in self.get("findings", [])[:3]]
         if self.kind == "unique":
             lines += [f"  {p['name']} = {p['best']:.5g}, accepted {_end(p['low'])} to {_end(p['high'])}" for p in self.get("profiles", [])]
+        lines += [f"  {sentence}" for sentence in findings if sentence != verdict][:2]
         return "\n".join(lines)
 
     def __repr__(self) -> str:

@@ -33,7 +33,7 @@ def place():
         share = (1.0, 1.03, 0.98, 1.01, 1.4, 0.97, 1.02)[i]
         lines += [f"S{i:02},{25 * i},1,150,600," + ",".join(f"{d * share:.0f}" for d in bowl)]
     (folder / "road.csv").write_text("\n".join(lines) + "\n")
-    made = run("new", folder / "one.toml", "--from", folder / "road.csv", "--station", "S01")
+    made = run("new", folder / "one.toml", "--from", folder / "road.csv", "--station", "S01", "--linear", "--layers", "asphalt 90, base 280, subgrade")
     assert made.returncode == 0, made.stderr
     return folder
 
@@ -56,7 +56,9 @@ def test_an_answer_is_short_and_begins_with_its_verdict(place, command, most):
     assert "Next: " in brief.stdout
     assert len(full.stdout) > 1.5 * len(brief.stdout) > 1.5 * len(quiet.stdout)
     kept = json.loads((place / command / f"{command}.json").read_text())
-    assert kept["findings"] and all(words in full.stdout for words in kept["findings"]), "all findings stand in the full text"
+    told = " ".join(full.stdout.split())
+    assert kept["findings"] and all(words in told for words in kept["findings"]), "all findings stand in the full text"
+    assert max(map(len, full.stdout.splitlines())) <= 80, f"{command} --verbose: a line of {max(map(len, full.stdout.splitlines()))} columns"
 
 
 def test_a_survey_names_its_weak_station_first(place):

@@ -1,4 +1,4 @@
-"""Models of one's own: programs and UM-Bridge servers as forward functions, `serve`, what goes wrong with them."""
+"""Models of your own: programs and UM-Bridge servers as forward functions, `serve`, what goes wrong with them."""
 import http.server
 import math
 import signal
@@ -193,7 +193,7 @@ class Model:
 
 
 def serve(model, offers=("Evaluate",), port=0):
-    """(address, list of paths asked for, server)"""
+    """(address, list of paths requested, server)"""
     asked = []
 
     class Handler(http.server.BaseHTTPRequestHandler):

@@ -64,7 +64,7 @@ def compared(study):
 
 def test_the_law_of_the_data_is_preferred(compared):
     found, laws = compared
-    assert found["layer"] == "base" and set(laws) == {"linear", "uzan", "k-theta", "lade-nelson"}, "every law that was asked for"
+    assert found["layer"] == "base" and set(laws) == {"linear", "uzan", "k-theta", "lade-nelson"}, "every law that was requested"
     assert laws["uzan"]["p_value"] > 0.001, f"the law of the data fits: {laws['uzan']['p_value']}"
     assert laws["linear"]["p_value"] < 1e-4 and laws["linear"]["weight"] < 0.01, "a linear base does not fit what a stiffening one left"
     assert laws["linear"]["held_out_rms"] > 1.2 * laws["uzan"]["held_out_rms"], "and predicts worse what it was not shown"

@@ -53,7 +53,7 @@ def test_an_effect_of_no_size_is_none_and_a_sized_one_is_that_of_the_twin(catalo
         assert responses(null) == base, f"{name}: no bit changes at its null size"
         sized = write_study(folder, extended(f'[[effects]]\nname = "{name}"\nsize = {effect["typical"]}'), name="sized")
         values = responses(sized)
-        # One asked-for response, not measured: the instruments do not change it.
+        # One requested response, not measured: the instruments do not change it.
         if name in ("sensor-gain", "sensor-position", "outlier", "gauge-depth", "gauge-length", "load-offset"):
             assert abs(values[4] / base[4] - 1) < 2e-3, f"{name}: what is not measured changes with the mesh only"
         assert values[:4] != base[:4], f"{name}: the readings change"

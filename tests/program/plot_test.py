@@ -2,6 +2,7 @@
 import csv
 import math
 import os
+import re
 import xml.etree.ElementTree
 
 import pytest
@@ -56,8 +57,8 @@ def runs():
     # A diagnosis in numbers made up here: what `plot` draws of it.
     made_up = folder / "made-up"
     made_up.mkdir()
-    (made_up / "diagnose.json").write_text(json.dumps({"causes": ["load-magnitude"], "candidates": [{"effect": "load-magnitude", "on": "fwd", "delta_chi2": -9.0, "score_z": 3.0},
-        {"effect": "plate-rigidity", "on": "", "delta_chi2": None, "score_z": 1.5}], "corrections": [{"channel": "depth", "layer": "base", "unit": "mm", "at": [50, 150, 250],
+    (made_up / "diagnose.json").write_text(json.dumps({"causes": ["load-magnitude"], "candidates": [{"effect": "plate-rigidity", "on": "", "delta_chi2": None, "score_z": 1.5, "p_familywise": 0.9},
+        {"effect": "load-magnitude", "on": "fwd", "delta_chi2": -9.0, "score_z": 3.0, "p_familywise": 0.001}], "corrections": [{"channel": "depth", "layer": "base", "unit": "mm", "at": [50, 150, 250],
         "values": [0.8, 1.0, 1.3], "low": [0.7, 0.5, 1.1], "high": [0.9, 2.0, 1.5], "seen": [True, False, True]}]}))
 
     # A posterior of two moduli, one with a prior; and a road, one station of which cannot be.
@@ -123,9 +124,31 @@ def test_a_diagnosis_as_it_is_drawn(runs):
     made_up, _, _ = runs
     effects = list(csv.DictReader((made_up / "figures" / "data" / "candidates.csv").open()))
     assert [(r["effect"], float(r["fall_of_chi2"]), r["named"]) for r in effects] == [("load-magnitude", 9.0, "yes"), ("plate-rigidity", 2.25, "no")], \
-        f"falls of chi2: {effects}"
+        f"falls of chi2, the largest first: {effects}"
+    # The probability falls from 0.9 to 0.001 between the squares of the scores: 5 % by its logarithm.
+    chance = 2.25 + (9 - 2.25) * math.log(0.9 / 0.05) / math.log(0.9 / 0.001)
+    numbers = [float(n) for n in re.findall(r"(?<![\w.])\d+\.\d+(?![\w.])", (made_up / "figures" / "data" / "candidates.gnuplot").read_text())]
+    assert any(abs(n - chance) < 1e-3 for n in numbers), f"what chance reaches, {chance}: {numbers}"
     corrected = list(csv.DictReader((made_up / "figures" / "data" / "corrections.csv").open()))
     assert [(float(r["at"]), float(r["factor"]), r["seen"]) for r in corrected] == [(50, 0.8, "yes"), (150, 1.0, "no"), (250, 1.3, "yes")], f"corrections: {corrected}"
+
+
+def test_strains_over_the_depth_stand_in_their_layers():
+    gauges = folder / "gauges.toml"
+    assert run("new", gauges, "--linear", "--layers", "upper 253, lower 170, ground", "--gauges", "200,300,500").returncode == 0
+    assert run("fit", gauges, "--explore", 16, "--starts", 1, "--out", folder / "gauges").returncode == 0
+    assert run("plot", folder / "gauges", "fit").returncode == 0
+    script = (folder / "gauges" / "figures" / "data" / "fit.gnuplot").read_text()
+    assert all(name in script for name in ("upper", "lower", "ground")), "layers have their names"
+    for border in (253, 423):
+        assert len(re.findall(rf"^\s*[-\d.e]+ {border}$", script, re.M)) == 2, f"a line across at {border} mm: {script[-3000:]}"
+
+
+@pytest.mark.usefixtures("plotted")
+def test_a_sample_is_drawn_as_points():
+    # 20 points: in each of the panels as many marks, and no cells.
+    script = (folder / "map" / "figures" / "data" / "landscape.gnuplot").read_text()
+    assert "nothing is known between them" in script and "lowest misfit computed in a cell" not in script
 
 
 @pytest.mark.usefixtures("plotted")

@@ -27,7 +27,7 @@ def test_what_is_repeated_is_the_same_to_the_last_bit(out):
 
 
 def copied(out, name):
-    """A run of one's own, to be spoilt."""
+    """A run of your own, to be spoilt."""
     return shutil.copytree(out, folder / name)
 
 

@@ -23,9 +23,9 @@ TABLES = {
     "[data]": ('misfit = "weighted"', ()),
     "[data.noise]": ("relative = 0.05", ()),
     "[[loads]]": ("pressure_kPa = 600", ("patch", "wheels")),
-    "[[outputs]]": ('name = "subgrade-top-strain"', ("unit",)),  # of a model of one's own
-    "[[parameters]]": ('name = "base.n"', ("value",)),  # of a model of one's own
-    "[[effects]]": ("size = 1.0", ("layer", "thickness_mm", "parameter", "null", "typical", "range")),  # the last four: of a model of one's own
+    "[[outputs]]": ('name = "subgrade-top-strain"', ("unit",)),  # of a model of your own
+    "[[parameters]]": ('name = "base.n"', ("value",)),  # of a model of your own
+    "[[effects]]": ("size = 1.0", ("layer", "thickness_mm", "parameter", "null", "typical", "range")),  # the last four: of a model of your own
     "[[constraints]]": ('that = "base.k1 <= 8000"', ()),
 }
 

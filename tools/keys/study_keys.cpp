@@ -4,6 +4,7 @@
 #include "pavement/effects/catalog.h"
 #include "pavement/effects/effect.h"
 #include "pavement/parameter.h"
+#include "report/answer.h"
 #include "study/keys.h"
 
 #include <cmath>
@@ -12,6 +13,12 @@
 namespace {
 
 using namespace pave;
+
+// As tools/check/columns wraps a page.
+std::string in_lines(const std::string& text) {
+    constexpr std::size_t columns = 120;
+    return join(explore::report::wrapped(text, columns, 0), "\n");
+}
 
 std::string range(double low, double high, bool low_is_open) {
     return fmt::format("{} {:g}, up to {:g}", low_is_open ? "above" : "from", low, high);
@@ -65,14 +72,14 @@ int main() {
     fmt::print(
         "# Keys of a study\n\n"
         "Made from the program's own tables by `build/release/tools/keys/study_keys`; a test fails when this page is "
-        "stale. The unit of a\nkey is the end of its name.\n\n## Tables\n");
+        "stale. The\nunit of a key is the end of its name.\n\n## Tables\n");
     study_tables();
     fmt::print("\n## Layers\n\nThe numbers of a layer, whatever its law.\n\n");
     table(pavement::layer_keys());
     fmt::print("\n## Laws\n\nThe usual range is where `pavescape compare` looks for what a study does not bound.\n");
     for (const material::Law* law : material::laws()) {
-        fmt::print("\n### `{}`\n\n{}.\n\n| key | range | default | usual range | meaning |\n|---|---|---|---|---|\n",
-                   law->name(), law->summary());
+        fmt::print("\n### `{}`\n\n{}\n\n| key | range | default | usual range | meaning |\n|---|---|---|---|---|\n",
+                   law->name(), in_lines(fmt::format("{}.", law->summary())));
         for (const auto& info : law->parameters()) {
             std::string allowed = range(info.low, info.high, info.low_is_open);
             if (!info.choices.empty()) {

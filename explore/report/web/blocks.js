@@ -1,4 +1,4 @@
-// What the pages are built of. Everything from the data enters as text, never as markup.
+// Building blocks of the pages. Everything from the data enters as text, never as markup.
 "use strict";
 const blocks = (() => {
     const failures = [];
@@ -44,7 +44,7 @@ const blocks = (() => {
         heading.dataset.open = open ? "yes" : "";
         return heading;
     };
-    // What stands below a heading folds away under it.
+    // Content below a heading folds away under it.
     const folded = (children) => {
         const list = [];
         for (const child of children.flat(Infinity).filter((c) => c !== null && c !== undefined)) {
@@ -68,7 +68,7 @@ const blocks = (() => {
             make("tbody", {}, rows.map((row) => make("tr", {}, row.map((cell, c) =>
                 make("td", { className: leftColumns.includes(c) ? "words" : "" }, foldable(Number.isInteger(cell) ? plain(cell) : figure(cell)))))))));
 
-    // What all charts have in common.
+    // The layout shared by all charts.
     const dressed = (layout) => ({
         font: { family: "system-ui, sans-serif", size: 12, color: "#1b1f24" },
         margin: { l: 64, r: 16, t: 40, b: 56 },

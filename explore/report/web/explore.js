@@ -23,8 +23,8 @@
         if (!answer.ok) trouble.textContent = json.error || "The program refused this.";
         return answer.ok ? json : null;
     };
-    // Calls work() again and again while it is asked for more, one call at a time: what was asked for last is done last.
-    // Each call answers a promise that is kept when nothing more is asked for.
+    // Calls work() again and again while more is wanted, one call at a time: the last request is done last.
+    // Each call answers a promise that is kept when nothing more is wanted.
     const latest = (work) => {
         let running = null;
         let again = false;
@@ -87,7 +87,7 @@
             sentence.textContent = `χ² = ${figure(point.chi2)}, ${rise < 5e-4 ? "the minimum" : figure(rise) + " above the minimum"}` +
                 (state.limit === null ? "" : contradicted
                     ? `: by their stated noise the readings reject every point of this model (p = ${p.toPrecision(2)} at the minimum). ` +
-                        `With an error as large as the best fit leaves over this point lies ${accepted ? "within" : "outside"} what is left (a rise of ${figure(state.limit)}).`
+                        `With an error as large as the residuals of the best fit this point lies ${accepted ? "within" : "outside"} what is left (a rise of ${figure(state.limit)}).`
                     : `: the readings ${accepted ? "accept" : "reject"} this point (a rise of ${figure(state.limit)} above the minimum is accepted).`) +
                 (point.full && state.model === "reduced" ? " The full model answered: the reduced one is not sure here." : "");
         };
@@ -176,7 +176,7 @@
             const value = axis(`${readings[g.rows[0]].quantity_words} (${g.unit})`, { range: g.quantity === "deflection" && !g.overTime ? [g.range[1], g.range[0]] : g.range });
             const layout = dressed({ height: 350, title: { text: g.title }, dragmode: false, margin: { l: 64, r: 12, t: 36, b: 80 }, legend: { orientation: "h", y: -0.24 },
                 xaxis: g.byDepth ? value : axis(g.overTime ? "time (ms)" : "distance from the load (mm)", { range: ends(at) }), yaxis: g.byDepth ? axis("depth (mm)", { range: ends(at).reverse() }) : value });
-            // What moves with a slider alone is moved over axes and legend that stay, at half the cost of drawing them again.
+            // Lines that move with a slider are drawn alone, over axes and legend that stay, at half the cost of drawing them again.
             const places = traces.map(({ x, y }) => JSON.stringify([x, y]));
             const rest = JSON.stringify([layout, traces.map(({ x, y, ...others }) => others)]);
             const moving = places.map((_, k) => k).filter((k) => g.drawn && places[k] !== g.drawn.places[k]);
@@ -331,7 +331,7 @@
             landscapeNote.textContent = "computing ...";
             const answer = await ask("landscape", { ...place(), x, y, lines: fitted ? 15 : lines, fitted: fitted ? 1 : 0 });
             landscapeNote.textContent = `${fitted ? "χ² with the other parameters fitted at every point." : "χ² with the other parameters as on the sliders."} ` +
-                (state.limit === null ? "" : state.noise.widened ? "Orange line: the border of what is left with an error as large as the best fit leaves over. " : "Orange line: the border of what the readings accept. ") + "Click or drag in it to move there.";
+                (state.limit === null ? "" : state.noise.widened ? "Orange line: the border of what is left with an error as large as the residuals of the best fit. " : "Orange line: the border of what the readings accept. ") + "Click or drag in it to move there.";
             if (!answer || answer.status !== "computed") return;
             grid = answer;
             await drawLandscape();
@@ -469,7 +469,7 @@
         document.title = `${state.study.title} – explore`;
         const header = (names) => make("thead", {}, make("tr", {}, names.map((n) => make("th", {}, n))));
         root.append(make("header", {}, make("h1", {}, state.study.title), make("p", { className: "soft" }, state.model_words + (state.noise.stated && !state.noise.widened ? ""
-            : state.noise.widened ? " The stated noise does not explain the misfit: what is left in the landscape counts with an error as large as the best fit leaves over." : " The noise is not stated: χ² counts in what the best fit leaves over."))), trouble, sentence,
+            : state.noise.widened ? " The stated noise does not explain the misfit: what is left in the landscape counts with an error as large as the residuals of the best fit." : " The noise is not stated: χ² counts in the residuals of the best fit."))), trouble, sentence,
             make("div", { className: "panes" },
                 make("section", { className: "hands" }, make("h2", {}, "Parameters"), sliders.map((s) => s.box),
                     make("div", { className: "choices" }, state.minima.slice(0, 6).map((m, k) => button(state.minima.length > 1 ? `minimum ${k + 1} (χ² ${figure(m.chi2)})` : "to the minimum", () => go(m.at.slice()))),

@@ -314,12 +314,13 @@
 
     // -- one section a command ------------------------------------------------------------------------------------
 
-    // What a command says first stands at the top of the page, or of its section where another command's does.
+    // The first sentence of a command stands at the top of the page, or of its section where another command's does.
     const summary = ["unique", "sample", "diagnose", "compare", "fit", "sensitivity", "road", "survey", "map"].find((c) => results[c] && ((results[c].findings || []).length || c === "survey"));
     const opening = (command, about) => {
-        const said = (results[command].findings || []).map(say);
-        return [command !== summary && said.length ? make("p", { className: "verdict" }, said[0]) : null,
-            about ? make("p", { className: "soft" }, about) : null, said.length > 1 ? [part("Findings"), words(said.slice(1))] : null];
+        const answer = summaries.answerOf(results[command]);
+        const said = summaries.detailsOf(results[command]);
+        return [command !== summary && answer ? make("p", { className: "verdict" }, answer) : null,
+            about ? make("p", { className: "soft" }, about) : null, said.length ? [part("Findings"), words(said)] : null];
     };
     let pictured = null; // the result whose readings are drawn beside the summary
     // Ranges beside each other, each within what was tried: {name, best, low, high, min, max, log}.
@@ -446,7 +447,7 @@
         const left = (c) => Object.entries({ ...c.standard_error_after_over_before, ...c.outputs_after_over_before })
             .filter(([, v]) => typeof v === "number").map(([n, v]) => `${inWords(n).name} ${(100 * v).toFixed(0)} %`).join(", ");
         return list.length === 0 ? [] : [part("Most informative further readings"),
-            table(["reading", "noise", "standard error left over"], list.map((c) => [say(c.reading), `${figure(c.sigma)} ${wording.unit(c.unit)}`, left(c)]), [0, 2])];
+            table(["reading", "noise", "remaining standard error"], list.map((c) => [say(c.reading), `${figure(c.sigma)} ${wording.unit(c.unit)}`, left(c)]), [0, 2])];
     };
 
     // The draws over every pair of parameters, and each alone as a histogram, all by their weights.

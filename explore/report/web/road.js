@@ -24,7 +24,7 @@ const roads = (() => {
         const middle = medianOf(values);
         return { middle, spread: 1.4826 * medianOf(values.map((v) => Math.abs(v - middle))) };
     };
-    // What an engineer goes to look at: {station, kind: "weak" or "fails" or "none", why, share}, the worst first. Weak: a deflection half as much again as the median
+    // Stations worth a visit: {station, kind: "weak" or "fails" or "none", why, share}, the worst first. Weak: a deflection half as much again as the median
     // of its section or more, or a modulus of at most two thirds, and beyond three robust deviations of the section's logarithms.
     const notable = (r) => {
         const found = new Map();
@@ -142,7 +142,7 @@ const roads = (() => {
                 (notables.some((n) => n.kind === "weak") ? "Red: weak. " : "") + (notables.some((n) => n.kind === "fails") ? "Amber: fails the deflection ratio. " : "") + "A click on a station shows its bowl." });
     };
     const positions = (r) => r.stations.filter((s) => typeof s.latitude === "number" && typeof s.longitude === "number");
-    // What stands beside the summary: the map, or without positions the deflections along the road.
+    // The picture beside the summary: the map, or without positions the deflections along the road.
     const picture = (r) => (positions(r).length > 1 ? map(r, notable(r), bowlOf(r)) : deflections(r));
 
     // Positions in kilometres from their middle, by the colour of the deflection.

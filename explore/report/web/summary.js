@@ -1,4 +1,4 @@
-// What stands at the top of a page: a verdict in a sentence, at most three numbers with their ranges, what to do next.
+// The top of a page: a verdict in a sentence, at most three numbers with their ranges, what to do next.
 "use strict";
 const summaries = (() => {
     const { figure } = blocks;
@@ -43,7 +43,11 @@ const summaries = (() => {
                 const range = (best.ranges_95 || {})[n];
                 const p = span.get(n);
                 const loose = p && known(error(n)) && error(n) > 0.5 * (p.scale === "log" ? v * Math.log(p.max / p.min) : p.max - p.min);
-                return range ? { n, v, low: range[0], high: range[1] } : known(error(n)) && !loose && !(best.at_bounds || []).includes(n) ? { n, v, low: v - 1.96 * error(n), high: v + 1.96 * error(n) } : { n, v };
+                if (range) return { n, v, low: range[0], high: range[1] };
+                if (!known(error(n)) || loose || (best.at_bounds || []).includes(n)) return { n, v };
+                const reach = 1.96 * error(n); // on the scale of the parameter, within its bounds
+                const [low, high] = p && p.scale === "log" ? [v * Math.exp(-reach / v), v * Math.exp(reach / v)] : [v - reach, v + reach];
+                return { n, v, low: p ? Math.max(low, p.min) : low, high: p ? Math.min(high, p.max) : high };
             });
             return { numbers: byWidth(list).map((q) => parameterNumber(q.n, q.v, q.low, q.high)),
                 action: `One best fit is not the only answer: pavescape unique ${(r.study || {}).file || "STUDY"} says which other values fit as well.` };
@@ -67,13 +71,15 @@ const summaries = (() => {
         map: (r) => ({ numbers: [], action: `The lowest points are starts, not answers: pavescape fit ${(r.study || {}).file || "STUDY"} goes on from such.` }),
     };
 
+    // The sentence that the terminal begins with, and the findings beside it.
+    const answerOf = (r) => say(r.answer || (r.findings || [])[0] || "");
+    const detailsOf = (r) => (r.findings || []).filter((s, i) => i > 0 || (r.answer && r.answer !== s)).map(say);
     // null: this command has none.
     const summaryOf = (command, r) => {
-        const said = (r.findings || []).map(say);
-        if (!of[command] || said.length === 0) return null;
+        if (!of[command] || !answerOf(r)) return null;
         const { numbers, action } = of[command](r);
-        return { verdict: said[0], numbers: numbers.slice(0, 3), action };
+        return { verdict: answerOf(r), numbers: numbers.slice(0, 3), action };
     };
 
-    return { widest, rejected, summaryOf };
+    return { widest, rejected, summaryOf, answerOf, detailsOf };
 })();
