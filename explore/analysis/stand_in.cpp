@@ -123,7 +123,8 @@ std::optional<ReducedProblem> stand_in(Session& session, const problem::Problem&
             for (const Surprise& s : surprises) {
                 ratios.push_back(s.of_deviation);
             }
-            now->factor = quantile_95(std::move(ratios));
+            constexpr double least = 0.5; // a batch may flatter
+            now->factor = std::max(least, quantile_95(std::move(ratios)));
         }
         if (design.points.size() >= most) {
             break;
