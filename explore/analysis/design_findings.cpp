@@ -70,11 +70,13 @@ std::string step_words(const DesignResult& result, const NarrowingStep& step) {
 // Nothing: hardly anything is open, or nothing tells of it.
 std::vector<std::string> next_words(const DesignResult& result) {
     constexpr double wide = 2.0;
+    constexpr double dear = 5.0; // mm
     constexpr double worth = 0.9;
     const CriterionLife& first = result.governing();
     std::vector<std::string> words;
-    if (!result.no_range.empty() || result.next.empty() || result.next[0].left > worth ||
-        !(first.allowable.high > wide * first.allowable.low)) {
+    const bool is_open =
+        first.allowable.high > wide * first.allowable.low || result.overlay->cost().value_or(0.0) >= dear;
+    if (!result.no_range.empty() || result.next.empty() || result.next[0].left > worth || !is_open) {
         return words;
     }
     words.push_back(fmt::format("What would decide: {}.", step_words(result, result.next[0])));
@@ -165,8 +167,7 @@ std::vector<std::string> findings(const DesignResult& result) {
                                         std::isfinite(c.strain.best)
                                             ? fmt::format("{} microstrain", figure(c.strain.best))
                                             : fmt::format("{:.2g} repetitions", c.allowable.best),
-                                        c.criterion.law, fmt::format("{:.0g}", c.criterion.guide->least),
-                                        fmt::format("{:.0g}", c.criterion.guide->most)));
+                                        c.criterion.law, power_of_ten(c.least()), power_of_ten(c.most())));
         }
     }
     for (std::string& step : next_words(result)) {

@@ -15,15 +15,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Axes that a core tells: moduli of linear layers that others lie below.
+// Axes that a core tells: the modulus of a linear top layer above others.
 std::vector<std::size_t> cored_axes(const study::Study& study) {
     std::vector<std::size_t> axes;
     for (std::size_t k = 0; k < study.parameters.size(); ++k) {
         const auto& p = study.parameters[k];
-        const auto layer = static_cast<std::size_t>(p.owner);
-        if (p.law_index && layer + 1 < study.model.layers.size() &&
-            study.model.layers[layer].law->parameters()[*p.law_index].key == "modulus_MPa" &&
-            !study.model.layers[layer].law->stress_dependent()) {
+        const auto& law = *study.model.layers[0].law;
+        if (p.law_index && p.owner == 0 && study.model.layers.size() > 1 && !law.stress_dependent() &&
+            law.parameters()[*p.law_index].key == "modulus_MPa") {
             axes.push_back(k);
         }
     }

@@ -16,11 +16,11 @@ struct NarrowingStep {
     std::string words() const;
 };
 
-inline constexpr double core_error = 0.1; // relative, of the modulus of a bound layer by a test of a core
+inline constexpr double core_error = 0.1; // relative, of the modulus of the top layer by a test of a core
 
-// Every reading that could be taken, and a core of each layer whose linear modulus is sought above the last one, the
-// most telling first. study: without what its criteria read; fitted: its problem, in units of noise; best: its best
-// minimum, with derivatives; gradient: of ln(life) by the unit coordinates. Empty: no answer there.
+// Every reading that could be taken, and a core of a linear top layer whose modulus is sought, the most telling first.
+// study: without what its criteria read; fitted: its problem, in units of noise; best: its best minimum, with
+// derivatives; gradient: of ln(life) by the unit coordinates. Empty: no answer there.
 std::vector<NarrowingStep> narrowing_steps(const study::Study& study, const problem::Problem& fitted,
                                            const landscape::Acceptance& acceptance, const landscape::Minimum& best,
                                            const Eigen::VectorXd& gradient);
