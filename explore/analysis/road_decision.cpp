@@ -1,9 +1,13 @@
 #include "analysis/road_decision.h"
 
 #include "hypotheses/evidence.h"
+#include "inference/quantiles.h"
+#include "pavement/effects/catalog.h"
+#include "study/variants.h"
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 #include <set>
 
@@ -96,6 +100,21 @@ double road_evidence(double chi2, double dof, const problem::Axis& axis, double 
     prior.add_size(axis.unit(axis.start), axis.unit(typical), size);
     prior.cut_off(size, deviation);
     return evidence_beyond(chi2, dof, MatrixXd::Constant(1, 1, 1.0 / deviation), prior).log;
+}
+
+void set_gain(RoadEffect& effect, double offset_mm, double share, double deviation, double dof) {
+    const auto& gain = *pave::pavement::find_effect(sensor_gain);
+    const problem::Axis axis = study::size_axis(gain);
+    const double half = inference::two_sided_95 * deviation;
+    effect.size = std::exp(share);
+    effect.low = std::exp(share - half);
+    effect.high = std::exp(share + half);
+    effect.ends_range = effect.low <= axis.low || effect.high >= axis.high;
+    effect.log_evidence =
+        road_evidence(*effect.chi2, dof, axis, gain.typical, std::clamp(axis.unit(effect.size), 0.0, 1.0),
+                      deviation / std::log(axis.high / axis.low));
+    effect.words = fmt::format("the sensor at {:g} mm reads {:.1f} % too {}", offset_mm,
+                               100.0 * std::abs(effect.size - 1.0), effect.size > 1.0 ? "much" : "little");
 }
 
 void decide_on_road(RoadDiagnosis& d, const std::vector<RoadConfounding>& confounding) {

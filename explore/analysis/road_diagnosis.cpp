@@ -5,7 +5,6 @@
 #include "base/units.h"
 #include "diagnose/screening.h"
 #include "inference/quantiles.h"
-#include "pavement/effects/catalog.h"
 #include "pavement/effects/effect.h"
 #include "study/variants.h"
 
@@ -28,7 +27,6 @@ constexpr double moves = 1.0;   // standard deviations that crossing the box mus
 constexpr double behind = 10.0; // fall of chi2 below the most promising candidate's, of those that are fitted
 constexpr std::size_t most_fits = 5;
 constexpr int fit_number = 3000;
-constexpr std::string_view sensor_scale = "sensor-gain";
 // Each run of it is a march in time.
 const std::vector<std::string> without = {"inertia"};
 
@@ -328,7 +326,7 @@ private:
             const Lack& lack = lacks_[at];
             RoadEffect effect;
             effect.candidate = at;
-            effect.name = lack.variant ? std::string(lack.variant->applied.effect->name) : std::string(sensor_scale);
+            effect.name = lack.variant ? std::string(lack.variant->applied.effect->name) : std::string(sensor_gain);
             const bool is_layout = lack.variant && !lack.variant->applied.offsets.empty();
             effect.kind = is_layout ? hypotheses::Kind::layout : hypotheses::Kind::effect;
             effect.on = is_layout        ? lack.variant->on
@@ -383,22 +381,11 @@ private:
         return true;
     }
 
-    // What a sensor reads is multiplied by a factor: linear in its logarithm.
+    // The readings of a sensor are multiplied by a factor: linear in its logarithm.
     void take_gain(RoadEffect& effect, double chi2) const {
         judge(effect, chi2);
-        const auto& gain = *pave::pavement::find_effect(sensor_scale);
-        const problem::Axis axis = study::size_axis(gain);
         const auto& [share, deviation] = gains_.at(effect.candidate);
-        const double half = inference::two_sided_95 * deviation;
-        effect.size = std::exp(share);
-        effect.low = std::exp(share - half);
-        effect.high = std::exp(share + half);
-        const double unit = std::clamp(axis.unit(effect.size), 0.0, 1.0);
-        effect.ends_range = effect.low <= axis.low || effect.high >= axis.high;
-        effect.log_evidence =
-            road_evidence(chi2, result_.dof, axis, gain.typical, unit, deviation / std::log(axis.high / axis.low));
-        effect.words = fmt::format("the sensor at {:g} mm reads {:.1f} % too {}", *lacks_[effect.candidate].offset_mm,
-                                   100.0 * std::abs(effect.size - 1.0), effect.size > 1.0 ? "much" : "little");
+        set_gain(effect, *lacks_[effect.candidate].offset_mm, share, deviation, result_.dof);
     }
 
     // How often the readings tell each of the fitted effects from the one that promises most.
