@@ -1,8 +1,8 @@
 // How an analysis is called from Python: arguments checked, away from the interpreter's lock, ended by Ctrl-C.
 #pragma once
 
-#include "analysis/option_ranges.h"
-#include "analysis/session.h"
+#include "analysis/common/option_ranges.h"
+#include "analysis/common/session.h"
 #include "report/best_so_far.h"
 #include "run/budget.h"
 #include "run/files.h"

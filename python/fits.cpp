@@ -1,7 +1,7 @@
 // Fits of a study, and where they fit.
 #include "analyses.h"
 
-#include "analysis/starts.h"
+#include "analysis/common/starts.h"
 #include "call.h"
 #include "report/fit.h"
 #include "report/map.h"

@@ -1,10 +1,10 @@
 // The compiled part of the Python module: everything checked, no argument has a default. What a user sees is in
 // pavescape/.
 #include "analyses.h"
-#include "analysis/design.h"
-#include "analysis/fit.h"
-#include "analysis/sample.h"
-#include "analysis/sensitivity.h"
+#include "analysis/design/design.h"
+#include "analysis/fit/fit.h"
+#include "analysis/sample/sample.h"
+#include "analysis/sample/sensitivity.h"
 #include "base/error.h"
 #include "base/passing_failure.h"
 #include "call.h"

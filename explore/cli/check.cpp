@@ -1,8 +1,8 @@
 // pavescape check: reads a study to the end, says what would run and how long it would take.
-#include "analysis/check.h"
-#include "analysis/layout.h"
-#include "analysis/repeated_rows.h"
-#include "analysis/run_cost.h"
+#include "analysis/studies/check.h"
+#include "analysis/common/layout.h"
+#include "analysis/common/repeated_rows.h"
+#include "analysis/common/run_cost.h"
 #include "base/text.h"
 #include "cli/commands.h"
 #include "report/text.h"

@@ -1,6 +1,6 @@
 #include "cli/common.h"
 
-#include "analysis/run_cost.h"
+#include "analysis/common/run_cost.h"
 #include "run/message.h"
 #include "run/parallel.h"
 #include "run/progress.h"

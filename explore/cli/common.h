@@ -1,8 +1,8 @@
 // Shared by the commands: options, how a result is handed over, the table of commands.
 #pragma once
 
-#include "analysis/option_ranges.h"
-#include "analysis/session.h"
+#include "analysis/common/option_ranges.h"
+#include "analysis/common/session.h"
 #include "report/answer.h"
 #include "run/budget.h"
 

@@ -1,6 +1,6 @@
 // pavescape fit: explore, then refine the best starts.
 #include "report/fit.h"
-#include "analysis/starts.h"
+#include "analysis/common/starts.h"
 #include "cli/commands.h"
 
 namespace explore::cli {

@@ -1,4 +1,4 @@
-#include "analysis/build.h"
+#include "analysis/explore/build.h"
 #include "base/error.h"
 #include "cli/commands.h"
 #include "run/blas.h"

@@ -1,5 +1,5 @@
 // pavescape new: a commented study to start from, with readings to replace.
-#include "analysis/new_study.h"
+#include "analysis/studies/new_study.h"
 #include "cli/commands.h"
 #include "run/files.h"
 #include "run/program.h"

@@ -1,5 +1,5 @@
 // pavescape rerun: does everything a run's folder holds once more, elsewhere, and says where the two differ first.
-#include "analysis/build.h"
+#include "analysis/explore/build.h"
 #include "base/text.h"
 #include "cli/commands.h"
 #include "run/files.h"

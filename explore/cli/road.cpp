@@ -1,5 +1,5 @@
 // pavescape road: the stations of a road as one experiment, whose material is the same.
-#include "analysis/road.h"
+#include "analysis/road/road.h"
 #include "cli/road_input.h"
 #include "report/road.h"
 #include "report/survey.h"

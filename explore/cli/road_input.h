@@ -1,8 +1,8 @@
 // Shared by survey and road: the files of a road, which of their drops, and how a result is handed over.
 #pragma once
 
-#include "analysis/road_files.h"
-#include "analysis/survey.h"
+#include "analysis/road/road_files.h"
+#include "analysis/survey/survey.h"
 #include "cli/commands.h"
 
 namespace explore::cli {

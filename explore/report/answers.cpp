@@ -1,5 +1,5 @@
 // The answer of each command, out of what it keeps.
-#include "analysis/survey.h"
+#include "analysis/survey/survey.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "report/answer.h"

@@ -1,7 +1,7 @@
 // The answer of a command whose time was over before it was finished.
 #pragma once
 
-#include "analysis/best_so_far.h"
+#include "analysis/common/best_so_far.h"
 #include "report/json.h"
 
 namespace explore::report {

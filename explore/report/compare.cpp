@@ -1,6 +1,6 @@
 #include "report/compare.h"
 
-#include "analysis/build.h"
+#include "analysis/explore/build.h"
 #include "base/text.h"
 #include "material/law.h"
 #include "report/text.h"

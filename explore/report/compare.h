@@ -1,7 +1,7 @@
 // A comparison of laws as JSON and as a page of the terminal.
 #pragma once
 
-#include "analysis/compare.h"
+#include "analysis/compare/compare.h"
 #include "report/json.h"
 
 namespace explore::report {

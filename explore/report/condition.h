@@ -1,7 +1,7 @@
 // Condition classes, structural numbers and the characteristic deflection of a surveyed road, as JSON.
 #pragma once
 
-#include "analysis/survey.h"
+#include "analysis/survey/survey.h"
 #include "report/json.h"
 
 namespace explore::report {

@@ -1,7 +1,7 @@
 // The model between the sensors, as JSON.
 #pragma once
 
-#include "analysis/curves.h"
+#include "analysis/common/curves.h"
 #include "report/json.h"
 
 namespace explore::report {

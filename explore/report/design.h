@@ -1,7 +1,7 @@
 // Lives and overlay as JSON and as a page of the terminal.
 #pragma once
 
-#include "analysis/design.h"
+#include "analysis/design/design.h"
 #include "report/json.h"
 
 namespace explore::report {

@@ -1,7 +1,7 @@
 #include "report/diagnose.h"
 
-#include "analysis/build.h"
-#include "analysis/diagnose_verdict.h"
+#include "analysis/diagnose/diagnose_verdict.h"
+#include "analysis/explore/build.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "pavement/effects/effect.h"

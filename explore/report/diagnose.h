@@ -1,7 +1,7 @@
 // A diagnosis as JSON and as a page.
 #pragma once
 
-#include "analysis/diagnose.h"
+#include "analysis/diagnose/diagnose.h"
 #include "report/json.h"
 
 namespace explore::report {

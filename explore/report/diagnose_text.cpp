@@ -1,7 +1,7 @@
 // A diagnosis as a page of the terminal.
 #include "report/diagnose.h"
 
-#include "analysis/diagnose_verdict.h"
+#include "analysis/diagnose/diagnose_verdict.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "pavement/effects/effect.h"

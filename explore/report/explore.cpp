@@ -1,6 +1,6 @@
 #include "report/explore.h"
 
-#include "analysis/build.h"
+#include "analysis/explore/build.h"
 #include "report/curves.h"
 #include "report/figure.h"
 

@@ -1,7 +1,7 @@
 // The input of the page of `explore`, as JSON; numbers in the units of the study, null where there is none.
 #pragma once
 
-#include "analysis/explore.h"
+#include "analysis/explore/explore.h"
 #include "report/json.h"
 
 namespace explore::report {

@@ -1,7 +1,7 @@
 // The page of `explore` over HTTP, for this machine alone.
 #pragma once
 
-#include "analysis/explore.h"
+#include "analysis/explore/explore.h"
 
 #include <functional>
 

@@ -1,6 +1,6 @@
 #include "report/fit.h"
 
-#include "analysis/build.h"
+#include "analysis/explore/build.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "base/units.h"

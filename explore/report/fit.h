@@ -1,7 +1,7 @@
 // A fit as JSON and as a page of the terminal.
 #pragma once
 
-#include "analysis/fit.h"
+#include "analysis/fit/fit.h"
 #include "report/json.h"
 
 namespace explore::report {

@@ -1,7 +1,7 @@
 // A forward run at a study's own values as JSON and as a page of the terminal.
 #pragma once
 
-#include "analysis/point_list.h"
+#include "analysis/studies/point_list.h"
 #include "base/outcome.h"
 #include "pavement/forward.h"
 #include "report/json.h"

@@ -1,11 +1,11 @@
 // Numbers of runs as JSON.
 #pragma once
 
-#include "analysis/load_steps.h"
-#include "analysis/located.h"
-#include "analysis/mesh_error.h"
-#include "analysis/output_ranges.h"
-#include "analysis/session.h"
+#include "analysis/common/load_steps.h"
+#include "analysis/common/mesh_error.h"
+#include "analysis/common/output_ranges.h"
+#include "analysis/common/session.h"
+#include "analysis/diagnose/located.h"
 #include "landscape/minima.h"
 #include "landscape/prior_influence.h"
 #include "problem/noise_scale.h"

@@ -1,6 +1,6 @@
 #include "report/map.h"
 
-#include "analysis/build.h"
+#include "analysis/explore/build.h"
 #include "base/text.h"
 #include "report/text.h"
 #include "run/program.h"

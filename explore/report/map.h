@@ -1,7 +1,7 @@
 // A map of the landscape as JSON and as a page of the terminal.
 #pragma once
 
-#include "analysis/map.h"
+#include "analysis/unique/map.h"
 #include "report/json.h"
 
 namespace explore::report {

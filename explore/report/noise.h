@@ -1,7 +1,7 @@
 // The noise of FWD readings as JSON, as a page, and as it stands in a study.
 #pragma once
 
-#include "analysis/noise.h"
+#include "analysis/survey/noise.h"
 #include "report/json.h"
 
 namespace explore::report {

@@ -1,7 +1,7 @@
 // Predicted readings as JSON and text.
 #pragma once
 
-#include "analysis/prior_check.h"
+#include "analysis/sample/prior_check.h"
 #include "report/json.h"
 
 namespace explore::report {

@@ -1,7 +1,7 @@
 #include "report/road.h"
 
-#include "analysis/road_findings.h"
-#include "analysis/survey_findings.h"
+#include "analysis/road/road_findings.h"
+#include "analysis/survey/survey_findings.h"
 #include "base/text.h"
 #include "data/csv.h"
 #include "report/survey.h"

@@ -1,7 +1,7 @@
 // A road fitted as one experiment as JSON, as a table and as text.
 #pragma once
 
-#include "analysis/road.h"
+#include "analysis/road/road.h"
 #include "report/json.h"
 
 namespace explore::report {

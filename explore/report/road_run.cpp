@@ -1,6 +1,6 @@
 #include "report/road_run.h"
 
-#include "analysis/build.h"
+#include "analysis/explore/build.h"
 
 namespace explore::report {
 

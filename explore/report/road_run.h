@@ -1,8 +1,8 @@
 // The run of a survey in its JSON.
 #pragma once
 
-#include "analysis/road_files.h"
-#include "analysis/session.h"
+#include "analysis/common/session.h"
+#include "analysis/road/road_files.h"
 #include "report/json.h"
 
 namespace explore::report {

@@ -51,8 +51,8 @@ bool names_its_study(const Json& result) {
     }
     const Json& of = result["study"];
     return of.is_object() && std::all_of(of.items().begin(), of.items().end(), [](const auto& item) {
-        return item.key() == "layers" ? item.value().is_array() : item.value().is_string();
-    });
+               return item.key() == "layers" ? item.value().is_array() : item.value().is_string();
+           });
 }
 
 // The results that each command left in the folder when it was done.

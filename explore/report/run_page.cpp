@@ -1,6 +1,6 @@
 #include "report/run_page.h"
 
-#include "analysis/build.h"
+#include "analysis/explore/build.h"
 #include "report/page.h"
 #include "report/run_folder.h"
 #include "run/files.h"

@@ -1,7 +1,7 @@
 #include "report/sample.h"
 
-#include "analysis/build.h"
-#include "analysis/knowledge_words.h"
+#include "analysis/common/knowledge_words.h"
+#include "analysis/explore/build.h"
 #include "base/text.h"
 #include "report/density.h"
 #include "report/predictive.h"

@@ -1,7 +1,7 @@
 // The posterior as JSON, as a page of the terminal and as a table of draws.
 #pragma once
 
-#include "analysis/sample.h"
+#include "analysis/sample/sample.h"
 #include "report/json.h"
 
 namespace explore::report {

@@ -1,7 +1,7 @@
 // Sensitivities as JSON and as a page of the terminal.
 #pragma once
 
-#include "analysis/sensitivity.h"
+#include "analysis/sample/sensitivity.h"
 #include "report/json.h"
 
 namespace explore::report {

@@ -1,7 +1,7 @@
 // Concrete slabs as JSON and as text.
 #pragma once
 
-#include "analysis/slab.h"
+#include "analysis/survey/slab.h"
 #include "report/json.h"
 
 namespace explore::report {

@@ -1,6 +1,6 @@
 #include "report/survey.h"
 
-#include "analysis/survey_findings.h"
+#include "analysis/survey/survey_findings.h"
 #include "base/units.h"
 #include "data/csv.h"
 #include "report/condition.h"

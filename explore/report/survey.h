@@ -1,7 +1,7 @@
 // A survey's result as JSON, as tables for spreadsheets and maps, and as text.
 #pragma once
 
-#include "analysis/survey.h"
+#include "analysis/survey/survey.h"
 #include "report/json.h"
 
 namespace explore::report {

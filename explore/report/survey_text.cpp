@@ -1,4 +1,4 @@
-#include "analysis/survey_findings.h"
+#include "analysis/survey/survey_findings.h"
 #include "base/text.h"
 #include "report/survey.h"
 #include "report/table.h"

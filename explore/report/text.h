@@ -1,7 +1,7 @@
 // Shared by the pages of several commands.
 #pragma once
 
-#include "analysis/session.h"
+#include "analysis/common/session.h"
 #include "report/table.h"
 
 #include <map>

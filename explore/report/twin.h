@@ -1,7 +1,7 @@
 // Synthetic data as a measurement file and as JSON.
 #pragma once
 
-#include "analysis/twin.h"
+#include "analysis/studies/twin.h"
 #include "report/json.h"
 
 namespace explore::report {

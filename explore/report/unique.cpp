@@ -1,7 +1,7 @@
 #include "report/unique.h"
 
-#include "analysis/build.h"
-#include "analysis/range_shape.h"
+#include "analysis/common/range_shape.h"
+#include "analysis/explore/build.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "report/curves.h"

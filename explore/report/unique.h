@@ -1,7 +1,7 @@
 // The answer to the question of uniqueness as JSON and as a page of the terminal.
 #pragma once
 
-#include "analysis/unique.h"
+#include "analysis/unique/unique.h"
 #include "report/json.h"
 
 namespace explore::report {

@@ -21,7 +21,7 @@ class Model;
 namespace explore::study {
 
 // Who says in how many steps the load path is followed (model.settings.solver.load_steps). by_default: an analysis may
-// choose another number; chosen: one has (analysis/load_steps.h).
+// choose another number; chosen: one has (analysis/common/load_steps.h).
 enum class LoadSteps { by_default, stated, chosen };
 
 // Where the noise of a measurement was taken from.

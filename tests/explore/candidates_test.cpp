@@ -1,6 +1,6 @@
 // What a further reading would tell: of loads whose numbers are sought, too.
-#include "analysis/candidate_readings.h"
-#include "analysis/unique.h"
+#include "analysis/common/candidate_readings.h"
+#include "analysis/unique/unique.h"
 #include "study/candidates.h"
 #include "study/problems.h"
 #include "support/layered_study.h"

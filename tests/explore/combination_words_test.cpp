@@ -1,5 +1,5 @@
 // Combinations of parameters in words: their rounding is smaller than what they are fixed to.
-#include "analysis/unique.h"
+#include "analysis/unique/unique.h"
 #include "support/layered_study.h"
 
 #include <cmath>

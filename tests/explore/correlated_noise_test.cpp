@@ -1,6 +1,6 @@
 // Errors that the readings of a load share: generalised least squares by its closed form, coverage of ranges under
 // noise that is drawn here, and what a study may say of it.
-#include "analysis/twin.h"
+#include "analysis/studies/twin.h"
 #include "landscape/minima.h"
 #include "study/problems.h"
 #include "support/formula.h"

@@ -1,6 +1,6 @@
 // Lives and overlays of linear layers on a half-space, whose runs take no time.
-#include "analysis/design.h"
-#include "analysis/design_overlay.h"
+#include "analysis/design/design.h"
+#include "analysis/design/design_overlay.h"
 #include "base/random.h"
 #include "study/values.h"
 #include "support/layered_study.h"

@@ -1,6 +1,6 @@
 // Three linear layers on a half-space under a plate, by the layered engine: points, changed readings, landscapes and
 // curves against the forward model asked by hand.
-#include "analysis/explore.h"
+#include "analysis/explore/explore.h"
 
 #include "pavement/forward.h"
 

@@ -1,9 +1,9 @@
 // What results say in sentences: constructed results, the sentences that they must give.
-#include "analysis/compare.h"
-#include "analysis/diagnose.h"
-#include "analysis/fit.h"
-#include "analysis/sample.h"
-#include "analysis/unique.h"
+#include "analysis/compare/compare.h"
+#include "analysis/diagnose/diagnose.h"
+#include "analysis/fit/fit.h"
+#include "analysis/sample/sample.h"
+#include "analysis/unique/unique.h"
 #include "material/catalog.h"
 #include "support/formula.h"
 

@@ -1,5 +1,5 @@
 // Time histories in F25 files: blocks laid out as Dynatest's description of the format has them.
-#include "analysis/new_study.h"
+#include "analysis/studies/new_study.h"
 #include "data/fwd.h"
 #include "data/fwd_f25.h"
 

@@ -1,5 +1,5 @@
 // In how many steps load paths are followed. Reference: the same readings in 200 steps.
-#include "analysis/load_steps.h"
+#include "analysis/common/load_steps.h"
 #include "base/error.h"
 #include "pavement/forward.h"
 

@@ -1,5 +1,5 @@
 // The noise of made-up drops whose covariance is known: the parts come back within what so many drops can tell.
-#include "analysis/noise.h"
+#include "analysis/survey/noise.h"
 
 #include "base/error.h"
 #include "base/random.h"

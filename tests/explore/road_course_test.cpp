@@ -1,5 +1,5 @@
 // The course along a road against dense algebra, and what made-up courses are made with.
-#include "analysis/road_course.h"
+#include "analysis/road/road_course.h"
 #include "base/random.h"
 
 #include <Eigen/Cholesky>

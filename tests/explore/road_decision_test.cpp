@@ -1,6 +1,6 @@
 // What follows for a road from scores and fits that are made up; expected verdicts are those of the rules of decide(),
 // probabilities by hand.
-#include "analysis/road_decision.h"
+#include "analysis/road/road_decision.h"
 
 #include <cmath>
 #include <gsl/gsl_cdf.h>

@@ -1,5 +1,5 @@
 // Outputs of a sample under loads that no reading has: a surface through few runs, or runs at the draws.
-#include "analysis/sample.h"
+#include "analysis/sample/sample.h"
 #include "study/problems.h"
 #include "support/layered_study.h"
 

@@ -1,8 +1,8 @@
 // What a survey makes of bowls. Expected values are calculated by hand, as written beside them.
-#include "analysis/survey_findings.h"
-#include "analysis/survey_road.h"
-#include "analysis/survey_sensors.h"
-#include "analysis/survey_stations.h"
+#include "analysis/survey/survey_findings.h"
+#include "analysis/survey/survey_road.h"
+#include "analysis/survey/survey_sensors.h"
+#include "analysis/survey/survey_stations.h"
 #include "data/asphalt_temperature.h"
 
 #include <cmath>

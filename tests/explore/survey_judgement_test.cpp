@@ -1,10 +1,10 @@
 // What a survey says of its own answers: what is not determined, what a study's bounds do, whether a sensor or the
 // section is wrong. Expected values are calculated by hand, as written beside them.
-#include "analysis/road_statistics.h"
-#include "analysis/survey_findings.h"
-#include "analysis/survey_road.h"
-#include "analysis/survey_sensors.h"
-#include "analysis/survey_stations.h"
+#include "analysis/road/road_statistics.h"
+#include "analysis/survey/survey_findings.h"
+#include "analysis/survey/survey_road.h"
+#include "analysis/survey/survey_sensors.h"
+#include "analysis/survey/survey_stations.h"
 #include "base/error.h"
 #include "base/random.h"
 

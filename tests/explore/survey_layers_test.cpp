@@ -1,6 +1,6 @@
 // Roads whose thicknesses vary, and sections that are not the study's. Deflections by the transform solution of
 // tests/reference; other expected values are calculated by hand, as written beside them.
-#include "analysis/survey_stations.h"
+#include "analysis/survey/survey_stations.h"
 #include "base/error.h"
 #include "data/condition.h"
 #include "data/fwd_csv.h"

@@ -1,8 +1,8 @@
 // What a survey makes of the stations of its files before anything is fitted. Expected values are those of the
 // stations, or calculated as written beside them.
-#include "analysis/survey_findings.h"
-#include "analysis/survey_road.h"
-#include "analysis/survey_stations.h"
+#include "analysis/survey/survey_findings.h"
+#include "analysis/survey/survey_road.h"
+#include "analysis/survey/survey_stations.h"
 #include "landscape/prediction_error.h"
 #include "support/formula.h"
 

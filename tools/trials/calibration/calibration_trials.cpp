@@ -9,7 +9,7 @@
 // with the study's noise each. How often do ranges of 95 % hold the truth, with that noise stated, with the same
 // standard deviations taken as independent, and with noise estimated from repeated drops? usage: calibration_trials
 // ranks|coverage STUDY [--trials 500] [--samples 200] [--seed 1]
-#include "analysis/noise.h"
+#include "analysis/survey/noise.h"
 #include "base/random.h"
 #include "landscape/acceptance.h"
 #include "landscape/posterior.h"

@@ -1,0 +1,201 @@
+#include "analysis/common/data_faults.h"
+
+#include "base/text.h"
+#include "data/rounding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+
+namespace explore::analysis {
+
+using data::BowlFault;
+using data::BowlPoint;
+using pave::pavement::Quantity;
+
+namespace {
+
+bool is_of_bowl(const study::Study& study, std::size_t row) {
+    const auto& sensor = study.model.sensors[row];
+    return study.readings[row].censored == data::Censored::no && sensor.quantity == Quantity::deflection &&
+           sensor.depth == 0.0 && study.model.loads[static_cast<std::size_t>(sensor.load)].is_axisymmetric();
+}
+
+// The readings of one sensor under one load, at whatever time.
+std::vector<std::size_t> rows_beside(const study::Study& study, std::size_t row) {
+    const data::Reading& own = study.readings[row];
+    std::vector<std::size_t> rows;
+    for (std::size_t i = 0; i < study.measured().size(); ++i) {
+        const data::Reading& other = study.readings[i];
+        if (other.load == own.load && other.quantity == own.quantity && other.place_words() == own.place_words()) {
+            rows.push_back(i);
+        }
+    }
+    return rows;
+}
+
+// The readings of some sensors take the places of others.
+void move_sensors(study::Study& study, const std::vector<std::pair<std::size_t, std::size_t>>& moves) {
+    const study::Study before = study;
+    for (const auto& [from, to] : moves) {
+        for (const std::size_t row : rows_beside(before, from)) {
+            study.readings[row].x_mm = before.readings[to].x_mm;
+            study.readings[row].y_mm = before.readings[to].y_mm;
+            study.model.sensors[row].x = before.model.sensors[to].x;
+            study.model.sensors[row].y = before.model.sensors[to].y;
+        }
+    }
+}
+
+// The error may have been stated in the unit that was meant, or in that of the file: as its neighbours
+// are, relative to their values.
+void rescale(study::Study& study, std::size_t row, double factor) {
+    std::vector<double> shares;
+    for (std::size_t i = 0; i < study.measured().size(); ++i) {
+        const data::Reading& other = study.readings[i];
+        if (is_of_bowl(study, i) && i != row && other.noise.absolute > 0.0 && other.measured() != 0.0) {
+            shares.push_back(std::log(other.noise.absolute / std::abs(other.measured())));
+        }
+    }
+    data::Reading& own = study.readings[row];
+    const double of_file = std::log(own.noise.absolute / std::abs(own.measured()));
+    own.value /= factor;
+    if (shares.empty() || !(own.noise.absolute > 0.0) || own.measured() == 0.0) {
+        return;
+    }
+    std::nth_element(shares.begin(), shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2), shares.end());
+    const double common = shares[shares.size() / 2];
+    const double meant = std::log(own.noise.absolute / std::abs(own.measured()));
+    if (std::abs(of_file - common) < std::abs(meant - common)) {
+        own.noise.absolute /= factor;
+        if (own.sigma) {
+            *own.sigma /= factor;
+        }
+    }
+}
+
+} // namespace
+
+std::vector<BowlFault> data_faults(const study::Study& study) {
+    std::map<std::pair<int, std::string>, BowlPoint> peaks;
+    for (std::size_t i = 0; i < study.measured().size(); ++i) {
+        if (!is_of_bowl(study, i)) {
+            continue;
+        }
+        const data::Reading& reading = study.readings[i];
+        const auto& sensor = study.model.sensors[i];
+        const BowlPoint own{.row = i,
+                            .load = sensor.load,
+                            .offset = std::hypot(sensor.x, sensor.y),
+                            .value = reading.measured(),
+                            .deviation = reading.noise.deviation(reading.measured())};
+        const auto [at, is_new] = peaks.try_emplace({sensor.load, reading.place_words()}, own);
+        if (!is_new && own.value > at->second.value) {
+            at->second = own;
+        }
+    }
+    std::vector<BowlPoint> readings;
+    readings.reserve(peaks.size());
+    for (const auto& [place, reading] : peaks) {
+        readings.push_back(reading);
+    }
+    return data::bowl_faults(readings);
+}
+
+study::Study mended(study::Study study, const std::vector<BowlFault>& faults) {
+    for (const BowlFault& fault : faults) {
+        if (!fault.is_mendable()) {
+            continue;
+        }
+        study.hash += " with " + fault.words();
+        std::vector<std::pair<std::size_t, std::size_t>> moves;
+        switch (fault.kind) {
+        case BowlFault::Kind::exchanged:
+            for (std::size_t i = 0; i + 1 < fault.rows.size(); i += 2) {
+                moves.emplace_back(fault.rows[i], fault.rows[i + 1]);
+                moves.emplace_back(fault.rows[i + 1], fault.rows[i]);
+            }
+            break;
+        case BowlFault::Kind::reversed:
+            for (std::size_t i = 0; i < fault.rows.size();) {
+                std::size_t end = i + 1; // of its load
+                while (end < fault.rows.size() &&
+                       study.readings[fault.rows[end]].load == study.readings[fault.rows[i]].load) {
+                    ++end;
+                }
+                for (std::size_t k = i; k < end; ++k) {
+                    moves.emplace_back(fault.rows[k], fault.rows[i + end - 1 - k]);
+                }
+                i = end;
+            }
+            break;
+        case BowlFault::Kind::factor:
+            for (const std::size_t row : fault.rows) {
+                for (const std::size_t own : rows_beside(study, row)) {
+                    rescale(study, own, fault.factor);
+                }
+            }
+            break;
+        case BowlFault::Kind::rises:
+        case BowlFault::Kind::constant: break;
+        }
+        move_sensors(study, moves);
+    }
+    return study;
+}
+
+std::vector<Rounding> roundings(const study::Study& study) {
+    std::map<std::pair<Quantity, std::string_view>, std::vector<std::size_t>> alike; // and of one unit
+    for (std::size_t i = 0; i < study.measured().size(); ++i) {
+        alike[{study.model.sensors[i].quantity, study.readings[i].unit.name}].push_back(i);
+    }
+    std::vector<Rounding> list;
+    for (const auto& [what, rows] : alike) {
+        std::vector<double> values;
+        for (const std::size_t row : rows) {
+            values.push_back(study.readings[row].value);
+        }
+        const double step = data::rounding_step(values) * study.readings[rows[0]].unit.to_si;
+        // A noise of less than two steps' rounding may not have thought of it.
+        const bool matters = std::any_of(rows.begin(), rows.end(), [&](std::size_t row) {
+            const data::Reading& own = study.readings[row];
+            return own.noise.is_stated() && own.noise.deviation(own.measured()) < step / std::sqrt(3.0);
+        });
+        if (step > 0.0 && matters) {
+            list.push_back({what.first, step});
+        }
+    }
+    return list;
+}
+
+study::Study with_rounding(study::Study study, const std::vector<Rounding>& roundings) {
+    for (const Rounding& rounding : roundings) {
+        study.hash += " with " + rounding.words();
+        for (std::size_t i = 0; i < study.measured().size(); ++i) {
+            data::Noise& noise = study.readings[i].noise;
+            if (study.model.sensors[i].quantity == rounding.quantity && noise.is_stated()) {
+                noise.absolute = std::hypot(noise.absolute, rounding.step / std::sqrt(12.0));
+            }
+        }
+    }
+    return study;
+}
+
+std::string Rounding::words() const {
+    const auto& about = info(quantity);
+    return fmt::format("readings of {} stand in steps of {} {}, whose rounding the stated noise does not hold: "
+                       "step^2/12 is added to its variance",
+                       about.name, pave::figure(step / about.to_si), about.unit);
+}
+
+std::vector<std::string> fault_words(const std::vector<BowlFault>& faults) {
+    std::vector<std::string> words;
+    words.reserve(faults.size());
+    for (const BowlFault& fault : faults) {
+        words.push_back(fault.words());
+    }
+    return words;
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,86 @@
+#include "analysis/common/knowledge_words.h"
+
+#include "analysis/unique/unique.h"
+
+#include "base/error.h"
+#include "base/text.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
+
+namespace explore::analysis {
+
+using pave::figure;
+
+std::string prior_words(const problem::Axis& axis) {
+    return axis.scale == problem::Scale::log
+               ? fmt::format("{}, times or divided by {:.3g}", figure(axis.prior->mean), std::exp(axis.prior->sd))
+               : fmt::format("{} +- {}", figure(axis.prior->mean), figure(axis.prior->sd));
+}
+
+std::vector<std::string> prior_findings(const problem::Problem& problem, const landscape::PriorInfluence& influence) {
+    std::vector<std::string> text;
+    const auto& axes = problem.space.axes;
+    constexpr double level = 0.05;
+    if (influence.degrees_of_freedom > 0) {
+        std::size_t worst = problem.priors()[0];
+        const auto pull = [&](std::size_t k) { return std::abs(axes[k].pull(influence.readings_want[k])); };
+        for (const std::size_t k : problem.priors()) {
+            worst = pull(k) > pull(worst) ? k : worst;
+        }
+        text.push_back(
+            influence.p_value < level
+                ? fmt::format("The readings contradict what is known beforehand (p = {:.2g}): by themselves they call "
+                              "for {} = {}, where the prior says {}.",
+                              influence.p_value, axes[worst].name, figure(influence.readings_want[worst]),
+                              prior_words(axes[worst]))
+                : fmt::format("The readings do not contradict what is known beforehand (p = {:.2g}).",
+                              influence.p_value));
+    }
+    if (!influence.only.empty()) {
+        text.push_back(fmt::format("Without the priors the readings do not determine {}.",
+                                   pave::join(names_of(problem.space, influence.only))));
+    }
+    std::vector<std::string> shares;
+    for (std::size_t k = 0; k < axes.size(); ++k) {
+        constexpr double worth_saying = 0.05;
+        if (influence.share[k] >= worth_saying) {
+            shares.push_back(fmt::format("{} ({:.0f} %)", axes[k].name, 100.0 * influence.share[k]));
+        }
+    }
+    text.push_back(shares.empty() ? "The priors add less than 5 % to what the readings say of any parameter."
+                                  : "Of what is known, this share comes from the priors: " + pave::join(shares) + ".");
+    return text;
+}
+
+std::string constraint_words(const problem::Problem& problem, const landscape::Minimum& answer) {
+    std::vector<std::string> texts;
+    for (const std::size_t i : problem.active_limits(answer.evaluation)) {
+        texts.push_back(problem.limits[i]->text());
+    }
+    if (texts.empty()) {
+        return "";
+    }
+    std::string words =
+        fmt::format("{} active at the answer: {}.", texts.size() == 1 ? "This constraint is" : "These constraints are",
+                    pave::join(texts));
+    const problem::Problem by_noise = problem.in_units_of_noise();
+    if (!answer.alone || !by_noise.noise_is_stated() || !by_noise.priors().empty()) {
+        return words + " Without it the readings may ask for other values.";
+    }
+    const double rise =
+        std::pow(by_noise.misfit(answer.evaluation), 2) - by_noise.of_readings().residuals(*answer.alone).squaredNorm();
+    const double p = gsl_cdf_chisq_Q(std::max(0.0, rise), static_cast<double>(texts.size()));
+    std::string wanted;
+    for (std::size_t k = 0; k < problem.space.axes.size(); ++k) {
+        wanted += fmt::format("{}{} = {}", k == 0 ? "" : ", ", problem.space.axes[k].name,
+                              figure(answer.alone->parameters[k]));
+    }
+    constexpr double level = 0.05;
+    return words + fmt::format(" The readings {} (chi2 is {} lower without, p = {:.2g}){}.",
+                               p < level ? "contradict what it demands" : "do not contradict it", figure(rise), p,
+                               p < level ? "; by themselves they ask for " + wanted : "");
+}
+
+} // namespace explore::analysis

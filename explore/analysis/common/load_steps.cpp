@@ -1,0 +1,164 @@
+#include "analysis/common/load_steps.h"
+
+#include "landscape/multistart.h"
+#include "pavement/forward.h"
+#include "run/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numeric>
+
+namespace explore::analysis {
+namespace {
+
+constexpr double allowed = 0.1;                   // of the noise
+constexpr double order = 3.0;                     // of the path in its steps
+constexpr double whole_of_difference = 8.0 / 7.0; // error in n steps, by the difference to 2 n
+constexpr int default_steps = pave::fe::SolverSettings{}.load_steps;
+constexpr int most_steps = 3 * default_steps;
+
+int enough(int steps, double share) {
+    return std::max(steps, static_cast<int>(std::ceil(steps * std::pow(share / allowed, 1.0 / order))));
+}
+
+study::Study with_steps(study::Study study, int steps) {
+    study.model.settings.solver.load_steps = steps;
+    return study;
+}
+
+// Points where a fit may end: of a sample of the box those with the smallest misfit, and the end of a search.
+std::vector<problem::Evaluation> likely_answers(const study::Study& study, const problem::Problem& problem,
+                                                const Session& session) {
+    constexpr int sample = 32;
+    constexpr std::size_t best = 4;
+    run::Engine engine(problem, nullptr, 0, {.threads = session.options().threads, .show_progress = false});
+    landscape::MultistartSettings settings{.starts = 1};
+    settings.search.max_evaluations = 12;
+    auto found = landscape::multistart(engine, problem, search::sobol(study.space, sample, 1), settings);
+    if (!found || found->minima.empty()) {
+        return {};
+    }
+    std::vector<problem::Evaluation> points = std::move(found->explored);
+    std::erase_if(points, [](const problem::Evaluation& e) { return !e.converged(); });
+    std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.misfit < b.misfit; });
+    points.resize(std::min(points.size(), best));
+    points.push_back(std::move(found->minima[0].evaluation));
+    return points;
+}
+
+} // namespace
+
+bool PathError::shows() const {
+    return share > allowed;
+}
+
+int PathError::enough() const {
+    return analysis::enough(steps, share);
+}
+
+bool follows_load_path(const study::Study& study) {
+    const auto& model = study.model;
+    const bool has_law = std::any_of(model.layers.begin(), model.layers.end(),
+                                     [](const auto& layer) { return layer.law->stress_dependent(); });
+    if (!has_law || model.is_hyperelastic() || model.relaxes() ||
+        model.settings.integration != pave::pavement::Integration::incremental) {
+        return false;
+    }
+    const std::vector<bool> fitted = study::fitted_loads(study);
+    for (std::size_t l = 0; l < fitted.size(); ++l) {
+        if (fitted[l] && !model.loads[l].is_pulse()) {
+            return true;
+        }
+    }
+    return false;
+}
+
+std::optional<PathError> path_error(const study::Study& study, const problem::Problem& problem,
+                                    const problem::Evaluation& answer, double noise) {
+    if (!(noise > 0.0) || !follows_load_path(study)) {
+        return std::nullopt;
+    }
+    const int steps = study.model.settings.solver.load_steps;
+    const problem::Problem finer = study::make_problem(with_steps(study, 2 * steps), study::Scope::fitted);
+    const auto outcome = finer.function->evaluate(answer.parameters, false, *finer.function->make_workspace());
+    if (!outcome) {
+        return std::nullopt;
+    }
+    problem::Evaluation other = answer;
+    other.responses = outcome->responses;
+    const Eigen::VectorXd shares =
+        whole_of_difference * (problem.single_residuals(answer) - problem.single_residuals(other)).cwiseAbs() / noise;
+    PathError error{.steps = steps};
+    Eigen::Index most = 0;
+    error.share = shares.maxCoeff(&most);
+    if (!std::isfinite(error.share)) {
+        return std::nullopt;
+    }
+    error.reading = problem.response_of(static_cast<std::size_t>(most));
+    error.change = whole_of_difference * (answer.responses[error.reading] / other.responses[error.reading] - 1.0);
+    return error;
+}
+
+study::Study with_enough_load_steps(study::Study study, const Session& session) {
+    if (study.load_steps != study::LoadSteps::by_default || study.parameters.empty() || !follows_load_path(study)) {
+        return study;
+    }
+    const problem::Problem problem = study::make_noise_problem(study, study::Scope::fitted);
+    if (!problem.noise_is_stated()) {
+        return study;
+    }
+    const std::vector<problem::Evaluation> points = likely_answers(study, problem, session);
+    std::vector<int> asked_for(points.size(), default_steps);
+    tbb::task_arena arena(run::usable_threads(session.options().threads));
+    run::for_each_index(arena, points.size(), [&](std::size_t i) {
+        if (const auto error = path_error(study, problem, points[i], 1.0)) {
+            asked_for[i] = error->enough();
+        }
+    });
+    const int steps =
+        std::accumulate(asked_for.begin(), asked_for.end(), default_steps, [](int a, int b) { return std::max(a, b); });
+    study.load_steps = study::LoadSteps::chosen;
+    study.model.settings.solver.load_steps = std::min(steps, most_steps);
+    return study;
+}
+
+study::Study with_enough_load_steps(study::Study study, double relative_noise) {
+    if (study.load_steps != study::LoadSteps::by_default || !(relative_noise > 0.0) || !follows_load_path(study)) {
+        return study;
+    }
+    const auto values_in = [&](int steps) {
+        const pave::pavement::ForwardModel model(with_steps(study, steps).model);
+        const auto response = model.run(model.nominal(), {}, *model.make_workspace());
+        return response ? response->values : std::vector<double>();
+    };
+    const std::vector<double> coarse = values_in(default_steps);
+    const std::vector<double> fine = values_in(2 * default_steps);
+    double share = 0.0;
+    for (std::size_t i = 0; i < std::min(coarse.size(), fine.size()) && i < study.measured().size(); ++i) {
+        const double change = whole_of_difference * std::abs(coarse[i] / fine[i] - 1.0);
+        share = std::max(share, std::isfinite(change) ? change / relative_noise : 0.0);
+    }
+    study.load_steps = study::LoadSteps::chosen;
+    study.model.settings.solver.load_steps = std::min(enough(default_steps, share), most_steps);
+    return study;
+}
+
+std::string path_words(const study::Study& study, const std::optional<PathError>& error) {
+    if (error && error->shows()) {
+        return fmt::format(
+            "The load path is followed in {} steps, which leave an error of {:.2g} % in {}: {:.2g} of its "
+            "noise. load_steps = {} under [solver] leaves a tenth.",
+            error->steps, 100.0 * std::abs(error->change), study.readings[error->reading].words(), error->share,
+            error->enough());
+    }
+    const int steps = study.model.settings.solver.load_steps;
+    if (study.load_steps != study::LoadSteps::chosen || steps == default_steps) {
+        return "";
+    }
+    return fmt::format("Load paths are followed in {} steps instead of {}: fewer would leave more than a tenth of the "
+                       "noise in a reading.",
+                       steps, default_steps);
+}
+
+} // namespace explore::analysis

@@ -1,0 +1,40 @@
+// In how many steps load paths are followed: what the steps leave of error in every reading, beside its noise.
+#pragma once
+
+#include "analysis/common/session.h"
+#include "study/problems.h"
+
+#include <optional>
+
+namespace explore::analysis {
+
+// At one point, by the difference to a path of twice as many steps.
+struct PathError {
+    int steps = 0;
+    std::size_t reading = 0; // of the study: whose error is the largest share of its noise
+    double change = 0.0;     // relative error of that reading
+    double share = 0.0;      // |error| over the standard deviation of its noise
+    int enough() const;      // steps that leave a tenth of the noise at most, as their number to the power -3 says
+    bool shows() const;      // more than a tenth
+};
+
+// Whether a reading of the study that is fitted lies at the end of a load path.
+bool follows_load_path(const study::Study& study);
+
+// study: whose problem it is; answer: of that problem, converged. noise: standard deviation of a residual. Nothing: no
+// load path, or no answer in twice as many steps.
+std::optional<PathError> path_error(const study::Study& study, const problem::Problem& problem,
+                                    const problem::Evaluation& answer, double noise);
+
+// The study with the number of steps that an analysis takes all along: its own where it states one or not every reading
+// states its noise; else as many as leave a tenth of the noise in every reading, at the points of a small sample of the
+// box that fit best and where a short search from the best of them ends. At most three times the default.
+study::Study with_enough_load_steps(study::Study study, const Session& session);
+
+// The same for data that the study's own values make, with errors of this share of each.
+study::Study with_enough_load_steps(study::Study study, double relative_noise);
+
+// The error of the load path in a sentence; "": the default is enough at the answer.
+std::string path_words(const study::Study& study, const std::optional<PathError>& error);
+
+} // namespace explore::analysis

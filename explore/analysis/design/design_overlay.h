@@ -1,0 +1,27 @@
+// How much thicker the top layer must be for every criterion to last.
+#pragma once
+
+#include "analysis/design/design_life.h"
+
+namespace explore::analysis {
+
+// Thicknesses that are tried [mm].
+inline constexpr double thickest_overlay = 400.0;
+inline constexpr double thinnest_top = 20.0; // that milling leaves
+
+struct OverlayDemand {
+    const CriticalPlaces& places;
+    const std::vector<Life>& lives;
+    std::vector<double> required; // of each: repetitions
+};
+
+// The life of every criterion, ln of repetitions, with a top layer thicker by so much [mm], at physical values of the
+// parameters, by a run of its own. Empty: no answer.
+std::vector<double> lives_with_overlay(const OverlayDemand& demand, const std::vector<double>& parameters,
+                                       double added_mm);
+
+// The thinnest that lasts together with all thicker ones up to it that were tried; below 0: what may be milled off.
+// Nothing: none does, or no answer.
+std::optional<double> overlay_needed(const OverlayDemand& demand, const std::vector<double>& parameters);
+
+} // namespace explore::analysis

@@ -1,0 +1,409 @@
+#include "analysis/diagnose/diagnose_verdict.h"
+
+#include "base/text.h"
+#include "pavement/effects/effect.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace explore::analysis {
+
+using diagnose::Verdict;
+using pave::counted;
+using pave::figure;
+
+namespace {
+
+std::string readings_words(const diagnose::Row& row) {
+    std::vector<std::string> list;
+    for (const auto& term : row.hypothesis.terms) {
+        list.push_back(term.on);
+    }
+    return pave::join(list, " and ");
+}
+
+class VerdictSentences {
+public:
+    explicit VerdictSentences(const DiagnoseResult& of)
+        : result(of),
+          study(result.study),
+          variants(result.variants),
+          candidates(result.candidates),
+          layout(result.layout),
+          d(result.diagnosis),
+          after(result.after) {}
+
+    std::vector<std::string> all() const {
+        std::vector<std::string> text;
+        verdict(text);
+        const bool is_said = d.decision.reason == diagnose::Reason::noise;
+        if (d.verdict() == Verdict::ambiguous && d.decision.is_noise_possible() && !is_said) {
+            text.push_back(fmt::format("Noise alone is possible too, with probability {}: {}.",
+                                       percent(d.decision.of_noise), row_words(d.ledger.rows()[*d.decision.noise])));
+        }
+        if (d.decision.premise && d.extended) {
+            text.push_back(fmt::format("Before any model: {}. All else is said with that mended.", premise_words()));
+        }
+        for (const data::BowlFault& fault : result.faults) {
+            if (!fault.is_mendable()) {
+                text.push_back(fmt::format("Before any model: {}.", fault.words()));
+            }
+        }
+        if (std::string words = probability_words(); !d.decision.as_stated && !words.empty()) {
+            text.insert(text.begin() + 1, std::move(words));
+        }
+        return text;
+    }
+
+private:
+    std::string effect_words(std::size_t member) const {
+        const auto& interval = after->parameters[study.space.axes.size() + member];
+        const std::size_t c = d.extended->model.members[member];
+        pave::pavement::AppliedEffect applied = variants[c].applied;
+        applied.size = interval.value;
+        const auto& effect = *applied.effect;
+        return fmt::format("{} = {} [{}] (95 %: {} to {}{}): {}", candidates[c].words(), figure(interval.value),
+                           effect.unit, figure(interval.low), figure(interval.high),
+                           d.extended->ends_range(member) ? "; its size is at the end of its range"
+                           : d.extended->at_end && d.extended->model.members.size() == 1
+                               ? ", which reaches the end of its range"
+                               : "",
+                           effect.in_words(applied));
+    }
+
+    // The variants of the named effect that fit these readings as well.
+    std::string alike_words() const {
+        const auto& members = d.extended->model.members;
+        const auto found = std::find_if(d.effects.begin(), d.effects.end(), [&](const auto& effect) {
+            return members.size() == 1 && effect.candidate == members[0];
+        });
+        if (found == d.effects.end() || found->alike.empty()) {
+            return "";
+        }
+        std::vector<std::string> others;
+        for (const auto& other : found->alike) {
+            others.push_back(fmt::format("{} = {} (95 %: {} to {}; chi2 {:.1f} higher)",
+                                         candidates[other.candidate].words(), figure(other.size.value),
+                                         figure(other.size.low), figure(other.size.high), other.behind));
+        }
+        return fmt::format("These readings do not tell it from {}: the effect is named, not where it acts.",
+                           pave::join(others, " or "));
+    }
+
+    void verdict(std::vector<std::string>& text) const {
+        switch (d.verdict()) {
+        case Verdict::adequate:
+            text.push_back(adequate_words());
+            if (d.noise_is_overstated) {
+                text.push_back(fmt::format(
+                    "The readings scatter less than their stated noise: chi2 = {} with {}, some {} of it. Ranges and "
+                    "tests "
+                    "that rest on the stated noise are too cautious by that.",
+                    figure(d.baseline.chi2),
+                    counted(static_cast<std::size_t>(d.baseline.dof), "degree of freedom", "degrees of freedom"),
+                    percent(std::sqrt(d.baseline.chi2 / d.baseline.dof))));
+            }
+            if (study.noise == study::NoiseSource::estimated) {
+                text.push_back("The data state no noise: it was estimated from the residuals of the fit, so a model "
+                               "that is wrong everywhere by a similar amount would not be noticed.");
+            }
+            break;
+        case Verdict::cause_named: {
+            std::vector<std::string> found;
+            if (!d.extended) { // what was seen in the readings is all
+                text.push_back(fmt::format("CAUSE NAMED: {}. With that mended nothing in these data contradicts the "
+                                           "model{}.",
+                                           premise_words(),
+                                           d.decision.as_stated ? " beyond their noise" : " but their noise"));
+                break;
+            }
+            for (std::size_t m = 0; m < d.extended->model.members.size(); ++m) {
+                found.push_back(effect_words(m));
+            }
+            text.push_back("CAUSE NAMED: the model lacks " + pave::join(found, " and ") + ".");
+            if (std::string words = alike_words(); !words.empty()) {
+                text.push_back(std::move(words));
+            }
+            for (const std::size_t c : d.extended->model.members) {
+                const std::string mechanism(variants[c].applied.effect->mechanism);
+                if (std::find(text.begin(), text.end(), mechanism) == text.end()) {
+                    text.push_back(mechanism);
+                }
+            }
+            break;
+        }
+        case Verdict::ambiguous: {
+            std::vector<std::string> sets;
+            for (const auto& e : d.explanations) {
+                sets.push_back(members_words(candidates, e.fit.model.members));
+            }
+            text.push_back(ambiguous_words(sets));
+            for (std::size_t m = 0; m < d.extended->model.members.size(); ++m) {
+                text.push_back("Best of them: " + effect_words(m) + ".");
+            }
+            break;
+        }
+        case Verdict::located: corrections(text); break;
+        case Verdict::unexplained:
+            unexplained(text);
+            text.emplace_back(
+                "The values and 95 % ranges below are those of models that do not explain these data: they "
+                "are no answer.");
+            leftovers(text);
+            break;
+        }
+    }
+
+    std::string premise_words() const {
+        std::vector<std::string> words;
+        for (const auto& row : d.ledger.rows()) {
+            if (row.is_premise) {
+                words.push_back(row.hypothesis.name);
+            }
+        }
+        return pave::join(words, "; ");
+    }
+
+    // The study's model as it is.
+    std::string adequate_words() const {
+        if (d.decision.as_stated || !d.decision.noise) {
+            return "ADEQUATE: nothing in these data contradicts the model beyond their noise.";
+        }
+        const auto& leading = d.ledger.rows()[*d.decision.noise];
+        if (leading.hypothesis.kind == hypotheses::Kind::none) {
+            return fmt::format("ADEQUATE: one test of the model stands out, but chance is more probable than all else "
+                               "that was tried (probability {}).",
+                               percent(d.decision.of_noise));
+        }
+        return fmt::format("ADEQUATE, but for the noise: {}; nothing else is visible (probability {}).",
+                           row_words(leading), percent(d.decision.of_noise));
+    }
+
+    std::string ambiguous_words(const std::vector<std::string>& sets) const {
+        using diagnose::Reason;
+        const std::string together = d.extended->model.members.size() > 1 ? "together explain" : "explains";
+        switch (d.decision.reason) {
+        case Reason::leaves_more_than_noise:
+            return fmt::format(
+                "AMBIGUOUS: the model lacks something, and none of the catalogue explains all of it. {}: "
+                "{}. {} (p = {:.2g}): something else is missing too, or this is not quite it{}.",
+                sets.size() > 1 ? "What comes nearest, alike" : "What comes nearest", pave::join(sets, "; "),
+                sets.size() > 1 ? "The best of them leaves more than noise" : "It leaves more than noise",
+                std::min(d.extended->p_value, d.extended->pattern.p_value), noise_words());
+        case Reason::several_names:
+            return fmt::format("AMBIGUOUS: the model lacks something, and {} explanations fit these data so alike that "
+                               "they cannot be told apart: {}.",
+                               sets.size(), pave::join(sets, "; "));
+        case Reason::noise:
+            return fmt::format("AMBIGUOUS: {} {} the data; so may, with probability {}, noise alone: {}.", sets[0],
+                               together, percent(d.decision.of_noise), row_words(d.ledger.rows()[*d.decision.noise]));
+        case Reason::at_end:
+            return fmt::format("AMBIGUOUS: {} {} the data, but {} the end of its range: the cause may be stronger, of "
+                               "another form, or another one.",
+                               sets[0], together,
+                               d.extended->ends_range() ? "only with a size at" : "its size may as well lie at");
+        case Reason::correction: {
+            std::vector<std::string> where;
+            for (const LocatedCorrection& found : result.located) {
+                where.push_back(channel_words(found.correction));
+            }
+            return fmt::format("AMBIGUOUS: {} {} the data, but a smooth correction ({}) does so as well or better: the "
+                               "cause may have another form, or be another one that the catalogue lacks.",
+                               sets[0], together, pave::join(where, "; "));
+        }
+        case Reason::two_effects:
+            return fmt::format("AMBIGUOUS: {} together explain the data, and no effect alone does. It takes two at "
+                               "once: one thing that the catalogue lacks may do so as well.",
+                               sets[0]);
+        case Reason::finds_more:
+            return fmt::format(
+                "AMBIGUOUS: {} explains most of the data, but beside it a smooth correction of the model "
+                "finds more: this is not quite it, or not all.",
+                sets[0]);
+        default:
+            return fmt::format("AMBIGUOUS: {} {} the data, but the evidence is too weak to name it.", sets[0],
+                               together);
+        }
+    }
+
+    void unexplained(std::vector<std::string>& text) const {
+        using diagnose::Reason;
+        std::string why = ", and no effect of the catalogue, alone or in pairs, explains it";
+        if (!d.nearest.empty() && d.nearest[0].fit.p_value >= diagnose::level_noise) {
+            why = d.decision.reason == Reason::noise
+                      ? fmt::format(", or the noise does (probability {}: {})", percent(d.decision.of_noise),
+                                    row_words(d.ledger.rows()[*d.decision.noise]))
+                      : fmt::format(", and no effect of the catalogue, alone or in pairs, has evidence enough to be "
+                                    "named (chance makes as much in {} of cases)",
+                                    percent(d.p_evidence));
+        }
+        text.push_back(fmt::format("UNEXPLAINED: the data contradict the model{}. The pattern that remains is shown "
+                                   "below.",
+                                   why));
+        if (study.noise == study::NoiseSource::stated) {
+            text.push_back(fmt::format("If the model were right, the noise would have to be {} times what is stated.",
+                                       figure(std::sqrt(d.baseline.chi2 / std::max(1, d.baseline.dof)), 2)));
+        }
+        if (!d.nearest.empty()) {
+            text.push_back(fmt::format("What comes nearest is {}; it leaves chi2 = {} (p = {:.2g}){}.",
+                                       members_words(candidates, d.nearest[0].fit.model.members),
+                                       figure(d.nearest[0].fit.chi2), d.nearest[0].fit.p_value, noise_words()));
+        }
+        if (!result.located.empty()) {
+            std::vector<std::string> where;
+            for (const LocatedCorrection& found : result.located) {
+                where.push_back(channel_words(found.correction));
+            }
+            text.push_back(fmt::format("A smooth correction ({}) leaves chi2 = {} (p = {:.2g}){}.",
+                                       pave::join(where, "; "), figure(d.location->fit.chi2), d.location->fit.p_value,
+                                       d.decision.reason == Reason::predicts_worse
+                                           ? ", but readings that were left out are predicted worse with it than "
+                                             "without: it follows these readings, not the road"
+                                       : d.decision.reason == Reason::no_place
+                                           ? ", but these readings do not say where it is"
+                                           : ""));
+        }
+    }
+
+    // The most probable explanation, its probability, the others; "": nothing was compared.
+    std::string probability_words() const {
+        const auto& ranked = d.decision.hypotheses;
+        std::vector<std::string> words;
+        constexpr std::size_t most = 4;
+        constexpr double least = 0.005;
+        for (const auto& [row, probability] : ranked) {
+            if (!d.ledger.rows()[row].is_premise && words.size() < most && (probability >= least || words.empty())) {
+                words.push_back(fmt::format("{} ({})", row_words(d.ledger.rows()[row]), percent(probability)));
+            }
+        }
+        return words.empty() ? "" : fmt::format("Most probable of what was tried: {}.", pave::join(words, "; "));
+    }
+
+    // The result of every correction, and which effects of the catalogue it looks like.
+    void corrections(std::vector<std::string>& text) const {
+        std::vector<std::string> where;
+        std::vector<std::string> certain;
+        std::vector<std::string> vague;
+        for (const LocatedCorrection& found : result.located) {
+            where.push_back(channel_words(found.correction));
+            (found.says_where() != diagnose::Says::nothing ? certain : vague).push_back(where.back());
+        }
+        const bool is_at_end =
+            std::any_of(d.nearest.begin(), d.nearest.end(), [](const auto& e) { return e.fit.ends_range(); });
+        text.push_back(fmt::format(
+            "LOCATED: the data contradict the model, and no effect of the catalogue {}leaves noise only, but they say "
+            "where it errs: {}{}. A smooth correction there {}.",
+            is_at_end ? "within its range " : "", pave::join(certain, "; "),
+            vague.empty() ? "" : fmt::format(" (with {}, of which they do not say where)", pave::join(vague, "; ")),
+            d.decision.leaves_more_than_noise
+                ? fmt::format("explains most of it, and still leaves more than noise (p = {:.2g})", d.extended->p_value)
+                : "leaves noise only"));
+        for (std::size_t i = 0; i < result.located.size(); ++i) {
+            const auto& own = d.location->corrections[i];
+            for (std::string& words : result.located[i].says_where() != diagnose::Says::nothing
+                                          ? words_of(result.located[i])
+                                          : std::vector<std::string>()) {
+                text.push_back(std::move(words));
+            }
+            std::string sentence = fmt::format("Noise alone would make some correction as likely as that of {} with "
+                                               "probability {}.",
+                                               where[i], chance_words(own.p_familywise));
+            if (!own.alike.empty()) {
+                std::vector<std::string> others;
+                for (const std::size_t c : own.alike) {
+                    others.push_back(channel_words(result.corrections[c]));
+                }
+                sentence += fmt::format(" Nearly as likely in its place: {}.", pave::join(others, "; "));
+            }
+            text.push_back(std::move(sentence));
+            std::vector<std::string> names;
+            constexpr std::size_t most = 3;
+            for (std::size_t e = 0; e < std::min(most, own.explained_by.size()); ++e) {
+                const auto& like = own.explained_by[e];
+                const auto& effect = d.effects[like.effect];
+                const bool ends = effect.fit && effect.fit->ends_range();
+                names.push_back(
+                    fmt::format("{} ({} of it, leaving {}{})", candidates[effect.candidate].words(),
+                                percent(like.share), like.leaves_noise ? "noise" : "more than noise",
+                                ends ? ", its size " + figure(effect.size.value) + " where its range ends" : ""));
+            }
+            if (!names.empty()) {
+                text.push_back(fmt::format("Effects of the catalogue that look like it: {}.", pave::join(names, "; ")));
+            }
+        }
+    }
+
+    std::string noise_words() const {
+        return d.decision.noise_factor > 1.0
+                   ? fmt::format(", or the noise is {} times what is stated", figure(d.decision.noise_factor, 2))
+                   : "";
+    }
+
+    // Where the study's model errs most: place, load and sign.
+    void leftovers(std::vector<std::string>& text) const {
+        const std::vector<double> residuals = residuals_of(result, d.baseline.model);
+        std::vector<std::size_t> order = layout.rows;
+        const auto size = [&](std::size_t row) { return std::abs(residuals[row]); };
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
+        std::vector<std::string> places;
+        constexpr std::size_t most = 4;
+        constexpr double clear = 2.0;
+        for (std::size_t i = 0; i < std::min(most, order.size()) && size(order[i]) > clear; ++i) {
+            const double residual = residuals[order[i]];
+            places.push_back(fmt::format("{}: {} by {} standard deviations", study.readings[order[i]].words(),
+                                         residual > 0.0 ? "too high" : "too low", figure(std::abs(residual), 2)));
+        }
+        if (!places.empty()) {
+            text.push_back("The model misses most at " + pave::join(places, "; ") + ".");
+        }
+    }
+
+    const DiagnoseResult& result;
+    const study::Study& study;
+    const std::vector<study::Variant>& variants;
+    const std::vector<diagnose::Candidate>& candidates;
+    const Layout& layout;
+    const diagnose::Diagnosis& d;
+    const std::optional<DiagnosedModel>& after;
+};
+
+} // namespace
+
+std::string chance_words(double p) {
+    return p < 1e-4 ? "less than 1 in 10,000" : fmt::format("{:.2g}", p);
+}
+
+std::string row_words(const diagnose::Row& row) {
+    using hypotheses::Kind;
+    const auto size = [&] { return row.sizes.empty() ? 0.0 : row.sizes[0].value; };
+    if (row.hypothesis.kind == Kind::noise && !row.sizes.empty()) {
+        const std::string& of = row.sizes[0].name;
+        if (of == "noise_factor") {
+            return fmt::format("the noise is some {} times as large as stated (95 %: {} to {})", figure(size(), 2),
+                               figure(row.sizes[0].low, 2), figure(row.sizes[0].high, 2));
+        }
+        if (of == "common_relative") {
+            return fmt::format("errors of some {} that the readings of a load share (common_relative)",
+                               percent(size()));
+        }
+        if (of == "correlation_m") {
+            return fmt::format("errors that neighbouring readings share, over some {} mm (correlation_mm)",
+                               figure(1e3 * size(), 1));
+        }
+        return row.hypothesis.name;
+    }
+    if (row.hypothesis.kind == Kind::readings) {
+        return (row.hypothesis.terms.size() > 1 ? "wrong readings: " : "a wrong reading: ") + readings_words(row);
+    }
+    if (row.hypothesis.kind == Kind::correction) {
+        return fmt::format("a smooth correction ({})", row.hypothesis.name);
+    }
+    return row.hypothesis.name;
+}
+
+std::vector<std::string> verdict_words(const DiagnoseResult& result) {
+    return VerdictSentences(result).all();
+}
+
+} // namespace explore::analysis
