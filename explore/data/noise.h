@@ -30,7 +30,7 @@ struct Noise {
     // Of Student's t distribution, whose scale the deviations then are: more large errors than a normal one has; 0:
     // normal.
     double degrees = 0.0;
-    // Whether the noise is this but for one factor, the same for all readings, that is sought too.
+    // Whether the noise is this but for one factor, the same for all readings, that is fitted too.
     bool scale_is_sought = false;
 
     bool is_stated() const { return absolute > 0.0 || relative > 0.0; }
@@ -41,7 +41,7 @@ struct Noise {
     double slope(double model, double measured) const;
 };
 
-// What a reading says: its value, or that without an error of its own it would lie below or above it: less than an
+// The content of a reading: its value, or that without an error of its own it would lie below or above it: less than an
 // instrument tells from nothing ("<12"), more than it can read (">2000").
 enum class Censored { no, below, above };
 std::string_view sign_of(Censored censored); // "", "<", ">"

@@ -273,7 +273,7 @@ private:
             conclude_unexplained(Reason::weak_evidence);
             return;
         }
-        // What leaves noise keeps its name where together such names are more probable than that nothing is wrong.
+        // A name that leaves noise stays where together such names are more probable than that nothing is wrong.
         const bool is_name_more_probable = leaves_noise(first) && of_names_ > d_.of_noise;
         if (of_size_ - said_of_tails(first) >= doubtful && !is_name_more_probable) {
             conclude_unexplained(Reason::noise);

@@ -12,7 +12,7 @@ namespace explore::inference {
 class MaxStatistic {
 public:
     // directions: unit vectors, one column a statistic: minus their product with the residuals. Only the sign of
-    // `sense` counts, where it is not 0. estimated: the noise is what the residuals leave over, beyond `nuisance`.
+    // `sense` counts, where it is not 0. estimated: the noise is that of the residuals, beyond `nuisance`.
     // rows_of: residuals in standard deviations by standard normal deviates; without: the deviates.
     MaxStatistic(const Eigen::MatrixXd& directions, const std::vector<int>& sense, const Nuisance& nuisance,
                  bool estimated, std::uint64_t seed,
@@ -21,7 +21,7 @@ public:
     // The chance that the largest statistic of the family reaches this under noise alone. Simulated with 10,000 draws;
     // below their reach by the bound of Bonferroni, which is close there.
     double p_value(double statistic) const;
-    // What the largest statistic exceeds with this probability.
+    // The limit that the largest statistic exceeds with this probability.
     double threshold(double p) const;
 
 private:

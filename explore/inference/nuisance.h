@@ -1,4 +1,4 @@
-// What parameters that are not asked about can make of residuals.
+// Residuals beyond all that the free parameters can follow: they are a nuisance where something else is judged.
 #pragma once
 
 #include <Eigen/Dense>
@@ -14,7 +14,7 @@ inline bool is_pressed(double unit, double pull) {
     return (unit < end_of_range && pull > 0.0) || (unit > 1.0 - end_of_range && pull < 0.0);
 }
 
-// What free parameters can follow, to first order: the span of the residuals' derivatives. Directions that crossing the
+// Directions that parameters follow, to first order: the span of the residuals' derivatives. Those that crossing the
 // whole box moves by less than one standard deviation are not in it, nor are parameters that the fit presses against a
 // bound.
 class Nuisance {

@@ -30,7 +30,7 @@ struct Acceptance {
 // of freedom (goodness.h). Nothing: without stated noise or degrees of freedom no error can be given.
 std::optional<Acceptance> acceptance_of(const problem::Problem& problem, const Minimum& best);
 
-// Of noise whose size is sought, that size: the root of the variance.
+// Of noise whose size is fitted, that size: the root of the variance.
 problem::NoiseScale noise_scale_of(const Acceptance& acceptance);
 
 } // namespace explore::landscape

@@ -15,8 +15,8 @@ double censored_row(double z, data::Censored side);
 // Its derivative by z: from row^2 = -2 ln Phi(-z), 2 row row' = 2 phi(z) / Phi(-z), so with the inverse of Mills' ratio
 // m(z) = phi(z) / Phi(-z) it is m(z) / row; above: m(-z) / |row|.
 double censored_row_slope(double z, data::Censored side);
-// What the reading tells of a shift of z: -d^2 ln Phi(-z) / dz^2 = m (m - z), from 0 on the side that is known to 1 on
-// the other, where it counts as much as a reading with a value.
+// The information of the reading on a shift of z: -d^2 ln Phi(-z) / dz^2 = m (m - z), from 0 on the side that is known
+// to 1 on the other, where it counts as much as a reading with a value.
 double censored_information(double z, data::Censored side);
 
 } // namespace explore::problem

@@ -1,4 +1,4 @@
-// Noise whose size is sought: k times what is stated, with one k for all readings. With the prior
+// Noise whose size is fitted: k times what is stated, with one k for all readings. With the prior
 //     k^2 ~ a scaled inverse chi2 with nu = 1/2 degrees of freedom around 1,
 // which counts as half a reading that errs by as much as is stated and is next to flat in ln k over decades, k is
 // integrated out exactly: n independent normal errors of k standard deviations with the sum of squares S have the

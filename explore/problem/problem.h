@@ -61,7 +61,7 @@ public:
     double misfit(const Evaluation& evaluation) const { return residuals(evaluation).norm(); }
     // Of a problem in units of noise that every reading states: the logarithm of the density of the measured values
     // [SI] times that of the priors over what is uniform in the box; minus infinity without an answer. A size of the
-    // noise that is sought is integrated out. Priors are cut
+    // noise that is fitted is integrated out. Priors are cut
     // off at the box, each by itself: of correlated ones that reach beyond it the constant is an approximation.
     double log_density(const Evaluation& evaluation) const;
     // d(residuals)/d(unit coordinates) of an evaluation with a jacobian; rows x parameters.

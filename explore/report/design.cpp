@@ -79,7 +79,7 @@ Json criterion_json(const CriterionLife& c) {
     return json;
 }
 
-// What narrows the life most.
+// The step that narrows the life most.
 Json next_json(const DesignResult& result) {
     constexpr std::size_t shown = 10;
     Json list = Json::array();

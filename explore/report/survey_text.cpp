@@ -338,7 +338,7 @@ std::string survey_text(const SurveyResult& result) {
     }
     if (std::any_of(result.load_residuals.begin(), result.load_residuals.end(),
                     [](const auto& r) { return r.one_sign; })) {
-        text += "\nWhat the model leaves over at the loads (median over the stations)\n" + load_table(result);
+        text += "\nResiduals at the loads (median over the stations)\n" + load_table(result);
     }
     if (result.normalise || result.reference_C) {
         text += fmt::format("\nAt {}\n{}",

@@ -26,7 +26,7 @@ private:
     std::unique_ptr<Timer> timer_;
 };
 
-// What a budget may be.
+// The range of a budget, and its forms.
 inline constexpr double least_budget = 0.1, most_budget = 1e7; // s
 inline constexpr std::string_view budget_words = "30s, 10min or 2h, 0.1 s to 2700 h";
 // Seconds of "30s", "10min" or "2h" ("1.5h", "90 s"); nothing: no such time, or one beyond those.

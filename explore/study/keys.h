@@ -445,7 +445,7 @@ inline constexpr Key noise_scale{
     .default_value = 0,
     .choices = noise_scales,
     .meaning = "size of the noise; `sought`: what is stated, or 2 % of each reading where nothing "
-               "is, times a factor that is sought with the parameters"};
+               "is, times a factor that is fitted with the parameters"};
 inline constexpr Key data_held_out{.table = "[data]",
                                    .key = "held_out",
                                    .kind = texts,

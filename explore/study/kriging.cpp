@@ -18,7 +18,7 @@ Index terms_of(int degree, Index dimension) {
     return degree == 0 ? 1 : degree == 1 ? 1 + dimension : (1 + dimension) * (2 + dimension) / 2;
 }
 
-// The terms of the polynomial in the first row, below it their slopes by each coordinate where they are asked for.
+// The terms of the polynomial in the first row, below it their slopes by each coordinate where they are requested.
 Eigen::MatrixXd polynomial(std::span<const double> x, int degree, bool with_slopes) {
     const auto d = static_cast<Index>(x.size());
     Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(with_slopes ? 1 + d : 1, terms_of(degree, d));
@@ -44,7 +44,7 @@ Eigen::MatrixXd polynomial(std::span<const double> x, int degree, bool with_slop
     return rows;
 }
 
-// Covariances of the value at x, and below it of its slopes where they are asked for, with the value at y and, where
+// Covariances of the value at x, and below it of its slopes where they are requested, with the value at y and, where
 // they are known, its slopes.
 Eigen::MatrixXd covariances(std::span<const double> x, std::span<const double> y, const Eigen::VectorXd& lengths,
                             bool slopes_of_x, bool slopes_of_y) {

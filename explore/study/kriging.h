@@ -25,7 +25,7 @@ public:
     struct Answer {
         Eigen::VectorXd values;
         Eigen::VectorXd deviations; // standard deviations of the values, by the process
-        Eigen::MatrixXd slopes;     // values x coordinates, by unit coordinates; empty unless asked for
+        Eigen::MatrixXd slopes;     // values x coordinates, by unit coordinates; empty unless requested
     };
     Answer at(std::span<const double> unit, bool with_slopes) const;
 

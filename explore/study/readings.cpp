@@ -177,7 +177,7 @@ void read_noise(const toml::table& table, Study& study, const TableReader& of_da
     study.data.noise_degrees = is_student ? degrees : 0.0;
     study.data.noise_scale_is_sought = reader.choice(keys::noise_scale) == 1;
     if (study.data.noise_scale_is_sought && (is_student || study.data.misfit != problem::MisfitKind::weighted)) {
-        throw pave::Error(reader.place(keys::noise_scale), "a size of the noise is sought by a misfit of normal noise",
+        throw pave::Error(reader.place(keys::noise_scale), "a size of the noise is fitted by a misfit of normal noise",
                           is_student ? std::string("loss = \"student\"")
                                      : fmt::format("misfit = \"{}\"", to_string(study.data.misfit)),
                           "misfit = \"weighted\" and loss = \"normal\"");

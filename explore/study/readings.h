@@ -45,7 +45,7 @@ void read_noise(const toml::table& table, Study& study, const TableReader& of_da
 // The standard deviation of every measured reading, and how those of a load are tied. Throws pave::Error where errors
 // are said to be correlated that no reading states, and for two readings of one place whose errors would be the same.
 void set_noise(Study& study);
-// Share of each reading that the size of the noise is a factor of, where it is sought and none is stated.
+// Share of each reading that the size of the noise is a factor of, where it is fitted and none is stated.
 inline constexpr double unit_of_sought_noise = 0.02;
 
 // Where a sensor reads, for the correlation of its noise.

@@ -22,7 +22,7 @@ std::optional<std::size_t> stiffness_of(const pave::pavement::Layer& layer);
 // Makes the layers of a case of the study as they are in that season.
 void soften(pave::pavement::Case& c, const Season& season);
 
-// What value of each parameter of the study in that season is one of 1 at the time of the readings.
+// The value of each parameter of the study in that season is one of 1 at the time of the readings.
 std::vector<double> parameter_factors(const Study& study, const Season& season);
 
 } // namespace explore::study

@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Index;
 
-// Of each response: the measured value [SI] and what is allowed near it, and 0 where nothing is asked of it.
+// Of each response: the measured value [SI] and what is allowed near it, and 0 where nothing is required.
 struct AllowedError {
     double measured = 0.0;
     double least = 0.0;  // whatever the residual

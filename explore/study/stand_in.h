@@ -13,7 +13,7 @@ struct StandIn {
     double factor = 2.0; // what the process's deviations are to be multiplied by: most errors are then below
 };
 
-// What an evaluation of make_prediction_problem(study) says; it has converged.
+// The point of an evaluation of make_prediction_problem(study), which has converged.
 KnownPoint known_point(const Study& study, const problem::Evaluation& evaluation);
 
 // The largest error of a response, estimated at this point, of what is allowed there; above 1 the full model has to

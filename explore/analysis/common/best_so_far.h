@@ -1,4 +1,4 @@
-// What an analysis that was ended early has found by then.
+// The answer so far of an analysis that was ended early.
 #pragma once
 
 #include "analysis/common/session.h"

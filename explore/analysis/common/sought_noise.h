@@ -1,4 +1,4 @@
-// The size of the noise where it is sought, in words.
+// The size of the noise where it is fitted, in words.
 #pragma once
 
 #include "problem/noise_scale.h"

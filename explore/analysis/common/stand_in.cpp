@@ -26,7 +26,7 @@ double quantile_95(std::vector<double> values) {
     return values[static_cast<std::size_t>(0.95 * static_cast<double>(values.size() - 1))];
 }
 
-// What a stand-in said before the model ran there.
+// The value of a stand-in before the model ran there.
 struct Surprise {
     double of_deviation = 0.0, of_range = 0.0; // the error of a response
 };

@@ -53,7 +53,7 @@ struct Overlay {
     std::optional<double> reliable;        // at the stated reliability: to be built
     double most = 0.0;                     // thickest that was tried, mm
 
-    // What is built for what the data leave open [mm]; nothing: not known.
+    // Thickness that is built for want of knowledge [mm]; nothing: not known.
     std::optional<double> cost() const;
 };
 

@@ -30,7 +30,7 @@ std::string spoken(std::string words) {
     return words;
 }
 
-// What is left if the model may lack something; "": not known, or not much else than if it is right.
+// The life that is left if the model may lack something; "": not known, or not much else than if it is right.
 std::string wide_words(const CriterionLife& c) {
     if (!(c.strain.best > 0.0)) {
         return "";

@@ -56,7 +56,7 @@ public:
 
 private:
     double modulus(const pave::pavement::Case& at) const;
-    // What it reads at a candidate, in all seasons.
+    // Its readings at a candidate, in all seasons.
     std::vector<std::size_t> reads(std::size_t candidate) const;
     // Of what is read at `strained`, or of the two deflections; softer: the asphalt's modulus over that of `at`.
     double log_repetitions_of(std::size_t candidate, std::size_t strained, double softer,

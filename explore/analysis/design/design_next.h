@@ -1,4 +1,4 @@
-// What to find out next, where a life decides: a further reading, or a core.
+// The next thing to find out, where a life decides: a further reading, or a core.
 #pragma once
 
 #include "landscape/uniqueness.h"
@@ -18,7 +18,7 @@ struct NarrowingStep {
 
 inline constexpr double core_error = 0.1; // relative, of the modulus of the top layer by a test of a core
 
-// Every reading that could be taken, and a core of a linear top layer whose modulus is sought, the most telling first.
+// Every reading that could be taken, and a core of a linear top layer whose modulus is fitted, the most telling first.
 // study: without what its criteria read; fitted: its problem, in units of noise; best: its best minimum, with
 // derivatives; gradient: of ln(life) by the unit coordinates. Empty: no answer there.
 std::vector<NarrowingStep> narrowing_steps(const study::Study& study, const problem::Problem& fitted,

@@ -1,4 +1,4 @@
-// What follows from what was found of a road: the same ledger and the same decision as of one station.
+// The answer from what was found of a road: the same ledger and the same decision as of one station.
 #pragma once
 
 #include "analysis/road/road.h"
@@ -21,7 +21,7 @@ inline constexpr std::string_view sensor_gain = "sensor-gain";
 void set_gain(RoadEffect& effect, double offset_mm, double share, double deviation, double dof);
 
 // Sets what follows: the decision, the verdict, the causes, and the order of the effects, what is most probable first.
-// What was not fitted keeps its place after those that were.
+// Effects that were not fitted keep their place after those that were.
 void decide_on_road(RoadDiagnosis& diagnosis, const std::vector<RoadConfounding>& confounding);
 
 } // namespace explore::analysis

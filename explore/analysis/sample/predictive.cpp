@@ -11,7 +11,7 @@
 namespace explore::analysis {
 namespace {
 
-// What one set says of a reading: value and standard deviation (of Student's t: scale).
+// A reading by one set: value and standard deviation (of Student's t: scale).
 struct Component {
     double value = 0.0, deviation = 0.0, weight = 0.0;
 };

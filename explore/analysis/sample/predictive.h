@@ -23,7 +23,7 @@ struct Predictions {
 };
 
 // Of the readings that the problem compares, in its order. A reading is normal around the response (of Student's noise
-// t distributed) with the deviation that is stated for it there, each by itself. Where the size of the noise is sought,
+// t distributed) with the deviation that is stated for it there, each by itself. Where the size of the noise is fitted,
 // it is integrated out given each set. predictions: at least one.
 std::vector<PredictedReading> predicted(const problem::Problem& problem, const study::Study& study,
                                         const Predictions& predictions);

@@ -1,4 +1,4 @@
-// What the prior predicts of the readings, before any fit: which of them can it not reach?
+// The readings as the prior predicts them, before any fit: which of them can it not reach?
 #pragma once
 
 #include "analysis/common/session.h"
@@ -25,7 +25,7 @@ struct PriorCheck {
 // sought is taken as stated. Throws pave::Error as sample does. Nothing: interrupted.
 std::optional<PriorCheck> prior_check(Session& session, const study::Study& study, int points);
 
-// What it says, in sentences.
+// The result in sentences.
 std::vector<std::string> findings(const PriorCheck& check);
 
 } // namespace explore::analysis

@@ -62,8 +62,8 @@ struct SampleResult {
     // The lowest of a draw; where priors or constraints hold the answer that of the readings by themselves.
     double chi2 = 0.0;
     int degrees_of_freedom = 0;
-    double p_value = 1.0; // of that chi2; 1 without degrees of freedom, and where the size of the noise is sought
-    std::optional<problem::NoiseScale> noise_scale{};  // where it is sought
+    double p_value = 1.0; // of that chi2; 1 without degrees of freedom, and where the size of the noise is fitted
+    std::optional<problem::NoiseScale> noise_scale{};  // where it is fitted
     std::optional<landscape::Minimum> held{};          // the best point, where priors or constraints hold it
     std::optional<landscape::PriorInfluence> priors{}; // there
     std::vector<PredictedReading> predicted{};         // by the draws that were run, with their noise

@@ -6,7 +6,7 @@
 // through load and D0 that does not start near zero points to a void (Crovetti and Darter 1985; 50 um in AASHTO 1993).
 // At stations named as joints the load transfer is D300/D0, times the D0/D300 of the slabs themselves.
 //
-// What it leaves out: that slabs are finite (near an edge l comes out low and k high), base layers and their bond, the
+// Left out: that slabs are finite (near an edge l comes out low and k high), base layers and their bond, the
 // concrete's own compression under the plate (a few per cent of D0 on thick slabs), curling. k is that of a falling
 // weight; the static value of design is about half of it (AASHTO 1993, supplement 1998).
 #pragma once
@@ -26,7 +26,7 @@ struct SlabOptions {
 };
 
 struct SlabRange {
-    double value = 0.0, low = 0.0, high = 0.0; // 95 %, from what the fit leaves over
+    double value = 0.0, low = 0.0, high = 0.0; // 95 %, from the residuals
 };
 
 struct SlabFit {

@@ -44,7 +44,7 @@ LevelResiduals residuals_of(const StationResult& s) {
     return found;
 }
 
-// The median and the scatter about it of what a sensor or a level of load leaves over, and whether its sign is due to
+// The median and the scatter about it of the residuals of a sensor or a level of load, and whether its sign is due to
 // chance, among so many.
 template <class Residual>
 void judge(const std::vector<double>& values, std::size_t among, Residual& of) {
