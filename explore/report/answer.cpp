@@ -90,6 +90,9 @@ public:
             for (to = from + 1; to < columns && begins_[to + 1] - gap - begins_[from] <= most;) {
                 ++to;
             }
+            if (from > named && is_empty(begins_[from], begins_[to])) {
+                continue;
+            }
             if (from > named) {
                 lines.emplace_back("");
             }
@@ -124,6 +127,15 @@ private:
     bool is_blank(std::size_t column) const {
         return std::all_of(rows_.begin(), rows_.end(),
                            [&](const auto& row) { return column >= row.size() || row[column] == " "; });
+    }
+    // Below the header.
+    bool is_empty(std::size_t from, std::size_t to) const {
+        for (std::size_t r = 1; r < rows_.size(); ++r) {
+            if (!trimmed(part(r, from, to)).empty()) {
+                return false;
+            }
+        }
+        return rows_.size() > 1;
     }
     bool tells_apart(std::size_t columns) const {
         std::set<std::string> names;

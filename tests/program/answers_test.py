@@ -104,3 +104,26 @@ def test_a_step_that_is_suggested_helps():
     better = data + sought(("base.k1", 200, 4000, "log"), ("base.k2", 0, 0.9, "linear"), ("subgrade.modulus_MPa", 20, 200, "log"))
     helped = run("fit", levels(folder, uzan, better), "--explore", 16, "--starts", 2, "--joint-only", "--quiet", "--out", folder / "uzan")
     assert helped.stdout.startswith("The model fits the 21 readings within their noise"), helped.stdout
+
+
+def test_a_reading_that_stands_out_is_left_out_as_the_finding_says():
+    folder = workspace()
+    assert run("new", folder / "bowl.toml", "--linear", "--layers", "asphalt 120, base 300, subgrade").returncode == 0
+    table = folder / "bowl.csv"
+    head, rows = [], []
+    for line in table.read_text().splitlines():
+        (rows if line.startswith("fwd") else head).append(line)
+    truth = [r["value"] for r in json.loads(run("forward", folder / "bowl.toml", "--json").stdout)["responses"]][:len(rows)]
+    for i, value in enumerate(truth):  # 1 % of noise; one sensor reads 15 % too much
+        cells = rows[i].split(",")
+        cells[6:] = [repr(value * (1 + 0.01 * (-1) ** i) * (1.15 if i == 4 else 1)), "mm", repr(0.01 * value)]
+        rows[i] = ",".join(cells)
+    fit = ("fit", folder / "bowl.toml", "--explore", 32, "--starts", 2)
+    table.write_text("\n".join(head + rows) + "\n")
+    told = run(*fit, "--verbose", "--out", folder / "with")
+    words = " ".join(told.stdout.split())
+    assert "does NOT fit" in words and "One reading stands out" in words and "fwd.deflection@600,0,0" in words, told.stdout
+    rows[4] = "# " + rows[4]
+    table.write_text("\n".join(head + rows) + "\n")
+    helped = run(*fit, "--quiet", "--out", folder / "without")
+    assert helped.stdout.startswith("The model fits the 7 readings within their noise"), helped.stdout + helped.stderr
