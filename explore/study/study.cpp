@@ -1,6 +1,7 @@
 #include "study/study.h"
 
 #include "pavement/effects/catalog.h"
+#include "study/own_effects.h"
 #include "study/readings.h"
 
 #include <algorithm>
@@ -126,8 +127,7 @@ const Effect& effect_named(const std::string& name, const pave::Place& place) {
 }
 
 Study with_effect(Study study, const std::string& name, double size, const pave::Place& place) {
-    refuse_own_model(study, "an effect of the catalogue");
-    const Effect* effect = &effect_named(name, place);
+    const Effect* effect = study.has_own_model ? &effect_named(study, name, place) : &effect_named(name, place);
     if (!(size >= effect->low && size <= effect->high)) {
         throw pave::Error(place, "size out of range", fmt::format("{} = {}", name, size),
                           fmt::format("{} <= size <= {} [{}]", effect->low, effect->high, effect->unit));
@@ -137,7 +137,9 @@ Study with_effect(Study study, const std::string& name, double size, const pave:
     if (own == applied.end()) {
         AppliedEffect added;
         added.effect = effect;
-        check_effect(study, added, place);
+        if (find_effect(name) != nullptr) { // what a study declares is for its own model
+            check_effect(study, added, place);
+        }
         own = applied.insert(applied.end(), std::move(added));
     }
     own->size = size;

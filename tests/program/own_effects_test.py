@@ -164,3 +164,21 @@ def test_a_parameter_that_the_model_does_not_have():
 def test_an_unknown_name_that_is_known_not_to_be_there():
     done = run("diagnose", line(workspace()), "--without", "shfit")
     assert done.returncode == 2 and 'did you mean "shift"?' in done.stderr, done.stderr
+
+
+def test_a_twin_with_a_declared_effect(url):
+    folder = workspace()
+    own = study(folder, url, read(6))
+
+    def values(*more):
+        done = run("twin", own, "--json", "--out", folder / "twin", *more)
+        assert done.returncode == 0, done.stderr
+        return [row["value"] for row in json.loads(done.stdout)["measurements"]]
+
+    # At the same parameters: what is between them is the effect.
+    plain, changed = values(), values("--effect", "a level that stays=0.15")
+    assert [b - a for a, b in zip(plain, changed)] == pytest.approx([0.15] * len(TIMES), rel=1e-9)
+    assert "y1,,model" in (folder / "twin" / "twin.csv").read_text()
+    for effect, words in (("a level that stay=0.15", 'did you mean "a level that stays"?'), ("a level that stays=7", "size out of range"), ("water-table=1", "unknown effect")):
+        wrong = run("twin", own, "--out", folder / "wrong", "--effect", effect)
+        assert wrong.returncode == 2 and words in wrong.stderr, wrong.stderr
