@@ -13,10 +13,10 @@ std::string words_of(const Json& row) {
         return row.at("name").get<std::string>();
     }
     const auto number = [&](const char* key) { return row.at(key).get<double>(); };
-    std::string text = fmt::format("{} {} {:g}", row.at("load").get<std::string>(),
+    std::string text = fmt::format("{} {} at {:g} mm", row.at("load").get<std::string>(),
                                    row.at("quantity").get<std::string>(), number("x_mm"));
     if (number("depth_mm") != 0.0) {
-        text += fmt::format(", {:g} deep", number("depth_mm"));
+        text += fmt::format(", {:g} mm deep", number("depth_mm"));
     }
     return text + (row.contains("time_ms") ? fmt::format(", {:g} ms", number("time_ms")) : "");
 }

@@ -211,12 +211,6 @@ std::vector<std::string> findings(const SampleResult& result) {
                                                                      : "at the best draw",
                                    result.degrees_of_freedom, result.p_value));
     }
-    if (std::string words = limit_words(result.study); !words.empty()) {
-        text.push_back(std::move(words));
-    }
-    if (result.noise_scale) {
-        text.push_back(noise_scale_words(result.study, *result.noise_scale));
-    }
     if (result.priors) {
         for (std::string& words : prior_findings(result.problem, *result.priors)) {
             text.push_back(std::move(words));
@@ -237,6 +231,12 @@ std::vector<std::string> findings(const SampleResult& result) {
                   "counts all that they forbid as prior, and cannot be compared with that of another model.");
     }
     text.push_back(answer_words(result));
+    if (std::string words = limit_words(result.study); !words.empty()) {
+        text.push_back(std::move(words));
+    }
+    if (result.noise_scale) {
+        text.push_back(noise_scale_words(result.study, *result.noise_scale));
+    }
     say_modes(result, text);
     say_bounds(result, text);
     say_correlations(result, text);
