@@ -1,5 +1,5 @@
 """Every `pavescape` command that README, CONTRIBUTING and docs show works: run for a moment, in the second tier for a few seconds, then interrupted. (Those of the
-tutorial are run to their end, word by word: tutorial_test.py.)"""
+tutorials are run to their end: tutorial_test.py, and below.)"""
 import os
 import re
 import signal
@@ -11,7 +11,7 @@ from support import *
 COMMANDS = [(page.name, found[1]) for page in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
             for line in page.read_text().splitlines()
             if (found := re.match(r"    (?:\$ )?(pavescape .*?)(?:\s+#.*)?$", line))
-            and page.name != "tutorial.md" and not re.search(r"\b(STUDY|RUN|FILE)\b", found[1])]
+            and page.name not in ("tutorial.md", "own-model-tutorial.md") and not re.search(r"\b(STUDY|RUN|FILE)\b", found[1])]
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +36,51 @@ def test_a_command_of_a_page_works(reader, page, command, seconds):
     # Of a run that was interrupted above.
     unfinished = any(words in message for words in ("holds no run", "no run here", "no figures", "no such figure"))
     assert process.returncode in (0, 130, -signal.SIGINT) or unfinished, f"{page}: {command}: {process.returncode}: {message}"
+
+
+# --- the tutorial of a model of one's own: its files are those that it shows
+
+OWN_MODEL = (ROOT / "docs" / "guide" / "own-model-tutorial.md").read_text()
+
+
+def blocks(text):
+    """[(the paragraph before, what an indented block says)]"""
+    return [(before, re.sub(r"^    ", "", block, flags=re.M)) for before, block in re.findall(r"((?:^\S.*\n)*)\n((?:^    .*\n|^\n(?=    ))+)", text, re.M)]
+
+
+def follow(folder, text):
+    """Does what a page says, block by block: writes files that the paragraph before names, changes lines, runs commands, which print the lines below
+    them. Gives what they printed."""
+    said = []
+    for before, block in blocks(text):
+        named = re.findall(r"`([\w-]+\.\w+)`", before)
+        if block.startswith("$ "):
+            command, *lines = block[2:].strip().splitlines()
+            done = subprocess.run(command, shell=True, executable="/bin/bash", cwd=folder, env=reader_of_pages()["env"], capture_output=True, text=True)
+            assert done.returncode == 0, f"{command}: {done.stderr}"
+            said.append(" ".join(done.stdout.split()))
+            for line in lines:
+                assert line in said[-1], f"{line}: {said[-1]}"
+        elif "a line changes" in before:
+            key = block.split("=")[0]
+            file = folder / named[-1]
+            lines = file.read_text().splitlines()
+            lines[max(k for k, line in enumerate(lines) if line.startswith(key))] = block.strip()
+            file.write_text("\n".join(lines) + "\n")
+        else:
+            (folder / named[-1]).write_text(block)
+    return said
+
+
+def test_the_files_of_the_tutorial_of_a_model_of_ones_own_run():
+    upto = OWN_MODEL.index("## Is the answer")
+    said = follow(workspace(), OWN_MODEL[:upto])
+    assert len(said) == 1 and "18 min" in said[0], said
+
+
+@pytest.mark.long
+def test_the_tutorial_of_a_model_of_ones_own_ends_as_it_says():
+    assert len(follow(workspace(), OWN_MODEL)) == 5
 
 
 # --- links
