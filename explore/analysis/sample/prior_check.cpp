@@ -118,8 +118,8 @@ std::vector<std::string> findings(const PriorCheck& check) {
                                                        ? "the reading"
                                                        : fmt::format("all {} readings", check.readings.size()))
             : fmt::format(
-                  "The prior does not reach {}: {}. No fit within this box or by these priors can meet {}; look "
-                  "at units, places, bounds and the section first.",
+                  "The prior does not reach {}: {}. A fit within this box and by these priors will hardly meet {}; "
+                  "look at units, places, bounds and the section first.",
                   pave::counted(names.size(), "reading", "readings"), pave::join(names, "; "),
                   names.size() == 1 ? "it" : "them"));
     if (constexpr double few = 100.0; check.effective < few) {
