@@ -243,8 +243,8 @@ std::vector<std::string> findings(const UniqueResult& result) {
     for (std::size_t o = 0; o < u.outputs.size(); ++o) {
         const Range& r = u.outputs[o];
         const data::Reading& output = study.readings[outputs[o]];
-        const auto [low, high] = acceptance.widened ? widened({r.low, r.high}, result.outputs, outputs[o])
-                                                    : std::pair(r.low, r.high);
+        const auto [low, high] =
+            acceptance.widened ? widened({r.low, r.high}, result.outputs, outputs[o]) : std::pair(r.low, r.high);
         const bool is_wider = low < r.low || high > r.high;
         say(fmt::format("{} lies between {} and {} {} (95 %{}; best fit: {}).", output.output,
                         figure(output.in_unit(low)), figure(output.in_unit(high)), output.unit.name,

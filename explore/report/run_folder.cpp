@@ -1,6 +1,7 @@
 #include "report/run_folder.h"
 
 #include "base/error.h"
+#include "data/near_file.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -51,8 +52,8 @@ bool names_its_study(const Json& result) {
     }
     const Json& of = result["study"];
     return of.is_object() && std::all_of(of.items().begin(), of.items().end(), [](const auto& item) {
-        return item.key() == "layers" ? item.value().is_array() : item.value().is_string();
-    });
+               return item.key() == "layers" ? item.value().is_array() : item.value().is_string();
+           });
 }
 
 // The results that each command left in the folder when it was done.
@@ -117,7 +118,8 @@ Json evaluations_in(const run::Store& store) {
 
 RunFolder read_run_folder(const std::string& folder, const std::vector<std::string>& commands) {
     if (!std::filesystem::is_directory(folder)) {
-        throw pave::Error({.file = folder, .key = "RUN"}, "there is no such folder", {}, "the folder of a run");
+        throw pave::Error({.file = folder, .key = "RUN"}, "there is no such folder" + data::near_file_words(folder), {},
+                          "the folder of a run");
     }
     RunFolder read{.results = results_in(folder, commands), .evaluations = {}};
     if (std::filesystem::exists(std::filesystem::path(folder) / "run.sqlite")) {
