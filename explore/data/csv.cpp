@@ -1,6 +1,7 @@
 #include "data/csv.h"
 
 #include "base/text.h"
+#include "data/near_file.h"
 
 #include <algorithm>
 #include <cctype>
@@ -241,7 +242,7 @@ std::string read_file(const std::string& file, std::string_view what, Encoding e
     std::error_code error;
     const auto status = std::filesystem::status(file, error);
     if (error) {
-        throw pave::Error({.file = file}, problem, error.message());
+        throw pave::Error({.file = file}, problem + near_file_words(file), error.message());
     }
     if (!std::filesystem::is_regular_file(status)) { // opening a pipe would wait, reading a device may never end
         throw pave::Error({.file = file}, problem,

@@ -1,6 +1,7 @@
 #include "report/run_folder.h"
 
 #include "base/error.h"
+#include "data/near_file.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -117,7 +118,8 @@ Json evaluations_in(const run::Store& store) {
 
 RunFolder read_run_folder(const std::string& folder, const std::vector<std::string>& commands) {
     if (!std::filesystem::is_directory(folder)) {
-        throw pave::Error({.file = folder, .key = "RUN"}, "there is no such folder", {}, "the folder of a run");
+        throw pave::Error({.file = folder, .key = "RUN"}, "there is no such folder" + data::near_file_words(folder), {},
+                          "the folder of a run");
     }
     RunFolder read{.results = results_in(folder, commands), .evaluations = {}};
     if (std::filesystem::exists(std::filesystem::path(folder) / "run.sqlite")) {

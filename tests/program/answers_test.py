@@ -72,6 +72,14 @@ def test_a_mistyped_command_or_option_gets_a_suggestion(place):
         assert told.returncode == 2 and f'did you mean "{meant}"?' in told.stderr and told.stderr.count("\n") == 1, told.stderr
 
 
+def test_a_mistyped_file_gets_a_suggestion(place):
+    (place / "fit").mkdir(exist_ok=True)
+    for arguments, meant in ((["fit", place / "oen.toml"], "one.toml"), (["survey", place / "raod.csv"], "road.csv"), (["report", place / "fti"], "fit")):
+        told = run(*arguments)
+        assert told.returncode == 2 and f'did you mean "{place / meant}"?' in told.stderr and told.stderr.count("\n") == 1, told.stderr
+    assert "did you mean" not in run("fit", place / "quite-another-name.toml").stderr
+
+
 LEVELS = [(f"at{pressure}", pressure) for pressure in (400, 700, 1100)]
 
 
