@@ -88,7 +88,11 @@ Judged Judge::judge(Model model, double variance) const {
             const double moves = jacobian.col(column).norm(); // standard deviations by the unit coordinate
             typical = candidate.null + std::max(typical - candidate.null, moves > 0.0 ? gross / moves : 0.0);
         }
-        prior.add_size(candidate.null, typical, model.unit[parameters + m]);
+        if (candidate.is_layout) {
+            prior.add_layout(candidate.null, typical, model.unit[parameters + m]);
+        } else {
+            prior.add_size(candidate.null, typical, model.unit[parameters + m]);
+        }
     }
     if (!model.members.empty()) {
         const MatrixXd known = covariance_of(*problem, model, variance);

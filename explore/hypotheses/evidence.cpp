@@ -51,6 +51,12 @@ void Prior::add_size(double null, double typical, double size) {
     log_volume += std::log(density / (1.0 + away * away)) + 0.5 * std::log(2.0 * std::numbers::pi);
 }
 
+void Prior::add_layout(double null, double whole, double size) {
+    constexpr double tolerance = 0.03; // of the largest move: 9 mm of 300 mm
+    const double deviation = tolerance * std::abs(whole - null);
+    add_normal(MatrixXd::Constant(1, 1, 1.0 / (deviation * deviation)), VectorXd::Constant(1, size - whole));
+}
+
 void Prior::cut_off(double size, double deviation) {
     const double inside = below((1.0 - size) / deviation) - below(-size / deviation);
     log_volume += std::log(std::max(inside, 1e-3));

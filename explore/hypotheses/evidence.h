@@ -32,6 +32,9 @@ struct Prior {
     // Adds the size of an effect: Cauchy's distribution around `null` with `typical` at its half width, within 0 to 1
     // (unit coordinates), on one side where null is an end.
     void add_size(double null, double typical, double size);
+    // Adds the size of a layout of sensors as a whole: normal around the whole move, by as much as sensors stand off
+    // it.
+    void add_layout(double null, double whole, double size);
     // The part of the posterior of a size that lies within its range, by its deviation.
     void cut_off(double size, double deviation);
     // Adds coordinates with a normal prior. away: from its mean.

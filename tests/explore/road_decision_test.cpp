@@ -34,7 +34,7 @@ RoadEffect fitted(std::size_t candidate, const std::string& name, double chi2, d
     effect.p_familywise = p_familywise;
     effect.chi2 = chi2;
     effect.p_value = gsl_cdf_chisq_Q(chi2, dof - 1.0);
-    effect.log_evidence = analysis::road_evidence(chi2, dof, axis, 400.0, 0.7, 0.02);
+    effect.log_evidence = analysis::road_evidence(hypotheses::Kind::effect, chi2, dof, axis, 400.0, 0.7, 0.02);
     return effect;
 }
 
@@ -108,9 +108,21 @@ TEST(RoadDecision, EvidenceIsLaplacesByHand) {
     const double prior_there = 2.0 * std::numbers::pi * std::pow(density * (1.0 + std::pow(0.2 / scale, 2)), 2);
     const double by_hand = -100.0 + std::log(density) + 0.5 * std::log(2.0 * std::numbers::pi) -
                            0.5 * std::log(1.0 / (0.02 * 0.02) + prior_there);
-    const double difference = analysis::road_evidence(200.0, dof, axis, 400.0, 0.7, 0.02) - by_hand;
+    const double difference =
+        analysis::road_evidence(hypotheses::Kind::effect, 200.0, dof, axis, 400.0, 0.7, 0.02) - by_hand;
     // ln of 1/2 + 1/2 of the average over k: 1/sqrt(2 n) wide beside 0.35.
     const double average = std::sqrt(2.0 * std::numbers::pi) / std::sqrt(2.0 * dof + 1.0 / (0.35 * 0.35)) /
                            (0.35 * std::sqrt(2.0 * std::numbers::pi));
     EXPECT_NEAR(difference, std::log(0.5 + 0.5 * average), 0.01);
+}
+
+// Of two layouts that fit alike, the one that sensors moved to in whole is the more probable: 3 % of the largest move
+// is one standard deviation, and 0.91 of it three.
+TEST(RoadDecision, ALayoutIsAWhole) {
+    const auto evidence = [](double size) {
+        return analysis::road_evidence(hypotheses::Kind::layout, 200.0, dof, axis, 600.0, size, 0.002);
+    };
+    const double whole = axis.unit(600.0);
+    const double none = axis.unit(0.0);
+    EXPECT_NEAR(evidence(whole) - evidence(none + 0.91 * (whole - none)), 0.5 * 3.0 * 3.0, 1e-6);
 }

@@ -94,10 +94,14 @@ diagnose::Ledger ledger_of(const RoadDiagnosis& d, const std::vector<RoadConfoun
 
 } // namespace
 
-double road_evidence(double chi2, double dof, const problem::Axis& axis, double typical, double size,
+double road_evidence(Kind kind, double chi2, double dof, const problem::Axis& axis, double typical, double size,
                      double deviation) {
     auto prior = hypotheses::Prior::of_parameters(0);
-    prior.add_size(axis.unit(axis.start), axis.unit(typical), size);
+    if (kind == Kind::layout) {
+        prior.add_layout(axis.unit(axis.start), axis.unit(typical), size);
+    } else {
+        prior.add_size(axis.unit(axis.start), axis.unit(typical), size);
+    }
     prior.cut_off(size, deviation);
     return evidence_beyond(chi2, dof, MatrixXd::Constant(1, 1, 1.0 / deviation), prior).log;
 }
@@ -111,7 +115,7 @@ void set_gain(RoadEffect& effect, double offset_mm, double share, double deviati
     effect.high = std::exp(share + half);
     effect.ends_range = effect.low <= axis.low || effect.high >= axis.high;
     effect.log_evidence =
-        road_evidence(*effect.chi2, dof, axis, gain.typical, std::clamp(axis.unit(effect.size), 0.0, 1.0),
+        road_evidence(Kind::effect, *effect.chi2, dof, axis, gain.typical, std::clamp(axis.unit(effect.size), 0.0, 1.0),
                       deviation / std::log(axis.high / axis.low));
     effect.words = fmt::format("the sensor at {:g} mm reads {:.1f} % too {}", offset_mm,
                                100.0 * std::abs(effect.size - 1.0), effect.size > 1.0 ? "much" : "little");

@@ -13,7 +13,8 @@ struct RoadConfounding {
 
 // The marginal likelihood of an effect whose size, in unit coordinates, is `size` with this standard deviation, where
 // the fit leaves chi2 with the road's degrees of freedom, those of the size among them.
-double road_evidence(double chi2, double dof, const problem::Axis& axis, double typical, double size, double deviation);
+double road_evidence(hypotheses::Kind kind, double chi2, double dof, const problem::Axis& axis, double typical,
+                     double size, double deviation);
 
 // A sensor whose readings are multiplied by a factor: `share` is its logarithm, with its standard deviation; chi2 and p
 // are set.

@@ -463,7 +463,7 @@ private:
         effect.high = axis.physical(std::min(1.0, unit + half));
         const double none = axis.unit(axis.start);
         effect.ends_range = (unit - half <= 0.0 && none > 0.0) || (unit + half >= 1.0 && none < 1.0);
-        effect.log_evidence = road_evidence(chi2, result_.dof, axis,
+        effect.log_evidence = road_evidence(effect.kind, chi2, result_.dof, axis,
                                             first.typical.value_or(first.applied.effect->typical), unit, deviation);
         auto applied = first.applied;
         applied.size = effect.size;
