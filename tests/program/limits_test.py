@@ -11,27 +11,7 @@ folder = workspace()
 # (offset, value, limit): made up around 80 MPa, the instrument clipped at the centre and blind far out.
 SIGMA = 0.01  # mm
 OFFSETS = (0, 200, 300, 450, 600, 900, 1800, 2400)
-HALF_SPACE = """schema = 1
-title = "A half-space"
-[section]
-bottom = "half-space"
-[[layers]]
-name = "subgrade"
-density_kg_m3 = 2000
-k0 = 0.5
-law = "linear"
-modulus_MPa = 100
-poisson = 0.4
-[[loads]]
-name = "fwd"
-type = "plate"
-radius_mm = 150
-pressure_kPa = 700
-[data]
-files = ["bowl.csv"]
-"""
 WEIGHTED = 'misfit = "weighted"\n'
-SOUGHT = '[[parameters]]\nname = "subgrade.modulus_MPa"\nmin = 20\nmax = 400\nscale = "log"\n'
 
 
 def made(label, cells, data=WEIGHTED, sigma=SIGMA):
@@ -39,7 +19,7 @@ def made(label, cells, data=WEIGHTED, sigma=SIGMA):
     here.mkdir(exist_ok=True)
     (here / "bowl.csv").write_text("load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" +
                                    "".join(f"fwd,deflection,{x},0,0,0,{v},mm,{sigma}\n" for x, v in zip(OFFSETS, cells)))
-    (here / "study.toml").write_text(HALF_SPACE + data + SOUGHT)
+    (here / "study.toml").write_text(HALF_SPACE + data + OF_HALF_SPACE)
     return here / "study.toml"
 
 

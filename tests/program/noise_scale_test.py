@@ -12,29 +12,9 @@ OFFSETS = (0, 200, 300, 450, 600, 900, 1200, 1500)
 ERRORS = (0.9, -1.6, 0.3, 1.2, -0.4, -1.1, 2.1, -0.7)  # in standard deviations of three times what is stated: made up
 SIGMA = 0.004                                          # mm, as stated
 STATED = 'misfit = "weighted"\n[data.noise]\nscale = "sought"\n'
-HALF_SPACE = """schema = 1
-title = "A half-space"
-[section]
-bottom = "half-space"
-[[layers]]
-name = "subgrade"
-density_kg_m3 = 2000
-k0 = 0.5
-law = "linear"
-modulus_MPa = 100
-poisson = 0.4
-[[loads]]
-name = "fwd"
-type = "plate"
-radius_mm = 150
-pressure_kPa = 700
-[data]
-files = ["bowl.csv"]
-"""
-SOUGHT = '[[parameters]]\nname = "subgrade.modulus_MPa"\nmin = 20\nmax = 400\nscale = "log"\n'
 
 
-def made(label, values, sigma, data=STATED, sought=SOUGHT):
+def made(label, values, sigma, data=STATED, sought=OF_HALF_SPACE):
     here = folder / label
     here.mkdir(exist_ok=True)
     (here / "bowl.csv").write_text("load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" +
@@ -118,10 +98,10 @@ def test_where_nothing_is_stated_the_size_is_a_share_of_each_reading():
 
 
 @pytest.mark.parametrize("data, sought, words", [
-    ('misfit = "log"\n[data.noise]\nscale = "sought"\n', SOUGHT, 'misfit = "log"'),
-    ('misfit = "weighted"\n[data.noise]\nscale = "sought"\nloss = "student"\n', SOUGHT, 'loss = "student"'),
-    ('misfit = "weighted"\n[data.noise]\nscale = "free"\n', SOUGHT, "sought"),
-    (STATED, SOUGHT + "prior = { mean = 80, sd = 0.2 }\n", 'scale = "sought"')])
+    ('misfit = "log"\n[data.noise]\nscale = "sought"\n', OF_HALF_SPACE, 'misfit = "log"'),
+    ('misfit = "weighted"\n[data.noise]\nscale = "sought"\nloss = "student"\n', OF_HALF_SPACE, 'loss = "student"'),
+    ('misfit = "weighted"\n[data.noise]\nscale = "free"\n', OF_HALF_SPACE, "sought"),
+    (STATED, OF_HALF_SPACE + "prior = { mean = 80, sd = 0.2 }\n", 'scale = "sought"')])
 def test_what_the_size_of_the_noise_cannot_be_sought_with_is_refused(data, sought, words):
     done = run("fit", made("refused", READ, SIGMA, data, sought), "--out", folder / "no")
     assert done.returncode == 2 and words in done.stderr and "study.toml" in done.stderr, done.stderr

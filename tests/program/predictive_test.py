@@ -10,35 +10,14 @@ folder = workspace()
 OFFSETS = (0, 200, 300, 450, 600, 900, 1200, 1500)
 ERRORS = np.array((0.9, -1.6, 0.3, 1.2, -0.4, -1.1, 2.1, -0.7))  # made up
 SIGMA = 0.02                                                     # mm
-HALF_SPACE = """schema = 1
-title = "A half-space"
-[section]
-bottom = "half-space"
-[[layers]]
-name = "subgrade"
-density_kg_m3 = 2000
-k0 = 0.5
-law = "linear"
-modulus_MPa = 100
-poisson = 0.4
-[[loads]]
-name = "fwd"
-type = "plate"
-radius_mm = 150
-pressure_kPa = 700
-[data]
-files = ["bowl.csv"]
-misfit = "weighted"
-"""
-SOUGHT = '[[parameters]]\nname = "subgrade.modulus_MPa"\nmin = 20\nmax = 400\nscale = "log"\n'
 
 
-def made(label, values, more=SOUGHT):
+def made(label, values, more=OF_HALF_SPACE):
     here = folder / label
     here.mkdir(exist_ok=True)
     (here / "bowl.csv").write_text("load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" +
                                    "".join(f"fwd,deflection,{x},0,0,0,{v},mm,{SIGMA}\n" for x, v in zip(OFFSETS, values)))
-    (here / "study.toml").write_text(HALF_SPACE + more)
+    (here / "study.toml").write_text(HALF_SPACE + 'misfit = "weighted"\n' + more)
     return here / "study.toml"
 
 
@@ -76,7 +55,7 @@ def test_the_prior_predicts_each_reading_and_says_which_it_does_not_reach():
     check = answer(made("wrong", wrong), "--prior", "--samples", 2000)
     assert check["unreached"] == ["fwd.deflection@0,0,0"] and "does not reach 1 reading" in check["findings"][0], check["findings"]
     # Normal, and cut off by a constraint.
-    normal = SOUGHT + 'prior = { mean = 100, sd = 0.3 }\n[[constraints]]\nthat = "subgrade.modulus_MPa <= 110"\n'
+    normal = OF_HALF_SPACE + 'prior = { mean = 100, sd = 0.3 }\n[[constraints]]\nthat = "subgrade.modulus_MPa <= 110"\n'
     check = answer(made("normal", READ, normal), "--prior", "--samples", 4000)
     weight = np.where(x <= math.log(110), stats.norm.pdf((x - math.log(100)) / 0.3), 0)
     compared(check["readings"], READ, x, weight / weight.sum(), 0.01)

@@ -249,3 +249,26 @@ def write_study(folder, study=STUDY, data=DATA, name="small"):
     if data is not None:
         (folder / "small.csv").write_text(data)
     return folder / f"{name}.toml"
+
+
+# A half-space under a plate, whose deflections are c/E: what is expected of one stiffness has closed forms.
+HALF_SPACE = """schema = 1
+title = "A half-space"
+[section]
+bottom = "half-space"
+[[layers]]
+name = "subgrade"
+density_kg_m3 = 2000
+k0 = 0.5
+law = "linear"
+modulus_MPa = 100
+poisson = 0.4
+[[loads]]
+name = "fwd"
+type = "plate"
+radius_mm = 150
+pressure_kPa = 700
+[data]
+files = ["bowl.csv"]
+"""
+OF_HALF_SPACE = '[[parameters]]\nname = "subgrade.modulus_MPa"\nmin = 20\nmax = 400\nscale = "log"\n'
