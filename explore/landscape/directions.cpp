@@ -14,6 +14,7 @@ using Eigen::VectorXd;
 
 Directions directions(const problem::Problem& problem, const Acceptance& acceptance, const Minimum& minimum) {
     Directions d;
+    d.unit = minimum.unit;
     const auto& axes = problem.space.axes;
     const MatrixXd s = problem.information_jacobian(minimum.evaluation) / acceptance.noise();
     std::vector<Index> open;

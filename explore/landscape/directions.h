@@ -18,6 +18,7 @@ struct Combination {
 };
 
 struct Directions {
+    std::vector<double> unit; // of the minimum: the place where they hold
     // Of the normalised sensitivity matrix d(residual)/d(unit) / noise over the parameters off their bounds: how many
     // standard deviations the data move when the parameters cross the whole box along each singular vector.
     std::vector<double> singular_values;  // falling

@@ -80,6 +80,12 @@ public:
     std::vector<std::string> lines() const {
         std::vector<std::string> lines;
         const std::size_t columns = begins_.size() - 1;
+        constexpr std::size_t least_name = 24;
+        const std::size_t others =
+            columns > 1 ? wide_ - begins_[1] : terminal_columns; // the width of all but the first
+        if (columns > 1 && begins_[1] > terminal_columns / 2 && others + least_name <= terminal_columns) {
+            return with_narrow_names(terminal_columns - others);
+        }
         std::size_t named = 1;
         while (named + 1 < columns && begins_[named + 1] <= terminal_columns / 2 && !tells_apart(named)) {
             ++named;
@@ -123,6 +129,21 @@ public:
 
 private:
     static constexpr std::size_t gap = 2;
+
+    // The first column wrapped to this width, the gap behind it included.
+    std::vector<std::string> with_narrow_names(std::size_t name) const {
+        std::vector<std::string> lines;
+        const std::string margin(begins_[0], ' ');
+        for (std::size_t r = 0; r < rows_.size(); ++r) {
+            const auto words = wrapped(trimmed(part(r, begins_[0], begins_[1])), name - gap - margin.size(), 2);
+            const std::string own = margin + (words.empty() ? "" : words[0]);
+            lines.push_back(trimmed(own + std::string(name - width(own), ' ') + part(r, begins_[1], wide_)));
+            for (std::size_t i = 1; i < words.size(); ++i) {
+                lines.push_back(margin + words[i]);
+            }
+        }
+        return lines;
+    }
 
     bool is_blank(std::size_t column) const {
         return std::all_of(rows_.begin(), rows_.end(),
@@ -199,26 +220,43 @@ std::string more(std::size_t count) {
     return fmt::format("  ... and {} more (--verbose)", count);
 }
 
-// Cells are cut, from the first column on, until the table fits.
+// Words are cut, first those of the header; where the table is still too wide its last columns are left out, with a
+// mark.
 std::vector<std::string> table_lines(const Answer& answer, std::size_t rows) {
     constexpr std::size_t name_columns = 30;
-    constexpr std::size_t cell_columns = 14;
-    const auto cut = [&](std::vector<std::string> row) {
-        for (std::size_t c = 0; c < row.size(); ++c) {
-            const std::size_t limit = c == 0 ? name_columns : cell_columns;
-            if (width(row[c]) > limit) {
-                row[c] = head(row[c], limit - 2) + "..";
+    const auto lines_with = [&](std::size_t columns, std::size_t cell_columns) {
+        const auto cut = [&](std::vector<std::string> row, const char* mark) {
+            const bool is_left_out = columns < answer.header.size();
+            row.resize(columns);
+            for (std::size_t c = 0; c < row.size(); ++c) {
+                const std::size_t limit = c == 0 ? name_columns : cell_columns;
+                if (width(row[c]) > limit) {
+                    row[c] = head(row[c], limit - 2) + "..";
+                }
+            }
+            if (is_left_out) {
+                row.emplace_back(mark);
+            }
+            return row;
+        };
+        Table table(cut(answer.header, "..."));
+        for (std::size_t i = 0; i < rows; ++i) {
+            table.add(cut(answer.rows[i], ""));
+        }
+        return lines_of(table.text());
+    };
+    const auto fits = [](const std::vector<std::string>& lines) {
+        return std::all_of(lines.begin(), lines.end(),
+                           [](const std::string& line) { return width(line) <= terminal_columns; });
+    };
+    std::vector<std::string> lines;
+    for (std::size_t columns = answer.header.size(); columns > 0; --columns) {
+        for (const std::size_t cell_columns : {14, 12, 10}) { // a number takes ten at most
+            lines = lines_with(columns, cell_columns);
+            if (fits(lines)) {
+                return lines;
             }
         }
-        return row;
-    };
-    Table table(cut(answer.header));
-    for (std::size_t i = 0; i < rows; ++i) {
-        table.add(cut(answer.rows[i]));
-    }
-    std::vector<std::string> lines = lines_of(table.text());
-    for (std::string& line : lines) {
-        line = head(line, terminal_columns);
     }
     return lines;
 }

@@ -92,17 +92,17 @@ Answer fit_answer(const Json& json) {
     }
     const auto readings = counted(at(json, "readings").get<std::size_t>(), "reading", "readings");
     const bool is_contradicted = at(noise, "widened") == true;
+    const char* const their = at(json, "readings") == 1 ? "its" : "their";
     if (at(best, "converged") != true) {
         answer.verdict = take_first(answer.notes);
     } else {
         answer.verdict = at(noise, "p_value").is_null()
                              ? fmt::format("Fitted {}, which state no {}noise to judge the model by", readings,
                                            at(noise, "source") == "sought" ? "size of their " : "")
-                         : is_contradicted
-                             ? fmt::format("The model does NOT fit the {} within their noise (p = {:.2g})", readings,
-                                           at(noise, "p_value").get<double>())
-                             : fmt::format("The model fits the {} within their noise (p = {:.2g})", readings,
-                                           at(noise, "p_value").get<double>());
+                         : is_contradicted ? fmt::format("The model does NOT fit the {} within {} noise (p = {:.2g})",
+                                                         readings, their, at(noise, "p_value").get<double>())
+                                           : fmt::format("The model fits the {} within {} noise (p = {:.2g})", readings,
+                                                         their, at(noise, "p_value").get<double>());
         std::vector<std::string> flaws;
         if (!unknown.empty()) {
             flaws.push_back("does not determine " + pave::join(unknown));
@@ -224,7 +224,7 @@ void add_station_rows(const Json& json, Answer& answer) {
 
 // Of a road without a weak station: too few are not judged.
 std::string judged_words(std::size_t stations) {
-    return stations < analysis::section_stations ? "" : "No station is weak. ";
+    return stations < analysis::section_stations ? "" : "No station is far weaker than the others. ";
 }
 
 Answer survey_answer(const Json& json) {

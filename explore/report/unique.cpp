@@ -127,7 +127,7 @@ Json answer_json(const UniqueResult& result) {
         for (const auto& t : c.others) {
             terms[space.axes[t.axis].name] = t.coefficient;
         }
-        combinations.push_back({{"words", analysis::combination_words(study, c, u.minima[0].unit)},
+        combinations.push_back({{"words", analysis::combination_words(study, c, u.directions.unit)},
                                 {"coefficients", terms},
                                 {"standard_error", c.standard_error}});
     }

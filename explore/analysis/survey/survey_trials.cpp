@@ -211,30 +211,33 @@ std::vector<SectionTrial> section_trials(const SurveyResult& result) {
 
 std::string trial_words(const SurveyResult& result) {
     std::vector<std::string> helps;
-    std::vector<std::string> does_not;
+    std::vector<std::string> little;
+    std::vector<std::string> worse;
+    constexpr double clearly_worse = 1.1;
     for (const SectionTrial& t : result.trials) {
         if (t.misfit_ratio < worth_saying) {
             helps.push_back(fmt::format("{}: {:.1f} % instead of {:.1f} % (squared misfit {:.2g} times)", t.words,
                                         t.rms_percent, t.rms_percent_of_study, t.misfit_ratio));
         } else {
-            does_not.push_back(fmt::format("{} ({:.2g} times)", t.words, t.misfit_ratio));
+            (t.misfit_ratio < clearly_worse ? little : worse)
+                .push_back(fmt::format("{} ({:.2g} times)", t.words, t.misfit_ratio));
         }
     }
     if (result.trials.empty()) {
         return "";
     }
     const std::size_t stations = result.trials[0].stations;
-    std::string text;
+    std::vector<std::string> parts;
     if (!helps.empty()) {
-        text = fmt::format("Tried at {} stations, another section misses the bowls by less (median RMS): {}.", stations,
-                           pave::join(helps, "; "));
+        parts.push_back("another section misses the bowls by less (median RMS): " + pave::join(helps, "; "));
     }
-    if (!does_not.empty()) {
-        text += fmt::format("{}{} little in the squared misfit: {}.", text.empty() ? "" : " ",
-                            text.empty() ? fmt::format("Tried at {} stations, this changes", stations)
-                                         : std::string("Changes"),
-                            pave::join(does_not, "; "));
+    if (!little.empty()) {
+        parts.push_back("this changes little in the squared misfit: " + pave::join(little, "; "));
     }
+    if (!worse.empty()) {
+        parts.push_back("this fits worse: " + pave::join(worse, "; "));
+    }
+    const std::string text = fmt::format("Tried at {} stations, {}.", stations, pave::join(parts, "; and "));
     return text;
 }
 

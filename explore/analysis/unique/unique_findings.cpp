@@ -208,7 +208,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
     if (!u.directions.free.empty()) {
         std::vector<std::string> fixed;
         for (const auto& c : u.directions.fixed) {
-            fixed.push_back(combination_words(study, c, u.minima[0].unit));
+            fixed.push_back(combination_words(study, c, u.directions.unit));
         }
         say(fmt::format("At the best minimum the data do not determine {} individually{}",
                         pave::join(names_of(space, u.directions.free)),
