@@ -17,7 +17,7 @@ constexpr double level_unexplained = 0.05; // evidence that is due to chance so 
 constexpr double level_finds_more = 0.01;  // a correction finds more than what was named
 constexpr double least_rate = 0.95;        // of telling two effects apart
 constexpr double most_noise = 2.2;         // times the stated noise: more is no matter of noise
-constexpr double most_of_structure = 1.5;  // the same, where readings have errors in common beside it
+constexpr double most_of_structure = 1.5;  // the same, beside errors in common or heavy tails
 constexpr double little = 0.05;            // probability that keeps a name from standing alone
 constexpr double doubtful = 0.1; // that errors are larger than stated: chance names something in some of such cases
 
@@ -105,7 +105,8 @@ private:
         const Fit& fit = of_noise.fit;
         const bool has_pattern =
             fit.pattern_dof > 0 && gsl_cdf_chisq_Q(fit.pattern_chi2 / (k * k), fit.pattern_dof) < level_contradicted;
-        return !is_stated() || (k <= (of_noise.is_independent ? most_noise : most_of_structure) && !has_pattern);
+        const bool is_of_size = of_noise.is_independent && !of_noise.has_tails;
+        return !is_stated() || (k <= (is_of_size ? most_noise : most_of_structure) && !has_pattern);
     }
 
     bool is_explained_as_stated() const {

@@ -260,6 +260,13 @@ std::vector<Case> table() {
          {},
          Reason::nothing_explains});
     much_shared.noise = 1.4;
+    Row far_tails = noise(2.0, -12, "tails");
+    far_tails.has_tails = true;
+    add({"nor are heavy tails",
+         {bad, far, far_tails, effect("a", 90, -25)},
+         Verdict::unexplained,
+         {},
+         Reason::nothing_explains});
     add({"unless they are little larger", {bad, far, much_shared, effect("a", 90, -25)}, Verdict::adequate});
     add({"an effect or errors that readings share",
          {nothing(75, -40), shared, effect("a", 50, -26)},
