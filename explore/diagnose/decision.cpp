@@ -12,7 +12,7 @@ namespace {
 
 using hypotheses::Kind;
 
-constexpr double level_rejected = 0.0005;  // by the pattern of the residuals alone
+constexpr double level_rejected = 0.0005;  // by the pattern of the residuals alone, or where nothing else is near
 constexpr double level_unexplained = 0.05; // evidence that is due to chance so often names nothing
 constexpr double level_finds_more = 0.01;  // a correction finds more than what was named
 constexpr double least_rate = 0.95;        // of telling two effects apart
@@ -95,6 +95,15 @@ private:
     }
     bool is_rejected(const Row& own) const {
         return is_stated() && (own.fit.p_value < level_contradicted || own.fit.p_pattern < level_rejected);
+    }
+    // Rejected by little, where next to nothing else is probable: what comes nearest is then an answer, though not all.
+    bool is_far_ahead(const Row& own) const {
+        constexpr double nearly_all = 0.9;
+        double probability = 0.0;
+        for (const auto& ranked : d_.hypotheses) {
+            probability = &row(ranked.row) == &own ? ranked.probability : probability;
+        }
+        return own.fit.p_value >= level_rejected && own.fit.p_pattern >= level_rejected && probability >= nearly_all;
     }
     // Twice the logarithm of how much less probable than another.
     double behind(const Row& own, const Row& other) const { return 2.0 * (other.log_weight() - own.log_weight()); }
@@ -266,7 +275,7 @@ private:
         d_.leaves_more_than_noise = !leaves_noise(first);
         d_.noise_factor = factor_of(first);
         const double chance = ledger_.chance(first.hypothesis.key());
-        if (is_rejected(first)) { // so are all others
+        if (is_rejected(first) && !is_far_ahead(first)) { // so are all others
             conclude_unexplained(Reason::nothing_explains);
             return;
         }

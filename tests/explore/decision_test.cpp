@@ -305,6 +305,16 @@ std::vector<Case> table() {
          Verdict::unexplained,
          {},
          Reason::nothing_explains});
+    add({"one rejected by little that has nearly all of the probability", // p = 0.0035
+         {bad, far, effect("a", 67, -14)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::leaves_more_than_noise});
+    add({"but not half of it",
+         {bad, noise(3.1, -14), effect("a", 67, -14)},
+         Verdict::unexplained,
+         {},
+         Reason::nothing_explains});
     add({"a rejected one does not lead",
          {bad, far, effect("a", 70, -14), effect("b", 52, -20)},
          Verdict::ambiguous,
