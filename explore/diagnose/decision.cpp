@@ -97,13 +97,10 @@ private:
         return is_stated() && (own.fit.p_value < level_contradicted || own.fit.p_pattern < level_rejected);
     }
     // Rejected by little, where next to nothing else is probable: what comes nearest is then an answer, though not all.
-    bool is_far_ahead(const Row& own) const {
+    bool is_far_ahead(std::size_t r) const {
         constexpr double nearly_all = 0.9;
-        double probability = 0.0;
-        for (const auto& ranked : d_.hypotheses) {
-            probability = &row(ranked.row) == &own ? ranked.probability : probability;
-        }
-        return own.fit.p_value >= level_rejected && own.fit.p_pattern >= level_rejected && probability >= nearly_all;
+        const Fit& fit = row(r).fit;
+        return fit.p_value >= level_rejected && fit.p_pattern >= level_rejected && d_.probability_of(r) >= nearly_all;
     }
     // Twice the logarithm of how much less probable than another.
     double behind(const Row& own, const Row& other) const { return 2.0 * (other.log_weight() - own.log_weight()); }
@@ -275,7 +272,7 @@ private:
         d_.leaves_more_than_noise = !leaves_noise(first);
         d_.noise_factor = factor_of(first);
         const double chance = ledger_.chance(first.hypothesis.key());
-        if (is_rejected(first) && !is_far_ahead(first)) { // so are all others
+        if (is_rejected(first) && !is_far_ahead(*best_)) { // so are all others
             conclude_unexplained(Reason::nothing_explains);
             return;
         }
