@@ -15,12 +15,7 @@ WEIGHTED = 'misfit = "weighted"\n'
 
 
 def made(label, cells, data=WEIGHTED, sigma=SIGMA):
-    here = folder / label
-    here.mkdir(exist_ok=True)
-    (here / "bowl.csv").write_text("load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" +
-                                   "".join(f"fwd,deflection,{x},0,0,0,{v},mm,{sigma}\n" for x, v in zip(OFFSETS, cells)))
-    (here / "study.toml").write_text(HALF_SPACE + data + OF_HALF_SPACE)
-    return here / "study.toml"
+    return half_space_study(folder / label, OFFSETS, cells, sigma, data + OF_HALF_SPACE)
 
 
 def answer(command, path, *options):

@@ -15,12 +15,7 @@ STATED = 'misfit = "weighted"\n[data.noise]\nscale = "sought"\n'
 
 
 def made(label, values, sigma, data=STATED, sought=OF_HALF_SPACE):
-    here = folder / label
-    here.mkdir(exist_ok=True)
-    (here / "bowl.csv").write_text("load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" +
-                                   "".join(f"fwd,deflection,{x},0,0,0,{v},mm,{sigma}\n" for x, v in zip(OFFSETS, values)))
-    (here / "study.toml").write_text(HALF_SPACE + data + sought)
-    return here / "study.toml"
+    return half_space_study(folder / label, OFFSETS, values, sigma, data + sought)
 
 
 def answer(command, path, *options):

@@ -13,12 +13,7 @@ SIGMA = 0.02                                                     # mm
 
 
 def made(label, values, more=OF_HALF_SPACE):
-    here = folder / label
-    here.mkdir(exist_ok=True)
-    (here / "bowl.csv").write_text("load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" +
-                                   "".join(f"fwd,deflection,{x},0,0,0,{v},mm,{SIGMA}\n" for x, v in zip(OFFSETS, values)))
-    (here / "study.toml").write_text(HALF_SPACE + 'misfit = "weighted"\n' + more)
-    return here / "study.toml"
+    return half_space_study(folder / label, OFFSETS, values, SIGMA, 'misfit = "weighted"\n' + more)
 
 
 def answer(path, *options):

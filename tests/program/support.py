@@ -272,3 +272,12 @@ pressure_kPa = 700
 files = ["bowl.csv"]
 """
 OF_HALF_SPACE = '[[parameters]]\nname = "subgrade.modulus_MPa"\nmin = 20\nmax = 400\nscale = "log"\n'
+
+
+def half_space_study(here, offsets, cells, sigma, more):
+    """The study of a half-space whose bowl has these cells (mm) and this sigma; more: of [data], then the parameters."""
+    here.mkdir(exist_ok=True)
+    (here / "bowl.csv").write_text("load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" +
+                                   "".join(f"fwd,deflection,{x},0,0,0,{v},mm,{sigma}\n" for x, v in zip(offsets, cells)))
+    (here / "study.toml").write_text(HALF_SPACE + more)
+    return here / "study.toml"
