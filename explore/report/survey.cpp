@@ -4,6 +4,7 @@
 #include "base/units.h"
 #include "data/csv.h"
 #include "report/condition.h"
+#include "report/lives.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -119,6 +120,9 @@ void add_fit(const SurveyResult& result, const StationResult& s, Json& json) {
                 {"unit", std::string(outputs[o].unit.name)},
                 {"determined", p.determined}};
         }
+        if (fit.lives) {
+            json["lives"] = lives_json(*fit.lives);
+        }
     }
 }
 
@@ -221,6 +225,9 @@ Json sections_json(const SurveyResult& result) {
                      {"characteristic", characteristic_json(result, section)}};
         for (std::size_t k = 0; k < names.size(); ++k) {
             json["parameters"][names[k]] = percentiles_json(section.parameters[k]);
+        }
+        if (result.has_lives()) {
+            json["life"] = section_life_json(result, section);
         }
         sections.push_back(std::move(json));
     }
@@ -366,6 +373,9 @@ std::string survey_csv(const SurveyResult& result) {
         const std::string name = fmt::format("{} [{}]", output.output, output.unit.name);
         header.insert(header.end(), {name, name + " low", name + " high"});
     }
+    for (std::string& column : life_columns(result)) {
+        header.push_back(std::move(column));
+    }
     if (result.study) {
         header.insert(header.end(),
                       {"misfit", "rms_percent", "converged", "on_bound", "asphalt_modulus_at_reference_MPa"});
@@ -421,6 +431,9 @@ std::string survey_csv(const SurveyResult& result) {
                          {number(outputs[o].in_unit(p.value)), p.determined ? number(outputs[o].in_unit(p.low)) : "",
                           p.determined ? number(outputs[o].in_unit(p.high)) : ""});
         }
+        for (std::string& text_of_life : life_cells(result, s)) {
+            cells.push_back(std::move(text_of_life));
+        }
         if (result.study && s.fit) {
             const landscape::Minimum& best = s.fit->best;
             cells.insert(cells.end(),
@@ -439,62 +452,6 @@ std::string survey_csv(const SurveyResult& result) {
         add(cells);
     }
     return text;
-}
-
-std::optional<Json> survey_geojson(const SurveyResult& result) {
-    Json features = Json::array();
-    for (const StationResult& s : result.stations) {
-        const auto& f = s.station;
-        if (!f.latitude || !f.longitude) {
-            continue;
-        }
-        Json properties = {{"station", f.name},
-                           {"profile", f.profile},
-                           {"lane", f.lane},
-                           {"chainage_m", optional_json(f.chainage_m)},
-                           {"status", std::string(to_string(s.state))},
-                           {"reason", analysis::reason_of(s)},
-                           {"date", f.date},
-                           {"time", f.time},
-                           {"comment", f.comment},
-                           {"air_C", optional_json(f.air_C)},
-                           {"surface_C", optional_json(f.surface_C)},
-                           {"asphalt_C", s.asphalt ? Json(s.asphalt->celsius) : Json(nullptr)},
-                           {"remarks", pave::join(analysis::remarks_of(result, s), "; ")},
-                           {"file", f.file},
-                           {"line", f.line}};
-        if (s.has_bowl()) {
-            properties["normalised_D0_um"] = s.indices->d0_um;
-            properties["SCI_um"] = optional_json(s.indices->sci_um);
-            properties["BDI_um"] = optional_json(s.indices->bdi_um);
-            properties["BCI_um"] = optional_json(s.indices->bci_um);
-            properties["AREA_mm"] = optional_json(s.indices->area_mm);
-            properties["deflection_ratio"] = optional_json(s.ratio());
-            properties["verdict"] = std::string(analysis::verdict(s));
-            properties["verdict_reason"] = analysis::why_no_ratio(s);
-        }
-        const auto names = result.parameter_names();
-        for (std::size_t k = 0; s.is_fitted() && k < names.size(); ++k) {
-            const auto& p = s.fit->parameters[k];
-            properties[names[k]] = p.value;
-            properties[names[k] + " low"] = p.low;
-            properties[names[k] + " high"] = p.high;
-            properties[names[k] + " determined"] = p.determined;
-        }
-        const auto outputs = result.outputs();
-        for (std::size_t o = 0; s.is_fitted() && o < s.fit->outputs.size(); ++o) {
-            const auto& p = s.fit->outputs[o];
-            const std::string name = fmt::format("{} [{}]", outputs[o].output, outputs[o].unit.name);
-            properties[name] = outputs[o].in_unit(p.value);
-            properties[name + " low"] = p.determined ? Json(outputs[o].in_unit(p.low)) : Json(nullptr);
-            properties[name + " high"] = p.determined ? Json(outputs[o].in_unit(p.high)) : Json(nullptr);
-        }
-        features.push_back({{"type", "Feature"},
-                            {"geometry", {{"type", "Point"}, {"coordinates", {*f.longitude, *f.latitude}}}},
-                            {"properties", std::move(properties)}});
-    }
-    return features.empty() ? std::nullopt
-                            : std::optional(Json{{"type", "FeatureCollection"}, {"features", std::move(features)}});
 }
 
 } // namespace explore::report
