@@ -1,6 +1,7 @@
 #include "report/lives.h"
 
 #include "analysis/survey/survey_lives.h"
+#include "base/text.h"
 #include "report/table.h"
 
 #include <algorithm>
