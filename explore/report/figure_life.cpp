@@ -54,8 +54,8 @@ Figure life_figure(const Json& design) {
             const double required = criterion.at("required").get<double>();
             low = std::fmin(low, required);
             high = std::fmax(high, required);
-            panel.layers.emplace_back(
-                Line{.x = {required, required}, .y = {0.0, 100.0}, .colour = line.colour, .width = 1.0, .dashed = true});
+            panel.layers.emplace_back(Line{
+                .x = {required, required}, .y = {0.0, 100.0}, .colour = line.colour, .width = 1.0, .dashed = true});
             panel.layers.emplace_back(std::move(line));
         }
     }

@@ -120,12 +120,11 @@ std::vector<std::string> life_cells(const SurveyResult& result, const StationRes
         return cells;
     }
     for (const CriterionLife& c : lives->criteria) {
-        cells.insert(cells.end(),
-                     {cell(c.allowable.best), cell(c.years.best), cell(c.years.low), cell(c.years.high)});
+        cells.insert(cells.end(), {cell(c.allowable.best), cell(c.years.best), cell(c.years.low), cell(c.years.high)});
     }
     const analysis::Overlay& overlay = lives->overlay;
-    cells.insert(cells.end(), {lives->first().criterion.name, cell(overlay.best), cell(overlay.low),
-                               cell(overlay.high), cell(overlay.reliable)});
+    cells.insert(cells.end(), {lives->first().criterion.name, cell(overlay.best), cell(overlay.low), cell(overlay.high),
+                               cell(overlay.reliable)});
     return cells;
 }
 

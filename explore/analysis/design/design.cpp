@@ -155,8 +155,8 @@ void widen(DesignResult& result, const CriticalPlaces& places, const std::vector
 
 // Nothing: interrupted.
 std::optional<Overlay> overlay_of(const DesignResult& result, const CriticalPlaces& places,
-                                  const std::vector<Life>& lives, const LifeWalks& walks, const landscape::Minimum& best,
-                                  int threads) {
+                                  const std::vector<Life>& lives, const LifeWalks& walks,
+                                  const landscape::Minimum& best, int threads) {
     std::vector<double> required;
     for (const CriterionLife& c : result.criteria) {
         required.push_back(c.required);
@@ -178,9 +178,8 @@ std::optional<Overlay> overlay_of(const DesignResult& result, const CriticalPlac
     }
     std::vector<std::optional<double>> needed(sets.size());
     tbb::task_arena arena(run::concurrency(threads));
-    run::for_each_index(arena, sets.size(), [&](std::size_t i) {
-        needed[i] = overlays_needed(places, lives, {required}, sets[i])[0];
-    });
+    run::for_each_index(arena, sets.size(),
+                        [&](std::size_t i) { needed[i] = overlays_needed(places, lives, {required}, sets[i])[0]; });
     if (run::interrupted()) {
         return std::nullopt;
     }

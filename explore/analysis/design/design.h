@@ -29,7 +29,7 @@ struct DesignResult {
     std::size_t runs_between = 0;
     double off_between = 0.0;
     std::string no_range{}; // why no range is said; "": it is
-    std::string failure{};             // why nothing is said
+    std::string failure{};  // why nothing is said
     std::int64_t computed = 0, kept = 0;
     double seconds = 0.0;
 

@@ -28,10 +28,11 @@ std::string wide_words(const CriterionLife& c) {
     const bool has_short = c.short_is_held && c.beyond(c.allowable.wide_low) >= 0;
     const bool has_long = c.long_is_held && c.beyond(c.allowable.wide_high) <= 0;
     if (!has_short && !has_long) {
-        const std::string within = c.criterion.guide == nullptr
-                                       ? ""
-                                       : fmt::format(" within what {} is used for, {} to {} repetitions",
-                                                     c.criterion.law, repetitions_figure(c.least()), repetitions_figure(c.most()));
+        const std::string within =
+            c.criterion.guide == nullptr
+                ? ""
+                : fmt::format(" within what {} is used for, {} to {} repetitions", c.criterion.law,
+                              repetitions_figure(c.least()), repetitions_figure(c.most()));
         return fmt::format("If the model may lack something, these data do not bound the life{}.", within);
     }
     if (!c.long_is_held) {

@@ -14,8 +14,9 @@ inline constexpr double thinnest_top = 20.0; // that milling leaves
 std::vector<double> lives_with_overlay(const CriticalPlaces& places, const std::vector<Life>& lives,
                                        const std::vector<double>& parameters, double added_mm);
 
-// Of each of several demands, that differ in what is required, at one set: the thinnest that lasts together with all thicker ones up to it that were tried; below 0: what may be milled off.
-// Nothing: none does, or no answer. required: repetitions that each life must allow, a list a demand.
+// Of each of several demands, that differ in what is required, at one set: the thinnest that lasts together with all
+// thicker ones up to it that were tried; below 0: what may be milled off. Nothing: none does, or no answer. required:
+// repetitions that each life must allow, a list a demand.
 std::vector<std::optional<double>> overlays_needed(const CriticalPlaces& places, const std::vector<Life>& lives,
                                                    const std::vector<std::vector<double>>& required,
                                                    const std::vector<double>& parameters);

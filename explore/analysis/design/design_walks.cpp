@@ -70,8 +70,7 @@ study::KnownPoint known_point(const problem::ParameterSpace& space, std::size_t 
 
 class Walks {
 public:
-    explicit Walks(const LifeWalkTask& task)
-        : task_(task) {}
+    explicit Walks(const LifeWalkTask& task) : task_(task) {}
 
     std::optional<LifeWalks> run(const problem::Evaluation& best) {
         for (const Life& life : task_.lives) {
@@ -124,11 +123,10 @@ private:
                 }
             }
             problem::Problem walked = task_.fitted;
-            walked.function = std::make_shared<BetweenRuns>(
-                task_.fitted, task_.places.first, std::make_shared<const study::Kriging>(std::move(known)));
-            auto engine = task_.session.engine(
-                walked, task_.session.begin(task_.places.study, "design-walks",
-                                            settings_at("from between runs", points)));
+            walked.function = std::make_shared<BetweenRuns>(task_.fitted, task_.places.first,
+                                                            std::make_shared<const study::Kriging>(std::move(known)));
+            auto engine = task_.session.engine(walked, task_.session.begin(task_.places.study, "design-walks",
+                                                                           settings_at("from between runs", points)));
             if (!walk_of_round(walked, engine)) {
                 return false;
             }
@@ -144,9 +142,8 @@ private:
         if (design.points.empty()) {
             return true;
         }
-        auto engine = task_.session.engine(
-            task_.everything,
-            task_.session.begin(task_.places.study, "design-runs", settings_at("runs", design.points)));
+        auto engine = task_.session.engine(task_.everything, task_.session.begin(task_.places.study, "design-runs",
+                                                                                 settings_at("runs", design.points)));
         const auto more = engine.evaluate(design, true);
         if (more) {
             std::copy(more->begin(), more->end(), std::back_inserter(there));
@@ -188,9 +185,8 @@ private:
                 from.push_back(std::move(minimum));
             }
         }
-        std::stable_sort(from.begin(), from.end(), [](const auto& a, const auto& b) {
-            return a.evaluation.misfit < b.evaluation.misfit;
-        });
+        std::stable_sort(from.begin(), from.end(),
+                         [](const auto& a, const auto& b) { return a.evaluation.misfit < b.evaluation.misfit; });
         return walk_from(from, problem, engine);
     }
 
@@ -199,10 +195,8 @@ private:
         return {[&life, candidate = critical_[l]](const std::vector<double>&, const problem::Evaluation& e) {
                     return life.log_repetitions(candidate, life.at(e.parameters), e.responses);
                 },
-                [&life, candidate = critical_[l]](const std::vector<double>& unit,
-                                                  const problem::Evaluation& e) -> VectorXd {
-                    return life.gradient(candidate, unit, e);
-                }};
+                [&life, candidate = critical_[l]](const std::vector<double>& unit, const problem::Evaluation& e)
+                    -> VectorXd { return life.gradient(candidate, unit, e); }};
     }
 
     // To both ends of every life, as that problem has them.
@@ -210,12 +204,11 @@ private:
         const std::size_t count = from.size();
         std::vector<landscape::Branch> branches(2 * count * task_.lives.size());
         constexpr int beyond_searches = 1000;
-        if (!engine.chains("lives", beyond_searches, branches.size(),
-                           [&](std::size_t i, run::Chain& chain) {
-                               branches[i] = landscape::walk(chain, problem, *task_.answer.acceptance,
-                                                             from[(i / 2) % count], from[0].evaluation.misfit,
-                                                             quantity(i / (2 * count)), i % 2 == 0 ? -1 : 1);
-                           })) {
+        if (!engine.chains("lives", beyond_searches, branches.size(), [&](std::size_t i, run::Chain& chain) {
+                branches[i] =
+                    landscape::walk(chain, problem, *task_.answer.acceptance, from[(i / 2) % count],
+                                    from[0].evaluation.misfit, quantity(i / (2 * count)), i % 2 == 0 ? -1 : 1);
+            })) {
             return false;
         }
         found_.shortest.clear();
@@ -238,7 +231,8 @@ private:
         const double sign = side == 0 ? -1.0 : 1.0;
         std::size_t far = 0;
         for (std::size_t a = 1; a < count; ++a) {
-            if (sign * branches[2 * (l * count + a) + side].limit > sign * branches[2 * (l * count + far) + side].limit) {
+            if (sign * branches[2 * (l * count + a) + side].limit >
+                sign * branches[2 * (l * count + far) + side].limit) {
                 far = a;
             }
         }

@@ -35,9 +35,9 @@ struct LifeWalkTask {
     const landscape::Uniqueness& answer; // with an acceptance
     const CriticalPlaces& places;
     const std::vector<Life>& lives;
-    const problem::Problem& fitted;      // the misfit's, without the places
-    const problem::Problem& everything;  // with them
-    std::string settings;                // of the store
+    const problem::Problem& fitted;     // the misfit's, without the places
+    const problem::Problem& everything; // with them
+    std::string settings;               // of the store
 };
 
 // best: of everything, at the best minimum. Nothing: interrupted.

@@ -85,9 +85,9 @@ struct StationFit {
     std::vector<ParameterRange> parameters;    // in the order of the study's
     landscape::LocalAnalysis local;
     double quantile = inference::two_sided_95; // half a 95 % range over a standard error
-    std::vector<std::size_t> held_by{}; // inequalities of the study that cut ranges: those end there, on one side
-    std::vector<OutputRange> outputs{}; // in the order of SurveyResult::outputs
-    std::string why_no_outputs{};       // where the model has no answer for them
+    std::vector<std::size_t> held_by{};  // inequalities of the study that cut ranges: those end there, on one side
+    std::vector<OutputRange> outputs{};  // in the order of SurveyResult::outputs
+    std::string why_no_outputs{};        // where the model has no answer for them
     std::optional<StationLives> lives{}; // nothing: no criteria, or no answer under their axles
 };
 

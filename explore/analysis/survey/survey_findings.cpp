@@ -363,9 +363,9 @@ void add_lives(const SurveyResult& result, std::vector<std::string>& words) {
         "The life ends first at {}: {} years are left{} (\"{}\"). {} of {} stations need an overlay for the design "
         "traffic with {:g} % reliability.",
         shortest->station.name, years_words(c, c.allowable.best),
-        std::isnan(c.allowable.low) ? ""
-                                    : fmt::format(", {} to {} (95 %)", years_words(c, c.allowable.low),
-                                                  years_words(c, c.allowable.high)),
+        std::isnan(c.allowable.low)
+            ? ""
+            : fmt::format(", {} to {} (95 %)", years_words(c, c.allowable.low), years_words(c, c.allowable.high)),
         c.criterion.name, needing, with, usual_reliability_percent));
 }
 

@@ -109,10 +109,9 @@ bool predict_lives(Session& session, SurveyResult& result, const std::vector<Sta
         CriticalPlaces places = critical_places(
             study::station_outputs(*result.study, task.station->station, task.station->bowl()), criteria);
         problem::Problem problem = study::make_prediction_problem(places.study, loads);
-        const int run =
-            session.begin(places.study, "survey-lives",
-                          fmt::format("{} at {}", task.words,
-                                      fmt::join(task.station->fit->best.evaluation.parameters, " ")));
+        const int run = session.begin(
+            places.study, "survey-lives",
+            fmt::format("{} at {}", task.words, fmt::join(task.station->fit->best.evaluation.parameters, " ")));
         all.push_back({.task = &task, .places = std::move(places), .problem = std::move(problem), .run = run});
         all.back().problem = seasonal(all.back().problem, all.back().places);
     }

@@ -24,7 +24,7 @@ bool predict_lives(Session& session, SurveyResult& result, const std::vector<Sta
 // Of a section of the road: the years that 85 % of its stations exceed, the overlay that is enough at 85 % of them.
 struct SectionLife {
     std::size_t stations = 0;
-    double years = 0.0, years_low = 0.0, years_high = 0.0; // by the best fits, and by the ends of their ranges
+    double years = 0.0, years_low = 0.0, years_high = 0.0;     // by the best fits, and by the ends of their ranges
     std::optional<double> overlay_mm{}, overlay_reliable_mm{}; // nothing: no thickness of those tried is enough
 };
 std::optional<SectionLife> life_of_section(const SurveyResult& result, const RoadSection& section);
