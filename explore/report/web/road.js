@@ -1,7 +1,7 @@
 // The page of a road: which stations are weak and which are not to be trusted, a map, strips, tables.
 "use strict";
 const roads = (() => {
-    const { colours, symbols, make, figure, part, words, table, chart, axis } = blocks;
+    const { colours, symbols, make, figure, plain, part, words, table, chart, axis } = blocks;
     const { titled, unit, say } = wording;
     const red = "#c1121f";
     const amber = "#E69F00";
@@ -211,6 +211,7 @@ const roads = (() => {
         fitted.length ? rmsBars(fitted) : [],
         headed("Temperatures along the road", [["surface [°C]", (s) => s.surface_C], ["air [°C]", (s) => s.air_C], ["asphalt [°C]", (s) => s.asphalt_C]]),
         headed("Indices along the road", [["SCI [µm]", "SCI_um"], ["BDI [µm]", "BDI_um"], ["BCI [µm]", "BCI_um"], ["AREA [mm]", "AREA_mm"]].map(([title, key]) => [title, (s) => (s.normalised ? s.normalised[key] : null)])),
+        typeof r.reference_C === "number" ? headed(`Deflections and indices at ${plain(r.reference_C)} °C`, atReference(r)) : [],
         said.length ? [part("Findings"), words(said.map(say))] : [],
         notables.length > mostNamed ? [part(`The other ${notables.length - mostNamed} stations to look at`), notableTable(notables.slice(mostNamed))] : [],
         (r.sections || []).length && r.sections[0].D0_um ? [part("Homogeneous sections"), make("p", { className: "soft" }, "Cumulative differences of ln D0; 15 / 50 / 85 % of the stations do not exceed; of a parameter, of those that determine it."),
@@ -223,7 +224,7 @@ const roads = (() => {
         list(`Indices${good.length && good[0].normalised ? ` at ${figure(good[0].normalised.pressure_kPa)} kPa` : ""}`, good.filter((s) => s.normalised), [
             ["D0 [µm]", (s) => s.normalised.D0_um], ["SCI [µm]", (s) => s.normalised.SCI_um], ["BDI [µm]", (s) => s.normalised.BDI_um], ["BCI [µm]", (s) => s.normalised.BCI_um],
             ["AREA [mm]", (s) => s.normalised.AREA_mm], ["radius of curvature [m]", (s) => s.normalised.curvature_radius_m],
-            ["E0 [MPa]", (s) => (s.normalised.surface_moduli[0] || {}).modulus_MPa], ["asphalt [°C]", (s) => s.asphalt_C],
+            ["E0 [MPa]", (s) => (s.normalised.surface_moduli[0] || {}).modulus_MPa], ["asphalt [°C]", (s) => s.asphalt_C], ...atReference(r),
             ["asphalt at reference [MPa]", (s) => s.asphalt_modulus_at_reference_MPa]]),
         list("When and where", r.stations, [["date", (s) => s.date], ["time", (s) => s.time], ["air [°C]", (s) => s.air_C], ["surface [°C]", (s) => s.surface_C],
             ["latitude", (s) => place(s.latitude)], ["longitude", (s) => place(s.longitude)], ["operator", (s) => s.comment], ["source", source]], ["operator", "source"]),
@@ -233,6 +234,7 @@ const roads = (() => {
         const shown = columns.filter(([, of]) => sections.some((p) => ![null, undefined, ""].includes(of(p))));
         return make("div", { className: "narrow" }, table(shown.map(([n]) => n.replace(/([._])/g, "$1\u200b")), sections.map((p) => shown.map(([, of]) => of(p)))));
     };
+    const atReference = (r) => (typeof r.reference_C !== "number" ? [] : ["D0", "SCI", "BDI", "BCI"].map((name) => [`${name} at ${plain(r.reference_C)} °C [µm]`, (s) => (s.at_reference ? s.at_reference[`${name}_um`] : null)]));
     const place = (degrees) => (degrees === null || degrees === undefined ? null : degrees.toFixed(6));
     const outputUnit = (stations, n) => stations.map((s) => (s.outputs || {})[n]).find((o) => o).unit;
     const rmsBars = (fitted) => {
