@@ -1,6 +1,7 @@
 """The page of every kind of run in headless Chromium, 1400 and 400 px wide and printed on A4: no table is cut off, nothing is printed as
 [object, nothing is on the console, every chart is drawn."""
 import functools
+import re
 
 import pytest
 
