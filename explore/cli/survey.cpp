@@ -50,8 +50,7 @@ void add_survey(CLI::App& app, Action& action) {
                     "by which they are taken there: fhwa (FHWA-RD-98-085, default), rws (Rijkswaterstaat, D0 and SCI), "
                     "irc (IRC:115, the modulus alone)")
         ->transform(CLI::CheckedTransformer(curves));
-    sub->add_option("--latitude", options.latitude_deg,
-                    "degrees, for the curve fhwa where the file has no positions")
+    sub->add_option("--latitude", options.latitude_deg, "degrees, for the curve fhwa where the file has no positions")
         ->check(within(-90, 90));
     sub->footer("Example: pavescape survey grids/road-example.csv --study grids/road-example.toml");
     sub->callback([=, &action] { action = [=] { return survey_road(*input); }; });

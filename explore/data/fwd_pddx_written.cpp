@@ -20,7 +20,8 @@ bool alike(const FwdStation& a, const FwdStation& b) {
 
 // In one line, without what would close or part a value.
 std::string in_one_line(std::string text) {
-    std::replace_if(text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    std::replace_if(
+        text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
     return text;
 }
 
@@ -76,19 +77,19 @@ std::string file_text(const Stations& stations) {
     }
     const FwdStation& first = *stations[0];
     const std::string radius = number(first.drops[0].radius_mm);
-    std::string text = fmt::format("[Pavement Deflection Data Exchange File]\n"
-                                   "PDDXVersionNumber = 1.0\nDelimiterSymbol = ,\nDecimalSymbol = .\n"
-                                   "[Operations Information]\nStartDate = {}\n"
-                                   "[Units]\nLoadPlateRadiusUnits = millimeter\nLoadUnits = {}\n"
-                                   "DeflectionUnits = micrometer\nTemperatureUnits = Celsius\n"
-                                   "SensorLocationUnits = millimeter\nTestLocationUnits = meter\n"
-                                   "[Location Identification]\nSectionName = {}\n"
-                                   "[Device Configuration]\nLoadPlateRadius = {}\nNumberOfDeflectionSensors = {}\n"
-                                   "DeflectionSensorXAxisDistances = {}\n"
-                                   "TemperatureSensorUse = air, surface, asphalt\n",
-                                   in_one_line(first.date), by_force ? "kilonewton" : "kilopascal",
-                                   in_one_line(first.profile), radius.empty() ? "N/A" : radius, offsets.size(),
-                                   fmt::join(offsets, ", "));
+    std::string text =
+        fmt::format("[Pavement Deflection Data Exchange File]\n"
+                    "PDDXVersionNumber = 1.0\nDelimiterSymbol = ,\nDecimalSymbol = .\n"
+                    "[Operations Information]\nStartDate = {}\n"
+                    "[Units]\nLoadPlateRadiusUnits = millimeter\nLoadUnits = {}\n"
+                    "DeflectionUnits = micrometer\nTemperatureUnits = Celsius\n"
+                    "SensorLocationUnits = millimeter\nTestLocationUnits = meter\n"
+                    "[Location Identification]\nSectionName = {}\n"
+                    "[Device Configuration]\nLoadPlateRadius = {}\nNumberOfDeflectionSensors = {}\n"
+                    "DeflectionSensorXAxisDistances = {}\n"
+                    "TemperatureSensorUse = air, surface, asphalt\n",
+                    in_one_line(first.date), by_force ? "kilonewton" : "kilopascal", in_one_line(first.profile),
+                    radius.empty() ? "N/A" : radius, offsets.size(), fmt::join(offsets, ", "));
     for (std::size_t i = 0; i < stations.size(); ++i) {
         text += station_text(*stations[i], i + 1, by_force, offsets);
     }
@@ -104,8 +105,8 @@ std::vector<std::string> pddx_of(std::span<const FwdFile> files) {
             if (s.drops.empty()) {
                 continue;
             }
-            const auto group = std::find_if(groups.begin(), groups.end(),
-                                            [&](const Stations& g) { return alike(*g[0], s); });
+            const auto group =
+                std::find_if(groups.begin(), groups.end(), [&](const Stations& g) { return alike(*g[0], s); });
             if (group == groups.end()) {
                 groups.push_back({&s});
             } else {

@@ -47,7 +47,8 @@ std::optional<StructuralNumber> structural_number(const DeflectionBowl& bowl, do
             continue;
         }
         const double subgrade = 0.24 * force_N / (r.offset_mm * r.deflection_um / 1e3);
-        const auto pavement = pavement_modulus(d0_um.value_or(bowl.d0_um()), subgrade, bowl.pressure_kPa, a, thickness_mm);
+        const auto pavement =
+            pavement_modulus(d0_um.value_or(bowl.d0_um()), subgrade, bowl.pressure_kPa, a, thickness_mm);
         if (pavement && r.offset_mm >= far_enough * std::hypot(a, thickness_mm * std::cbrt(*pavement / subgrade))) {
             return StructuralNumber{.subgrade_MPa = subgrade,
                                     .pavement_MPa = *pavement,

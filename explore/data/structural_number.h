@@ -22,8 +22,8 @@ struct StructuralNumber {
     double sn_eff = 0.0;
     double offset_mm = 0.0; // of the sensor that tells the subgrade
 };
-// d0_um: at the temperature of the guide; nothing: as it was measured. Nothing comes back where no sensor is far enough,
-// or no E_p explains D0.
+// d0_um: at the temperature of the guide; nothing: as it was measured. Nothing comes back where no sensor is far
+// enough, or no E_p explains D0.
 std::optional<StructuralNumber> structural_number(const DeflectionBowl& bowl, double thickness_mm,
                                                   std::optional<double> d0_um = {});
 

@@ -8,7 +8,8 @@
 //            lg dl_36 = 3.05 - 1.13 lg h + 0.502 lg phi lg d - 0.00487 T lg phi lg d + 0.00677 T lg h lg phi
 //        of the differences dl of D0 and D at 12, 24 and 36 in (here 300, 600, 900 mm). A difference changes by
 //        dl(T_ref)/dl(T), D0 by (d + dl_36(T_ref)) / (d + dl_36(T)). The modulus: modulus_factor().
-// rws    what Rijkswaterstaat's reports of deflections use, for 20 C (the polynomials at T_ref over those at T elsewhere):
+// rws    what Rijkswaterstaat's reports of deflections use, for 20 C (the polynomials at T_ref over those at T
+// elsewhere):
 //            D0 / (1 + 0.013926 t + 0.0002298 t^2),  (D0 - D300) / (1 + 0.043535 t + 0.00098467 t^2),  t = T - 20
 // irc    IRC:115-2014, 6.4, the modulus alone: E(T_ref) / E(T) = (1 - 0.238 ln T_ref) / (1 - 0.238 ln T)
 #pragma once

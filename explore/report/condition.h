@@ -1,4 +1,5 @@
-// Condition classes, structural numbers, indices at a reference temperature and the characteristic deflection of a surveyed road, as JSON.
+// Condition classes, structural numbers, indices at a reference temperature and the characteristic deflection of a
+// surveyed road, as JSON.
 #pragma once
 
 #include "analysis/survey/survey.h"

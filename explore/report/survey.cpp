@@ -273,7 +273,8 @@ Json survey_json(const SurveyResult& result) {
                    {"interpolation", interpolation_words}}},
                  {"common_pressure_kPa", result.common_pressure_kPa},
                  {"reference_C", optional_json(result.reference_C)},
-                 {"temperature_curve", result.reference_C ? Json(std::string(data::words_of(result.curve).name)) : Json(nullptr)},
+                 {"temperature_curve",
+                  result.reference_C ? Json(std::string(data::words_of(result.curve).name)) : Json(nullptr)},
                  {"repeatability", optional_json(result.repeatability)},
                  {"sections", sections_json(result)}};
     for (const StationResult& s : result.stations) {
@@ -374,8 +375,8 @@ std::string survey_csv(const SurveyResult& result) {
                       {"misfit", "rms_percent", "converged", "on_bound", "asphalt_modulus_at_reference_MPa"});
     }
     if (result.reference_C) {
-        header.insert(header.end(), {"D0_um_at_reference", "SCI_um_at_reference", "BDI_um_at_reference",
-                                     "BCI_um_at_reference"});
+        header.insert(header.end(),
+                      {"D0_um_at_reference", "SCI_um_at_reference", "BDI_um_at_reference", "BCI_um_at_reference"});
     }
     header.insert(header.end(), {"air_C", "surface_C", "asphalt_C", "asphalt_C_source", "latitude", "longitude", "date",
                                  "time", "comment", "drops_used", "drops_left_out", "remarks", "file", "line"});

@@ -191,9 +191,8 @@ std::string strip_charts(const SurveyResult& result) {
 }
 
 std::string index_table(const SurveyResult& result) {
-    std::vector<std::string> header{"station", "D0 um",   "SCI um",
-                                    "BDI um",  "BCI um",  "AREA mm",
-                                    "radius of curvature m", "E0 MPa", "asphalt C"};
+    std::vector<std::string> header{
+        "station", "D0 um", "SCI um", "BDI um", "BCI um", "AREA mm", "radius of curvature m", "E0 MPa", "asphalt C"};
     const bool has_indices = result.reference_C && result.curve != data::TemperatureCurve::irc;
     if (has_indices) {
         for (const char* index : {"D0", "SCI", "BDI", "BCI"}) {
@@ -210,11 +209,15 @@ std::string index_table(const SurveyResult& result) {
             continue;
         }
         const auto& i = *s.indices;
-        std::vector<std::string> cells{
-            s.station.name,   figure(i.d0_um),  shown(i.sci_um),
-            shown(i.bdi_um),  shown(i.bci_um),  shown(i.area_mm),
-            shown(i.curvature_radius_m), figure(i.surface_moduli[0].modulus_MPa),
-            s.asphalt ? fmt::format("{:.1f}", s.asphalt->celsius) : ""};
+        std::vector<std::string> cells{s.station.name,
+                                       figure(i.d0_um),
+                                       shown(i.sci_um),
+                                       shown(i.bdi_um),
+                                       shown(i.bci_um),
+                                       shown(i.area_mm),
+                                       shown(i.curvature_radius_m),
+                                       figure(i.surface_moduli[0].modulus_MPa),
+                                       s.asphalt ? fmt::format("{:.1f}", s.asphalt->celsius) : ""};
         if (has_indices) {
             const auto at = s.at_reference.value_or(data::IndicesAtReference{});
             cells.insert(cells.end(), {shown(at.d0_um), shown(at.sci_um), shown(at.bdi_um), shown(at.bci_um)});

@@ -31,7 +31,7 @@ TEST(PddxWritten, GivesStationsBack) {
     s.latitude = 48.9712345;
     s.longitude = -2.5;
     s.air_C = 15.5;
-    s.asphalt_C = 21.25; // and no surface
+    s.asphalt_C = 21.25;                                                                 // and no surface
     file.stations.push_back(station(1300.0, 150.0, {{0.0, 100.0}, {900.0, 0.1 + 0.2}})); // another layout
     file.stations[1].drops[1].pressure_kPa = NAN;
     const auto texts = data::pddx_of({&file, 1});
@@ -82,7 +82,7 @@ TEST(PddxWritten, ForcesStayForces) {
 
 TEST(PddxWritten, PlatesDatesAndProfilesArePartedAndStationsWithoutDropsLeftOut) {
     data::FwdFile file;
-    file.stations = {station(0.0, 150.0, {{0.0, 500.0}}), station(10.0, 225.0, {{0.0, 500.0}}),
+    file.stations = {station(0.0, 150.0, {{0.0, 500.0}}),  station(10.0, 225.0, {{0.0, 500.0}}),
                      station(20.0, 150.0, {{0.0, 500.0}}), station(30.0, 150.0, {{0.0, 500.0}}),
                      station(40.0, 150.0, {{0.0, 500.0}}), station(50.0, 150.0, {{0.0, 500.0}})};
     file.stations[3].date = "2024-05-07";

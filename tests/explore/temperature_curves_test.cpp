@@ -31,7 +31,8 @@ TEST(TemperatureCurves, ThatOfTheGuideTakesDifferencesAndD0) {
 }
 
 TEST(TemperatureCurves, OfTheGuideWantPlaceThicknessAndASensor) {
-    for (auto missing : {&data::WhereMeasured::asphalt_mm, &data::WhereMeasured::latitude_deg, &data::WhereMeasured::d900_um}) {
+    for (auto missing :
+         {&data::WhereMeasured::asphalt_mm, &data::WhereMeasured::latitude_deg, &data::WhereMeasured::d900_um}) {
         data::WhereMeasured where = site;
         (where.*missing).reset();
         const auto at = data::indices_at(TemperatureCurve::fhwa, 20.0, where, bowl);
@@ -50,7 +51,8 @@ TEST(TemperatureCurves, OfRijkswaterstaatIsThatOfItsProgram) {
     EXPECT_NEAR(*at.sci_um, 24.9, 0.05);
     EXPECT_FALSE(at.bdi_um || at.bci_um);
     // To another temperature through 20 C: 1 + 0.013926 * 10 + 0.0002298 * 100 = 1.16224 at 30 C.
-    EXPECT_NEAR(*data::indices_at(TemperatureCurve::rws, 30.0, {.asphalt_C = 16.4}, its).d0_um, *at.d0_um * 1.16224, 1e-3);
+    EXPECT_NEAR(*data::indices_at(TemperatureCurve::rws, 30.0, {.asphalt_C = 16.4}, its).d0_um, *at.d0_um * 1.16224,
+                1e-3);
 }
 
 TEST(TemperatureCurves, ModuliByTheSlopeOrByTheIndianGuide) {
@@ -76,7 +78,8 @@ TEST(TemperatureCurves, SayWhatTheyWereNotMadeFor) {
     EXPECT_EQ(both[0], "44 C (it is used from 0 to 40 C)");
     EXPECT_EQ(both[1], "a latitude of 12 degrees (its sites lie between 25 and 55)");
     where.asphalt_mm = 30.0;
-    EXPECT_EQ(beyond(TemperatureCurve::irc, 35.0, where), std::vector<std::string>{"30 mm of asphalt (it wants 40 mm at least)"});
+    EXPECT_EQ(beyond(TemperatureCurve::irc, 35.0, where),
+              std::vector<std::string>{"30 mm of asphalt (it wants 40 mm at least)"});
     EXPECT_EQ(beyond(TemperatureCurve::irc, 15.0, site), std::vector<std::string>{"15 C (it is used from 20 to 45 C)"});
 }
 

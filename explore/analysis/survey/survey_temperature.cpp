@@ -87,12 +87,12 @@ std::vector<std::string> reference_findings(const SurveyResult& result) {
     if (result.study) {
         const auto without =
             result.count([](const StationResult& s) { return s.is_fitted() && !s.asphalt_at_reference_MPa; });
-        found.push_back(fmt::format(
-            "Asphalt moduli at {:g} C by {}.{}", *result.reference_C, modulus_words(result.curve),
-            without > 0 ? fmt::format(" Not at {} of {} stations: no asphalt temperature, or the "
-                                      "modulus of the top layer is no parameter or not determined.",
-                                      without, result.counts().fitted)
-                        : ""));
+        found.push_back(
+            fmt::format("Asphalt moduli at {:g} C by {}.{}", *result.reference_C, modulus_words(result.curve),
+                        without > 0 ? fmt::format(" Not at {} of {} stations: no asphalt temperature, or the "
+                                                  "modulus of the top layer is no parameter or not determined.",
+                                                  without, result.counts().fitted)
+                                    : ""));
     }
     if (result.curve == data::TemperatureCurve::irc) {
         return found;
@@ -106,9 +106,9 @@ std::vector<std::string> reference_findings(const SurveyResult& result) {
             break;
         }
     }
-    found.push_back(fmt::format(
-        "Deflections and indices at {:g} C by {} at {} of {} stations with a bowl.{}", *result.reference_C,
-        data::words_of(result.curve).source, taken, bowls, why.empty() ? "" : " Not at the others: " + why + "."));
+    found.push_back(fmt::format("Deflections and indices at {:g} C by {} at {} of {} stations with a bowl.{}",
+                                *result.reference_C, data::words_of(result.curve).source, taken, bowls,
+                                why.empty() ? "" : " Not at the others: " + why + "."));
     const auto beyond =
         result.count([](const StationResult& s) { return s.at_reference && !s.at_reference->out_of_range.empty(); });
     if (beyond > 0) {
