@@ -1,5 +1,5 @@
-// What deflections, their indices and the modulus of the asphalt would be at another temperature of the asphalt, by
-// published curves. T and T_ref in degrees Celsius in the middle of the asphalt, d = D at 900 mm (36 in) in um under
+// Deflections, their indices and the modulus of the asphalt, taken to another temperature of the asphalt by published
+// curves. T and T_ref in degrees Celsius in the middle of the asphalt, d = D at 900 mm (36 in) in um under
 // 40 kN on a plate of 150 mm, h: asphalt in mm, phi: latitude in degrees.
 //
 // fhwa   Lukanen, Stubstad and Briggs (2000), FHWA-RD-98-085, regressions of 40 sites of LTPP in North America:

@@ -1,4 +1,4 @@
-// How warm the asphalt was at a station, and its indices and modulus at the temperature that is asked for.
+// How warm the asphalt was at a station, and its indices and modulus at a reference temperature.
 #pragma once
 
 #include "analysis/survey/survey.h"
@@ -10,7 +10,7 @@ void take_to_reference(StationResult& s, const SurveyOptions& options, std::opti
 // After the fits: the modulus of the top layer, where it is a parameter and determined.
 void take_moduli_to_reference(SurveyResult& result);
 
-// What was not taken to the reference temperature, or beyond what the curve was made for.
+// In sentences: where nothing could be taken to the reference temperature, and where the curve was not made for it.
 std::vector<std::string> reference_findings(const SurveyResult& result);
 std::vector<std::string> reference_remarks(const SurveyResult& result, const StationResult& s);
 
