@@ -171,6 +171,7 @@ Json station_json(const SurveyResult& result, const StationResult& s) {
     json["normalised"] = indices_json(s);
     json["condition"] = condition_json(s);
     json["structural_number"] = structural_json(result, s);
+    json["at_reference"] = reference_json(result, s);
     json["readings_left_out"] = Json::array();
     for (const auto& r : s.bowls->readings_left_out) {
         json["readings_left_out"].push_back(
@@ -271,6 +272,9 @@ Json survey_json(const SurveyResult& result) {
                    {"limit", data::deflection_ratio_limit},
                    {"interpolation", interpolation_words}}},
                  {"common_pressure_kPa", result.common_pressure_kPa},
+                 {"reference_C", optional_json(result.reference_C)},
+                 {"temperature_curve",
+                  result.reference_C ? Json(std::string(data::words_of(result.curve).name)) : Json(nullptr)},
                  {"repeatability", optional_json(result.repeatability)},
                  {"sections", sections_json(result)}};
     for (const StationResult& s : result.stations) {
@@ -370,6 +374,10 @@ std::string survey_csv(const SurveyResult& result) {
         header.insert(header.end(),
                       {"misfit", "rms_percent", "converged", "on_bound", "asphalt_modulus_at_reference_MPa"});
     }
+    if (result.reference_C) {
+        header.insert(header.end(),
+                      {"D0_um_at_reference", "SCI_um_at_reference", "BDI_um_at_reference", "BCI_um_at_reference"});
+    }
     header.insert(header.end(), {"air_C", "surface_C", "asphalt_C", "asphalt_C_source", "latitude", "longitude", "date",
                                  "time", "comment", "drops_used", "drops_left_out", "remarks", "file", "line"});
     std::string text;
@@ -430,6 +438,10 @@ std::string survey_csv(const SurveyResult& result) {
         } else if (result.study) {
             cells.resize(cells.size() + 5);
         }
+        if (result.reference_C) {
+            const auto at = s.at_reference.value_or(data::IndicesAtReference{});
+            cells.insert(cells.end(), {number(at.d0_um), number(at.sci_um), number(at.bdi_um), number(at.bci_um)});
+        }
         cells.insert(cells.end(),
                      {number(f.air_C), number(f.surface_C), s.asphalt ? number(s.asphalt->celsius) : "",
                       s.asphalt ? std::string(temperature_sources[static_cast<int>(s.asphalt->source)]) : "",
@@ -439,62 +451,6 @@ std::string survey_csv(const SurveyResult& result) {
         add(cells);
     }
     return text;
-}
-
-std::optional<Json> survey_geojson(const SurveyResult& result) {
-    Json features = Json::array();
-    for (const StationResult& s : result.stations) {
-        const auto& f = s.station;
-        if (!f.latitude || !f.longitude) {
-            continue;
-        }
-        Json properties = {{"station", f.name},
-                           {"profile", f.profile},
-                           {"lane", f.lane},
-                           {"chainage_m", optional_json(f.chainage_m)},
-                           {"status", std::string(to_string(s.state))},
-                           {"reason", analysis::reason_of(s)},
-                           {"date", f.date},
-                           {"time", f.time},
-                           {"comment", f.comment},
-                           {"air_C", optional_json(f.air_C)},
-                           {"surface_C", optional_json(f.surface_C)},
-                           {"asphalt_C", s.asphalt ? Json(s.asphalt->celsius) : Json(nullptr)},
-                           {"remarks", pave::join(analysis::remarks_of(result, s), "; ")},
-                           {"file", f.file},
-                           {"line", f.line}};
-        if (s.has_bowl()) {
-            properties["normalised_D0_um"] = s.indices->d0_um;
-            properties["SCI_um"] = optional_json(s.indices->sci_um);
-            properties["BDI_um"] = optional_json(s.indices->bdi_um);
-            properties["BCI_um"] = optional_json(s.indices->bci_um);
-            properties["AREA_mm"] = optional_json(s.indices->area_mm);
-            properties["deflection_ratio"] = optional_json(s.ratio());
-            properties["verdict"] = std::string(analysis::verdict(s));
-            properties["verdict_reason"] = analysis::why_no_ratio(s);
-        }
-        const auto names = result.parameter_names();
-        for (std::size_t k = 0; s.is_fitted() && k < names.size(); ++k) {
-            const auto& p = s.fit->parameters[k];
-            properties[names[k]] = p.value;
-            properties[names[k] + " low"] = p.low;
-            properties[names[k] + " high"] = p.high;
-            properties[names[k] + " determined"] = p.determined;
-        }
-        const auto outputs = result.outputs();
-        for (std::size_t o = 0; s.is_fitted() && o < s.fit->outputs.size(); ++o) {
-            const auto& p = s.fit->outputs[o];
-            const std::string name = fmt::format("{} [{}]", outputs[o].output, outputs[o].unit.name);
-            properties[name] = outputs[o].in_unit(p.value);
-            properties[name + " low"] = p.determined ? Json(outputs[o].in_unit(p.low)) : Json(nullptr);
-            properties[name + " high"] = p.determined ? Json(outputs[o].in_unit(p.high)) : Json(nullptr);
-        }
-        features.push_back({{"type", "Feature"},
-                            {"geometry", {{"type", "Point"}, {"coordinates", {*f.longitude, *f.latitude}}}},
-                            {"properties", std::move(properties)}});
-    }
-    return features.empty() ? std::nullopt
-                            : std::optional(Json{{"type", "FeatureCollection"}, {"features", std::move(features)}});
 }
 
 } // namespace explore::report

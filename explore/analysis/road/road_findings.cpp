@@ -181,6 +181,11 @@ std::string outlier_words(const RoadResult& result, const RoadOutlier& o) {
            "of the floor, or several readings are wrong";
 }
 
+std::string course_length_words(double length_m, double stretch_m) {
+    return length_m > stretch_m ? fmt::format("more than the length of the road, {:.0f} m", stretch_m)
+                                : fmt::format("some {} m", figure(length_m, 2));
+}
+
 std::vector<std::string> findings_of(const RoadResult& result) {
     std::vector<std::string> words;
     if (std::string weak = weak_words(result.survey); !weak.empty()) {
@@ -231,12 +236,15 @@ std::vector<std::string> findings_of(const RoadResult& result) {
     }
     for (const RoadCourse& c : result.courses) {
         if (c.p_none < road_familywise) {
-            words.push_back(
-                fmt::format("{}{} has a course along the road: stations are similar over some {} m (p = {:.2g} that "
-                            "they are no more similar than any two). With it the range of the median station is "
-                            "{:.1f} times narrower.",
-                            result.survey.study->space.axes[c.axis].name, c.lane.empty() ? "" : " of lane " + c.lane,
-                            figure(c.length_m, 2), c.p_none, c.narrower));
+            const auto chainage = [&](std::size_t station) {
+                return result.survey.stations[result.stations[station].station].station.chainage_m.value_or(0.0);
+            };
+            words.push_back(fmt::format(
+                "{}{} has a course along the road: stations are similar over {} (p = {:.2g} that they are no more "
+                "similar than any two). With it the range of the median station is {:.1f} times narrower.",
+                result.survey.study->space.axes[c.axis].name, c.lane.empty() ? "" : " of lane " + c.lane,
+                course_length_words(c.length_m, chainage(c.stations.back()) - chainage(c.stations.front())), c.p_none,
+                c.narrower));
         }
     }
     if (result.diagnosis) {

@@ -631,10 +631,10 @@
     const summed = !summary ? null : summary === "road" || summary === "survey" ? roads.summaryOf(results[summary]) : summaries.summaryOf(summary, results[summary]);
     if (summed) {
         const picture = pictureOf(summary, results[summary]);
-        root.append(make("section", { id: "summary", className: picture ? "with-picture" : "" }, make("div", {},
-            make("p", { className: "verdict" }, summed.verdict),
-            summed.numbers.length ? table(["", summed.value || "best", summed.range || "95 % range", ""], summed.numbers.map((n) => [n.name, n.value, n.range, n.unit]), [0]) : null,
-            summed.action ? make("p", { className: "next" }, make("strong", {}, "Next: "), summed.action.replace(/^Measure next: (.)/, (_, c) => `measure the ${c}`)) : null), picture));
+        root.append(make("section", { id: "summary", className: picture ? "with-picture" : "" }, make("div", { className: "said" },
+            make("p", { className: "verdict" }, summed.verdict), summed.named ? make("p", { className: "named" }, make("strong", {}, summed.named[0]), summed.named[1]) : null), picture,
+        make("div", { className: "rest" }, summed.numbers.length ? table(["", summed.value || "best", summed.range || "95 % range", ""], summed.numbers.map((n) => [n.name, n.value, n.range, n.unit]), [0]) : null,
+            summed.action ? make("p", { className: "next" }, make("strong", {}, "Next: "), summed.action.replace(/^Measure next: (.)/, (_, c) => `measure the ${c}`)) : null)));
     }
     for (const [command, draw] of Object.entries(show)) {
         if (results[command]) draw(results[command]);
