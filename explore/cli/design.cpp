@@ -31,6 +31,7 @@ void add_design(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("design", "remaining life and overlay, with ranges");
     auto options = std::make_shared<DesignArguments>();
     add_common(*command, options->common);
+    add_model(*command, options->design.model, false);
     command
         ->add_option("--reliability", options->design.reliability_percent,
                      "that an overlay lasts, over what the data accept [%]")

@@ -64,6 +64,10 @@ Json criterion_json(const CriterionLife& c) {
     add_range(json, "remaining", c, c.remaining);
     json["if_wrong"] = wide_json(c, c.years);
     json["if_wrong"]["held_by_data"] = c.short_is_held && c.long_is_held;
+    json["distribution"] = Json::array();
+    for (const auto& [repetitions, probability] : c.distribution) {
+        json["distribution"].push_back({{"allowable", number(repetitions)}, {"probability", probability}});
+    }
     json["passed"] = c.criterion.passed;
     json["required"] = c.required;
     json["place"] = place_json(c.place);
@@ -147,6 +151,7 @@ Json design_json(const DesignResult& result, const analysis::RunOptions& run) {
         }
         json["seasons"].push_back({{"name", season.name}, {"share", season.share}, {"factors", factors}});
     }
+    json["strains_from_between"] = {{"runs", result.runs_between}, {"off", result.off_between}};
     json["computed"] = result.computed;
     json["kept"] = result.kept;
     json["seconds"] = result.seconds;

@@ -205,6 +205,13 @@ std::vector<std::string> figures_of(const FolderContents& contents) {
             names.emplace_back("predictive");
         }
     }
+    if (results.contains("design") && results.at("design").contains("overlay_mm")) {
+        const Json& criteria = results.at("design").at("criteria");
+        if (std::any_of(criteria.begin(), criteria.end(),
+                        [](const Json& c) { return !c.value("distribution", Json::array()).empty(); })) {
+            names.insert(names.end(), {"life", "overlay"});
+        }
+    }
     if (const Json* road = road_in(results)) {
         const auto any = [&](const char* key) {
             return std::any_of(road->at("stations").begin(), road->at("stations").end(),
@@ -264,6 +271,12 @@ Figure make_figure(const FolderContents& contents, const std::string& name) {
     }
     if (name == "predictive") {
         return predictive_figure(contents.results.at("sample"));
+    }
+    if (name == "life") {
+        return life_figure(contents.results.at("design"));
+    }
+    if (name == "overlay") {
+        return overlay_figure(contents.results.at("design"));
     }
     if (name == "deflections") {
         return deflections_figure(*road_in(contents.results));
