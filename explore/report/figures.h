@@ -17,7 +17,7 @@ struct FolderContents {
 };
 
 // Names of the figures that can be made of it, in their order: "landscape", "landscape-close", "profiles", "fit",
-// "residuals", "candidates", "corrections", "sensitivity", "posterior", "predictive", "deflections",
+// "residuals", "candidates", "corrections", "sensitivity", "posterior", "predictive", "prior-predictive", "deflections",
 // "back-calculation".
 std::vector<std::string> figures_of(const FolderContents& contents);
 // One of them. Throws Json::exception for results that are not those of this program.
@@ -43,8 +43,8 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
 // The posterior of `sample`: the draws over every pair with the region that holds 95 % of them, each parameter with
 // its prior.
 Figure posterior_figure(const Json& sample);
-// The readings against the ranges in which its draws predict them.
-Figure predictive_figure(const Json& sample);
+// The readings against the ranges in which draws predict them. readings: as report/predictive.h writes them.
+Figure predictive_figure(const Json& readings, const std::string& name);
 // Along the road of `survey` or `road`: deflections and indices of every station; parameters and outputs with their 95
 // % ranges, and how well they fit. Above them what is worth a look: stations without a result, outliers, remarks.
 Figure deflections_figure(const Json& survey);
