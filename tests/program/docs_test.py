@@ -80,7 +80,7 @@ def test_the_files_of_the_tutorial_of_a_model_of_ones_own_run():
 
 @pytest.mark.long
 def test_the_tutorial_of_a_model_of_ones_own_ends_as_it_says():
-    assert len(follow(workspace(), OWN_MODEL)) == 5
+    assert len(follow(workspace(), OWN_MODEL)) == 6
 
 
 # --- links

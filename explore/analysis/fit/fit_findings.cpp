@@ -105,7 +105,7 @@ void unknown_parameters(const FitResult& result, std::vector<std::string>& text)
         }
     }
     if (!unseen.empty() && (result.local.degrees_of_freedom > 0 || result.local.noise_is_stated)) {
-        text.push_back(fmt::format("Not determined individually (the standard error spans half of the allowed range or "
+        text.push_back(fmt::format("Not determined individually (the 95 % range spans half of the allowed range or "
                                    "more): {}. Other values fit these data as well, and what they predict elsewhere "
                                    "may differ: unique says how far.",
                                    pave::join(unseen)));

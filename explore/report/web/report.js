@@ -521,6 +521,10 @@
             r.log_evidence === undefined ? [] : make("p", { className: "soft" }, `Log evidence ${figure(r.log_evidence)} ± ${figure(r.log_evidence_error)}: its difference between models of the same readings is their log odds.`));
     };
 
+    const showPrior = (r) => section("Before any fit", r.reason ? make("p", {}, r.reason) : null, opening("sample-prior", "What the prior predicts of each reading, with its noise."),
+        (r.readings || []).length ? table(["reading", "measured", "2.5 %", "50 %", "97.5 %", "unit", "below"],
+            r.readings.map((q) => [q.name || `${quantity(q.quantity)} under ${loadWords(q.load)}, ${placeOf(q)}`, ...[q.measured, q.low, q.median, q.high].map(figure), wording.unit(q.unit), q.pit.toFixed(3)]), [0]) : []);
+
     // A correction over its places: the band, and in grey what is not seen. Depths point downwards.
     const correctionChart = (c) => {
         const down = c.channel === "depth" || c.channel === "level";
@@ -618,7 +622,7 @@
             })), { title: { text: g.response }, yaxis: axis("share of the variance"), xaxis: named(Object.keys(g.total)), barmode: "group" })))] : []);
     };
 
-    const show = { unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: (r) => roads.showSurvey(section, r, r.findings || []), road: (r) => roads.showRoad(section, r, r.findings || []) };
+    const show = { "sample-prior": showPrior, unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: (r) => roads.showSurvey(section, r, r.findings || []), road: (r) => roads.showRoad(section, r, r.findings || []) };
 
     // -- the page -------------------------------------------------------------------------------------------------
 
