@@ -7,6 +7,7 @@
 #include "cli/commands.h"
 #include "report/text.h"
 #include "run/parallel.h"
+#include "run/program.h"
 #include "run/progress.h"
 
 #include <algorithm>
@@ -24,6 +25,61 @@ struct CheckArguments {
     CommonOptions common;
     bool time = false; // by runs
 };
+
+// Sentences on what is doubtful.
+std::vector<std::string> remarks_on(const study::Study& study) {
+    std::vector<std::string> remarks = analysis::doubtful_readings(study);
+    remarks.push_back(analysis::repeated_rows_words(study));
+    remarks.push_back(analysis::noise_key_words(study));
+    std::erase(remarks, "");
+    return remarks;
+}
+
+report::Answer answer_on(const study::Study& study, const std::vector<analysis::Estimate>& list,
+                         const std::vector<std::string>& remarks, int threads, bool timed) {
+    report::Answer answer;
+    answer.lines = 30;
+    const std::size_t readings = study.measured().size();
+    const std::string rest = fmt::format("{}, {}", counted(study.parameters.size(), "parameter", "parameters"),
+                                         counted(study.outputs().size(), "output", "outputs"));
+    answer.verdict =
+        (readings == 0
+             ? fmt::format("The study can be run, but has no readings to be fitted: {}.", rest)
+             : fmt::format("The study can be run: {}, their noise {}, {}.", counted(readings, "reading", "readings"),
+                           study.noise == study::NoiseSource::stated ? study.noise_name()
+                                                                     : "to be estimated from the fit",
+                           rest)) +
+        (remarks.empty() ? "" : fmt::format(" {} to look at.", counted(remarks.size(), "remark", "remarks")));
+    answer.notes = remarks;
+    std::vector<std::string> groups;
+    for (const auto& group : study.groups) {
+        groups.push_back(fmt::format("{}: {}{}", group.name, group.rows.size(),
+                                     group.held_out        ? " (held out)"
+                                     : group.weight != 1.0 ? fmt::format(" (weight {:g})", group.weight)
+                                                           : ""));
+    }
+    if (!groups.empty()) {
+        answer.notes.push_back("Readings of " + pave::join(groups) + ".");
+    }
+    if (list.empty()) {
+        answer.notes.emplace_back("What commands take is not known of a model of your own; --time runs it once.");
+    } else {
+        answer.heading = fmt::format("Time on {}, {}", counted(static_cast<std::size_t>(threads), "thread", "threads"),
+                                     timed ? "from runs made just now at the study's own values"
+                                           : "estimated from sizes alone (--time runs the model)");
+        answer.header = {"command", "runs", "time"};
+        for (const analysis::Estimate& e : list) {
+            answer.rows.push_back(
+                {e.command, e.runs,
+                 e.seconds < 1.0 ? fmt::format("{:.0f} ms", 1e3 * e.seconds) : run::duration_words(e.seconds)});
+        }
+    }
+    const std::string file = run::shell_word(study.file);
+    answer.next = readings == 0              ? "pavescape forward " + file
+                  : study.parameters.empty() ? "state [[parameters]], what is to be fitted"
+                                             : "pavescape fit " + file;
+    return answer;
+}
 
 int check_study(const CheckArguments& chosen) {
     const CommonOptions& options = chosen.common;
@@ -48,6 +104,8 @@ int check_study(const CheckArguments& chosen) {
                                  fmt::format("the study can be read, but has no answer at its own values: {}: {}",
                                              to_string(list.status()), list.failure().reason));
     }
+    const std::vector<std::string> remarks = remarks_on(study);
+    const report::Answer answer = answer_on(study, *list, remarks, threads, chosen.time);
     if (options.json) {
         report::Json commands = report::Json::array();
         for (const analysis::Estimate& e : *list) {
@@ -72,26 +130,17 @@ int check_study(const CheckArguments& chosen) {
                                       {"commands", commands}}));
         return done;
     }
-    fmt::print("{}", report::readings_summary(study));
-    std::vector<std::string> remarks = analysis::doubtful_readings(study);
-    remarks.push_back(analysis::repeated_rows_words(study));
-    remarks.push_back(analysis::noise_key_words(study));
+    std::string page = report::readings_summary(study);
     for (const std::string& words : remarks) {
-        fmt::print("{}", words.empty() ? "" : "  " + words + "\n");
+        page += "  " + words + "\n";
     }
-    if (list->empty()) {
-        fmt::print("\n  What commands take is not known of a model of your own; --time runs it once.\n");
-        return done;
+    page += list->empty() ? "\n  What commands take is not known of a model of your own; --time runs it once.\n"
+                          : "\n  " + answer.heading + "\n";
+    report::Table table(answer.header);
+    for (const std::vector<std::string>& row : answer.rows) {
+        table.add(row);
     }
-    fmt::print("\n  Time on {}, {}\n", counted(static_cast<std::size_t>(threads), "thread", "threads"),
-               chosen.time ? "from runs made just now at the study's own values"
-                           : "estimated from sizes alone (--time runs the model)");
-    report::Table table({"command", "runs", "time"});
-    for (const analysis::Estimate& e : *list) {
-        table.add({e.command, e.runs,
-                   e.seconds < 1.0 ? fmt::format("{:.0f} ms", 1e3 * e.seconds) : run::duration_words(e.seconds)});
-    }
-    fmt::print("{}", table.text());
+    fmt::print("{}", shown_answer(options, answer, page + (list->empty() ? "" : table.text())));
     return done;
 }
 
@@ -107,6 +156,7 @@ void add_check(CLI::App& app, Action& action) {
         ->check(CLI::Range(1, 4096));
     command->add_flag("--time", options->time, "run the model at the study's own values to time it");
     command->add_flag("--json", options->common.json, "print one JSON object and nothing else");
+    add_depth(*command, options->common);
     command->footer("Example: pavescape check grids/captif-p1-fwd.toml");
     command->callback([=, &action] { action = [=] { return check_study(*options); }; });
 }

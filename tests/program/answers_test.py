@@ -1,10 +1,17 @@
 """Answers on the terminal: the verdict first, short and within 80 columns; all of it with --verbose, the verdict with --quiet."""
+import fcntl
 import json
+import os
+import pty
 import re
+import shutil
+import struct
+import subprocess
+import termios
 
 import pytest
 
-from support import run, workspace
+from support import PROGRAM, ROOT, run, workspace
 
 LAYERS = [("asphalt", 90, 2600), ("base", 280, 320), ("subgrade", 0, 65)]
 WEAK = "S04"
@@ -59,6 +66,83 @@ def test_an_answer_is_short_and_begins_with_its_verdict(place, command, most):
     told = " ".join(full.stdout.split())
     assert kept["findings"] and all(words in told for words in kept["findings"]), "all findings stand in the full text"
     assert max(map(len, full.stdout.splitlines())) <= 80, f"{command} --verbose: a line of {max(map(len, full.stdout.splitlines()))} columns"
+
+
+OTHERS = {  # command: its arguments, what its verdict says, most lines
+    "check": (["one.toml"], "The study can be run: 6 readings", 30),
+    "forward": (["one.toml"], "At the study's own values the model is", 20),
+    "map": (["one.toml", "--design", "sobol", "--points", 32], "The lowest misfit of 32 points", 25),
+    "sensitivity": (["one.toml", "--samples", 64, "--points", 3], "Over the box ", 25),
+    "compare": (["one.toml", "other.toml"], "The data cannot tell these studies apart", 25),
+    "sample": (["one.toml", "--samples", 2000], "", 25),
+    "noise": ([ROOT / "grids/road-north.f25"], "Repeated drops agree within", 35),
+    "slab": ([ROOT / "grids/slab-example.csv", "--thickness", 250, "--joints", "J1,J2"], "Modulus of subgrade reaction k", 30),
+    "effects": ([], "effects can be added to a study", 60),
+}
+
+
+@pytest.mark.parametrize("command", OTHERS)
+def test_every_other_answer_begins_with_its_verdict_too(place, command):
+    arguments, verdict, most = OTHERS[command]
+    shutil.copy(place / "one.toml", place / "other.toml")
+    arguments = [command, *arguments, *(["--threads", 1] if command in ("check", "map", "sensitivity", "compare", "sample") else [])]
+    arguments += ["--out", command] if command in ("map", "sensitivity", "compare", "sample") else []
+    brief, full, quiet = (run(*arguments, *more, cwd=place) for more in ([], ["--verbose"], ["--quiet"]))
+    for shown in (brief, full, quiet):
+        assert shown.returncode == 0, shown.stderr
+        assert verdict in " ".join(quiet.stdout.split()) and shown.stdout.startswith(quiet.stdout.split("\n")[0]), f"the verdict comes first: {shown.stdout[:200]}"
+        lines = shown.stdout.splitlines()
+        assert max(map(len, lines)) <= 80, f"{command}: a line of {max(map(len, lines))} columns:\n{shown.stdout}"
+    assert len(brief.stdout.splitlines()) <= most, brief.stdout
+    assert len(quiet.stdout.splitlines()) <= 5 and len(full.stdout) > len(brief.stdout) / 2 > len(quiet.stdout) / 2
+
+
+def test_merge_and_rerun_say_their_verdict_first(place):
+    for name, points in (("less", 8), ("more", 16)):
+        assert run("map", "one.toml", "--design", "sobol", "--points", points, "--out", name, cwd=place).returncode == 0
+    merged = run("merge", "less", "more", cwd=place)
+    again = run("rerun", "more", cwd=place)
+    for shown, verdict in ((merged, "less now holds 16 evaluations"), (again, "The same to the last bit: 16 evaluations")):
+        assert shown.returncode == 0 and shown.stdout.startswith(verdict), shown.stdout + shown.stderr
+        assert max(map(len, shown.stdout.splitlines())) <= 80, shown.stdout
+    assert "Next: " in merged.stdout
+
+
+def on_a_terminal(columns, *arguments, cwd):
+    """What a terminal of so many columns shows of both streams."""
+    ours, its = pty.openpty()
+    fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 40, columns, 0, 0))
+    with subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=cwd, stdin=subprocess.DEVNULL, stdout=its, stderr=its) as process:
+        os.close(its)
+        shown = b""
+        while True:
+            try:
+                part = os.read(ours, 65536)
+            except OSError:  # the other end is closed
+                break
+            if not part:
+                break
+            shown += part
+        process.wait()
+    os.close(ours)
+    return shown.decode().replace("\r\n", "\n")
+
+
+@pytest.mark.parametrize("columns", [60, 100])
+def test_an_answer_takes_the_width_of_its_terminal(place, columns):
+    shown = on_a_terminal(columns, "forward", "one.toml", cwd=place)
+    plain = re.sub("\033\\[[0-9;]*m", "", shown)
+    widths = [len(line) for line in plain.splitlines()]
+    assert plain.startswith("At the study's own values") and columns - 15 < max(widths) <= columns, shown
+    assert plain != shown, "the verdict has a colour"
+
+
+def test_a_complaint_takes_the_width_of_its_terminal_and_one_line_elsewhere(place):
+    arguments = ("fit", "one.toml", "--start", "base.modulus=300")
+    shown = on_a_terminal(60, *arguments, cwd=place)
+    assert shown.startswith("pavescape: ") and max(map(len, shown.splitlines())) <= 60 < len(shown), shown
+    told = run(*arguments, cwd=place).stderr
+    assert told.count("\n") == 1 and " ".join(shown.split()) == " ".join(told.split()), told
 
 
 def test_a_survey_names_its_weak_station_first(place):
