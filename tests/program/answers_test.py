@@ -219,3 +219,84 @@ def test_a_reading_that_stands_out_is_left_out_as_the_finding_says():
     table.write_text("\n".join(head + rows) + "\n")
     helped = run(*fit, "--quiet", "--out", folder / "without")
     assert helped.stdout.startswith("The model fits the 7 readings within their noise"), helped.stdout + helped.stderr
+
+
+def bowl(folder, name, noise=0.01, sought=("asphalt", "base", "subgrade"), changes=(), bounds={}, more=""):
+    """A study of a linear section on a half-space, whose readings have 1 % of scatter that is stated as `noise`; `changes` [(from, to)] of its text."""
+    text = 'schema = 1\ntitle = "A bowl"\n[section]\nbottom = "half-space"\n'
+    for layer, thickness, modulus in LAYERS:
+        text += f'[[layers]]\nname = "{layer}"\nlaw = "linear"\nmodulus_MPa = {modulus}\npoisson = 0.4\ndensity_kg_m3 = 2000\nk0 = 0.5\n'
+        text += f"thickness_mm = {thickness}\n" if thickness else ""
+    text += '[[loads]]\nname = "fwd"\ntype = "plate"\nradius_mm = 150\npressure_kPa = 600\n'
+    places = (0, 200, 300, 450, 600, 900, 1200, 1500)
+    outputs = "".join(f'[[outputs]]\nname = "o{x}"\nload = "fwd"\nquantity = "deflection"\nx_mm = {x}\n' for x in places)
+    (folder / "truth.toml").write_text(text + outputs)
+    truth = [r["value"] for r in json.loads(run("forward", folder / "truth.toml", "--json").stdout)["responses"]]
+    sigma = [f",{noise * value}" if noise else "," for value in truth]
+    (folder / f"{name}.csv").write_text("load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + "".join(
+        f"fwd,deflection,{x},0,0,0,{value * (1 + 0.01 * (-1) ** i)},mm{own}\n" for i, (x, value, own) in enumerate(zip(places, truth, sigma))))
+    text += f'[data]\nfiles = ["{name}.csv"]\nmisfit = "weighted"\n{more}'
+    for layer, _, modulus in LAYERS:
+        if layer in sought:
+            low, high, rest = bounds.get(layer, (modulus / 6, modulus * 6, ""))
+            text += f'[[parameters]]\nname = "{layer}.modulus_MPa"\nmin = {low}\nmax = {high}\nscale = "log"\n{rest}'
+    for before, after in changes:
+        assert before in text
+        text = text.replace(before, after)
+    (folder / f"{name}.toml").write_text(text)
+    return folder / f"{name}.toml"
+
+
+def fitted(path):
+    """(what the fit says of itself in full, its JSON)"""
+    told = run("fit", path, "--explore", 64, "--starts", 3, "--threads", 1, "--verbose", "--out", path.parent / f"fit-{path.stem}")
+    assert told.returncode == 0, told.stderr
+    return " ".join(told.stdout.split()), json.loads((path.parent / f"fit-{path.stem}" / "fit.json").read_text())
+
+
+def test_a_bound_that_is_widened_as_the_finding_says_lets_the_model_fit():
+    folder = workspace()
+    told, before = fitted(bowl(folder, "narrow", bounds={"base": (100, 200, "")}))
+    assert "base.modulus_MPa at its upper bound" in told and "with the range opened: try that first" in told, told
+    told, after = fitted(bowl(folder, "wide"))
+    assert before["noise"]["p_value"] < 0.001 and after["noise"]["p_value"] > 0.05, (before["noise"], after["noise"])
+    assert "at its upper bound" not in told and abs(after["best"]["parameters"]["base.modulus_MPa"] / 320 - 1) < 0.15, after["best"]
+
+
+def test_a_prior_that_is_widened_as_the_finding_says_lets_the_model_fit():
+    folder = workspace()
+    prior = lambda spread: {"subgrade": (65 / 6, 65 * 6, f"prior = {{ mean = 90, factor = {spread} }}\n")}
+    told, before = fitted(bowl(folder, "sure", bounds=prior(1.02)))
+    assert "The readings contradict what is known beforehand" in told and "widen it if not" in told, told
+    told, after = fitted(bowl(folder, "unsure", bounds=prior(2)))
+    assert "The readings do not contradict what is known beforehand" in told, told
+    assert abs(after["best"]["parameters"]["subgrade.modulus_MPa"] - 65) < 0.5 * abs(before["best"]["parameters"]["subgrade.modulus_MPa"] - 65)
+
+
+def test_noise_that_is_stated_as_the_finding_says_judges_the_model():
+    folder = workspace()
+    told, before = fitted(bowl(folder, "silent", noise=None))
+    assert "State it under [data.noise] to judge the model" in told and before["noise"]["p_value"] is None, told
+    _, after = fitted(bowl(folder, "stated", noise=None, more="[data.noise]\nrelative = 0.01\n"))
+    assert after["noise"]["p_value"] > 0.05, after["noise"]
+
+
+def test_too_few_readings_know_more_once_a_parameter_is_held_as_the_finding_says():
+    folder = workspace()
+    keep = lambda path, rows: (path.with_suffix(".csv").write_text("".join(path.with_suffix(".csv").read_text().splitlines(True)[:1 + rows])), path)[1]
+    told, before = fitted(keep(bowl(folder, "few"), 2))
+    assert "2 readings for 3 parameters" in told and "Hold parameters at known values" in told, told
+    told, after = fitted(keep(bowl(folder, "held", sought=("subgrade",)), 2))
+    assert "readings for" not in told and after["best"]["std_error"]["subgrade.modulus_MPa"] < 0.05 * 65, after["best"]
+
+
+def test_noise_of_another_size_is_stated_as_the_diagnosis_says():
+    folder = workspace()
+    path = bowl(folder, "quiet", noise=0.002)
+    told = run("diagnose", path, "--threads", 1, "--verbose", "--out", folder / "diagnose")
+    kept = json.loads((folder / "diagnose" / "diagnose.json").read_text())
+    if kept["verdict"] == "adequate":
+        assert "State the noise so under [data.noise]" in " ".join(told.stdout.split()), told.stdout
+    _, before = fitted(path)
+    _, after = fitted(bowl(folder, "louder", noise=0.01))
+    assert before["noise"]["p_value"] < 0.01 < 0.05 < after["noise"]["p_value"]
