@@ -446,8 +446,10 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
         const auto unknown =
             result.count([&](const StationResult& s) { return s.is_fitted() && !s.fit->parameters[k].determined; });
         if (unknown > 0) {
-            words.push_back(fmt::format("{} is not determined at {} of {} stations: its value there is not to be used.",
-                                        names[k], unknown, fitted));
+            words.push_back(
+                fmt::format("{} is not determined at {} of {} stations: its value there is not to be used. Hold it at "
+                            "a known value; `road` fits the stations together.",
+                            names[k], unknown, fitted));
         }
     }
     add_bounds(result, words);

@@ -315,7 +315,7 @@
     // -- one section a command ------------------------------------------------------------------------------------
 
     // The first sentence of a command stands at the top of the page, or of its section where another command's does.
-    const summary = ["unique", "sample", "diagnose", "compare", "fit", "sensitivity", "road", "survey", "map"].find((c) => results[c] && ((results[c].findings || []).length || c === "survey"));
+    const summary = ["unique", "sample", "diagnose", "compare", "fit", "sensitivity", "design", "road", "survey", "map"].find((c) => results[c] && ((results[c].findings || []).length || c === "survey"));
     const opening = (command, about) => {
         const answer = summaries.answerOf(results[command]);
         const said = summaries.detailsOf(results[command]);
@@ -344,7 +344,7 @@
             return measuredOf(r);
         }
         if (command === "diagnose" && (r.hypotheses || []).some((h) => typeof h.probability === "number")) return probabilities(r);
-        return command === "road" || command === "survey" ? roads.picture(r) : null;
+        return command === "design" ? designs.picture(r) : command === "road" || command === "survey" ? roads.picture(r) : null;
     };
     const probabilities = (r) => {
         const list = [...r.hypotheses].filter((h) => typeof h.probability === "number").sort((a, b) => b.probability - a.probability).slice(0, 6);
@@ -622,7 +622,7 @@
             })), { title: { text: g.response }, yaxis: axis("share of the variance"), xaxis: named(Object.keys(g.total)), barmode: "group" })))] : []);
     };
 
-    const show = { "sample-prior": showPrior, unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: (r) => roads.showSurvey(section, r, r.findings || []), road: (r) => roads.showRoad(section, r, r.findings || []) };
+    const show = { "sample-prior": showPrior, unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, design: (r) => designs.show(section, r, opening("design")), survey: (r) => roads.showSurvey(section, r, r.findings || []), road: (r) => roads.showRoad(section, r, r.findings || []) };
 
     // -- the page -------------------------------------------------------------------------------------------------
 
@@ -632,7 +632,7 @@
     const navigation = make("nav");
     root.append(make("header", {}, make("h1", {}, titles[0] || data.folder),
         make("p", { className: "soft" }, `Pavescape ${data.version}, run “${data.folder}”: ${Object.keys(results).join(", ") || "not finished"}`)), navigation);
-    const summed = !summary ? null : summary === "road" || summary === "survey" ? roads.summaryOf(results[summary]) : summaries.summaryOf(summary, results[summary]);
+    const summed = !summary ? null : summary === "road" || summary === "survey" ? roads.summaryOf(results[summary]) : summary === "design" ? designs.summaryOf(results.design) : summaries.summaryOf(summary, results[summary]);
     if (summed) {
         const picture = pictureOf(summary, results[summary]);
         root.append(make("section", { id: "summary", className: picture ? "with-picture" : "" }, make("div", { className: "said" },
