@@ -69,7 +69,7 @@ struct OutputRange {
     bool determined = false; // no direction that the readings do not see moves it
 };
 
-// What the criteria of the study allow at the best fit (analysis/survey/survey_lives.h).
+// Lives by the criteria of the study at the best fit (analysis/survey/survey_lives.h).
 struct StationLives {
     std::vector<CriterionLife> criteria; // in the order of the study's
     Overlay overlay;
