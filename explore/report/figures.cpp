@@ -212,6 +212,9 @@ std::vector<std::string> figures_of(const FolderContents& contents) {
             names.insert(names.end(), {"life", "overlay"});
         }
     }
+    if (results.contains("sample-prior") && !results.at("sample-prior").value("readings", Json::array()).empty()) {
+        names.emplace_back("prior-predictive");
+    }
     if (const Json* road = road_in(results)) {
         const auto any = [&](const char* key) {
             return std::any_of(road->at("stations").begin(), road->at("stations").end(),
@@ -270,7 +273,10 @@ Figure make_figure(const FolderContents& contents, const std::string& name) {
         return posterior_figure(contents.results.at("sample"));
     }
     if (name == "predictive") {
-        return predictive_figure(contents.results.at("sample"));
+        return predictive_figure(contents.results.at("sample").at("predictive").at("readings"), name);
+    }
+    if (name == "prior-predictive") {
+        return predictive_figure(contents.results.at("sample-prior").at("readings"), name);
     }
     if (name == "life") {
         return life_figure(contents.results.at("design"));

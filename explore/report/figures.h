@@ -17,7 +17,7 @@ struct FolderContents {
 };
 
 // Names of the figures that can be made of it, in their order: "landscape", "landscape-close", "profiles", "fit",
-// "residuals", "candidates", "corrections", "sensitivity", "posterior", "predictive", "life",
+// "residuals", "candidates", "corrections", "sensitivity", "posterior", "predictive", "prior-predictive", "life",
 // "overlay", "deflections", "back-calculation".
 std::vector<std::string> figures_of(const FolderContents& contents);
 // One of them. Throws Json::exception for results that are not those of this program.
@@ -46,8 +46,8 @@ Figure posterior_figure(const Json& sample);
 // The distribution of every life of `design`, with what is required of it dashed; the overlay against the reliability.
 Figure life_figure(const Json& design);
 Figure overlay_figure(const Json& design);
-// The readings against the ranges in which its draws predict them.
-Figure predictive_figure(const Json& sample);
+// The readings against the ranges in which draws predict them. readings: as report/predictive.h writes them.
+Figure predictive_figure(const Json& readings, const std::string& name);
 // Along the road of `survey` or `road`: deflections and indices of every station; parameters and outputs with their 95
 // % ranges, and how well they fit. Above them what is worth a look: stations without a result, outliers, remarks.
 Figure deflections_figure(const Json& survey);

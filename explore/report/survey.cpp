@@ -175,6 +175,7 @@ Json station_json(const SurveyResult& result, const StationResult& s) {
     json["normalised"] = indices_json(s);
     json["condition"] = condition_json(s);
     json["structural_number"] = structural_json(result, s);
+    json["at_reference"] = reference_json(result, s);
     json["readings_left_out"] = Json::array();
     for (const auto& r : s.bowls->readings_left_out) {
         json["readings_left_out"].push_back(
@@ -278,6 +279,9 @@ Json survey_json(const SurveyResult& result) {
                    {"limit", data::deflection_ratio_limit},
                    {"interpolation", interpolation_words}}},
                  {"common_pressure_kPa", result.common_pressure_kPa},
+                 {"reference_C", optional_json(result.reference_C)},
+                 {"temperature_curve",
+                  result.reference_C ? Json(std::string(data::words_of(result.curve).name)) : Json(nullptr)},
                  {"repeatability", optional_json(result.repeatability)},
                  {"sections", sections_json(result)}};
     for (const StationResult& s : result.stations) {
@@ -380,6 +384,10 @@ std::string survey_csv(const SurveyResult& result) {
         header.insert(header.end(),
                       {"misfit", "rms_percent", "converged", "on_bound", "asphalt_modulus_at_reference_MPa"});
     }
+    if (result.reference_C) {
+        header.insert(header.end(),
+                      {"D0_um_at_reference", "SCI_um_at_reference", "BDI_um_at_reference", "BCI_um_at_reference"});
+    }
     header.insert(header.end(), {"air_C", "surface_C", "asphalt_C", "asphalt_C_source", "latitude", "longitude", "date",
                                  "time", "comment", "drops_used", "drops_left_out", "remarks", "file", "line"});
     std::string text;
@@ -442,6 +450,10 @@ std::string survey_csv(const SurveyResult& result) {
                           number(s.asphalt_at_reference_MPa)});
         } else if (result.study) {
             cells.resize(cells.size() + 5);
+        }
+        if (result.reference_C) {
+            const auto at = s.at_reference.value_or(data::IndicesAtReference{});
+            cells.insert(cells.end(), {number(at.d0_um), number(at.sci_um), number(at.bdi_um), number(at.bci_um)});
         }
         cells.insert(cells.end(),
                      {number(f.air_C), number(f.surface_C), s.asphalt ? number(s.asphalt->celsius) : "",

@@ -39,6 +39,10 @@ std::optional<Json> survey_geojson(const SurveyResult& result) {
             properties["BDI_um"] = optional_json(s.indices->bdi_um);
             properties["BCI_um"] = optional_json(s.indices->bci_um);
             properties["AREA_mm"] = optional_json(s.indices->area_mm);
+            if (s.at_reference) {
+                properties["D0_um_at_reference"] = optional_json(s.at_reference->d0_um);
+                properties["SCI_um_at_reference"] = optional_json(s.at_reference->sci_um);
+            }
             properties["deflection_ratio"] = optional_json(s.ratio());
             properties["verdict"] = std::string(analysis::verdict(s));
             properties["verdict_reason"] = analysis::why_no_ratio(s);

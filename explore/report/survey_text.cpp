@@ -192,16 +192,41 @@ std::string strip_charts(const SurveyResult& result) {
 }
 
 std::string index_table(const SurveyResult& result) {
-    Table table({"station", "D0 um", "SCI um", "BDI um", "BCI um", "AREA mm", "radius of curvature m", "E0 MPa",
-                 "asphalt C", result.reference_C ? fmt::format("asphalt MPa at {:g} C", *result.reference_C) : ""});
+    std::vector<std::string> header{
+        "station", "D0 um", "SCI um", "BDI um", "BCI um", "AREA mm", "radius of curvature m", "E0 MPa", "asphalt C"};
+    const bool has_indices = result.reference_C && result.curve != data::TemperatureCurve::irc;
+    if (has_indices) {
+        for (const char* index : {"D0", "SCI", "BDI", "BCI"}) {
+            header.push_back(fmt::format("{} um at {:g} C", index, *result.reference_C));
+        }
+    }
+    if (result.reference_C && result.study) {
+        header.push_back(fmt::format("asphalt MPa at {:g} C", *result.reference_C));
+    }
+    Table table(header);
     const auto shown = [](const std::optional<double>& value) { return value ? figure(*value) : ""; };
     for (const StationResult& s : result.stations) {
-        if (s.has_bowl()) {
-            const auto& i = *s.indices;
-            table.add({s.station.name, figure(i.d0_um), shown(i.sci_um), shown(i.bdi_um), shown(i.bci_um),
-                       shown(i.area_mm), shown(i.curvature_radius_m), figure(i.surface_moduli[0].modulus_MPa),
-                       s.asphalt ? fmt::format("{:.1f}", s.asphalt->celsius) : "", shown(s.asphalt_at_reference_MPa)});
+        if (!s.has_bowl()) {
+            continue;
         }
+        const auto& i = *s.indices;
+        std::vector<std::string> cells{s.station.name,
+                                       figure(i.d0_um),
+                                       shown(i.sci_um),
+                                       shown(i.bdi_um),
+                                       shown(i.bci_um),
+                                       shown(i.area_mm),
+                                       shown(i.curvature_radius_m),
+                                       figure(i.surface_moduli[0].modulus_MPa),
+                                       s.asphalt ? fmt::format("{:.1f}", s.asphalt->celsius) : ""};
+        if (has_indices) {
+            const auto at = s.at_reference.value_or(data::IndicesAtReference{});
+            cells.insert(cells.end(), {shown(at.d0_um), shown(at.sci_um), shown(at.bdi_um), shown(at.bci_um)});
+        }
+        if (result.reference_C && result.study) {
+            cells.push_back(shown(s.asphalt_at_reference_MPa));
+        }
+        table.add(std::move(cells));
     }
     return table.text();
 }

@@ -17,7 +17,7 @@ constexpr double two_sided = 1.959963984540054; // deviate of 97.5 %
 constexpr double close_enough = 0.02;           // of ln(life), between what was expected at an end and the run there
 constexpr int most_rounds = 8;
 
-// The fitted readings by a problem of its own, the critical places from between runs of everything.
+// A problem of its own for the fit; the strains at the critical places are interpolated between runs of everything.
 class BetweenRuns final : public problem::ForwardFunction {
 public:
     BetweenRuns(const problem::Problem& fitted, std::size_t first, std::shared_ptr<const study::Kriging> strains)
@@ -152,7 +152,7 @@ private:
         return more.has_value();
     }
 
-    // Settings that a run of the store depends on.
+    // The settings that a run of the store depends on.
     std::string settings_at(std::string_view what, const std::vector<std::vector<double>>& points) const {
         std::string text;
         for (const auto& point : points) {

@@ -5,6 +5,7 @@
 #include "analysis/common/session.h"
 #include "analysis/design/criterion_life.h"
 #include "data/bowl_indices.h"
+#include "data/temperature_curves.h"
 #include "inference/quantiles.h"
 #include "landscape/minima.h"
 #include "study/station.h"
@@ -27,7 +28,9 @@ struct SurveyOptions {
     std::string layers{};                         // a table of thicknesses by chainage; "": none
     std::optional<double> asphalt_thickness_mm{}; // nothing: that of the top layer
     std::optional<double> air_of_day_before_C{};  // mean; nothing: the station's air temperature stands in
-    std::optional<double> reference_C{};          // that the asphalt modulus is taken to; nothing: not at all
+    std::optional<double> reference_C{};          // that indices and asphalt modulus are taken to; nothing: not at all
+    data::TemperatureCurve curve = data::TemperatureCurve::fhwa;
+    std::optional<double> latitude_deg{}; // of stations whose file states none
 };
 
 enum class StationState {
@@ -66,7 +69,7 @@ struct OutputRange {
     bool determined = false; // no direction that the readings do not see moves it
 };
 
-// Lives that the criteria of the study allow at the best fit (analysis/survey/survey_lives.h).
+// Lives by the criteria of the study at the best fit (analysis/survey/survey_lives.h).
 struct StationLives {
     std::vector<CriterionLife> criteria; // in the order of the study's
     Overlay overlay;
@@ -111,6 +114,7 @@ struct StationResult {
     std::optional<data::BowlIndices> indices{}; // at normalised_kPa
     double normalised_kPa = 0.0;
     std::optional<AsphaltTemperature> asphalt{};
+    std::optional<data::IndicesAtReference> at_reference{}; // at normalised_kPa; nothing: no temperature
     std::optional<double> asphalt_at_reference_MPa{};
 
     bool has_bowl() const { return state != StationState::rejected; }
@@ -204,6 +208,7 @@ struct SurveyResult {
     std::optional<LoadLevel> normalise;
     std::optional<LoadLevel> target; // that the level was chosen by
     std::optional<double> reference_C;
+    data::TemperatureCurve curve = data::TemperatureCurve::fhwa;
     std::optional<double> repeatability; // of a reading, over the road
     std::vector<RoadSection> sections;
     std::vector<SensorResidual> residuals;    // by offset

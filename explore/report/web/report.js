@@ -315,7 +315,7 @@
     // -- one section a command ------------------------------------------------------------------------------------
 
     // The first sentence of a command stands at the top of the page, or of its section where another command's does.
-    const summary = ["unique", "sample", "diagnose", "compare", "fit", "sensitivity", "road", "survey", "map"].find((c) => results[c] && ((results[c].findings || []).length || c === "survey"));
+    const summary = ["unique", "sample", "diagnose", "compare", "fit", "sensitivity", "design", "road", "survey", "map"].find((c) => results[c] && ((results[c].findings || []).length || c === "survey"));
     const opening = (command, about) => {
         const answer = summaries.answerOf(results[command]);
         const said = summaries.detailsOf(results[command]);
@@ -344,7 +344,7 @@
             return measuredOf(r);
         }
         if (command === "diagnose" && (r.hypotheses || []).some((h) => typeof h.probability === "number")) return probabilities(r);
-        return command === "road" || command === "survey" ? roads.picture(r) : null;
+        return command === "design" ? designs.picture(r) : command === "road" || command === "survey" ? roads.picture(r) : null;
     };
     const probabilities = (r) => {
         const list = [...r.hypotheses].filter((h) => typeof h.probability === "number").sort((a, b) => b.probability - a.probability).slice(0, 6);
@@ -521,6 +521,10 @@
             r.log_evidence === undefined ? [] : make("p", { className: "soft" }, `Log evidence ${figure(r.log_evidence)} ± ${figure(r.log_evidence_error)}: its difference between models of the same readings is their log odds.`));
     };
 
+    const showPrior = (r) => section("Before any fit", r.reason ? make("p", {}, r.reason) : null, opening("sample-prior", "What the prior predicts of each reading, with its noise."),
+        (r.readings || []).length ? table(["reading", "measured", "2.5 %", "50 %", "97.5 %", "unit", "below"],
+            r.readings.map((q) => [q.name || `${quantity(q.quantity)} under ${loadWords(q.load)}, ${placeOf(q)}`, ...[q.measured, q.low, q.median, q.high].map(figure), wording.unit(q.unit), q.pit.toFixed(3)]), [0]) : []);
+
     // A correction over its places: the band, and in grey what is not seen. Depths point downwards.
     const correctionChart = (c) => {
         const down = c.channel === "depth" || c.channel === "level";
@@ -618,7 +622,7 @@
             })), { title: { text: g.response }, yaxis: axis("share of the variance"), xaxis: named(Object.keys(g.total)), barmode: "group" })))] : []);
     };
 
-    const show = { unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: (r) => roads.showSurvey(section, r, r.findings || []), road: (r) => roads.showRoad(section, r, r.findings || []) };
+    const show = { "sample-prior": showPrior, unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, design: (r) => designs.show(section, r, opening("design")), survey: (r) => roads.showSurvey(section, r, r.findings || []), road: (r) => roads.showRoad(section, r, r.findings || []) };
 
     // -- the page -------------------------------------------------------------------------------------------------
 
@@ -628,13 +632,13 @@
     const navigation = make("nav");
     root.append(make("header", {}, make("h1", {}, titles[0] || data.folder),
         make("p", { className: "soft" }, `Pavescape ${data.version}, run “${data.folder}”: ${Object.keys(results).join(", ") || "not finished"}`)), navigation);
-    const summed = !summary ? null : summary === "road" || summary === "survey" ? roads.summaryOf(results[summary]) : summaries.summaryOf(summary, results[summary]);
+    const summed = !summary ? null : summary === "road" || summary === "survey" ? roads.summaryOf(results[summary]) : summary === "design" ? designs.summaryOf(results.design) : summaries.summaryOf(summary, results[summary]);
     if (summed) {
         const picture = pictureOf(summary, results[summary]);
-        root.append(make("section", { id: "summary", className: picture ? "with-picture" : "" }, make("div", {},
-            make("p", { className: "verdict" }, summed.verdict),
-            summed.numbers.length ? table(["", summed.value || "best", summed.range || "95 % range", ""], summed.numbers.map((n) => [n.name, n.value, n.range, n.unit]), [0]) : null,
-            summed.action ? make("p", { className: "next" }, make("strong", {}, "Next: "), summed.action.replace(/^Measure next: (.)/, (_, c) => `measure the ${c}`)) : null), picture));
+        root.append(make("section", { id: "summary", className: picture ? "with-picture" : "" }, make("div", { className: "said" },
+            make("p", { className: "verdict" }, summed.verdict), summed.named ? make("p", { className: "named" }, make("strong", {}, summed.named[0]), summed.named[1]) : null), picture,
+        make("div", { className: "rest" }, summed.numbers.length ? table(["", summed.value || "best", summed.range || "95 % range", ""], summed.numbers.map((n) => [n.name, n.value, n.range, n.unit]), [0]) : null,
+            summed.action ? make("p", { className: "next" }, make("strong", {}, "Next: "), summed.action.replace(/^Measure next: (.)/, (_, c) => `measure the ${c}`)) : null)));
     }
     for (const [command, draw] of Object.entries(show)) {
         if (results[command]) draw(results[command]);
