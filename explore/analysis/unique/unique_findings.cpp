@@ -184,7 +184,10 @@ std::vector<std::string> findings(const UniqueResult& result) {
         say((u.acceptance && u.acceptance->widened
                  ? fmt::format("NON-UNIQUE, and the data contradict the model (p = {:.2g}): ", u.acceptance->p_value)
                  : "NON-UNIQUE: ") +
-            (u.alternatives && u.valley
+            (!u.alternatives && !u.wide.empty()
+                 ? fmt::format("around the one minimum the data accept more than half of what the study allows for {}.",
+                               pave::join(names_of(space, u.wide), " and "))
+             : u.alternatives && u.valley
                  ? "separate minima fit these data, and a continuous valley of parameter sets too."
              : u.alternatives ? "separate minima fit these data, with no acceptable way found between them."
                               : "a continuous valley of parameter sets fits these data equally well."));
