@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "pavement/device.h"
 #include "pavement/effects/effect.h"
 #include "pavement/load_model.h"
 #include "pavement/pulse.h"
@@ -48,16 +49,14 @@ std::string why_impossible(const Case& c, int load) {
             continue;
         }
         double longest = sensor.gauge;
-        double farthest = std::hypot(sensor.x, sensor.y);
         for (const Sensor::Share& share : sensor.shares) {
             longest = std::max(longest, share.gauge);
-            farthest = std::max(farthest, std::hypot(sensor.x + share.dx, sensor.y));
         }
         const double shallowest = sensor.depth - longest / 2.0;
         if (shallowest < -1e-9) {
             return fmt::format("a sensor at {:g} mm depth reaches above the surface", sensor.depth / unit::mm);
         }
-        if (c.loads[load].is_axisymmetric() && farthest > c.settings.extent) {
+        if (c.loads[load].is_axisymmetric() && reach_of(sensor) > c.settings.extent) {
             return "a sensor lies beyond the wall";
         }
     }
@@ -129,12 +128,16 @@ ForwardModel::WorkspacePointer ForwardModel::make_workspace() const {
 void check_sensor(const Case& c, const Sensor& s, const Place& place) {
     const Load& load = c.loads[s.load];
     const double depth = c.depth();
-    const double distance = load.is_axisymmetric() ? std::hypot(s.x, s.y) : std::max(std::abs(s.x), std::abs(s.y));
+    const double distance = load.is_axisymmetric() ? reach_of(s) : reach_along_axes(s);
     const double top = s.depth - s.gauge / 2.0;
     const double bottom = s.depth + s.gauge / 2.0;
     if (s.gauge > 0.0 && s.quantity != Quantity::strain_zz) {
         throw Error(place, "only strain_zz has a gauge length", fmt::format("gauge_mm = {:g}", s.gauge / unit::mm),
                     "0");
+    }
+    if (is_of_device(s.quantity) && s.depth != 0.0) {
+        throw Error(place, fmt::format("{} is read on the surface", info(s.quantity).name),
+                    fmt::format("depth_mm = {:g}", s.depth / unit::mm), "0");
     }
     if (distance > c.settings.extent) {
         throw Error(place, "the sensor lies outside the mesh", fmt::format("{:g} m from the load", distance),
