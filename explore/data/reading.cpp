@@ -34,7 +34,8 @@ constexpr std::array<std::string_view, columns> names = {
 std::span<const Unit> units() {
     static constexpr Unit all[] = {
         {"mm", Dimension::length, 1e-3},    {"um", Dimension::length, 1e-6},   {"microstrain", Dimension::strain, 1e-6},
-        {"strain", Dimension::strain, 1.0}, {"um/m", Dimension::strain, 1e-6}, {"mm/m", Dimension::strain, 1e-3}, {"kPa", Dimension::pressure, 1e3}, {"MPa", Dimension::pressure, 1e6},
+        {"strain", Dimension::strain, 1.0}, {"um/m", Dimension::strain, 1e-6}, {"mm/m", Dimension::strain, 1e-3},
+        {"kPa", Dimension::pressure, 1e3},  {"MPa", Dimension::pressure, 1e6},
     };
     return all;
 }

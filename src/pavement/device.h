@@ -1,15 +1,16 @@
-// What devices on the surface read that is made of deflections w at several places. y: along the traffic.
+// Readings of devices on the surface that are made of deflections w at several places. y: along the traffic.
 //
-// slope       -dw/dy, what a traffic speed deflectometer reads at (x, y) from the middle of its axle: the velocity of the
+// slope       -dw/dy, what a traffic speed deflectometer reads at (x, y) from the middle of its axle: the velocity of
+// the
 //             surface downwards over that of the axle, which drives towards +y. Positive ahead of the load, negative
 //             behind it. Here a difference of fourth order, w at y +- 10 and 20 mm. Devices take the slope of a sensor
 //             some 3.5 m away for zero: that is not in it.
 // benkelman   what a Benkelman beam reads when the load drives away from its tip at (x, y): w there, less what the feet
 //             of the beam in the bowl take off. With feet at s_f and s_r from the tip, on the side away from the load,
 //                 w(tip) - s_r / (s_r - s_f) w(front) + s_f / (s_r - s_f) w(rear)
-//             where w(front) is the mean of the two front feet. The standard beam (AASHTO T 256, IRC:81-1997): pivot 2440
-//             mm from the tip, front feet 250 mm and rear foot 1660 mm behind it, front feet 330 mm apart; s_r / (s_r -
-//             s_f) is the 2.91 of those standards' correction.
+//             where w(front) is the mean of the two front feet. The standard beam (AASHTO T 256, IRC:81-1997): pivot
+//             2440 mm from the tip, front feet 250 mm and rear foot 1660 mm behind it, front feet 330 mm apart; s_r /
+//             (s_r - s_f) is the 2.91 of those standards' correction.
 #pragma once
 
 #include "pavement/section.h"

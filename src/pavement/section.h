@@ -96,8 +96,8 @@ struct Load {
     double total_force() const; // N
 };
 
-// deflection: positive down [m]; strains [-] and load-induced stresses [Pa]: positive in compression. What devices on the
-// surface make of deflections, slope [-] and benkelman [m]: device.h.
+// deflection: positive down [m]; strains [-] and load-induced stresses [Pa]: positive in compression. What devices on
+// the surface make of deflections, slope [-] and benkelman [m]: device.h.
 enum class Quantity { deflection, strain_zz, strain_xx, strain_yy, stress_zz, stress_xx, stress_yy, slope, benkelman };
 
 struct QuantityInfo {
