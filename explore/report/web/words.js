@@ -5,6 +5,7 @@ const wording = (() => {
     const unit = (text) => (text === "um" ? "µm" : text);
     // "strain_zz": "vertical strain".
     const quantity = (name) => {
+        if (name === "benkelman") return "Benkelman deflection";
         const [kind, axis] = name.split("_");
         const way = { zz: "vertical", xx: "transverse", yy: "longitudinal" }[axis];
         return way ? `${way} ${kind}` : name.replaceAll("_", " ");
