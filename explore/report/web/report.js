@@ -390,12 +390,14 @@
 
     // right: the model's own range beside the wider one, which is drawn in any case.
     const outputsChart = (outputs, best, right) => {
-        const bar = (name, low, high, thickness, color) => ({ type: "scatter", mode: "markers", name, x: outputs.map(() => 1), y: outputs.map((o) => `${o.name}<br>[${wording.unit(o.unit)}]`), marker: { size: 10, color: "#000" },
-            text: outputs.map((o) => `best ${figure(best(o))}, ${figure(low(o))} to ${figure(high(o))}`), hoverinfo: "text",
-            error_x: { type: "data", symmetric: false, thickness, color, array: outputs.map((o) => high(o) / best(o) - 1), arrayminus: outputs.map((o) => 1 - low(o) / best(o)) } });
+        const names = outputs.map((o) => `${o.name}<br>[${wording.unit(o.unit)}]`);
+        const line = (name, low, high, width, color) => ({ type: "scatter", mode: "lines", name, hoverinfo: "skip", line: { width, color },
+            x: outputs.flatMap((o) => [low(o) / best(o), high(o) / best(o), null]), y: names.flatMap((n) => [n, n, null]) });
         const wider = outputs.some((o) => widest(o).wider);
-        return chart("outputs", [bar(wider ? "also if the model may lack something" : "95 %", (o) => widest(o).low, (o) => widest(o).high, 3, wider ? colours[4] : colours[0]),
-            ...(wider && right ? [bar("if the model is right", (o) => o.low, (o) => o.high, 6, colours[0])] : [])],
+        return chart("outputs", [line(wider ? "also if the model may lack something" : "95 %", (o) => widest(o).low, (o) => widest(o).high, 5, wider ? colours[4] : colours[0]),
+            ...(wider && right ? [line("if the model is right", (o) => o.low, (o) => o.high, 10, colours[0])] : []),
+            { type: "scatter", mode: "markers", name: "best fit", x: outputs.map(() => 1), y: names, marker: { size: 11, color: "#fff", line: { color: "#000", width: 2 } },
+                text: outputs.map((o) => `best ${figure(best(o))}, ${figure(widest(o).low)} to ${figure(widest(o).high)}`), hoverinfo: "text" }],
         { xaxis: axis("relative to the best fit"), yaxis: axis("", { automargin: true }), height: 190 + 40 * outputs.length, margin: { l: 64, r: 16, t: 24, b: 90 }, legend: { orientation: "h", y: -70 / (40 * outputs.length + 76) } },
         wider ? "95 % ranges. The wider one is the one to use: it also holds if the model lacks something that these readings cannot show." : "Range of each output over all sets of parameters that the data accept.");
     };
@@ -628,13 +630,15 @@
     const navigation = make("nav");
     root.append(make("header", {}, make("h1", {}, titles[0] || data.folder),
         make("p", { className: "soft" }, `Pavescape ${data.version}, run “${data.folder}”: ${Object.keys(results).join(", ") || "not finished"}`)), navigation);
+    // A sentence with a command in it, which is set as one.
+    const withCommand = (text) => text.split(/(pavescape (?:unique|diagnose|fit) \S+)/).map((piece, i) => (i % 2 === 1 ? make("code", {}, piece) : piece));
     const summed = !summary ? null : summary === "road" || summary === "survey" ? roads.summaryOf(results[summary]) : summary === "design" ? designs.summaryOf(results.design) : summaries.summaryOf(summary, results[summary]);
     if (summed) {
         const picture = pictureOf(summary, results[summary]);
         root.append(make("section", { id: "summary", className: picture ? "with-picture" : "" }, make("div", {},
             make("p", { className: "verdict" }, summed.verdict),
-            summed.numbers.length ? table(["", summed.value || "best", summed.range || "95 % range", ""], summed.numbers.map((n) => [n.name, n.value, n.range, n.unit]), [0]) : null,
-            summed.action ? make("p", { className: "next" }, make("strong", {}, "Next: "), summed.action.replace(/^Measure next: (.)/, (_, c) => `measure the ${c}`)) : null), picture));
+            summed.numbers.length ? table(["", summed.value || "best", summed.range || "95 % range", ""], summed.numbers.map((n) => [n.name, n.value, n.range, n.unit]), [0, 3]) : null,
+            summed.action ? make("p", { className: "next" }, make("strong", {}, "Next: "), withCommand(summed.action.replace(/^Measure next: (.)/, (_, c) => `measure the ${c}`))) : null), picture));
     }
     for (const [command, draw] of Object.entries(show)) {
         if (results[command]) draw(results[command]);
@@ -660,5 +664,8 @@
     if (sections.length < 3) navigation.remove();
     for (const { id, title } of sections) navigation.append(make("a", { href: "#" + id }, title));
     for (const draw of pending) draw();
+    // Paper has no folds: what was found is printed.
+    const findings = [...document.querySelectorAll("details")].filter((d) => d.querySelector("summary").textContent === "Findings");
+    window.addEventListener("beforeprint", () => findings.forEach((d) => { d.open = true; }));
     document.documentElement.dataset.charts = String(pending.length);
 })();
