@@ -344,7 +344,15 @@
             return measuredOf(r);
         }
         if (command === "diagnose" && (r.hypotheses || []).some((h) => typeof h.probability === "number")) return probabilities(r);
+        if (command === "sensitivity" && r.global) return totals(r);
         return command === "design" ? designs.picture(r) : command === "road" || command === "survey" ? roads.picture(r) : null;
+    };
+    // Of the variance of each response the share that each parameter makes in all.
+    const totals = (r) => {
+        const list = r.global.indices.slice(0, 6);
+        return chart("totals", Object.keys(list[0].total).map((name, k) => ({ type: "bar", orientation: "h", name: titled(name), y: list.map((g) => g.response), x: list.map((g) => g.total[name].value), marker: { color: colours[k % colours.length] } })),
+            { barmode: "group", xaxis: axis("share of the variance, with interactions", { rangemode: "tozero", tickformat: ".0%" }), yaxis: axis("", { automargin: true, autorange: "reversed" }),
+                height: 180 + list.length * (12 + 14 * Object.keys(list[0].total).length), margin: { l: 64, r: 16, t: 24, b: 100 }, legend: { orientation: "h", y: -70 / (56 + list.length * (12 + 14 * Object.keys(list[0].total).length)) } });
     };
     const probabilities = (r) => {
         const list = [...r.hypotheses].filter((h) => typeof h.probability === "number").sort((a, b) => b.probability - a.probability).slice(0, 6);
@@ -354,7 +362,7 @@
         };
         return chart("probabilities", [{ type: "bar", orientation: "h", y: list.map((_, i) => i), x: list.map((h) => h.probability), text: list.map((h) => `${Math.round(100 * h.probability)} %`), textposition: "outside", cliponaxis: false,
             marker: { color: list.map((_, i) => (i === 0 ? colours[0] : "#9aa5ad")) }, hovertext: list.map((h) => say(h.in_words || h.name)), hoverinfo: "text" }],
-        { xaxis: axis("probability", { range: [0, 1.08], tickformat: ".0%" }), yaxis: axis("", { automargin: true, autorange: "reversed", tickvals: list.map((_, i) => i), ticktext: list.map((h) => short(h.in_words || h.name)), tickfont: { size: 11 } }),
+        { xaxis: axis("probability", { range: [0, 1.08], tickformat: ".0%" }), yaxis: axis("", { automargin: true, autorange: "reversed", tickvals: list.map((_, i) => i), ticktext: list.map((h) => short((h.in_words || h.name).replace(/ \(95 %[^)]*\)/, ""))), tickfont: { size: 11 } }),
             height: 90 + 44 * list.length, margin: { l: 64, r: 44, t: 24, b: 50 }, showlegend: false }, "What may lie behind the residuals, of all that was tried, the most probable first.");
     };
     // An output with its range, the wider where the model may be wrong.
@@ -380,7 +388,7 @@
         const rows = data.evaluations && data.evaluations.command === "map" ? data.evaluations : null;
         const lowest = (r.lowest || []).slice(0, 1);
         section("The map", opening("map", `${r.points} points, ${r.design}.`),
-            rows && (r.parameters || []).length > 1 ? pairCharts(r.parameters, rows.rows, lowest) : null,
+            rows && (r.parameters || []).length > 1 ? [part("Misfit over pairs of parameters", true), pairCharts(r.parameters, rows.rows, lowest)] : null,
             part("Lowest points"), turned(r.lowest.slice(0, 8).map((e) => `point ${e.number}`), [["misfit", ...r.lowest.map((e) => figure(e.misfit))],
                 ...(r.parameters || []).map((p) => [titled(p.name), ...r.lowest.map((e) => figure(e.parameters[p.name]))])]),
             rangesTable(r.parameters), statusTable(r.statuses));
@@ -554,7 +562,7 @@
         const threshold = thresholdOf(r.candidates || []);
         const corrections = r.corrections || [];
         const alike = [...(r.confounding || [])].sort((a, b) => Math.abs(a.cosine) - Math.abs(b.cosine));
-        section("What the model gets wrong",
+        section("Does the model hold?",
             opening("diagnose"),
             r.readings ? [part("Measured and modelled, before and after", true), againstMeasured(r.readings, r.responses.measured,
                 [{ name: "study's model", values: r.responses.baseline },
@@ -592,7 +600,7 @@
         const good = all.filter((l) => l.status === "converged");
         const row = (name, of) => [name, ...good.map(of)];
         section(`Which ${r.laws ? "law" : "study"} do the data prefer?`, opening("compare", r.laws ? `Laws of “${r.layer}”.` : "Studies of the same readings."),
-            good.length ? turned(good.map((l) => l.law), [row("misfit", (l) => figure(l.misfit)), row("χ²", (l) => figure(l.chi2)), row("degrees of freedom", (l) => l.dof), row("p", (l) => figure(l.p_value)),
+            part("Side by side", true), good.length ? turned(good.map((l) => l.law), [row("misfit", (l) => figure(l.misfit)), row("χ²", (l) => figure(l.chi2)), row("degrees of freedom", (l) => l.dof), row("p", (l) => figure(l.p_value)),
                 row("AICc", (l) => figure(l.aicc)), row("weight [%]", (l) => (typeof l.weight === "number" ? (100 * l.weight).toFixed(1) : null)), row("left out", (l) => figure(l.held_out_rms)),
                 row("held out", (l) => figure(l.study_held_out_rms)), row("answer", (l) => l.verdict)]) : null,
             words(all.filter((l) => l.status !== "converged").map((l) => `${l.law}: ${l.reason}`)),
@@ -606,7 +614,7 @@
     const showSensitivity = (r) => {
         const responses = r.responses.map((s) => s.name);
         section("Sensitivity", opening("sensitivity", `One at a time over ±${plain(r.range_percent)} %.`),
-            make("div", { className: "charts" }, responses.slice(0, 12).map((name, i) => chart("curves", r.curves.map((c, k) => ({
+            part("One parameter at a time", true), make("div", { className: "charts" }, responses.slice(0, 12).map((name, i) => chart("curves", r.curves.map((c, k) => ({
                 type: "scatter", mode: "lines", name: titled(c.parameter), line: { dash: dashes[k % dashes.length], color: colours[k % colours.length] },
                 x: c.points.map((p) => p.change_percent),
                 y: c.points.map((p) => (p.responses_change_percent ? p.responses_change_percent[i] : null)),
