@@ -43,8 +43,9 @@ struct Cubic {
 };
 
 // The way by unit coordinates between two points of a profile, from how the parameters move with the quantity there.
-std::vector<double> points_between(const problem::Problem& problem, const Acceptance& acceptance, const Quantity& quantity,
-                               const ProfilePoint& from, const ProfilePoint& to, double share) {
+std::vector<double> points_between(const problem::Problem& problem, const Acceptance& acceptance,
+                                   const Quantity& quantity, const ProfilePoint& from, const ProfilePoint& to,
+                                   double share) {
     const auto leaving = [&](const ProfilePoint& p) {
         return cheapest_move(information(problem, acceptance, p), quantity.gradient(p.unit, p.evaluation), p.unit,
                              to.value - from.value);
