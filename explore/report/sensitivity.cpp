@@ -209,6 +209,7 @@ Json sensitivity_json(const SensitivityResult& s, const analysis::RunOptions& ru
         json["findings"] = findings(s);
     }
     json["warnings"] = warnings_json(s.own);
+    json["answer"] = sensitivity_answer(s, run).verdict;
     return json;
 }
 
