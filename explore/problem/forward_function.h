@@ -36,8 +36,8 @@ public:
                                                Workspace& workspace) const = 0;
 
     // The same at several points, in their order. The bits of an answer depend on its own point alone, not on those
-    // beside it, but need not be those of evaluate(): what computes many points at once rounds in another order. Whoever
-    // keeps evaluations makes each of them in one way, always.
+    // beside it, but need not be those of evaluate(): what computes many points at once rounds in another order.
+    // Whoever keeps evaluations makes each of them in one way, always.
     virtual std::vector<pave::Outcome<Prediction>> evaluate_many(std::span<const std::vector<double>> points,
                                                                  bool with_jacobian, Workspace& workspace) const {
         std::vector<pave::Outcome<Prediction>> answers;

@@ -82,10 +82,10 @@ struct BatchSolver::Work {
     // The runs that go together, each repeated until the lanes are full.
     std::vector<BatchRun> runs;
     const std::vector<Variation>* variations = nullptr;
-    std::vector<int> active;                   // stress-dependent elements
-    std::vector<std::vector<int>> of_layer;    // elements of each linear layer; none of others
-    std::vector<std::size_t> active_number;    // of every element
-    bool whole = false;                        // rates of all unknowns are followed, not only of those that change
+    std::vector<int> active;                // stress-dependent elements
+    std::vector<std::vector<int>> of_layer; // elements of each linear layer; none of others
+    std::vector<std::size_t> active_number; // of every element
+    bool whole = false;                     // rates of all unknowns are followed, not only of those that change
 
     // Of every layer.
     Buffer unit, compliance, modulus, unit_rate, modulus_rate, law_numbers;
@@ -101,7 +101,7 @@ struct BatchSolver::Work {
     Buffer values;
     Buffer factor_values, factor_inverse, factor_front, factor_stack, factor_kept, factor_rows;
     alignas(lanes::alignment) std::array<std::int64_t, most_lanes> definite{}; // -1, or 0 where it was found not to be
-    Buffer stiffness_rate; // of one linear layer by one variation
+    Buffer stiffness_rate;                                                     // of one linear layer by one variation
     LoadPath<LanePath> path;
 
     std::size_t layers() const { return runs[0].layers->size(); }
@@ -232,13 +232,13 @@ struct BatchSolver::Work {
             set_stiffness(unit_rate, l * n + k, lane, rate);
             unit_varies[l * n + k] = unit_varies[l * n + k] || !rate.isZero(0.0);
             if (is_linear(l)) {
-                modulus_rate[(l * n + k) * width + lane] = own.law->modulus_derivative(
-                    own.parameters, {}, {.value = modulus[l * width + lane]}, v.index);
+                modulus_rate[(l * n + k) * width + lane] =
+                    own.law->modulus_derivative(own.parameters, {}, {.value = modulus[l * width + lane]}, v.index);
                 continue;
             }
             lanes::Explicit& by = explicit_by[l * n + k];
             const int index = static_cast<int>(v.index);
-            by = !power                         ? lanes::Explicit::other
+            by = !power                        ? lanes::Explicit::other
                  : index == power->k1_index    ? lanes::Explicit::k1
                  : index == power->k2_index    ? lanes::Explicit::k2
                  : index == power->k3_index    ? lanes::Explicit::k3
@@ -351,8 +351,9 @@ struct BatchSolver::Work {
                 stiffness_rate.resize(lanes::unit_numbers, kernels.lanes);
                 for (std::size_t i = 0; i < lanes::unit_numbers * width; ++i) {
                     const std::size_t lane = i % width;
-                    stiffness_rate[i] = modulus_rate[(l * n + k) * width + lane] * unit[l * lanes::unit_numbers * width + i] +
-                                        modulus[l * width + lane] * unit_rate[(l * n + k) * lanes::unit_numbers * width + i];
+                    stiffness_rate[i] =
+                        modulus_rate[(l * n + k) * width + lane] * unit[l * lanes::unit_numbers * width + i] +
+                        modulus[l * width + lane] * unit_rate[(l * n + k) * lanes::unit_numbers * width + i];
                 }
                 kernels.subtract_force(mesh, of_layer[l].data(), static_cast<int>(of_layer[l].size()),
                                        stiffness_rate.data(), u.data(), right.data(), static_cast<int>(k),
@@ -510,9 +511,9 @@ struct BatchSolver::Work {
                 continue;
             }
             const auto& readings = *some[lane].readings;
-            BatchReading result{Course(static_cast<Eigen::Index>(readings.size()), 1, static_cast<Eigen::Index>(count()),
-                                       false),
-                                statistics[lane]};
+            BatchReading result{
+                Course(static_cast<Eigen::Index>(readings.size()), 1, static_cast<Eigen::Index>(count()), false),
+                statistics[lane]};
             result.statistics.load_steps = settings.load_steps;
             result.statistics.factorizations = rates;
             for (std::size_t r = 0; r < readings.size(); ++r) {
@@ -528,9 +529,10 @@ struct BatchSolver::Work {
     std::size_t memory() const {
         std::size_t bytes = 0;
         for (const Buffer* b :
-             {&unit, &compliance, &modulus, &unit_rate, &modulus_rate, &law_numbers, &initial, &initial_rate, &modulus_at,
-              &modulus_rate_at, &load, &reduced, &linear, &values, &factor_values, &factor_inverse, &factor_front,
-              &factor_stack, &factor_kept, &factor_rows, &stiffness_rate}) {
+             {&unit,        &compliance,   &modulus,       &unit_rate,       &modulus_rate, &law_numbers,
+              &initial,     &initial_rate, &modulus_at,    &modulus_rate_at, &load,         &reduced,
+              &linear,      &values,       &factor_values, &factor_inverse,  &factor_front, &factor_stack,
+              &factor_kept, &factor_rows,  &stiffness_rate}) {
             bytes += b->bytes();
         }
         const auto add = [&](const LanePath& state) {

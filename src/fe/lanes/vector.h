@@ -101,8 +101,7 @@ PAVE_INLINE Lanes log(Lanes x) {
     constexpr double ln2_low = 0x1.ef35793c76730p-45;
     const Lanes rest = minus(s, minus(z, sum, f), e * ln2_low);
     const Lanes value = fma(e, all(ln2_high), f) + rest;
-    return choose((x >= __DBL_MIN__) & (x <= __DBL_MAX__), value,
-                  all(__builtin_nan("")));
+    return choose((x >= __DBL_MIN__) & (x <= __DBL_MAX__), value, all(__builtin_nan("")));
 }
 
 // ln(1 + x) of x >= 0.
