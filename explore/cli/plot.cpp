@@ -37,10 +37,11 @@ void add_plot(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("plot", "figures of a run as files, for a paper, with their numbers as CSV");
     auto options = std::make_shared<PlotArguments>();
     command->add_option("RUN", options->folder, "folder of the run")->required();
-    command->add_option("FIGURE", options->drawing.figures,
-                        "landscape, landscape-close, profiles, fit, residuals, candidates, corrections, sensitivity, "
-                        "posterior, predictive, prior-predictive, deflections, back-calculation (default: all that the run "
-                        "has)");
+    command->add_option(
+        "FIGURE", options->drawing.figures,
+        "landscape, landscape-close, profiles, fit, residuals, candidates, corrections, sensitivity, "
+        "posterior, predictive, prior-predictive, deflections, back-calculation (default: all that the run "
+        "has)");
     command
         ->add_option("--pair", options->pair, "two parameters, X,Y: their landscape large, also as a surface (unique)")
         ->delimiter(',')

@@ -52,9 +52,7 @@ public:
     inference::Nuisance nuisance_of(const Model& model, double variance) const;
     bool noise_is_stated() const { return noise_is_stated_; }
     // Residuals that are draws of the noise.
-    std::size_t drawn(const Model& model) const {
-        return static_cast<std::size_t>(model.residuals.size()) - limits_;
-    }
+    std::size_t drawn(const Model& model) const { return static_cast<std::size_t>(model.residuals.size()) - limits_; }
     hypotheses::NoisePrior noise_prior() const {
         return noise_is_stated_ ? hypotheses::NoisePrior{} : hypotheses::any_noise();
     }

@@ -17,8 +17,8 @@ struct FolderContents {
 };
 
 // Names of the figures that can be made of it, in their order: "landscape", "landscape-close", "profiles", "fit",
-// "residuals", "candidates", "corrections", "sensitivity", "posterior", "predictive", "prior-predictive", "deflections",
-// "back-calculation".
+// "residuals", "candidates", "corrections", "sensitivity", "posterior", "predictive", "prior-predictive",
+// "deflections", "back-calculation".
 std::vector<std::string> figures_of(const FolderContents& contents);
 // One of them. Throws Json::exception for results that are not those of this program.
 Figure make_figure(const FolderContents& contents, const std::string& name);

@@ -49,9 +49,11 @@ std::string readings_summary(const study::Study& study) {
 
 std::string response_table(const study::Study& study, const std::vector<double>& responses,
                            const std::map<std::size_t, double>& weights) {
-    std::vector<std::string> header{
-        "load", study.has_own_model ? "reading" : "quantity", "x mm",  "y mm", "depth mm", "gauge mm",
-        "measured", "model", "unit", "difference"};
+    std::vector<std::string> header{"load",     study.has_own_model ? "reading" : "quantity",
+                                    "x mm",     "y mm",
+                                    "depth mm", "gauge mm",
+                                    "measured", "model",
+                                    "unit",     "difference"};
     const bool has_times = data::has_times(study.readings);
     if (has_times) {
         header.insert(header.begin() + 6, "ms");
@@ -86,7 +88,7 @@ std::string response_table(const study::Study& study, const std::vector<double>&
         }
         rows.push_back(std::move(row));
     }
-    // Readings of a model of one's own may be told apart by their names alone.
+    // Readings of the study's own model may be told apart by their names alone.
     for (std::size_t c = has_times ? 7 : 6; study.has_own_model && c-- > 0;) {
         const auto says_nothing = [&](const auto& row) { return row[c] == (c == 0 ? rows[0][0] : "0"); };
         if (c != 1 && std::all_of(rows.begin(), rows.end(), says_nothing)) {
