@@ -108,8 +108,8 @@ Judged Judge::judge(Model model, double variance) const {
             const double null = candidates_[model.members[m]].null;
             const double half = inference::two_sided_95 * deviation;
             constexpr double at_null = 1e-6; // an end that changes nothing is none
-            j.at_end =
-                j.at_end || (size + half >= 1.0 && null < 1.0 - at_null) || (size - half <= 0.0 && null > at_null);
+            const bool ends = (size + half >= 1.0 && null < 1.0 - at_null) || (size - half <= 0.0 && null > at_null);
+            j.at_end = j.at_end || (ends && !candidates_[model.members[m]].is_of_limit);
         }
     }
     j.evidence = hypotheses::evidence(j.chi2, static_cast<Index>(rows), jacobian, prior, noise_prior());

@@ -145,9 +145,11 @@ private:
         const ChildEnd end = run_child(settings_.command, folder.string(), settings_.time_limit);
         const std::string& name = settings_.command[0];
         const bool is_full = has_no_room(folder);
-        const auto failed = [&](std::string reason) {
-            return is_full || says_no_room(reason) ? passing(reason)
-                                                   : pave::Failure{pave::Status::failed, std::move(reason)};
+        const std::string full = fmt::format("no room is left in {}", fs::temp_directory_path().string());
+        const auto failed = [&](const std::string& reason) {
+            return is_full                ? passing(fmt::format("{}; {}", reason, full))
+                   : says_no_room(reason) ? passing(reason)
+                                          : pave::Failure{pave::Status::failed, reason};
         };
         switch (end.kind) {
         case ChildEnd::Kind::not_started: return passing(fmt::format("{} cannot be started: {}", name, end.reason));
@@ -167,8 +169,7 @@ private:
             return failed(fmt::format("{} ended well, but {}{}", name, read.failure().reason, last_words(folder)));
         }
         if (is_full) {
-            return passing(fmt::format("{} ended well, but left no room in {}: what it wrote may be cut off", name,
-                                       fs::temp_directory_path().string()));
+            return passing(fmt::format("{} ended well, but {}: what it wrote may be cut off", name, full));
         }
         return read;
     }

@@ -51,7 +51,7 @@ Figure predictive_figure(const Json& rows, const std::string& name) {
         Line& line = row.at("inside").get<bool>() ? inside : outside;
         line.x.push_back((row.at("measured").get<double>() - median) / half);
         line.y.push_back(at);
-        most = std::max(most, std::abs(line.x.back()));
+        most = std::max({most, std::abs(line.x.back()), ranges.right.back(), -ranges.left.back()});
         panel.y.ticks.push_back({at, words_of(row)});
         table.rows.push_back({words_of(row), cell(row.at("measured").get<double>()), cell(low), cell(median),
                               cell(high), row.at("unit").get<std::string>(), cell(row.at("pit").get<double>())});

@@ -142,7 +142,7 @@ def test_effects_hidden_by_chance_are_named():
 
 @pytest.mark.long
 def test_how_often_effects_hidden_by_chance_are_named():
-    # Of 120 seeds RATES. Were the rates these, 80 others would miss the bounds once in a thousand times.
+    # Of 120 seeds all had it first, 116 named it, none another: at these rates 80 others miss the bounds less than once in a thousand times.
     cases = [(random.SystemRandom().randrange(10**9), k % 2) for k in range(80)]
     first, named, wrong = hidden_by_chance(cases)
-    assert first >= 70 and named >= 70 and wrong <= 5, (first, named, wrong)
+    assert first >= 78 and named >= 70 and wrong <= 1, (first, named, wrong)

@@ -49,7 +49,7 @@ BEST = optimize.minimize_scalar(deviance, bounds=(40, 160), method="bounded", op
 
 
 def test_a_fit_finds_the_most_likely_value_with_its_error():
-    fit = answer("fit", made(CELLS), "--explore", 16, "--starts", 2)
+    fit = answer("fit", made("fit", CELLS), "--explore", 16, "--starts", 2)
     assert abs(fit["best"]["parameters"]["subgrade.modulus_MPa"] / BEST - 1) < 1e-5
     assert abs(fit["noise"]["chi2"] / deviance(BEST) - 1) < 1e-6 and fit["noise"]["degrees_of_freedom"] == len(OFFSETS) - len(LIMITS) - 1
     # Fisher's information of ln E by the likelihood's own curvature in the deflections: 1 of a value, m (m - z) of a limit.

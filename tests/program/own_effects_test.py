@@ -107,7 +107,7 @@ def test_an_effect_is_named_where_some_readings_are_limits(url):
     deviation = (size["high"] - size["low"]) / (2 * 1.96)
     assert abs(size["value"] - 0.15) < 3 * deviation and deviation < 0.01, size
     # Draws of the noise are the readings with a value, less two rates and a level.
-    assert first["degrees_of_freedom"] == len(TIMES) - limits - 3 and first["p_value"] > 0.05, first
+    assert answer["extended"]["dof"] == len(TIMES) - limits - 3 and answer["extended"]["p_value"] > 0.05, answer["extended"]
     assert any(text.startswith(f"{limits} readings are limits") for text in answer["findings"]), answer["findings"]
 
 

@@ -73,7 +73,7 @@ prior = { mean = 60, sd = 0.5 }
     done = run("sample", two, "--json", "--samples", 400, "--out", folder / "sample")
     assert done.returncode == 0, f"sample runs: {done.stderr}"
     sampled = json.loads(done.stdout)
-    assert run("sample", two, "--prior", "--samples", 200, "--out", folder / "prior").returncode == 0, "sample --prior runs"
+    assert run("sample", two, "--prior", "--samples", 400, "--out", folder / "prior").returncode == 0, "sample --prior runs"
     HEADER = "station,lane,chainage_m,drop,radius_mm,pressure_kPa,D0_um,D200_um,D300_um,D450_um,D600_um,D900_um"
     STATIONS = ["A,L,0,1,150,600,500,390,320,230,170,100", "B,L,100,1,150,600,700,500,400,260,180,110", "C,R,50,1,150,600,400,330,280,210,160,100",
                 "D,R,150,1,150,600,500,300,200,250,100,50"]

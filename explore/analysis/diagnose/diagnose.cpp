@@ -194,6 +194,7 @@ std::vector<diagnose::Candidate> candidates_of(const study::Study& study, const 
             candidate.reading =
                 std::find(layout.rows.begin(), layout.rows.end(), static_cast<std::size_t>(*variant.applied.reading)) -
                 layout.rows.begin();
+            candidate.is_of_limit = study.readings[layout.rows[*candidate.reading]].censored != data::Censored::no;
         }
         list.push_back(std::move(candidate));
     }

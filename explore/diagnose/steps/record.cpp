@@ -139,16 +139,17 @@ void Investigation::record_noise() {
         }
     }
     const hypotheses::LinearFit linear{baseline.model.residuals(drawn), jacobian(drawn, Eigen::all)};
+    const double of_limits = baseline.model.residuals.squaredNorm() - linear.residuals.squaredNorm();
     const auto add = [&](const hypotheses::NoiseStructure& structure, std::string name, std::string unit) {
         Row row{.hypothesis = {.kind = Kind::noise, .name = std::move(name)},
                 .sizes = {{std::move(unit), structure.size, structure.size, structure.size}},
                 .fit = fit_of(baseline)};
-        row.fit.chi2 = structure.chi2;
-        row.fit.p_value = baseline.dof > 0 ? gsl_cdf_chisq_Q(structure.chi2, baseline.dof) : 1.0;
+        row.fit.chi2 = structure.chi2 + of_limits;
+        row.fit.p_value = baseline.dof > 0 ? gsl_cdf_chisq_Q(row.fit.chi2, baseline.dof) : 1.0;
         row.fit.pattern_dof = 0; // of that noise patterns are expected
         row.fit.p_pattern = 1.0;
         row.log_prior = hypotheses::log_prior_of_structure(structure.key, counts());
-        row.log_evidence = structure.evidence.log;
+        row.log_evidence = structure.evidence.log - 0.5 * of_limits;
         row.noise = structure.evidence.any_size > structure.evidence.as_stated ? structure.evidence.noise : 1.0;
         row.model = 0;
         row.is_independent = row.has_tails = structure.key == "heavy-tailed";
