@@ -244,6 +244,11 @@ Answer survey_answer(const Json& json) {
                          ? take_first(answer.notes) + " "
                          : judged_words(at(json, "stations").size());
     answer.verdict += counted_words + ".";
+    // A section or sensors that are wrong come before how drops repeat.
+    std::stable_partition(answer.notes.begin(), answer.notes.end(), [](const std::string& s) {
+        return s.starts_with("The model is off") || s.starts_with("Tried at ") ||
+               s.starts_with("With the sensors at ") || s.starts_with("The sensor at ");
+    });
     add_station_rows(json, answer);
     answer.next = page_of(json);
     return answer;
