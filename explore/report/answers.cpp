@@ -236,13 +236,19 @@ Answer survey_answer(const Json& json) {
     });
     const Json& counts = at(json, "counts");
     const auto count = [&](const char* key) { return at(counts, key).get<std::size_t>(); };
-    const std::string counted_words =
-        fmt::format("{}: {} pass the deflection ratio, {} fail, {} rejected",
-                    counted(count("stations"), "station", "stations"), count("pass"), count("fail"), count("rejected"));
+    const std::size_t without = counts.value("no_ratio", std::size_t{0}); // a result of an earlier program says nothing
+    const std::string counted_words = fmt::format(
+        "{}: {} pass the deflection ratio, {} fail, {}{} rejected", counted(count("stations"), "station", "stations"),
+        count("pass"), count("fail"), without > 0 ? fmt::format("{} have none, ", without) : "", count("rejected"));
     answer.verdict = !answer.notes.empty() && answer.notes[0].starts_with("Weak station")
                          ? take_first(answer.notes) + " "
                          : judged_words(at(json, "stations").size());
     answer.verdict += counted_words + ".";
+    // A section or sensors that are wrong come before how drops repeat.
+    std::stable_partition(answer.notes.begin(), answer.notes.end(), [](const std::string& s) {
+        return s.starts_with("The model is off") || s.starts_with("Tried at ") ||
+               s.starts_with("With the sensors at ") || s.starts_with("The sensor at ");
+    });
     add_station_rows(json, answer);
     answer.next = page_of(json);
     return answer;

@@ -220,7 +220,7 @@ TEST(SectionTrials, NameTheLayerThatTheStudyLacks) {
     }
     const auto result = surveyed(file, survey_study("three.toml"));
     ASSERT_FALSE(result.trials.empty());
-    EXPECT_EQ(result.trials[0].words, "subgrade parted 1 m below its top");
+    EXPECT_EQ(result.trials[0].words, "a further layer, subgrade parted 1 m below its top");
     EXPECT_LT(result.trials[0].misfit_ratio, 0.05);
     EXPECT_LT(result.trials[0].rms_percent, 0.5);
     // Nothing is tried where the section is right.

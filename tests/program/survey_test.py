@@ -323,6 +323,13 @@ def test_positions_make_a_map_and_temperatures_the_asphalts():
     assert any("crew" in f for f in result["findings"]), f"columns that are not used are named: {result['findings']}"
 
 
+def test_stations_without_a_ratio_are_counted():
+    light = folder / "light.csv"
+    light.write_text("station,chainage_m,radius_mm,load_kN,D0_um\n1,0,150,7.07,468\n2,10,150,7.07,607\n")
+    done = run("survey", light, "--out", folder / "light")
+    assert "2 stations: 0 pass the deflection ratio, 0 fail, 2 have none, 0 rejected" in " ".join(done.stdout.split()), done.stdout
+
+
 def test_deflections_at_a_reference_temperature():
     warm = folder / "warm.csv"
     warm.write_text("station,chainage_m,radius_mm,load_kN,D0_um,D300_um,D600_um,D900_um,asphalt_C\nA,0,150,40,400,250,170,90,30\nB,9,150,40,400,250,170,90,\n")

@@ -190,7 +190,7 @@ struct SectionTrial {
     std::string words; // "a half-space in place of the floor"
     std::size_t stations = 0;
     double rms_percent = 0.0, rms_percent_of_study = 0.0; // medians over them
-    double misfit_ratio = 1.0;                            // squared, of it over the study's; median
+    double misfit_ratio = 1.0;                            // squared, of it over the study's; geometric mean
 };
 
 struct SurveyCounts {

@@ -35,7 +35,8 @@ std::optional<BetterLayout> better_layout(const SurveyResult& result) {
     if (!result.study || !study::stress_dependent_layers(*result.study).empty()) {
         return std::nullopt;
     }
-    const auto stations = stations_to_try(result);
+    constexpr std::size_t most_stations = 9;
+    const auto stations = stations_to_try(result, most_stations);
     std::vector<double> rms;
     for (const StationResult* s : stations) {
         rms.push_back(s->fit->rms_percent);

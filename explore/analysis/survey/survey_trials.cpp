@@ -19,9 +19,8 @@ namespace {
 constexpr double tried_percent = 5.0;
 constexpr double worth_saying = 0.7; // of the squared misfit
 constexpr std::size_t least_stations = 3;
-constexpr std::size_t most_stations = 9;
-constexpr double parted_at_m = 1.0; // below the top of the last layer
-constexpr double floor_at_m = 3.0;  // the same
+constexpr double parted_at_m[] = {0.5, 1.0, 2.0}; // below the top of the last layer
+constexpr double floor_at_m = 3.0;                // the same
 
 std::vector<double> offsets_of(const data::DeflectionBowl& bowl) {
     std::vector<double> offsets;
@@ -35,26 +34,27 @@ std::vector<double> offsets_of(const data::DeflectionBowl& bowl) {
 struct Section {
     std::string words;
     study::Study study;
-    std::optional<std::size_t> repeated{}; // axis whose value a further, last axis starts from
+    std::optional<std::size_t> repeated{}; // axis whose value a further, last axis starts from: of a parted layer
 };
 
 // The last layer in two, each with a modulus of its own; nothing: its modulus is not fitted, or it is too thin.
-std::optional<Section> parted(study::Study study) {
+std::optional<Section> parted(study::Study study, double depth_m) {
     auto& layers = study.model.layers;
     const std::string path = layers.back().name + ".modulus_MPa";
     auto& axes = study.space.axes;
     const auto axis = std::find_if(axes.begin(), axes.end(), [&](const auto& a) { return a.name == path; });
-    if (axis == axes.end() || (!study.model.half_space && layers.back().thickness < 2.0 * parted_at_m)) {
+    if (axis == axes.end() || (!study.model.half_space && layers.back().thickness < 2.0 * depth_m)) {
         return std::nullopt;
     }
     const auto at = static_cast<std::size_t>(axis - axes.begin());
     auto upper = layers.back();
     upper.name = "upper " + upper.name;
-    upper.thickness = parted_at_m;
-    layers.back().thickness -= study.model.half_space ? 0.0 : parted_at_m;
+    upper.thickness = depth_m;
+    layers.back().thickness -= study.model.half_space ? 0.0 : depth_m;
     auto further = *axis;
     further.name = "upper " + path;
-    const std::string words = fmt::format("{} parted {:g} m below its top", layers.back().name, parted_at_m);
+    const std::string words =
+        fmt::format("a further layer, {} parted {:g} m below its top", layers.back().name, depth_m);
     layers.insert(layers.end() - 1, upper);
     axes.push_back(further);
     for (auto& parameter : study.parameters) {
@@ -70,8 +70,10 @@ std::vector<Section> sections_to_try(const study::Study& study) {
         return std::any_of(study.parameters.begin(), study.parameters.end(),
                            [&](const auto& p) { return p.path == path; });
     };
-    if (auto section = parted(study)) {
-        sections.push_back(std::move(*section));
+    for (const double depth_m : parted_at_m) {
+        if (auto section = parted(study, depth_m)) {
+            sections.push_back(std::move(*section));
+        }
     }
     const std::string& last = study.model.layers.back().name;
     if (is_sought(last + ".thickness_mm")) {
@@ -104,7 +106,7 @@ const data::DeflectionBowl& bowl_to_try(const StationResult& station) {
     return station.bowls->levels[station.fit->levels.back()];
 }
 
-std::vector<const StationResult*> stations_to_try(const SurveyResult& result) {
+std::vector<const StationResult*> stations_to_try(const SurveyResult& result, std::size_t most) {
     std::vector<const StationResult*> all;
     for (const StationResult& s : result.stations) {
         if (s.fit) {
@@ -120,7 +122,7 @@ std::vector<const StationResult*> stations_to_try(const SurveyResult& result) {
         return result.d0_at_common(*a) < result.d0_at_common(*b);
     });
     std::vector<const StationResult*> some;
-    const std::size_t count = std::min(most_stations, all.size());
+    const std::size_t count = std::min(most, all.size());
     for (std::size_t i = 0; i < count; ++i) {
         some.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
     }
@@ -160,7 +162,8 @@ std::vector<SectionTrial> section_trials(const SurveyResult& result) {
     if (!result.study || !can_try(*result.study)) {
         return {};
     }
-    const auto stations = stations_to_try(result);
+    constexpr std::size_t most_stations = 15;
+    const auto stations = stations_to_try(result, most_stations);
     std::vector<double> rms;
     for (const StationResult* s : stations) {
         rms.push_back(s->fit->rms_percent);
@@ -169,37 +172,49 @@ std::vector<SectionTrial> section_trials(const SurveyResult& result) {
         return {};
     }
     std::vector<SectionTrial> trials;
+    std::optional<SectionTrial> best_parted;
     try {
         std::vector<std::optional<Trial>> as_it_is;
         for (const StationResult* s : stations) {
             as_it_is.push_back(try_fit(result, *result.study, *s, bowl_to_try(*s), {s->fit->best.unit}));
         }
         for (const Section& section : sections_to_try(*result.study)) {
-            std::vector<double> ratio;
+            double log_ratios = 0.0;
             std::vector<double> before;
             std::vector<double> after;
             for (std::size_t i = 0; i < stations.size(); ++i) {
-                std::vector<double> start = stations[i]->fit->best.unit;
+                // Parted in two alike a section fits as well as before; with a floor it may be far from that.
+                std::vector<std::vector<double>> starts{stations[i]->fit->best.unit};
                 if (section.repeated) {
-                    start.push_back(start[*section.repeated]);
+                    starts[0].push_back(starts[0][*section.repeated]);
+                } else {
+                    starts.emplace_back(starts[0].size(), 0.5);
                 }
-                const std::vector<double> middle(start.size(), 0.5);
-                const auto there = as_it_is[i] ? try_fit(result, section.study, *stations[i], bowl_to_try(*stations[i]),
-                                                         {start, middle})
-                                               : std::nullopt;
+                const auto there = as_it_is[i]
+                                       ? try_fit(result, section.study, *stations[i], bowl_to_try(*stations[i]), starts)
+                                       : std::nullopt;
                 if (there) {
-                    ratio.push_back(std::pow(there->misfit / as_it_is[i]->misfit, 2));
+                    log_ratios += 2.0 * std::log(there->misfit / as_it_is[i]->misfit);
                     before.push_back(as_it_is[i]->rms_percent);
                     after.push_back(there->rms_percent);
                 }
             }
-            if (ratio.size() >= least_stations) {
-                trials.push_back({.words = section.words,
-                                  .stations = ratio.size(),
-                                  .rms_percent = data::median(after),
-                                  .rms_percent_of_study = data::median(before),
-                                  .misfit_ratio = data::median(ratio)});
+            if (after.size() < least_stations) {
+                continue;
             }
+            SectionTrial trial{.words = section.words,
+                               .stations = after.size(),
+                               .rms_percent = data::median(after),
+                               .rms_percent_of_study = data::median(before),
+                               .misfit_ratio = std::exp(log_ratios / static_cast<double>(after.size()))};
+            if (!section.repeated) {
+                trials.push_back(std::move(trial));
+            } else if (!best_parted || trial.misfit_ratio < best_parted->misfit_ratio) {
+                best_parted = std::move(trial);
+            }
+        }
+        if (best_parted) {
+            trials.push_back(std::move(*best_parted));
         }
     } catch (const pave::Error&) { // a section of this kind cannot be made of the study
         return {};

@@ -18,12 +18,13 @@ std::optional<Trial> try_fit(const SurveyResult& result, const study::Study& stu
 
 // The bowl that counts in trials: of the highest level that was fitted.
 const data::DeflectionBowl& bowl_to_try(const StationResult& station);
-// Up to nine: with a fit, of the layout that most have, over all D0.
-std::vector<const StationResult*> stations_to_try(const SurveyResult& result);
+// With a fit, of the layout that most have, over all D0; `most` of them.
+std::vector<const StationResult*> stations_to_try(const SurveyResult& result, std::size_t most);
 
-// Where the residuals are the section's, or the median RMS is beyond what sensors err (5 %): the last layer parted one
-// metre below its top, a half-space in place of the floor, a floor in place of the half-space; the one with the lowest
-// misfit first. Empty: not tried (stress-dependent layers, constraints, effects), or no reason to.
+// Where the residuals are the section's, or the median RMS is beyond what sensors err (5 %): the last layer parted 0.5,
+// 1 or 2 m below its top (the best of these), a half-space in place of the floor, a floor in place of the half-space;
+// the one with the lowest misfit first. Empty: not tried (stress-dependent layers, constraints, effects), or no reason
+// to.
 std::vector<SectionTrial> section_trials(const SurveyResult& result);
 
 // The trial that helps, and by how much; "": nothing was tried.
