@@ -391,8 +391,8 @@ struct Cluster::Implementation {
         for (;;) {
             has[rank] = 1;
             Ticket& ticket = tickets[number];
-            out.emplace_back(static_cast<int>(rank),
-                             packed({"ask", number, key, points, with_jacobian, send_description ? description : "", at_once}));
+            out.emplace_back(static_cast<int>(rank), packed({"ask", number, key, points, with_jacobian,
+                                                             send_description ? description : "", at_once}));
             ++traffic.requests;
             post_came.notify_one();
             std::optional<std::chrono::steady_clock::time_point> end;
@@ -533,8 +533,7 @@ std::shared_ptr<const ForwardFunction> Cluster::spread(std::shared_ptr<const For
             case Kind::answers: break;
             case Kind::no_memory: throw std::bad_alloc();
             default:
-                throw std::runtime_error(
-                    fmt::format("process {} of the job: {}", rank, tell.at(1).get<std::string>()));
+                throw std::runtime_error(fmt::format("process {} of the job: {}", rank, tell.at(1).get<std::string>()));
             }
             std::vector<Answer> answers;
             for (const Json& answer : tell.at(1)) {

@@ -203,8 +203,7 @@ public:
             }
         }
         static const std::vector<Parameter> none;
-        auto responses =
-            model_.run_many(cases, with_jacobian ? parameters_ : none, *static_cast<Own&>(workspace).own);
+        auto responses = model_.run_many(cases, with_jacobian ? parameters_ : none, *static_cast<Own&>(workspace).own);
         std::vector<pave::Outcome<problem::Prediction>> answers;
         auto next = responses.begin();
         for (const auto& why_not : impossible) {

@@ -41,6 +41,8 @@ public:
                        const std::vector<Variation>& variations);
     // How many runs cost what one does.
     static int lanes();
+    // Whether this processor rounds a product and a sum once: what bits depend on.
+    static bool rounds_once();
 
     // kernels: nullptr: the widest of the processor.
     explicit BatchSolver(const Model<Element>& model, const lanes::Kernels* kernels = nullptr);

@@ -145,8 +145,8 @@ Outcome<Fields> ForwardModel::fields(const Case& values, int load) const {
 }
 
 struct ForwardModel::Plan {
-    std::vector<std::vector<MovedSensor>> moved;  // of each load
-    std::vector<std::vector<bool>> different;     // of each parameter: the loads to run again for it
+    std::vector<std::vector<MovedSensor>> moved; // of each load
+    std::vector<std::vector<bool>> different;    // of each parameter: the loads to run again for it
     bool runs_again() const {
         return std::any_of(different.begin(), different.end(), [](const auto& loads) {
             return std::any_of(loads.begin(), loads.end(), [](bool again) { return again; });

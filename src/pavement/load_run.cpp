@@ -96,9 +96,8 @@ Outcome<LoadRun> LoadRun::prepare(const Case& values, int load, const LoadModel&
     }
     for (const Sensor& sensor : c.sensors) {
         if (is_below(sensor, model.reach(c))) {
-            return Failure{Status::failed,
-                           fmt::format("a sensor at {:g} mm depth lies below the {} of this section",
-                                       sensor.depth / unit::mm, c.half_space ? "mesh" : "floor")};
+            return Failure{Status::failed, fmt::format("a sensor at {:g} mm depth lies below the {} of this section",
+                                                       sensor.depth / unit::mm, c.half_space ? "mesh" : "floor")};
         }
     }
     run.layers_ = materials_of(c);
@@ -163,7 +162,7 @@ void LoadRun::add(const LoadModel::Reading& reading, const std::vector<int>& pat
     sum.newton_steps += s.newton_steps;
     sum.factorizations += s.factorizations;
     sum.iterations += s.iterations;
-    for (double fe::Statistics::* largest :
+    for (double fe::Statistics::*largest :
          {&fe::Statistics::residual_relative, &fe::Statistics::tension_share, &fe::Statistics::unstable_share,
           &fe::Statistics::limited_share, &fe::Statistics::time_error, &fe::Statistics::kept_share}) {
         sum.*largest = std::max(sum.*largest, s.*largest);
@@ -179,8 +178,8 @@ void LoadRun::add(const LoadModel::Reading& reading, const std::vector<int>& pat
 Response empty_response(const Case& values, std::size_t parameters) {
     Response response;
     response.values.assign(values.sensors.size(), std::numeric_limits<double>::quiet_NaN());
-    response.jacobian = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(values.sensors.size()),
-                                              static_cast<Eigen::Index>(parameters));
+    response.jacobian =
+        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(values.sensors.size()), static_cast<Eigen::Index>(parameters));
     return response;
 }
 
@@ -188,11 +187,13 @@ void add_warnings(const Case& values, Response& response) {
     const fe::Statistics& s = response.statistics;
     // Shares are weighted by the energy of the load stress: what is far away and hardly loaded does not count.
     if (s.tension_share > 0.05) {
-        response.warnings.push_back(percent(s.tension_share) + " of the stress-dependent material is in tension (theta < 0)");
+        response.warnings.push_back(percent(s.tension_share) +
+                                    " of the stress-dependent material is in tension (theta < 0)");
     }
     if (s.unstable_share > 0.0) {
-        response.warnings.push_back(percent(s.unstable_share) + " of the stress-dependent material stiffens as fast as it is "
-                                                        "stressed: no stable secant equilibrium there");
+        response.warnings.push_back(percent(s.unstable_share) +
+                                    " of the stress-dependent material stiffens as fast as it is "
+                                    "stressed: no stable secant equilibrium there");
     }
     if (s.time_error > 0.01) {
         response.warnings.push_back(

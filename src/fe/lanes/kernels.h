@@ -26,12 +26,13 @@ struct Node {
     int first_child = -1;
     int next_sibling = -1;
     bool is_constant = false;
-    bool is_kept = false; // what it leaves is, for a parent that is not constant
-    std::size_t row_start = 0;     // into rows and places: of the rows below
-    std::size_t entry_start = 0;   // into the values; those of the next node end them
-    std::size_t factor_start = 0;  // into the factor
-    std::size_t kept_start = 0;    // into what is kept
-    int rows_into_columns = 0;     // so many of its rows below are columns of the parent
+    bool is_kept = false;         // what it leaves is, for a parent that is not constant
+    bool is_odd = false;          // as far as it is from the root: on which stack it leaves something
+    std::size_t row_start = 0;    // into rows and places: of the rows below
+    std::size_t entry_start = 0;  // into the values; those of the next node end them
+    std::size_t factor_start = 0; // into the factor
+    std::size_t kept_start = 0;   // into what is kept
+    int rows_into_columns = 0;    // so many of its rows below are columns of the parent
 };
 
 // Where everything lies; shared by all lanes.
@@ -48,11 +49,10 @@ struct Structure {
 // The memory of a factor.
 struct Factor {
     double* values = nullptr;
-    double* inverse = nullptr; // of the diagonal
-    double* front = nullptr;   // what the front at hand leaves, before it is eliminated
-    double* stack = nullptr;   // what waits for its parent
+    double* inverse = nullptr;             // of the diagonal
+    double* stack[2] = {nullptr, nullptr}; // what waits for its parent
     double* kept = nullptr;
-    double* rows = nullptr; // of the rows of one front, `tile` columns each
+    double* rows = nullptr;           // of the rows of one front, `tile` columns each
     std::int64_t* definite = nullptr; // of every lane: -1, or 0 where the matrix was found not to be so
 };
 
@@ -97,15 +97,15 @@ struct ModulusFunction {
 
 // The points of the stress-dependent elements.
 struct Points {
-    const int* elements = nullptr;        // those elements
-    int count = 0;                        // of elements
+    const int* elements = nullptr; // those elements
+    int count = 0;                 // of elements
     int variations = 0;
-    const double* initial = nullptr;      // horizontal and vertical initial stress of every point, tension positive
-    const double* initial_rate = nullptr; // the same by variation; none: it has none
-    const double* unit = nullptr;         // of every layer
-    const double* unit_rate = nullptr;    // of every layer by variation
-    const bool* unit_varies = nullptr;    // whether one has any; shared
-    const Modulus* moduli = nullptr;      // of every layer
+    const double* initial = nullptr;       // horizontal and vertical initial stress of every point, tension positive
+    const double* initial_rate = nullptr;  // the same by variation; none: it has none
+    const double* unit = nullptr;          // of every layer
+    const double* unit_rate = nullptr;     // of every layer by variation
+    const bool* unit_varies = nullptr;     // whether one has any; shared
+    const Modulus* moduli = nullptr;       // of every layer
     const Explicit* explicit_by = nullptr; // of every layer by variation; shared
     ModulusFunction function{};
 };
@@ -121,6 +121,7 @@ struct Shares {
 struct Kernels {
     const char* instructions = nullptr;
     int lanes = 0;
+    bool rounds_once = false; // multiplication and addition are fused
 
     // values += B^T (E C) B. E: modulus of every point of the `count` elements, or of every layer.
     void (*assemble)(const Elements& mesh, const int* elements, int count, const double* unit,

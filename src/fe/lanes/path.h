@@ -80,8 +80,7 @@ PAVE_INLINE Components strain(const Shape& p, const Lanes* u) {
 PAVE_INLINE void subtract_force(const Shape& p, const Components& stress, Lanes* force) {
     const Components s{p.weight * stress.rr, p.weight * stress.tt, p.weight * stress.zz, p.weight * stress.rz};
     for (int i = 0; i < nodes_of_element; ++i) {
-        force[2 * i] = minus(all(p.dr[i]), s.rr,
-                             minus(all(p.n_r[i]), s.tt, minus(all(p.dz[i]), s.rz, force[2 * i])));
+        force[2 * i] = minus(all(p.dr[i]), s.rr, minus(all(p.n_r[i]), s.tt, minus(all(p.dz[i]), s.rz, force[2 * i])));
         force[2 * i + 1] = minus(all(p.dz[i]), s.zz, minus(all(p.dr[i]), s.rz, force[2 * i + 1]));
     }
 }
@@ -244,10 +243,9 @@ inline void moduli(const Elements& mesh, const Points& points, const double* str
             }
             const Lanes by_tau = choose(s.tau > 0.0, s.d_tau / s.tau, Lanes{});
             const Lanes mean = (total.rr + total.tt + total.zz) / 3.0;
-            const Components gradient{fma(by_tau, (total.rr - mean) / 3.0, -s.d_theta),
-                                      fma(by_tau, (total.tt - mean) / 3.0, -s.d_theta),
-                                      fma(by_tau, (total.zz - mean) / 3.0, -s.d_theta),
-                                      by_tau * (total.rz * (2.0 / 3.0))};
+            const Components gradient{
+                fma(by_tau, (total.rr - mean) / 3.0, -s.d_theta), fma(by_tau, (total.tt - mean) / 3.0, -s.d_theta),
+                fma(by_tau, (total.zz - mean) / 3.0, -s.d_theta), by_tau * (total.rz * (2.0 / 3.0))};
             for (int k = 0; k < n; ++k) {
                 const std::ptrdiff_t qk = q * n + k;
                 Components rate = load(of(d_stress) + 4 * qk);
@@ -294,8 +292,7 @@ inline void stress_of(const Elements& mesh, const Points& points, const double* 
                 const Components s = load(of(stress) + 4 * q);
                 Components d{ratio * s.rr, ratio * s.tt, ratio * s.zz, ratio * s.rz};
                 if (points.unit_varies[layer * n + k]) {
-                    const Stiffness rate =
-                        stiffness_at(points.unit_rate, static_cast<std::ptrdiff_t>(layer) * n + k);
+                    const Stiffness rate = stiffness_at(points.unit_rate, static_cast<std::ptrdiff_t>(layer) * n + k);
                     d = sum_of(d, product(times(of(modulus)[q], rate), strains[g]));
                 }
                 store(d, of(d_stress) + 4 * (q * n + k));

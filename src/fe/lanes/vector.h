@@ -26,6 +26,12 @@ inline constexpr int width = 2;
 inline constexpr bool many_registers = false;
 #endif
 
+#if defined(__AVX512F__) || defined(__FMA__)
+inline constexpr bool is_fused = true;
+#else
+inline constexpr bool is_fused = false;
+#endif
+
 using Lanes = double __attribute__((vector_size(8 * width), may_alias));
 using Mask = std::int64_t __attribute__((vector_size(8 * width), may_alias)); // all bits of a lane are the same
 using Bits = std::uint64_t __attribute__((vector_size(8 * width), may_alias));
@@ -101,8 +107,7 @@ PAVE_INLINE Lanes log(Lanes x) {
     constexpr double ln2_low = 0x1.ef35793c76730p-45;
     const Lanes rest = minus(s, minus(z, sum, f), e * ln2_low);
     const Lanes value = fma(e, all(ln2_high), f) + rest;
-    return choose((x >= __DBL_MIN__) & (x <= __DBL_MAX__), value,
-                  all(__builtin_nan("")));
+    return choose((x >= __DBL_MIN__) & (x <= __DBL_MAX__), value, all(__builtin_nan("")));
 }
 
 // ln(1 + x) of x >= 0.
