@@ -79,7 +79,7 @@ struct BatchSolver::Work : lanes::Inputs {
                 .rows = factor_rows.data(),
                 .definite = definite.data()};
     }
-    // What stays along the path: linear layers, eliminated where they are by themselves.
+    // The constant part of the path: linear layers, eliminated where they are by themselves.
     void eliminate_constant() {
         linear.assign_zero(layout.entry_place.size(), kernels.lanes);
         for (const auto& elements : of_layer) {

@@ -232,7 +232,7 @@ TEST(Lanes, FusedWidthsHaveTheSameBits) {
     }
 }
 
-// A base whose modulus grows with its stress far faster than any soil's loses its stiffness in tension.
+// A base without a modulus, and asphalt with a negative one.
 TEST(Lanes, ARunWithoutAnswerLeavesTheOthersAsTheyAre) {
     Sections sections(8);
     const auto& settings = sections.nominal.settings.solver;

@@ -77,7 +77,7 @@ TEST(RunMany, GivesEachItsOwnAnswer) {
     EXPECT_EQ(together[5].status(), Status::invalid_parameters);
 }
 
-// What lanes do not follow runs as it does alone, to the bit.
+// A run that lanes do not follow goes as it does alone, to the bit.
 TEST(RunMany, LeavesWhatGoesAloneAsItIs) {
     Case secant = nominal();
     secant.settings.integration = Integration::secant;

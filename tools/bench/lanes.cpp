@@ -1,4 +1,4 @@
-// What runs in the lanes of vectors cost beside runs one after the other, for every set of instructions that this
+// The cost of runs in the lanes of vectors beside runs one after the other, for every set of instructions that this
 // processor has: the load path of a study, without derivatives and with five, on its mesh and on finer ones; and the
 // rate of their elimination beside one dense factorisation of the same work. CPU time of one thread, each the median of
 // rounds in which everything is measured once, in turn.

@@ -347,7 +347,7 @@ inline void eliminate(const Structure& s, Part part, const double* values, Facto
     const auto of_part = [&](const Node& node) { return node.is_constant == constant; };
     const auto left_by = [](const Node& node) { return tiles_before(node.strips_below); };
     Mask definite = *reinterpret_cast<const Mask*>(f.definite);
-    // What is left waits on two stacks by turns, so that a front leaves its own beside that of its children.
+    // The rest of a front waits on two stacks by turns, so that a front leaves its own beside that of its children.
     Lanes* top[2] = {of(f.stack[0]), of(f.stack[1])};
     for (int n = 0; n < s.count; ++n) {
         const Node& node = s.nodes[n];

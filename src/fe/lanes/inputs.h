@@ -1,4 +1,4 @@
-// What the runs of a batch bring along, ready for the kernels. Private to fe/.
+// The inputs of the runs of a batch, ready for the kernels. Private to fe/.
 #pragma once
 
 #include "fe/batch_solver.h"

@@ -81,7 +81,7 @@ struct Modulus {
     const double* numbers = nullptr; // k1 pa, k2, k3, delta, eta
 };
 inline constexpr int power_numbers = 5;
-// What a modulus is differentiated by explicitly: one of those numbers, or what only the function knows.
+// The parameter of an explicit derivative of a modulus: one of those numbers, or what only the function knows.
 enum class Explicit : int { none = -1, k1 = 0, k2, k3, delta, eta, other };
 
 // E, dE/dtheta and dE/dtau of one lane; explicit derivatives by the variations that are `other`.

@@ -1,5 +1,5 @@
-// What the lanes share: the structure of the factor in tiles and the elements of a mesh, in the order of elimination.
-// Private to fe/.
+// The parts that all lanes share: the structure of the factor in tiles and the elements of a mesh, in the order of
+// elimination. Private to fe/.
 #pragma once
 
 #include "fe/lanes/kernels.h"
