@@ -1,5 +1,6 @@
 #include "cli/road_input.h"
 
+#include "data/fwd_pddx_written.h"
 #include "data/workbook.h"
 #include "report/kml.h"
 #include "report/road_run.h"
@@ -48,6 +49,7 @@ int run_road(const RoadInput& input, const std::string& name,
     analysis::RunOptions run = input.common.run(folder);
     run.inputs = std::move(road.inputs);
     analysis::Session session(std::move(run));
+    const auto exchange = data::pddx_of(road.files);
     auto pages = analyse(session, std::move(road.files));
     if (!pages) {
         return report_interrupt(folder);
@@ -65,6 +67,11 @@ int run_road(const RoadInput& input, const std::string& name,
         run::write_file(folder, name + ".geojson", report::json_text(*pages->map) + "\n");
         run::write_file(folder, name + ".kml", report::kml_of(*pages->map, name));
         written += fmt::format(", {0}.geojson, {0}.kml", name);
+    }
+    for (std::size_t i = 0; i < exchange.size(); ++i) {
+        const std::string file = name + (exchange.size() > 1 ? fmt::format("-{}", i + 1) : "") + ".ddx";
+        run::write_file(folder, file, exchange[i]);
+        written += ", " + file;
     }
     const std::string page = fmt::format("{}\n  results: {}/{}\n", pages->text, folder, written);
     run::write_file(folder, name + ".txt", page);

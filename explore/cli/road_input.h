@@ -28,7 +28,8 @@ struct RoadPages {
     bool nothing = false;            // there is no result
 };
 // Reads the files, calls analyse (nothing: interrupted), keeps and prints what it makes: NAME.json, NAME.csv,
-// NAME.geojson, NAME.kml. Returns the exit status. Throws pave::Error where the folder holds NAME.json of another road.
+// NAME.geojson, NAME.kml; beside it what the files hold as NAME.ddx (NAME-1.ddx, ... where one cannot hold it). Returns
+// the exit status. Throws pave::Error where the folder holds NAME.json of another road.
 int run_road(const RoadInput& input, const std::string& name,
              const std::function<std::optional<RoadPages>(analysis::Session&, std::vector<data::FwdFile>)>& analyse);
 

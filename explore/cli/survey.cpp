@@ -40,8 +40,18 @@ void add_survey(CLI::App& app, Action& action) {
                     "mean air temperature of the day before in C, for the temperature in the asphalt (BELLS3)")
         ->check(within(-60, 60));
     sub->add_option("--reference-temperature", options.reference_C,
-                    "give the asphalt modulus at this temperature, C, too")
+                    "give deflections, indices and the asphalt modulus at this temperature, C, too")
         ->check(within(-30, 60));
+    std::map<std::string, data::TemperatureCurve> curves;
+    for (std::size_t i = 0; i < data::temperature_curves.size(); ++i) {
+        curves[std::string(data::temperature_curves[i].name)] = static_cast<data::TemperatureCurve>(i);
+    }
+    sub->add_option("--temperature-curve", options.curve,
+                    "by which they are taken there: fhwa (FHWA-RD-98-085, default), rws (Rijkswaterstaat, D0 and SCI), "
+                    "irc (IRC:115, the modulus alone)")
+        ->transform(CLI::CheckedTransformer(curves));
+    sub->add_option("--latitude", options.latitude_deg, "degrees, for the curve fhwa where the file has no positions")
+        ->check(within(-90, 90));
     sub->footer("Example: pavescape survey grids/road-example.csv --study grids/road-example.toml");
     sub->callback([=, &action] { action = [=] { return survey_road(*input); }; });
 }

@@ -7,7 +7,7 @@
 //     design M_R = C M_R, C = 0.33 at most
 //
 // P: load, p: pressure, a: radius of the plate, H: thickness of all layers above the subgrade. Made for flexible
-// pavements under some 40 kN (9000 lbf); D0 is to be one at 20 C: it is taken as it was measured.
+// pavements under some 40 kN (9000 lbf); D0 is to be one at 20 C.
 #pragma once
 
 #include "data/deflection_bowl.h"
@@ -22,7 +22,9 @@ struct StructuralNumber {
     double sn_eff = 0.0;
     double offset_mm = 0.0; // of the sensor that tells the subgrade
 };
-// Nothing: no sensor is far enough, or no E_p explains D0.
-std::optional<StructuralNumber> structural_number(const DeflectionBowl& bowl, double thickness_mm);
+// d0_um: at the temperature of the guide; nothing: as it was measured. Nothing comes back where no sensor is far
+// enough, or no E_p explains D0.
+std::optional<StructuralNumber> structural_number(const DeflectionBowl& bowl, double thickness_mm,
+                                                  std::optional<double> d0_um = {});
 
 } // namespace explore::data

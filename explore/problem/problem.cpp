@@ -280,7 +280,9 @@ Eigen::VectorXd Problem::change_by(std::size_t i) const {
 
 Eigen::VectorXd Problem::change_by_gain(std::size_t i, const Evaluation& evaluation) const {
     const double slope = misfit_.slopes(evaluation.responses)[static_cast<Eigen::Index>(i)];
-    return slope * evaluation.responses[response_of(i)] * change_by(i);
+    Eigen::VectorXd change = slope * evaluation.responses[response_of(i)] * change_by(i);
+    change.head(static_cast<Eigen::Index>(readings())).array() *= misfit_.loss_slopes(evaluation.responses).array();
+    return change;
 }
 
 Problem Problem::setting_apart(const std::vector<char>& readings) const {

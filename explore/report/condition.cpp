@@ -45,14 +45,34 @@ Json structural_json(const analysis::SurveyResult& result, const analysis::Stati
         const auto own = station.station.layers.find(layers[i].name);
         thickness_mm += own == station.station.layers.end() ? layers[i].thickness / pave::unit::mm : own->second.mm;
     }
-    const auto found = thickness_mm > 0.0 ? data::structural_number(station.bowl(), thickness_mm) : std::nullopt;
+    std::optional<double> d0_um;
+    if (station.at_reference && station.at_reference->d0_um) {
+        d0_um = station.bowl().d0_um() * *station.at_reference->d0_um / station.indices->d0_um;
+    }
+    const auto found = thickness_mm > 0.0 ? data::structural_number(station.bowl(), thickness_mm, d0_um) : std::nullopt;
     return !found ? Json(nullptr)
                   : Json{{"SN_eff", found->sn_eff},
                          {"subgrade_MPa", found->subgrade_MPa},
                          {"design_subgrade_MPa", data::design_share * found->subgrade_MPa},
                          {"pavement_MPa", found->pavement_MPa},
                          {"offset_mm", found->offset_mm},
+                         {"D0_at_C", d0_um ? Json(*result.reference_C) : Json(nullptr)},
                          {"thickness_mm", thickness_mm}};
+}
+
+Json reference_json(const analysis::SurveyResult& result, const analysis::StationResult& station) {
+    if (!station.at_reference) {
+        return nullptr;
+    }
+    const data::IndicesAtReference& at = *station.at_reference;
+    return {{"asphalt_C", *result.reference_C},
+            {"pressure_kPa", station.normalised_kPa},
+            {"D0_um", optional_json(at.d0_um)},
+            {"SCI_um", optional_json(at.sci_um)},
+            {"BDI_um", optional_json(at.bdi_um)},
+            {"BCI_um", optional_json(at.bci_um)},
+            {"reason", at.why_not},
+            {"out_of_range", at.out_of_range}};
 }
 
 Json characteristic_json(const analysis::SurveyResult& result, const analysis::RoadSection& section) {

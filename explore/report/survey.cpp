@@ -4,6 +4,7 @@
 #include "base/units.h"
 #include "data/csv.h"
 #include "report/condition.h"
+#include "report/lives.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -119,6 +120,9 @@ void add_fit(const SurveyResult& result, const StationResult& s, Json& json) {
                 {"unit", std::string(outputs[o].unit.name)},
                 {"determined", p.determined}};
         }
+        if (fit.lives) {
+            json["lives"] = lives_json(*fit.lives);
+        }
     }
 }
 
@@ -171,6 +175,7 @@ Json station_json(const SurveyResult& result, const StationResult& s) {
     json["normalised"] = indices_json(s);
     json["condition"] = condition_json(s);
     json["structural_number"] = structural_json(result, s);
+    json["at_reference"] = reference_json(result, s);
     json["readings_left_out"] = Json::array();
     for (const auto& r : s.bowls->readings_left_out) {
         json["readings_left_out"].push_back(
@@ -222,6 +227,9 @@ Json sections_json(const SurveyResult& result) {
         for (std::size_t k = 0; k < names.size(); ++k) {
             json["parameters"][names[k]] = percentiles_json(section.parameters[k]);
         }
+        if (result.has_lives()) {
+            json["life"] = section_life_json(result, section);
+        }
         sections.push_back(std::move(json));
     }
     return sections;
@@ -271,6 +279,9 @@ Json survey_json(const SurveyResult& result) {
                    {"limit", data::deflection_ratio_limit},
                    {"interpolation", interpolation_words}}},
                  {"common_pressure_kPa", result.common_pressure_kPa},
+                 {"reference_C", optional_json(result.reference_C)},
+                 {"temperature_curve",
+                  result.reference_C ? Json(std::string(data::words_of(result.curve).name)) : Json(nullptr)},
                  {"repeatability", optional_json(result.repeatability)},
                  {"sections", sections_json(result)}};
     for (const StationResult& s : result.stations) {
@@ -366,9 +377,16 @@ std::string survey_csv(const SurveyResult& result) {
         const std::string name = fmt::format("{} [{}]", output.output, output.unit.name);
         header.insert(header.end(), {name, name + " low", name + " high"});
     }
+    for (std::string& column : life_columns(result)) {
+        header.push_back(std::move(column));
+    }
     if (result.study) {
         header.insert(header.end(),
                       {"misfit", "rms_percent", "converged", "on_bound", "asphalt_modulus_at_reference_MPa"});
+    }
+    if (result.reference_C) {
+        header.insert(header.end(),
+                      {"D0_um_at_reference", "SCI_um_at_reference", "BDI_um_at_reference", "BCI_um_at_reference"});
     }
     header.insert(header.end(), {"air_C", "surface_C", "asphalt_C", "asphalt_C_source", "latitude", "longitude", "date",
                                  "time", "comment", "drops_used", "drops_left_out", "remarks", "file", "line"});
@@ -421,6 +439,9 @@ std::string survey_csv(const SurveyResult& result) {
                          {number(outputs[o].in_unit(p.value)), p.determined ? number(outputs[o].in_unit(p.low)) : "",
                           p.determined ? number(outputs[o].in_unit(p.high)) : ""});
         }
+        for (std::string& text_of_life : life_cells(result, s)) {
+            cells.push_back(std::move(text_of_life));
+        }
         if (result.study && s.fit) {
             const landscape::Minimum& best = s.fit->best;
             cells.insert(cells.end(),
@@ -429,6 +450,10 @@ std::string survey_csv(const SurveyResult& result) {
                           number(s.asphalt_at_reference_MPa)});
         } else if (result.study) {
             cells.resize(cells.size() + 5);
+        }
+        if (result.reference_C) {
+            const auto at = s.at_reference.value_or(data::IndicesAtReference{});
+            cells.insert(cells.end(), {number(at.d0_um), number(at.sci_um), number(at.bdi_um), number(at.bci_um)});
         }
         cells.insert(cells.end(),
                      {number(f.air_C), number(f.surface_C), s.asphalt ? number(s.asphalt->celsius) : "",
@@ -439,62 +464,6 @@ std::string survey_csv(const SurveyResult& result) {
         add(cells);
     }
     return text;
-}
-
-std::optional<Json> survey_geojson(const SurveyResult& result) {
-    Json features = Json::array();
-    for (const StationResult& s : result.stations) {
-        const auto& f = s.station;
-        if (!f.latitude || !f.longitude) {
-            continue;
-        }
-        Json properties = {{"station", f.name},
-                           {"profile", f.profile},
-                           {"lane", f.lane},
-                           {"chainage_m", optional_json(f.chainage_m)},
-                           {"status", std::string(to_string(s.state))},
-                           {"reason", analysis::reason_of(s)},
-                           {"date", f.date},
-                           {"time", f.time},
-                           {"comment", f.comment},
-                           {"air_C", optional_json(f.air_C)},
-                           {"surface_C", optional_json(f.surface_C)},
-                           {"asphalt_C", s.asphalt ? Json(s.asphalt->celsius) : Json(nullptr)},
-                           {"remarks", pave::join(analysis::remarks_of(result, s), "; ")},
-                           {"file", f.file},
-                           {"line", f.line}};
-        if (s.has_bowl()) {
-            properties["normalised_D0_um"] = s.indices->d0_um;
-            properties["SCI_um"] = optional_json(s.indices->sci_um);
-            properties["BDI_um"] = optional_json(s.indices->bdi_um);
-            properties["BCI_um"] = optional_json(s.indices->bci_um);
-            properties["AREA_mm"] = optional_json(s.indices->area_mm);
-            properties["deflection_ratio"] = optional_json(s.ratio());
-            properties["verdict"] = std::string(analysis::verdict(s));
-            properties["verdict_reason"] = analysis::why_no_ratio(s);
-        }
-        const auto names = result.parameter_names();
-        for (std::size_t k = 0; s.is_fitted() && k < names.size(); ++k) {
-            const auto& p = s.fit->parameters[k];
-            properties[names[k]] = p.value;
-            properties[names[k] + " low"] = p.low;
-            properties[names[k] + " high"] = p.high;
-            properties[names[k] + " determined"] = p.determined;
-        }
-        const auto outputs = result.outputs();
-        for (std::size_t o = 0; s.is_fitted() && o < s.fit->outputs.size(); ++o) {
-            const auto& p = s.fit->outputs[o];
-            const std::string name = fmt::format("{} [{}]", outputs[o].output, outputs[o].unit.name);
-            properties[name] = outputs[o].in_unit(p.value);
-            properties[name + " low"] = p.determined ? Json(outputs[o].in_unit(p.low)) : Json(nullptr);
-            properties[name + " high"] = p.determined ? Json(outputs[o].in_unit(p.high)) : Json(nullptr);
-        }
-        features.push_back({{"type", "Feature"},
-                            {"geometry", {{"type", "Point"}, {"coordinates", {*f.longitude, *f.latitude}}}},
-                            {"properties", std::move(properties)}});
-    }
-    return features.empty() ? std::nullopt
-                            : std::optional(Json{{"type", "FeatureCollection"}, {"features", std::move(features)}});
 }
 
 } // namespace explore::report

@@ -1,5 +1,6 @@
 #include "analysis/survey/survey_findings.h"
 #include "base/text.h"
+#include "report/lives.h"
 #include "report/survey.h"
 #include "report/table.h"
 #include "report/text.h"
@@ -191,16 +192,41 @@ std::string strip_charts(const SurveyResult& result) {
 }
 
 std::string index_table(const SurveyResult& result) {
-    Table table({"station", "D0 um", "SCI um", "BDI um", "BCI um", "AREA mm", "radius of curvature m", "E0 MPa",
-                 "asphalt C", result.reference_C ? fmt::format("asphalt MPa at {:g} C", *result.reference_C) : ""});
+    std::vector<std::string> header{
+        "station", "D0 um", "SCI um", "BDI um", "BCI um", "AREA mm", "radius of curvature m", "E0 MPa", "asphalt C"};
+    const bool has_indices = result.reference_C && result.curve != data::TemperatureCurve::irc;
+    if (has_indices) {
+        for (const char* index : {"D0", "SCI", "BDI", "BCI"}) {
+            header.push_back(fmt::format("{} um at {:g} C", index, *result.reference_C));
+        }
+    }
+    if (result.reference_C && result.study) {
+        header.push_back(fmt::format("asphalt MPa at {:g} C", *result.reference_C));
+    }
+    Table table(header);
     const auto shown = [](const std::optional<double>& value) { return value ? figure(*value) : ""; };
     for (const StationResult& s : result.stations) {
-        if (s.has_bowl()) {
-            const auto& i = *s.indices;
-            table.add({s.station.name, figure(i.d0_um), shown(i.sci_um), shown(i.bdi_um), shown(i.bci_um),
-                       shown(i.area_mm), shown(i.curvature_radius_m), figure(i.surface_moduli[0].modulus_MPa),
-                       s.asphalt ? fmt::format("{:.1f}", s.asphalt->celsius) : "", shown(s.asphalt_at_reference_MPa)});
+        if (!s.has_bowl()) {
+            continue;
         }
+        const auto& i = *s.indices;
+        std::vector<std::string> cells{s.station.name,
+                                       figure(i.d0_um),
+                                       shown(i.sci_um),
+                                       shown(i.bdi_um),
+                                       shown(i.bci_um),
+                                       shown(i.area_mm),
+                                       shown(i.curvature_radius_m),
+                                       figure(i.surface_moduli[0].modulus_MPa),
+                                       s.asphalt ? fmt::format("{:.1f}", s.asphalt->celsius) : ""};
+        if (has_indices) {
+            const auto at = s.at_reference.value_or(data::IndicesAtReference{});
+            cells.insert(cells.end(), {shown(at.d0_um), shown(at.sci_um), shown(at.bdi_um), shown(at.bci_um)});
+        }
+        if (result.reference_C && result.study) {
+            cells.push_back(shown(s.asphalt_at_reference_MPa));
+        }
+        table.add(std::move(cells));
     }
     return table.text();
 }
@@ -326,6 +352,12 @@ std::string survey_text(const SurveyResult& result) {
     if (!result.outputs().empty()) {
         text += "\nOutputs at the best fits (95 % ranges by their derivatives and the ranges of the parameters)\n" +
                 output_table(result);
+    }
+    if (result.has_lives()) {
+        text += "\nLife and overlay at the best fits (95 % ranges to first order)\n" + life_table(result);
+        if (!result.sections.empty()) {
+            text += "\nLife and overlay of the homogeneous sections\n" + section_life_table(result);
+        }
     }
     if (const std::string remarks = remark_list(result); !remarks.empty()) {
         text += "\nRemarks\n" + remarks;

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "pavement/device.h"
 #include "pavement/effects/effect.h"
 #include "pavement/load_model.h"
 #include "pavement/load_run.h"
@@ -37,12 +38,16 @@ ForwardModel::WorkspacePointer ForwardModel::make_workspace() const {
 void check_sensor(const Case& c, const Sensor& s, const Place& place) {
     const Load& load = c.loads[s.load];
     const double depth = c.depth();
-    const double distance = load.is_axisymmetric() ? std::hypot(s.x, s.y) : std::max(std::abs(s.x), std::abs(s.y));
+    const double distance = load.is_axisymmetric() ? reach_of(s) : reach_along_axes(s);
     const double top = s.depth - s.gauge / 2.0;
     const double bottom = s.depth + s.gauge / 2.0;
     if (s.gauge > 0.0 && s.quantity != Quantity::strain_zz) {
         throw Error(place, "only strain_zz has a gauge length", fmt::format("gauge_mm = {:g}", s.gauge / unit::mm),
                     "0");
+    }
+    if (is_of_device(s.quantity) && s.depth != 0.0) {
+        throw Error(place, fmt::format("{} is read on the surface", info(s.quantity).name),
+                    fmt::format("depth_mm = {:g}", s.depth / unit::mm), "0");
     }
     if (distance > c.settings.extent) {
         throw Error(place, "the sensor lies outside the mesh", fmt::format("{:g} m from the load", distance),

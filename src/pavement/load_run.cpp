@@ -1,6 +1,7 @@
 #include "pavement/load_run.h"
 
 #include "base/units.h"
+#include "pavement/device.h"
 #include "pavement/effects/effect.h"
 #include "pavement/stencil.h"
 
@@ -64,16 +65,14 @@ std::string why_impossible(const Case& c, int load) {
             continue;
         }
         double longest = sensor.gauge;
-        double farthest = std::hypot(sensor.x, sensor.y);
         for (const Sensor::Share& share : sensor.shares) {
             longest = std::max(longest, share.gauge);
-            farthest = std::max(farthest, std::hypot(sensor.x + share.dx, sensor.y));
         }
         const double shallowest = sensor.depth - longest / 2.0;
         if (shallowest < -1e-9) {
             return fmt::format("a sensor at {:g} mm depth reaches above the surface", sensor.depth / unit::mm);
         }
-        if (c.loads[load].is_axisymmetric() && farthest > c.settings.extent) {
+        if (c.loads[load].is_axisymmetric() && reach_of(sensor) > c.settings.extent) {
             return "a sensor lies beyond the wall";
         }
     }

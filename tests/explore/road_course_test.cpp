@@ -1,5 +1,6 @@
 // The course along a road against dense algebra, and what made-up courses are made with.
 #include "analysis/road/road_course.h"
+#include "analysis/road/road_findings.h"
 #include "base/random.h"
 
 #include <Eigen/Cholesky>
@@ -105,4 +106,9 @@ TEST(RoadCourse, FindsWhatMadeIt) {
     }
     EXPECT_LE(alike, 12);   // p = 2e-3 of more
     EXPECT_EQ(inside, all); // neighbours make a station's value better known
+}
+
+TEST(RoadCourse, LongerThanItsRoadIsSaidAsSuch) {
+    EXPECT_EQ(analysis::course_length_words(9307.0, 2400.0), "more than the length of the road, 2400 m");
+    EXPECT_EQ(analysis::course_length_words(412.0, 2400.0), "some 410 m");
 }

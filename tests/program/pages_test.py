@@ -1,6 +1,7 @@
 """The page of every kind of run in headless Chromium, 1400 and 400 px wide and printed on A4: no table is cut off, nothing is printed as
 [object, nothing is on the console, every chart is drawn."""
 import functools
+import re
 
 import pytest
 
@@ -110,3 +111,71 @@ def test_the_page_of_sample(browser):
             f"{quantity['name']}: {marginals}"
     counts = browser.evaluate("document.querySelector('[data-chart=corner]').data.filter((t) => t.mode === 'markers').map((t) => t.x.length)")
     assert counts == [len(sample["draws"])] * 3, f"every pair of three parameters holds all draws: {counts}"
+
+
+STATIONS, GAP, WEAK = 400, 250, (36, 201, 330)
+
+
+@pytest.fixture(scope="module")
+def long_road():
+    """A survey of eight stations with positions and three fitted layers, its stations repeated to 400, of which three are weak."""
+    bowls = ("473.5,309.5,209.8,158.3,126.4,104.1,87.6", "481.2,312.0,211.1,159.0,126.9,104.4,87.8")
+    survey = folder / "long.csv"
+    survey.write_text("station,lane,chainage_m,radius_mm,load_kN,D0_um,D300_um,D600_um,D900_um,D1200_um,D1500_um,D1800_um,latitude,longitude,asphalt_C\n" +
+                      "".join(f"L{k},L,{25 * k},150,40,{bowls[k % 2]},52.1,5.3,{18 + k}\n" for k in range(8)))
+    text = 'schema = 1\n[section]\nbottom = "half-space"\n'
+    for name, thickness, modulus in (("asphalt", 170, 1200), ("base", 575, 200), ("subgrade", 4255, 60)):
+        text += (f'[[layers]]\nname = "{name}"\nthickness_mm = {thickness}\ndensity_kg_m3 = 2000\nk0 = 0.5\nlaw = "linear"\n'
+                 f'modulus_MPa = {modulus}\npoisson = 0.4\n[[parameters]]\nname = "{name}.modulus_MPa"\nmin = {modulus / 6}\nmax = {modulus * 6}\nscale = "log"\n')
+    text += '[[loads]]\nname = "fwd"\ntype = "plate"\nradius_mm = 150\npressure_kPa = 566\n[data]\nmisfit = "relative"\n'
+    (folder / "long.toml").write_text(text)
+    out = folder / "long"
+    assert run("survey", survey, "--study", folder / "long.toml", "--reference-temperature", 20, "--out", out).returncode == 0, "survey"
+    result = json.loads((out / "survey.json").read_text())
+    eight = result["stations"]
+    result["stations"] = []
+    for i in range(STATIONS):
+        s = json.loads(json.dumps(eight[i % 8]))
+        s.update(station=f"P{i:03}", chainage_m=25.0 * i + (5000 if i >= GAP else 0), latitude=52.1 + 2e-4 * i, longitude=5.3 + 1e-4 * i)
+        s["D0_um_at_common_pressure"] *= 2.5 if i in WEAK else 1
+        result["stations"].append(s)
+    result["counts"]["stations"] = result["counts"]["fitted"] = STATIONS
+    result["sections"] = [{**p, "from_m": 0.0, "to_m": 1e6} for p in result["sections"][:1]]
+    (out / "survey.json").write_text(json.dumps(result))
+    assert run("report", out).returncode == 0, "report"
+    return out / "report.html"
+
+
+def test_a_road_of_400_stations_is_light(long_road):
+    assert long_road.stat().st_size <= 3e6, f"at most 3 MB: {long_road.stat().st_size / 1e6:.2f}"
+
+
+@pytest.mark.parametrize("width", (1400, 420))
+def test_the_first_screen_of_a_long_road(browser, long_road, width):
+    browser.resize(width, 900)
+    browser.open(long_road.as_uri())
+    assert browser.wait("document.querySelector('[data-chart=map] svg.main-svg') !== null", 60), "the map is drawn"
+    screens = browser.evaluate("document.documentElement.scrollHeight / window.innerHeight")
+    assert screens <= 20, f"at most 20 screens: {screens}"
+    place = "(q) => { const r = document.querySelector(q).getBoundingClientRect(); return [r.top, r.bottom]; }"
+    verdict, named, map_ = (browser.evaluate(f"({place})('{q}')") for q in ("#summary .verdict", "#summary .named", "#summary [data-chart=map]"))
+    assert verdict[1] < named[0] + 1 and named[1] < 900, f"verdict and weak stations: {verdict}, {named}"
+    assert map_[0] + 0.75 * (map_[1] - map_[0]) < 900, f"three quarters of the map at least: {map_}"
+    text = browser.evaluate("document.querySelector('#summary .named').textContent").replace("\u00a0", " ")
+    assert sorted(re.findall(r"P\d+ \(\d+ m\)", text)) == ["P036 (900 m)", "P201 (5025 m)", "P330 (13250 m)"], f"weak stations by chainage: {text}"
+
+
+def test_strips_and_bowls_of_a_long_road(browser, long_road):
+    browser.resize(1400, 900)
+    browser.open(long_road.as_uri())
+    assert browser.wait("document.querySelector('[data-chart=strip] svg.main-svg') !== null", 60), "a strip is drawn"
+    strip = browser.evaluate("(() => { const t = document.querySelector('[data-chart=strip]').data[0]; return { x: t.x, colours: t.marker.color, connect: t.connectgaps }; })()")
+    holes = [i for i, x in enumerate(strip["x"]) if x is None]
+    assert holes == [GAP] and strip["connect"] is False, f"no line across the gap of 5 km: {holes}"
+    at = {x: c for x, c in zip(strip["x"], strip["colours"])}
+    assert at[900] != at[875] and len({at[900], at[5025], at[13250]}) == 1, "weak stations have a colour of their own"
+    titles = browser.evaluate("[...document.querySelectorAll('[data-chart=strip]')].map((c) => c.layout.yaxis.title.text)")
+    assert {"asphalt [°C]", "SCI [µm]", "BDI [µm]"} <= set(titles), f"strips of temperature and indices: {titles}"
+    browser.evaluate("document.querySelector('[data-chart=map]').emit('plotly_click', { points: [{ customdata: 201 }] })")
+    assert browser.wait("document.querySelector('[data-chart=bowl] svg.main-svg') !== null", 20), "a click on a station shows its bowl"
+    assert "P201" in browser.evaluate("document.querySelector('[data-chart=bowl]').layout.title.text")

@@ -177,7 +177,8 @@ def test_a_road(survey_folder):
     survey = json.loads((survey_folder / "survey.json").read_text())
     good = [s for s in survey["stations"] if "D0_um" in s]
     assert "data-failures" not in root and not requests, f"the road opens: {root} {requests}"
-    assert same(charts[0]["traces"][0]["y"], [s["D0_um_at_common_pressure"] for s in good]), "the strip chart holds D0"
+    held = charts[0]["traces"][0]["y"] # to the six digits of a page
+    assert len(held) == len(good) and all(abs(y / s["D0_um_at_common_pressure"] - 1) < 1e-5 for y, s in zip(held, good)), "the strip chart holds D0"
     remarks = [r for s in survey["stations"] for r in s["remarks"]]
     assert any("450 mm" in r for r in remarks) and all(r.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;") in dom for r in remarks), \
         "the report has the remarks"

@@ -318,8 +318,27 @@ def test_positions_make_a_map_and_temperatures_the_asphalts():
     assert float(data["SCI_um"]) == indices["SCI_um"], f"KML: {data}"
     assert abs(result["stations"][0]["asphalt_C"] - 20.774) < 0.001, "BELLS3 at half of 200 mm: see survey_analysis_test"
     assert result["stations"][1]["asphalt_C"] is None, "no temperature without a surface"
+    assert result["stations"][0]["at_reference"] is None, "nobody asked for a reference temperature"
     assert any("Fahrenheit" in r for r in result["stations"][1]["remarks"]), f"95 C: {result['stations'][1]['remarks']}"
     assert any("crew" in f for f in result["findings"]), f"columns that are not used are named: {result['findings']}"
+
+
+def test_deflections_at_a_reference_temperature():
+    warm = folder / "warm.csv"
+    warm.write_text("station,chainage_m,radius_mm,load_kN,D0_um,D300_um,D600_um,D900_um,asphalt_C\nA,0,150,40,400,250,170,90,30\nB,9,150,40,400,250,170,90,\n")
+    result = call(warm, "--asphalt-thickness", 150, "--latitude", 40, "--reference-temperature", 20, "--normalise", "40kN", "--out", folder / "warm")
+    at, none = (s["at_reference"] for s in result["stations"])
+    # Worked by hand in temperature_curves_test.cpp; D0 (90 + 213.7)/(90 + 259.0), D0 - D300 by 0.71888.
+    assert abs(at["D0_um"] - 400 * 303.7 / 349.0) < 0.1 and abs(at["SCI_um"] - 150 * 0.71888) < 0.01, f"by FHWA-RD-98-085: {at}"
+    assert at["out_of_range"] == [] and none is None, f"no temperature, no answer: {at}, {none}"
+    assert any("FHWA-RD-98-085 at 1 of 2 stations" in f for f in result["findings"]), f"said: {result['findings']}"
+    lines = list(csv.DictReader((folder / "warm" / "survey.csv").open()))
+    assert float(lines[0]["BDI_um_at_reference"]) == at["BDI_um"] and lines[1]["BDI_um_at_reference"] == "", f"in the table: {lines}"
+    dutch = call(warm, "--temperature-curve", "rws", "--reference-temperature", 20, "--normalise", "40kN", "--out", folder / "dutch")
+    # t = 10: 1 + 0.13926 + 0.02298 = 1.16224
+    assert abs(dutch["stations"][0]["at_reference"]["D0_um"] - 400 / 1.16224) < 0.01, f"another curve: {dutch['stations'][0]['at_reference']}"
+    nowhere = call(warm, "--asphalt-thickness", 150, "--reference-temperature", 20, "--out", folder / "nowhere")
+    assert "latitude" in nowhere["stations"][0]["at_reference"]["reason"], "the regressions want the latitude"
 
 
 def workbook(path, sheets):

@@ -306,12 +306,6 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
                           "the tests of diagnose are those of normal noise", "loss = \"student\"",
                           "loss = \"normal\": a wrong reading is one of the causes that it looks for");
     }
-    if (baseline.censored() > 0) {
-        throw pave::Error({.file = study.file, .key = "data"},
-                          "the tests of diagnose are those of readings with a value",
-                          pave::counted(baseline.censored(), "reading is a limit", "readings are limits"),
-                          "data without rows whose value is < or >; fit, unique and sample take them");
-    }
     for (const std::string& name : options.without) {
         study::effect_named(study, name, {.key = "--without"});
     }
@@ -384,6 +378,7 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     };
     for (const std::size_t row : result.layout.rows) {
         task.noise_places.push_back(study::noise_place(study.model.sensors[row]));
+        task.limits.push_back(study.readings[row].censored == data::Censored::no ? 0 : 1);
     }
     for (const data::BowlFault& fault : faults) {
         if (fault.is_mendable()) {

@@ -181,6 +181,11 @@ std::string outlier_words(const RoadResult& result, const RoadOutlier& o) {
            "of the floor, or several readings are wrong";
 }
 
+std::string course_length_words(double length_m, double stretch_m) {
+    return length_m > stretch_m ? fmt::format("more than the length of the road, {:.0f} m", stretch_m)
+                                : fmt::format("some {} m", figure(length_m, 2));
+}
+
 std::vector<std::string> findings_of(const RoadResult& result) {
     std::vector<std::string> words;
     if (std::string weak = weak_words(result.survey); !weak.empty()) {
@@ -196,15 +201,19 @@ std::vector<std::string> findings_of(const RoadResult& result) {
     if (result.weakest.size() > 1 && result.condition > poorly_conditioned) {
         words.push_back(fmt::format(
             "The common parameters are known less well together than each by itself: along {} by {} of the box (one "
-            "standard deviation), {:.0f} times worse than along the best known combination.",
+            "standard deviation), {:.0f} times worse than along the best known combination. Hold one of them at a "
+            "known "
+            "value.",
             weakest_words(result), percent(result.weakest_sd), std::sqrt(result.condition)));
     }
     words.push_back(
         result.widened
-            ? fmt::format("The model misses the readings by {:.1f} times their noise (chi2 = {} with {:.0f} degrees of "
-                          "freedom, p = {:.2g}): ranges are wider by that much, and an error that the model makes at "
-                          "every station shifts the common parameters by more than they say.",
-                          result.noise_factor(), figure(result.chi2), result.dof, result.p_value)
+            ? fmt::format(
+                  "The model misses the readings by {:.1f} times their noise (chi2 = {} with {:.0f} degrees of "
+                  "freedom, p = {:.2g}): ranges are wider by that much, and an error that the model makes at "
+                  "every station shifts the common parameters by more than they say. `road --diagnose` looks for "
+                  "what all stations lack.",
+                  result.noise_factor(), figure(result.chi2), result.dof, result.p_value)
             : fmt::format("The fit is consistent with the noise of the readings: chi2 = {} with {:.0f} degrees of "
                           "freedom, p = {:.2g}.",
                           figure(result.chi2), result.dof, result.p_value));
@@ -231,12 +240,15 @@ std::vector<std::string> findings_of(const RoadResult& result) {
     }
     for (const RoadCourse& c : result.courses) {
         if (c.p_none < road_familywise) {
-            words.push_back(
-                fmt::format("{}{} has a course along the road: stations are similar over some {} m (p = {:.2g} that "
-                            "they are no more similar than any two). With it the range of the median station is "
-                            "{:.1f} times narrower.",
-                            result.survey.study->space.axes[c.axis].name, c.lane.empty() ? "" : " of lane " + c.lane,
-                            figure(c.length_m, 2), c.p_none, c.narrower));
+            const auto chainage = [&](std::size_t station) {
+                return result.survey.stations[result.stations[station].station].station.chainage_m.value_or(0.0);
+            };
+            words.push_back(fmt::format(
+                "{}{} has a course along the road: stations are similar over {} (p = {:.2g} that they are no more "
+                "similar than any two). With it the range of the median station is {:.1f} times narrower.",
+                result.survey.study->space.axes[c.axis].name, c.lane.empty() ? "" : " of lane " + c.lane,
+                course_length_words(c.length_m, chainage(c.stations.back()) - chainage(c.stations.front())), c.p_none,
+                c.narrower));
         }
     }
     if (result.diagnosis) {
@@ -246,7 +258,9 @@ std::vector<std::string> findings_of(const RoadResult& result) {
         words.push_back(withheld_words(*result.withheld));
     }
     if (!result.converged) {
-        words.push_back(fmt::format("The search over all stations did not converge: {}.", result.ended));
+        words.push_back(fmt::format("The search over all stations did not converge: {}. Leave out stations that "
+                                    "stand out, or hold a common parameter.",
+                                    result.ended));
     }
     words.emplace_back("Ranges hold for errors that are new at every reading. What is wrong in the same way at every "
                        "station, as a sensor's calibration or a thickness, is not in them.");

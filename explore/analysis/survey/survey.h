@@ -3,7 +3,9 @@
 
 #include "analysis/common/floor.h"
 #include "analysis/common/session.h"
+#include "analysis/design/criterion_life.h"
 #include "data/bowl_indices.h"
+#include "data/temperature_curves.h"
 #include "inference/quantiles.h"
 #include "landscape/minima.h"
 #include "study/station.h"
@@ -26,7 +28,9 @@ struct SurveyOptions {
     std::string layers{};                         // a table of thicknesses by chainage; "": none
     std::optional<double> asphalt_thickness_mm{}; // nothing: that of the top layer
     std::optional<double> air_of_day_before_C{};  // mean; nothing: the station's air temperature stands in
-    std::optional<double> reference_C{};          // that the asphalt modulus is taken to; nothing: not at all
+    std::optional<double> reference_C{};          // that indices and asphalt modulus are taken to; nothing: not at all
+    data::TemperatureCurve curve = data::TemperatureCurve::fhwa;
+    std::optional<double> latitude_deg{}; // of stations whose file states none
 };
 
 enum class StationState {
@@ -65,6 +69,15 @@ struct OutputRange {
     bool determined = false; // no direction that the readings do not see moves it
 };
 
+// Lives by the criteria of the study at the best fit (analysis/survey/survey_lives.h).
+struct StationLives {
+    std::vector<CriterionLife> criteria; // in the order of the study's
+    Overlay overlay;
+    bool has_range = false; // else nothing is known of the ends
+
+    const CriterionLife& first() const { return ends_first(criteria); }
+};
+
 struct StationFit {
     landscape::Minimum best;
     std::size_t minima = 0;
@@ -75,9 +88,10 @@ struct StationFit {
     std::vector<ParameterRange> parameters;    // in the order of the study's
     landscape::LocalAnalysis local;
     double quantile = inference::two_sided_95; // half a 95 % range over a standard error
-    std::vector<std::size_t> held_by{}; // inequalities of the study that cut ranges: those end there, on one side
-    std::vector<OutputRange> outputs{}; // in the order of SurveyResult::outputs
-    std::string why_no_outputs{};       // where the model has no answer for them
+    std::vector<std::size_t> held_by{};  // inequalities of the study that cut ranges: those end there, on one side
+    std::vector<OutputRange> outputs{};  // in the order of SurveyResult::outputs
+    std::string why_no_outputs{};        // where the model has no answer for them
+    std::optional<StationLives> lives{}; // nothing: no criteria, or no answer under their axles
 };
 
 enum class TemperatureSource {
@@ -100,6 +114,7 @@ struct StationResult {
     std::optional<data::BowlIndices> indices{}; // at normalised_kPa
     double normalised_kPa = 0.0;
     std::optional<AsphaltTemperature> asphalt{};
+    std::optional<data::IndicesAtReference> at_reference{}; // at normalised_kPa; nothing: no temperature
     std::optional<double> asphalt_at_reference_MPa{};
 
     bool has_bowl() const { return state != StationState::rejected; }
@@ -193,6 +208,7 @@ struct SurveyResult {
     std::optional<LoadLevel> normalise;
     std::optional<LoadLevel> target; // that the level was chosen by
     std::optional<double> reference_C;
+    data::TemperatureCurve curve = data::TemperatureCurve::fhwa;
     std::optional<double> repeatability; // of a reading, over the road
     std::vector<RoadSection> sections;
     std::vector<SensorResidual> residuals;    // by offset
@@ -218,6 +234,7 @@ struct SurveyResult {
     std::size_t end_of_lane(std::size_t begin) const;
     std::vector<std::string> parameter_names() const;
     std::vector<data::Reading> outputs() const; // of the study; none without one
+    bool has_lives() const;                     // at any station
     double d0_at_common(const StationResult& s) const {
         return s.bowl().d0_um() * common_pressure_kPa / s.bowl().pressure_kPa;
     }

@@ -5,11 +5,10 @@
 #include "analysis/survey/survey_network.h"
 #include "analysis/survey/survey_road.h"
 #include "analysis/survey/survey_sensors.h"
+#include "analysis/survey/survey_temperature.h"
 #include "analysis/survey/survey_trials.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "data/asphalt_temperature.h"
-#include "data/fwd_values.h"
 #include "data/road_bowls.h"
 #include "study/laws.h"
 
@@ -194,26 +193,6 @@ double rms_percent(const problem::Problem& problem, const std::vector<double>& r
         sum += std::pow(responses[problem.response_of(i)] / problem.measured(i) - 1.0, 2);
     }
     return 100.0 * std::sqrt(sum / static_cast<double>(problem.readings()));
-}
-
-void add_temperature(StationResult& s, const SurveyOptions& options, std::optional<double> thickness_mm) {
-    const data::FwdStation& station = s.station;
-    if (const auto measured = data::measured_asphalt_C(station.asphalt_C, station.surface_C)) {
-        s.asphalt = {*measured, TemperatureSource::measured};
-        return;
-    }
-    const bool is_in_date = station.time.empty() && station.date.find(':') != std::string::npos;
-    const std::string& clock = is_in_date ? station.date : station.time;
-    const auto hour = data::hour_of_day(clock);
-    if (station.surface_C && !hour && !data::is_nil(clock)) {
-        s.station.remarks.push_back(
-            fmt::format("\"{}\" is no time of day: no asphalt temperature is made of the surface's", clock));
-    }
-    const auto air = options.air_of_day_before_C ? options.air_of_day_before_C : station.air_C;
-    if (station.surface_C && hour && air && thickness_mm) {
-        s.asphalt = {data::bells3(*station.surface_C, *air, *hour, *thickness_mm / 2.0),
-                     options.air_of_day_before_C ? TemperatureSource::bells3 : TemperatureSource::bells3_of_the_hour};
-    }
 }
 
 } // namespace
@@ -428,6 +407,7 @@ SurveyResult begin_survey(std::vector<data::FwdFile> files, std::optional<study:
             LoadLevel{.pressure_kPa = options.drops.target_pressure_kPa, .force_kN = options.drops.target_force_kN};
     }
     result.reference_C = options.reference_C;
+    result.curve = options.curve;
     std::vector<double> pressures;
     for (const StationResult& s : result.stations) {
         if (s.has_bowl()) {
@@ -450,24 +430,14 @@ SurveyResult begin_survey(std::vector<data::FwdFile> files, std::optional<study:
             s.normalised_kPa =
                 options.normalise ? options.normalise->pressure_on(s.bowl().radius_mm) : result.common_pressure_kPa;
             s.indices = data::indices_of(s.bowl(), s.normalised_kPa);
-            add_temperature(s, options, asphalt_mm(s));
+            take_to_reference(s, options, asphalt_mm(s));
         }
     }
     return result;
 }
 
 void finish_survey(SurveyResult& result) {
-    if (result.study && result.reference_C) {
-        const auto names = result.parameter_names();
-        const auto at = std::find(names.begin(), names.end(), result.study->model.layers[0].name + ".modulus_MPa");
-        const auto asphalt = static_cast<std::size_t>(at - names.begin());
-        for (StationResult& s : result.stations) {
-            if (asphalt < names.size() && s.asphalt && s.is_fitted() && s.fit->parameters[asphalt].determined) {
-                s.asphalt_at_reference_MPa =
-                    s.fit->parameters[asphalt].value * data::modulus_factor(s.asphalt->celsius, *result.reference_C);
-            }
-        }
-    }
+    take_moduli_to_reference(result);
     result.sections = road_sections(result);
     judge_sensors(result);
     result.layout = better_layout(result);

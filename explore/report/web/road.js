@@ -1,7 +1,7 @@
 // The page of a road: which stations are weak and which are not to be trusted, a map, strips, tables.
 "use strict";
 const roads = (() => {
-    const { colours, symbols, make, figure, part, words, table, chart, axis } = blocks;
+    const { colours, symbols, make, figure, plain, part, words, table, chart, axis } = blocks;
     const { titled, unit, say } = wording;
     const red = "#c1121f";
     const amber = "#E69F00";
@@ -58,8 +58,13 @@ const roads = (() => {
         const order = { weak: 0, fails: 1, none: 2 };
         return [...found.values()].sort((a, b) => order[a.kind] - order[b.kind] || b.share - a.share);
     };
-    const placeOf = (s) => [s.profile, s.lane && `lane ${s.lane}`, typeof s.chainage_m === "number" ? `${figure(s.chainage_m).replace(/\.?0+$/, (z) => (z.includes(".") ? "" : z))} m` : ""].filter(Boolean).join(", ");
-    const named = (n) => `${n.station.station}${placeOf(n.station) ? ` (${placeOf(n.station)})` : ""}`;
+    // Where a station is; within one lane of one road the chainage says it.
+    const chainageOf = (s) => (typeof s.chainage_m === "number" ? `${plain(s.chainage_m)} m` : "");
+    const placeOf = (s) => [s.profile, s.lane && `lane ${s.lane}`, chainageOf(s)].filter(Boolean).join(", ");
+    const namesOf = (r) => {
+        const place = lanesOf(r.stations).length > 1 ? placeOf : chainageOf;
+        return (n) => `${n.station.station}${place(n.station) ? ` (${place(n.station).replace(/ m$/, "\u00a0m")})` : ""}`;
+    };
     const kinds = { weak: "weak", fails: "fails", none: "no result" };
     const markOf = (notables) => {
         const of = new Map(notables.map((n) => [n.station, n.kind]));
@@ -68,13 +73,14 @@ const roads = (() => {
 
     const summaryOf = (r) => {
         const found = notable(r);
+        const named = namesOf(r);
         const of = (kind) => found.filter((n) => n.kind === kind);
         const [weak, fails, none] = [of("weak"), of("fails"), of("none")];
         const count = (list, one, many) => (list.length ? `${list.length} ${list.length === 1 ? one : many}` : "");
         const rest = [count(fails, "station fails the deflection ratio", "stations fail the deflection ratio"), count(none, "station has no result or a doubtful one", "stations have no result or a doubtful one")].filter(Boolean).join("; ");
         const verdict = (weak.length === 0 ? `No station of ${r.counts.stations} is weak beside its section`
             : weak.length === 1 ? `${named(weak[0])} is weak: ${weak[0].why.join("; ")}`
-            : `${weak.length} of ${r.counts.stations} stations are weak, first ${weak.slice(0, 3).map(named).join(", ")}: at ${weak[0].station.station} ${weak[0].why[0]}`) + (rest ? `. ${rest[0].toUpperCase()}${rest.slice(1)}.` : ".");
+            : `${weak.length} of ${r.counts.stations} stations are weak, most of all ${named(weak[0])}: ${weak[0].why[0]}`) + (rest ? `. ${rest[0].toUpperCase()}${rest.slice(1)}.` : ".");
         const good = r.stations.filter((s) => s.D0_um !== undefined);
         const share = (values, q) => {
             const sorted = [...values].sort((a, b) => a - b);
@@ -88,7 +94,9 @@ const roads = (() => {
             ...least.flatMap((n) => spread(wording.parameter(n).name, good.map((s) => s.parameters && s.parameters[n] && s.parameters[n].determined ? s.parameters[n].value : null).filter((v) => v !== null), wording.parameter(n).unit))];
         const action = weak.length ? `Look at ${named(weak[0])} first: drain, core or drop again there${weak.length > 1 ? `, then at the other ${weak.length - 1} below` : ""}; elsewhere use the percentiles of the sections.`
             : fails.length ? `Look at ${named(fails[0])} first.` : "Use the percentiles of the sections.";
-        return { verdict, numbers, action, range: "15 to 85 % of the stations", value: "median" };
+        const list = weak.length > 1 ? weak : weak.length === 0 && fails.length <= mostNamed ? fails : [];
+        const more = list.length > mostNamed ? ` and ${list.length - mostNamed} more below` : "";
+        return { verdict, named: list.length ? [list === weak ? "Weak: " : "Fails the ratio: ", `${list.slice(0, mostNamed).map(named).join(", ")}${more}.`] : null, numbers, action, range: "15 to 85 % of the stations", value: "median" };
     };
 
     // Places along a lane in order, with a break where stations are missing: beyond five times the usual distance and half a kilometre.
@@ -114,7 +122,7 @@ const roads = (() => {
             const marks = way.map(({ s }) => (s ? colourOf(s, colour) : colour));
             return [{ type: "scatter", mode: "lines+markers", name, showlegend: lanes.length > 1, x: way.map((w) => w.x), y: way.map((w) => w.y), customdata: way.map(({ s }) => (s ? r.stations.indexOf(s) : -1)),
                 text: way.map(({ s }) => (s ? `${s.station}, ${placeOf(s)}` : "")), line: { width: 1, color: colour }, connectgaps: false,
-                marker: { size: marks.map((c) => (c === red ? 11 : c === amber ? 9 : list.length > 150 ? 4 : 7)), color: marks, symbol: way.map(({ s }) => symbols[k % symbols.length] + (!s || determined(s) ? "" : "-open")) },
+                marker: { size: marks.map((c) => (c === red ? 11 : list.length > 150 ? 5 : c === amber ? 9 : 7)), color: marks, symbol: way.map(({ s }) => symbols[k % symbols.length] + (!s || determined(s) ? "" : "-open")) },
                 error_y: ranges.some((range) => range) ? { type: "data", symmetric: false, thickness: 1, width: list.length > 150 ? 0 : 2,
                     array: way.map((w, i) => (ranges[i] ? ranges[i][1] - w.y : 0)), arrayminus: way.map((w, i) => (ranges[i] ? w.y - ranges[i][0] : 0)) } : undefined }, ...levels];
         });
@@ -156,14 +164,15 @@ const roads = (() => {
         const good = there.filter((s) => s.D0_um !== undefined);
         const values = good.map((s) => s.D0_um_at_common_pressure);
         const marked = (kind) => notables.filter((n) => n.kind === kind && there.includes(n.station)).map((n) => n.station);
+        const failing = marked("fails");
         const weak = marked("weak");
         const few = weak.length <= 6;
         return chart("map", [
             at(good, { name: "stations", showlegend: false, marker: { size: 7, color: values, colorscale: "Cividis", reversescale: true, colorbar: { title: { text: "deflection<br>[µm]" }, thickness: 10 } } }),
             at(marked("none"), { name: "no result", marker: { size: 9, symbol: "x", color: "#777" } }),
-            at(marked("fails"), { name: "fails the deflection ratio", marker: { size: 12, symbol: "square-open", color: amber, line: { width: 3 } } }),
+            at(failing, { name: "fails the ratio", marker: { size: failing.length > good.length / 3 ? 7 : 12, symbol: "square-open", color: amber, line: { width: failing.length > good.length / 3 ? 1 : 3 } } }),
             { ...at(weak, { name: "weak", marker: { size: 15, symbol: "circle-open", color: red, line: { width: 3 } } }), ...(few ? { mode: "markers+text", texttemplate: weak.map((s) => s.station), textposition: "top center", textfont: { color: red } } : {}) },
-        ].filter((t) => t.x.length), { xaxis: axis("east [km]"), yaxis: axis("north [km]", { scaleanchor: "x", scaleratio: 1 }), height: 380, margin: { l: 56, r: 8, t: 30, b: 90 } },
+        ].filter((t) => t.x.length), { xaxis: axis("east [km]"), yaxis: axis("north [km]", { scaleanchor: "x", scaleratio: 1 }), height: 380, margin: { l: 56, r: 8, t: 30, b: 80 }, legend: { orientation: "h", y: -0.22 } },
         "The stations where they lie, from their positions; north is up.", onClick);
     };
 
@@ -199,6 +208,9 @@ const roads = (() => {
         section("The road", make("p", {}, `${r.counts.stations} stations, ${r.counts.rejected} rejected${r.counts.no_ratio ? `, ${r.counts.no_ratio} without a deflection ratio` : ""}` +
             (r.counts.fitted ? `, ${r.counts.fitted} back-calculated, ${r.counts.no_fit || 0} not described by the model, ${r.counts.failed} without an answer.` : ".")),
         notables.length ? notableTable(notables.slice(0, mostNamed)) : [],
+        fitted.some((s) => s.lives) ? [part("Life along the road", true), along(fitted.filter((s) => s.lives && s.lives.years > 0), "years left", (s) => s.lives.years,
+            { more: { type: "log" }, rangeOf: (s) => (s.lives.years_low > 0 && s.lives.years_high ? [s.lives.years_low, s.lives.years_high] : null),
+                caption: "At the best fits, of the criterion that ends first, with 95 % ranges." })] : [],
         good.length ? [part("Deflections along the road", true), positions(r).length > 1 ? deflections(r) : null, make("div", { className: "bowl" }),
         along(good, "deflection ratio", (s) => s.deflection_ratio, { caption: r.deflection_ratio.definition, shapes: [{ type: "line", xref: "paper", x0: 0, x1: 1,
             y0: r.deflection_ratio.limit, y1: r.deflection_ratio.limit, line: { dash: "dash", color: colours[1] } }] })] : [],
@@ -211,6 +223,7 @@ const roads = (() => {
         fitted.length ? rmsBars(fitted) : [],
         headed("Temperatures along the road", [["surface [°C]", (s) => s.surface_C], ["air [°C]", (s) => s.air_C], ["asphalt [°C]", (s) => s.asphalt_C]]),
         headed("Indices along the road", [["SCI [µm]", "SCI_um"], ["BDI [µm]", "BDI_um"], ["BCI [µm]", "BCI_um"], ["AREA [mm]", "AREA_mm"]].map(([title, key]) => [title, (s) => (s.normalised ? s.normalised[key] : null)])),
+        typeof r.reference_C === "number" ? headed(`Deflections and indices at ${plain(r.reference_C)} °C`, atReference(r)) : [],
         said.length ? [part("Findings"), words(said.map(say))] : [],
         notables.length > mostNamed ? [part(`The other ${notables.length - mostNamed} stations to look at`), notableTable(notables.slice(mostNamed))] : [],
         (r.sections || []).length && r.sections[0].D0_um ? [part("Homogeneous sections"), make("p", { className: "soft" }, "Cumulative differences of ln D0; 15 / 50 / 85 % of the stations do not exceed; of a parameter, of those that determine it."),
@@ -219,11 +232,11 @@ const roads = (() => {
         list("Stations", good, [["drops", (s) => (s.drops_used || []).join(" ")], ["pressure [kPa]", (s) => s.pressure_kPa], ["D0 [µm]", (s) => s.D0_um],
             ["deflection ratio", (s) => s.deflection_ratio], ["verdict", (s) => (s.pass === null || s.pass === undefined ? s.deflection_ratio_reason : s.pass ? "pass" : "fail")]], ["verdict"]),
         list("Parameters", fitted, [...names.map((n) => [titled(n), (s) => withRange((s.parameters || {})[n]) || figure(s.fit.parameters[n])]), ["rms [%]", (s) => s.fit.rms_percent]]),
-        list("Outputs", fitted, outputs.map((n) => [`${n} [${unit(outputUnit(fitted, n))}]`, (s) => withRange((s.outputs || {})[n])])),
+        list("Outputs", outputs.length ? fitted : [], outputs.map((n) => [`${n} [${unit(outputUnit(fitted, n))}]`, (s) => withRange((s.outputs || {})[n])])),
         list(`Indices${good.length && good[0].normalised ? ` at ${figure(good[0].normalised.pressure_kPa)} kPa` : ""}`, good.filter((s) => s.normalised), [
             ["D0 [µm]", (s) => s.normalised.D0_um], ["SCI [µm]", (s) => s.normalised.SCI_um], ["BDI [µm]", (s) => s.normalised.BDI_um], ["BCI [µm]", (s) => s.normalised.BCI_um],
             ["AREA [mm]", (s) => s.normalised.AREA_mm], ["radius of curvature [m]", (s) => s.normalised.curvature_radius_m],
-            ["E0 [MPa]", (s) => (s.normalised.surface_moduli[0] || {}).modulus_MPa], ["asphalt [°C]", (s) => s.asphalt_C],
+            ["E0 [MPa]", (s) => (s.normalised.surface_moduli[0] || {}).modulus_MPa], ["asphalt [°C]", (s) => s.asphalt_C], ...atReference(r),
             ["asphalt at reference [MPa]", (s) => s.asphalt_modulus_at_reference_MPa]]),
         list("When and where", r.stations, [["date", (s) => s.date], ["time", (s) => s.time], ["air [°C]", (s) => s.air_C], ["surface [°C]", (s) => s.surface_C],
             ["latitude", (s) => place(s.latitude)], ["longitude", (s) => place(s.longitude)], ["operator", (s) => s.comment], ["source", source]], ["operator", "source"]),
@@ -233,6 +246,7 @@ const roads = (() => {
         const shown = columns.filter(([, of]) => sections.some((p) => ![null, undefined, ""].includes(of(p))));
         return make("div", { className: "narrow" }, table(shown.map(([n]) => n.replace(/([._])/g, "$1\u200b")), sections.map((p) => shown.map(([, of]) => of(p)))));
     };
+    const atReference = (r) => (typeof r.reference_C !== "number" ? [] : ["D0", "SCI", "BDI", "BCI"].map((name) => [`${name} at ${plain(r.reference_C)} °C [µm]`, (s) => (s.at_reference ? s.at_reference[`${name}_um`] : null)]));
     const place = (degrees) => (degrees === null || degrees === undefined ? null : degrees.toFixed(6));
     const outputUnit = (stations, n) => stations.map((s) => (s.outputs || {})[n]).find((o) => o).unit;
     const rmsBars = (fitted) => {
