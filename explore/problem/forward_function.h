@@ -35,7 +35,10 @@ public:
     virtual pave::Outcome<Prediction> evaluate(std::span<const double> parameters, bool with_jacobian,
                                                Workspace& workspace) const = 0;
 
-    // The same at several points, in their order. The bits of an answer depend on its own point alone, not on those
+    // Bytes that another process of the same build makes the same function from; empty: it cannot travel.
+    virtual std::string description() const { return {}; }
+
+    // evaluate() at several points, in their order. The bits of an answer depend on its own point alone, not on those
     // beside it, but need not be those of evaluate(): what computes many points at once rounds in another order.
     // Whoever keeps evaluations makes each of them in one way, always.
     virtual std::vector<pave::Outcome<Prediction>> evaluate_many(std::span<const std::vector<double>> points,
@@ -48,9 +51,6 @@ public:
     }
     // How many points evaluate_many() computes for about the price of one.
     virtual std::size_t lanes() const { return 1; }
-
-    // Bytes that another process of the same build makes the same function from; empty: it cannot travel.
-    virtual std::string description() const { return {}; }
 };
 
 } // namespace explore::problem

@@ -1,8 +1,7 @@
 #include "fe/batch_solver.h"
 
-#include "fe/lanes/layout.h"
+#include "fe/lanes/inputs.h"
 #include "fe/load_path.h"
-#include "material/power_law.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,217 +60,26 @@ struct LanePath {
 
 } // namespace
 
-struct BatchSolver::Work {
-    Work(const Model<Element>& m, const Kernels& k)
-        : model(&m),
-          kernels(k),
-          width(static_cast<std::size_t>(k.lanes)),
-          layout(*m.topology),
-          structure(layout.structure()),
-          shapes(lanes::Layout::shapes(m)),
-          mesh(layout.elements(shapes)) {}
+struct BatchSolver::Work : lanes::Inputs {
+    using Inputs::Inputs;
 
-    const Model<Element>* model;
-    const Kernels& kernels;
-    std::size_t width;
-    lanes::Layout layout;
-    lanes::Structure structure;
-    std::vector<double> shapes;
-    lanes::Elements mesh;
-
-    // The runs that go together, each repeated until the lanes are full.
-    std::vector<BatchRun> runs;
-    const std::vector<Variation>* variations = nullptr;
-    std::vector<int> active;                // stress-dependent elements
-    std::vector<std::vector<int>> of_layer; // elements of each linear layer; none of others
-    std::vector<std::size_t> active_number; // of every element
-    bool whole = false;                     // rates of all unknowns are followed, not only of those that change
-
-    // Of every layer.
-    Buffer unit, compliance, modulus, unit_rate, modulus_rate, law_numbers;
-    std::vector<lanes::Modulus> laws;
-    std::vector<lanes::Explicit> explicit_by;
-    std::unique_ptr<bool[]> unit_varies;
-    // Of every point of the active elements.
-    Buffer initial, initial_rate, modulus_at, modulus_rate_at;
-
-    Buffer load;    // rows
     Buffer reduced; // the load, its constant rows eliminated
     Buffer linear;  // values of linear layers
     Buffer values;
-    Buffer factor_values, factor_inverse, factor_front, factor_stack, factor_kept, factor_rows;
+    Buffer factor_values, factor_inverse, factor_stack, factor_other_stack, factor_kept, factor_rows;
     alignas(lanes::alignment) std::array<std::int64_t, most_lanes> definite{}; // -1, or 0 where it was found not to be
     Buffer stiffness_rate;                                                     // of one linear layer by one variation
     LoadPath<LanePath> path;
 
-    std::size_t layers() const { return runs[0].layers->size(); }
-    std::size_t count() const { return variations->size(); }
-    std::size_t rows() const { return layout.inverse.size(); }
-    std::size_t points() const { return active.size() * Element::gauss; }
-    const LayerMaterial& layer(std::size_t lane, std::size_t l) const { return (*runs[lane].layers)[l]; }
-    bool is_linear(std::size_t l) const { return !layer(0, l).law->stress_dependent(); }
-
     lanes::Factor factor() {
         return {.values = factor_values.data(),
                 .inverse = factor_inverse.data(),
-                .front = factor_front.data(),
-                .stack = factor_stack.data(),
+                .stack = {factor_stack.data(), factor_other_stack.data()},
                 .kept = factor_kept.data(),
                 .rows = factor_rows.data(),
                 .definite = definite.data()};
     }
-    lanes::Points points_of_path() {
-        const bool has_initial_rate = std::any_of(variations->begin(), variations->end(), [](const Variation& v) {
-            return v.kind == Kind::unit_weight || v.kind == Kind::k0 || v.kind == Kind::residual_stress;
-        });
-        return {.elements = active.data(),
-                .count = static_cast<int>(active.size()),
-                .variations = static_cast<int>(count()),
-                .initial = initial.data(),
-                .initial_rate = has_initial_rate ? initial_rate.data() : nullptr,
-                .unit = unit.data(),
-                .unit_rate = unit_rate.data(),
-                .unit_varies = unit_varies.get(),
-                .moduli = laws.data(),
-                .explicit_by = explicit_by.data(),
-                .function = {.call = ask_law, .context = this}};
-    }
-    static void ask_law(const void* context, int l, int lane, double theta, double tau, lanes::ModulusOfLane* result,
-                        double* by_variation) {
-        const Work& w = *static_cast<const Work*>(context);
-        const LayerMaterial& layer = w.layer(static_cast<std::size_t>(lane), static_cast<std::size_t>(l));
-        const mechanics::Invariants at{theta, tau};
-        const material::Modulus m = layer.law->modulus(layer.parameters, at);
-        *result = {m.value, m.d_theta, m.d_tau, m.limited ? -1 : 0};
-        for (std::size_t k = 0; k < w.count(); ++k) {
-            const Variation& v = (*w.variations)[k];
-            if (v.kind == Kind::law_parameter && v.layer == l) {
-                by_variation[k] = layer.law->modulus_derivative(layer.parameters, at, m, v.index);
-            }
-        }
-    }
-
-    void set_stiffness(Buffer& buffer, std::size_t which, std::size_t lane, const mechanics::Stiffness<4>& c) const {
-        const double numbers[lanes::unit_numbers] = {c(0, 0), c(0, 1), c(0, 2), c(2, 2), c(3, 3)};
-        for (std::size_t i = 0; i < lanes::unit_numbers; ++i) {
-            buffer[(which * lanes::unit_numbers + i) * width + lane] = numbers[i];
-        }
-    }
-
-    void prepare(std::span<const BatchRun> some, const std::vector<Variation>& by) {
-        variations = &by;
-        runs.assign(some.begin(), some.end());
-        while (runs.size() < width) {
-            runs.push_back(some[0]);
-        }
-        std::vector<std::vector<int>> elements(layers());
-        active.clear();
-        active_number.assign(static_cast<std::size_t>(model->elements()), 0);
-        for (int e = 0; e < model->elements(); ++e) {
-            const auto l = static_cast<std::size_t>(layout.layer[static_cast<std::size_t>(e)]);
-            if (is_linear(l)) {
-                elements[l].push_back(e);
-            } else {
-                active_number[static_cast<std::size_t>(e)] = active.size();
-                active.push_back(e);
-            }
-        }
-        of_layer = std::move(elements);
-        whole = std::any_of(by.begin(), by.end(), [&](const Variation& v) {
-            return v.kind == Kind::law_parameter && is_linear(static_cast<std::size_t>(v.layer));
-        });
-        prepare_layers();
-        prepare_points();
-        load.resize(rows(), kernels.lanes);
-        for (std::size_t lane = 0; lane < width; ++lane) {
-            for (std::size_t i = 0; i < rows(); ++i) {
-                load[layout.inverse[i] * width + lane] = (*runs[lane].load)[static_cast<Eigen::Index>(i)];
-            }
-        }
-    }
-
-    void prepare_layers() {
-        const std::size_t n = count();
-        unit.assign_zero(layers() * lanes::unit_numbers, kernels.lanes);
-        compliance.assign_zero(layers() * lanes::unit_numbers, kernels.lanes);
-        modulus.assign_zero(layers(), kernels.lanes);
-        law_numbers.assign_zero(layers() * lanes::power_numbers, kernels.lanes);
-        unit_rate.assign_zero(layers() * n * lanes::unit_numbers, kernels.lanes);
-        modulus_rate.assign_zero(layers() * n, kernels.lanes);
-        laws.assign(layers(), {});
-        explicit_by.assign(layers() * n, lanes::Explicit::none);
-        unit_varies = std::make_unique<bool[]>(layers() * n);
-        for (std::size_t l = 0; l < layers(); ++l) {
-            for (std::size_t lane = 0; lane < width; ++lane) {
-                prepare_layer(l, lane);
-            }
-        }
-    }
-    void prepare_layer(std::size_t l, std::size_t lane) {
-        const std::size_t n = count();
-        const LayerMaterial& own = layer(lane, l);
-        const mechanics::Stiffness<4> c = own.unit_stiffness<4>();
-        set_stiffness(unit, l, lane, c);
-        set_stiffness(compliance, l, lane, c.inverse());
-        std::optional<material::PowerLaw> power;
-        if (is_linear(l)) {
-            modulus[l * width + lane] = own.law->modulus(own.parameters, {}).value;
-        } else if ((power = material::power_law(*own.law, own.parameters))) {
-            const double numbers[lanes::power_numbers] = {power->k1_pa, power->k2, power->k3, power->delta, power->eta};
-            for (std::size_t i = 0; i < lanes::power_numbers; ++i) {
-                law_numbers[(l * lanes::power_numbers + i) * width + lane] = numbers[i];
-            }
-            laws[l] = {.is_power = true, .numbers = law_numbers.data() + l * lanes::power_numbers * width};
-        }
-        for (std::size_t k = 0; k < n; ++k) {
-            const Variation& v = (*variations)[k];
-            if (v.kind != Kind::law_parameter || v.layer != static_cast<int>(l)) {
-                continue;
-            }
-            const mechanics::Stiffness<4> rate = own.unit_stiffness_rate<4>(v.index);
-            set_stiffness(unit_rate, l * n + k, lane, rate);
-            unit_varies[l * n + k] = unit_varies[l * n + k] || !rate.isZero(0.0);
-            if (is_linear(l)) {
-                modulus_rate[(l * n + k) * width + lane] =
-                    own.law->modulus_derivative(own.parameters, {}, {.value = modulus[l * width + lane]}, v.index);
-                continue;
-            }
-            lanes::Explicit& by = explicit_by[l * n + k];
-            const int index = static_cast<int>(v.index);
-            by = !power                        ? lanes::Explicit::other
-                 : index == power->k1_index    ? lanes::Explicit::k1
-                 : index == power->k2_index    ? lanes::Explicit::k2
-                 : index == power->k3_index    ? lanes::Explicit::k3
-                 : index == power->delta_index ? lanes::Explicit::delta
-                 : index == power->eta_index   ? lanes::Explicit::eta
-                                               : lanes::Explicit::none;
-        }
-    }
-
-    void prepare_points() {
-        const std::size_t n = count();
-        initial.resize(2 * points(), kernels.lanes);
-        initial_rate.resize(2 * points() * n, kernels.lanes);
-        modulus_at.resize(points(), kernels.lanes);
-        modulus_rate_at.resize(points() * n, kernels.lanes);
-        for (std::size_t q = 0; q < points(); ++q) {
-            const auto e = static_cast<std::size_t>(active[q / Element::gauss]);
-            const double z = model->depth[e * Element::gauss + q % Element::gauss];
-            const int l = layout.layer[e];
-            for (std::size_t lane = 0; lane < width; ++lane) {
-                const auto stress = layer(lane, static_cast<std::size_t>(l)).initial_stress<4>(z);
-                initial[2 * q * width + lane] = stress[0];
-                initial[(2 * q + 1) * width + lane] = stress[2];
-                for (std::size_t k = 0; k < n; ++k) {
-                    const auto rate = initial_stress_rate<4>(*runs[lane].layers, l, z, (*variations)[k]);
-                    initial_rate[2 * (q * n + k) * width + lane] = rate[0];
-                    initial_rate[(2 * (q * n + k) + 1) * width + lane] = rate[2];
-                }
-            }
-        }
-    }
-
-    // What stays along the path: linear layers, eliminated where they are by themselves.
+    // The constant part of the path: linear layers, eliminated where they are by themselves.
     void eliminate_constant() {
         linear.assign_zero(layout.entry_place.size(), kernels.lanes);
         for (const auto& elements : of_layer) {
@@ -281,8 +89,8 @@ struct BatchSolver::Work {
         values.resize(layout.entry_place.size(), kernels.lanes);
         factor_values.resize(layout.factor, kernels.lanes);
         factor_inverse.resize(rows(), kernels.lanes);
-        factor_front.resize(layout.largest_rest, kernels.lanes);
-        factor_stack.resize(layout.largest_stack, kernels.lanes);
+        factor_stack.resize(layout.largest_stack[0], kernels.lanes);
+        factor_other_stack.resize(layout.largest_stack[1], kernels.lanes);
         factor_kept.resize(layout.kept, kernels.lanes);
         factor_rows.resize(lanes::tile * layout.most_rows, kernels.lanes);
         definite.fill(-1);
@@ -527,12 +335,9 @@ struct BatchSolver::Work {
     }
 
     std::size_t memory() const {
-        std::size_t bytes = 0;
-        for (const Buffer* b :
-             {&unit,        &compliance,   &modulus,       &unit_rate,       &modulus_rate, &law_numbers,
-              &initial,     &initial_rate, &modulus_at,    &modulus_rate_at, &load,         &reduced,
-              &linear,      &values,       &factor_values, &factor_inverse,  &factor_front, &factor_stack,
-              &factor_kept, &factor_rows,  &stiffness_rate}) {
+        std::size_t bytes = Inputs::bytes();
+        for (const Buffer* b : {&reduced, &linear, &values, &factor_values, &factor_inverse, &factor_stack,
+                                &factor_other_stack, &factor_kept, &factor_rows, &stiffness_rate}) {
             bytes += b->bytes();
         }
         const auto add = [&](const LanePath& state) {
@@ -543,7 +348,7 @@ struct BatchSolver::Work {
         for (const LanePath& slope : path.slope) {
             add(slope);
         }
-        return bytes + shapes.size() * sizeof(double);
+        return bytes;
     }
 };
 
@@ -570,14 +375,16 @@ int BatchSolver::lanes() {
     return lanes::kernels().lanes;
 }
 
+bool BatchSolver::rounds_once() {
+    return lanes::kernels().rounds_once;
+}
+
 BatchSolver::BatchSolver(const Model<Element>& model, const lanes::Kernels* kernels)
     : work_(std::make_unique<Work>(model, kernels != nullptr ? *kernels : lanes::kernels())) {}
 BatchSolver::~BatchSolver() = default;
 
 void BatchSolver::move(const Model<Element>& model) {
-    work_->model = &model;
-    work_->shapes = lanes::Layout::shapes(model);
-    work_->mesh = work_->layout.elements(work_->shapes);
+    work_->move(model);
 }
 
 std::vector<Outcome<BatchReading>> BatchSolver::incremental(std::span<const BatchRun> runs,

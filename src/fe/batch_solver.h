@@ -1,6 +1,6 @@
 // Many load paths on one axisymmetric mesh side by side, a lane of the processor's vectors each.
 //
-// What Solver::incremental does, in the same steps: the matrices of all runs have one pattern, so that elimination,
+// The same steps as those of Solver::incremental: the matrices of all runs have one pattern, so that elimination,
 // solutions, laws and assembly do the same operations on other numbers. The bits of a run are the same whatever runs
 // beside it and however many; they differ from those of Solver::incremental by rounding (another order of sums), and
 // between processors with and without fused multiplication.
@@ -41,6 +41,8 @@ public:
                        const std::vector<Variation>& variations);
     // How many runs cost what one does.
     static int lanes();
+    // Whether this processor rounds a product and a sum once: what bits depend on.
+    static bool rounds_once();
 
     // kernels: nullptr: the widest of the processor.
     explicit BatchSolver(const Model<Element>& model, const lanes::Kernels* kernels = nullptr);

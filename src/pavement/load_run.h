@@ -1,4 +1,4 @@
-// What one load adds to a response: its run made ready, and its readings taken in.
+// The share of one load in a response: its run made ready, and its readings taken in.
 #pragma once
 
 #include "pavement/forward.h"
@@ -50,7 +50,7 @@ std::string why_impossible(const Case& c, int load);
 
 // A response without readings yet.
 Response empty_response(const Case& values, std::size_t parameters);
-// What the figures of all loads say against it.
+// Warnings by the figures of all loads.
 void add_warnings(const Case& values, Response& response);
 
 } // namespace pave::pavement

@@ -38,7 +38,7 @@ PAVE_INLINE void subtract_products(Lanes (&t)[C][tile], const Lanes* a, const La
     }
 }
 
-// to := from - A B^T, a tile of each by columns. from: none is zero.
+// to := from - A B^T, a tile of each by columns. from: none is zero, as of what a front leaves.
 template <int C>
 PAVE_INLINE void subtract_some(const Lanes* from, const Lanes* a, const Lanes* b, int columns, Lanes* to) {
     Lanes t[C][tile];
@@ -107,10 +107,8 @@ PAVE_INLINE void solve_tile(Lanes* t, const Lanes* diagonal, const Lanes* invers
     }
 }
 
-// The columns of a front become those of the factor; from: what children left for the rest of the front, none: nothing;
-// to: what is left of it.
-inline void eliminate_front(const Node& node, Lanes* columns, const Lanes* from, Lanes* to, Lanes* inverse,
-                            Mask& definite) {
+// The columns of a front become those of the factor; to := what they leave for the rest of the front.
+inline void eliminate_front(const Node& node, Lanes* columns, Lanes* to, Lanes* inverse, Mask& definite) {
     const std::ptrdiff_t strip = static_cast<std::ptrdiff_t>(node.columns) * tile;
     const int strips = node.column_strips + node.strips_below;
     for (int j = 0; j < node.column_strips; ++j) {
@@ -152,8 +150,7 @@ inline void eliminate_front(const Node& node, Lanes* columns, const Lanes* from,
             const int end = i + 1 < first + group ? i + 1 : first + group;
             for (int j = first; j < end; ++j) {
                 const std::ptrdiff_t at = tiles_before(i) + j * tile_area;
-                subtract_tile(from != nullptr ? from + at : nullptr, below + i * strip, below + j * strip, node.columns,
-                              to + at);
+                subtract_tile(nullptr, below + i * strip, below + j * strip, node.columns, to + at);
             }
         }
     }
@@ -327,18 +324,20 @@ inline void backward_node(const Structure& s, const Node& node, const Factor& f,
     });
 }
 
-// Adds what a child left to the front of its parent: the parent's columns, and the rest of its front.
-inline void add_child(const Structure& s, const Node& child, const Lanes* left, Lanes* columns, Lanes* rest) {
-    const int* strip = s.strip_in_parent + child.row_start;
-    const int* in_tile = s.tile_in_parent + child.row_start;
+// Adds columns of what a child left to a part of the front of its parent, in which its rows begin at these places.
+inline void add_child(const Structure& s, const Node& child, const Lanes* left, int first, int end, const int* place,
+                      Lanes* part) {
     const int* column = s.column_in_parent + child.row_start;
-    for (int j = 0; j < child.rows_below; ++j) {
-        const bool into_columns = j < child.rows_into_columns;
-        Lanes* to = (into_columns ? columns : rest) + column[j];
-        const int* place = into_columns ? strip : in_tile;
-        const Lanes* from = left + j * tile;
-        for (int i = j; i < child.rows_below; ++i) {
-            to[place[i]] += from[tiles_before(i / tile) + i % tile];
+    place += child.row_start;
+    for (int j = first; j < end; ++j) {
+        Lanes* to = part + column[j];
+        int i = j;
+        for (int strip = j / tile; strip < child.strips_below; ++strip) {
+            const Lanes* from = left + tiles_before(strip) + j * tile - strip * tile;
+            const int past = (strip + 1) * tile < child.rows_below ? (strip + 1) * tile : child.rows_below;
+            for (; i < past; ++i) {
+                to[place[i]] += from[i];
+            }
         }
     }
 }
@@ -348,7 +347,8 @@ inline void eliminate(const Structure& s, Part part, const double* values, Facto
     const auto of_part = [&](const Node& node) { return node.is_constant == constant; };
     const auto left_by = [](const Node& node) { return tiles_before(node.strips_below); };
     Mask definite = *reinterpret_cast<const Mask*>(f.definite);
-    Lanes* top = of(f.stack);
+    // The rest of a front waits on two stacks by turns, so that a front leaves its own beside that of its children.
+    Lanes* top[2] = {of(f.stack[0]), of(f.stack[1])};
     for (int n = 0; n < s.count; ++n) {
         const Node& node = s.nodes[n];
         if (!of_part(node)) {
@@ -365,25 +365,29 @@ inline void eliminate(const Structure& s, Part part, const double* values, Facto
         for (std::size_t k = node.entry_start; k < s.nodes[n + 1].entry_start; ++k) {
             columns[s.entry_place[k]] = of(values)[k];
         }
-        Lanes* rest = node.first_child >= 0 ? of(f.front) : nullptr;
-        if (rest != nullptr) {
-            for (std::ptrdiff_t i = 0; i < left_by(node); ++i) {
-                rest[i] = Lanes{};
+        // Of the children those of the same part lie on their stack, the last one on top.
+        Lanes*& own_top = top[node.is_odd ? 1 : 0];
+        Lanes*& top_of_children = top[node.is_odd ? 0 : 1];
+        for (int c = node.first_child; c >= 0; c = s.nodes[c].next_sibling) {
+            top_of_children -= of_part(s.nodes[c]) ? left_by(s.nodes[c]) : 0;
+        }
+        const auto for_children = [&](const auto& some) {
+            const Lanes* waiting = top_of_children;
+            for (int c = node.first_child; c >= 0; c = s.nodes[c].next_sibling) {
+                const Node& child = s.nodes[c];
+                some(child, of_part(child) ? waiting : of(f.kept) + child.kept_start);
+                waiting += of_part(child) ? left_by(child) : 0;
             }
-        }
-        // Of the children those of the same part lie on the stack, the last one on top.
-        for (int c = node.first_child; c >= 0; c = s.nodes[c].next_sibling) {
-            top -= of_part(s.nodes[c]) ? left_by(s.nodes[c]) : 0;
-        }
-        const Lanes* waiting = top;
-        for (int c = node.first_child; c >= 0; c = s.nodes[c].next_sibling) {
-            const Node& child = s.nodes[c];
-            add_child(s, child, of_part(child) ? waiting : of(f.kept) + child.kept_start, columns, rest);
-            waiting += of_part(child) ? left_by(child) : 0;
-        }
-        Lanes* to = node.is_kept ? of(f.kept) + node.kept_start : top;
-        eliminate_front(node, columns, rest, to, of(f.inverse) + node.first_column, definite);
-        top += node.is_kept ? 0 : left_by(node);
+        };
+        for_children([&](const Node& child, const Lanes* left) {
+            add_child(s, child, left, 0, child.rows_into_columns, s.strip_in_parent, columns);
+        });
+        Lanes* to = node.is_kept ? of(f.kept) + node.kept_start : own_top;
+        eliminate_front(node, columns, to, of(f.inverse) + node.first_column, definite);
+        for_children([&](const Node& child, const Lanes* left) {
+            add_child(s, child, left, child.rows_into_columns, child.rows_below, s.tile_in_parent, to);
+        });
+        own_top += node.is_kept ? 0 : left_by(node);
         if (right != nullptr) {
             forward_node(s, node, f, of(right), 1);
         }

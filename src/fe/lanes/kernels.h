@@ -27,6 +27,7 @@ struct Node {
     int next_sibling = -1;
     bool is_constant = false;
     bool is_kept = false;         // what it leaves is, for a parent that is not constant
+    bool is_odd = false;          // as far as it is from the root: on which stack it leaves something
     std::size_t row_start = 0;    // into rows and places: of the rows below
     std::size_t entry_start = 0;  // into the values; those of the next node end them
     std::size_t factor_start = 0; // into the factor
@@ -48,9 +49,8 @@ struct Structure {
 // The memory of a factor.
 struct Factor {
     double* values = nullptr;
-    double* inverse = nullptr; // of the diagonal
-    double* front = nullptr;   // what the front at hand leaves, before it is eliminated
-    double* stack = nullptr;   // what waits for its parent
+    double* inverse = nullptr;             // of the diagonal
+    double* stack[2] = {nullptr, nullptr}; // what waits for its parent
     double* kept = nullptr;
     double* rows = nullptr;           // of the rows of one front, `tile` columns each
     std::int64_t* definite = nullptr; // of every lane: -1, or 0 where the matrix was found not to be so
@@ -81,7 +81,7 @@ struct Modulus {
     const double* numbers = nullptr; // k1 pa, k2, k3, delta, eta
 };
 inline constexpr int power_numbers = 5;
-// What a modulus is differentiated by explicitly: one of those numbers, or what only the function knows.
+// The parameter of an explicit derivative of a modulus: one of those numbers, or what only the function knows.
 enum class Explicit : int { none = -1, k1 = 0, k2, k3, delta, eta, other };
 
 // E, dE/dtheta and dE/dtau of one lane; explicit derivatives by the variations that are `other`.
@@ -121,6 +121,7 @@ struct Shares {
 struct Kernels {
     const char* instructions = nullptr;
     int lanes = 0;
+    bool rounds_once = false; // multiplication and addition are fused
 
     // values += B^T (E C) B. E: modulus of every point of the `count` elements, or of every layer.
     void (*assemble)(const Elements& mesh, const int* elements, int count, const double* unit,

@@ -7,6 +7,7 @@ extern const Kernels table;
 const Kernels table{
     .instructions = PAVE_LANES_NAME,
     .lanes = width,
+    .rounds_once = is_fused,
     .assemble = assemble,
     .eliminate = eliminate,
     .forward = forward,

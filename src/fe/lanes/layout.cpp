@@ -45,7 +45,6 @@ Layout::Layout(const Topology<AxisymmetricQ8>& topology) : layer(topology.layer)
         const auto filled = static_cast<std::size_t>(node.column_strips + node.strips_below) * tile;
         factor += filled * static_cast<std::size_t>(node.columns);
         most_rows = std::max(most_rows, filled);
-        largest_rest = std::max(largest_rest, tiles_of(node.strips_below));
         if (node.is_kept) {
             node.kept_start = kept;
             kept += tiles_of(node.strips_below);
@@ -61,18 +60,24 @@ Layout::Layout(const Topology<AxisymmetricQ8>& topology) : layer(topology.layer)
         }
     }
     nodes[count].entry_start = s.entry_value.size();
-    std::size_t stack[2] = {0, 0};
+    for (std::size_t n = count; n-- > 0;) {
+        const int parent = s.supernodes[n].parent;
+        nodes[n].is_odd = parent >= 0 && !nodes[static_cast<std::size_t>(parent)].is_odd;
+    }
+    std::size_t stack[2][2] = {{0, 0}, {0, 0}}; // of the part and the stack
     strip_in_parent.assign(rows.size(), -1);
     tile_in_parent.assign(rows.size(), -1);
     column_in_parent.assign(rows.size(), -1);
     for (std::size_t n = 0; n < count; ++n) {
         Node& node = nodes[n];
-        std::size_t& top = stack[node.is_constant ? 1 : 0];
+        auto& tops = stack[node.is_constant ? 1 : 0];
+        const std::size_t own = node.is_odd ? 1 : 0;
         for (int c = node.first_child; c >= 0; c = nodes[c].next_sibling) {
-            top -= nodes[c].is_constant == node.is_constant ? tiles_of(nodes[c].strips_below) : 0;
+            tops[1 - own] -= nodes[c].is_constant == node.is_constant ? tiles_of(nodes[c].strips_below) : 0;
         }
-        top += node.is_kept ? 0 : tiles_of(node.strips_below);
-        largest_stack = std::max(largest_stack, top);
+        // It is written before what its children left is given up, but on the other stack.
+        tops[own] += node.is_kept ? 0 : tiles_of(node.strips_below);
+        largest_stack[own] = std::max(largest_stack[own], tops[own]);
         if (node.rows_below == 0) {
             continue;
         }

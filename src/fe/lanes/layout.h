@@ -1,5 +1,5 @@
-// What the lanes share: the structure of the factor in tiles and the elements of a mesh, in the order of elimination.
-// Private to fe/.
+// The parts that all lanes share: the structure of the factor in tiles and the elements of a mesh, in the order of
+// elimination. Private to fe/.
 #pragma once
 
 #include "fe/lanes/kernels.h"
@@ -70,8 +70,7 @@ public:
     std::size_t first_row = 0; // of those that are not constant; some behind it may be
     std::vector<std::pair<std::size_t, std::size_t>> changing_entries; // first and one past the last
     std::size_t factor = 0;                                            // vectors
-    std::size_t largest_rest = 0;
-    std::size_t largest_stack = 0;
+    std::size_t largest_stack[2] = {0, 0};
     std::size_t kept = 0;
     std::size_t most_rows = 0; // of a front, filled up
 };

@@ -26,6 +26,12 @@ inline constexpr int width = 2;
 inline constexpr bool many_registers = false;
 #endif
 
+#if defined(__AVX512F__) || defined(__FMA__)
+inline constexpr bool is_fused = true;
+#else
+inline constexpr bool is_fused = false;
+#endif
+
 using Lanes = double __attribute__((vector_size(8 * width), may_alias));
 using Mask = std::int64_t __attribute__((vector_size(8 * width), may_alias)); // all bits of a lane are the same
 using Bits = std::uint64_t __attribute__((vector_size(8 * width), may_alias));
