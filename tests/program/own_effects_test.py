@@ -117,15 +117,6 @@ def test_nothing_is_named_where_nothing_is_hidden_and_some_readings_are_limits(u
     assert answer["verdict"] == "adequate" and answer["hypotheses"][0]["kind"] == "none", answer["findings"]
 
 
-def test_a_limit_that_is_wrong_is_named(url):
-    readings = read(5)
-    name, value, sigma = readings[6]
-    assert float(value) > 0.15
-    readings[6] = (name, "<0.05", sigma)
-    answer = diagnosed(workspace(), url, readings)
-    assert answer["verdict"] == "cause-named" and answer["hypotheses"][0]["kind"] == "readings" and "reading 7" in answer["hypotheses"][0]["name"], answer["findings"]
-
-
 # --- through a program, whose files an extended study has to find
 
 LINE = """
