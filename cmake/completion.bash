@@ -10,14 +10,14 @@ _pavescape() {
     if [[ $before == --* && $word != -* ]]; then
         local line words
         line=$("$program" "$command" --help 2>/dev/null | grep -m 1 -e "^  $before ")
-        words=$(sed -n 's/^[^{]*:{\([^}]*\)}.*/\1/p' <<< "$line")
+        words=$(sed -n 's/^[^{]*{\([^}]*\)}.*/\1/p' <<< "$line" | sed 's/->[^,]*//g') # {one,other} or {one->0,other->1}
         if [ -n "$words" ]; then # it takes one of these
             mapfile -t COMPREPLY < <(compgen -W "${words//,/ }" -- "$word")
             return
         elif [[ $before == --out ]]; then
             mapfile -t COMPREPLY < <(compgen -d -- "$word")
             return
-        elif [[ $before == --from || $before == --study || $before == --columns || $before == --vtu ]]; then
+        elif [[ $before == --from || $before == --study || $before == --columns || $before == --layers || $line =~ ^\ \ --[a-z-]+\ [A-Z\|]*FILE ]]; then
             mapfile -t COMPREPLY < <(compgen -f -- "$word")
             return
         elif [[ $line =~ ^\ \ --[a-z-]+\ [A-Z]+ ]]; then # it takes a number or a text
@@ -39,8 +39,8 @@ _pavescape() {
                     figures=$("$program" plot --help 2>/dev/null | sed -n 's/^  FIGURE TEXT \.\.\. *\([^(]*\)(.*/\1/p')
                     mapfile -t COMPREPLY < <(compgen -W "${figures//,/ }" -- "$word")
                 fi ;;
-            report | export | rerun) mapfile -t COMPREPLY < <(compgen -d -- "$word") ;;
-            survey | road) mapfile -t COMPREPLY < <(compgen -f -- "$word") ;;
+            report | export | rerun | merge) mapfile -t COMPREPLY < <(compgen -d -- "$word") ;;
+            survey | road | slab | noise) mapfile -t COMPREPLY < <(compgen -f -- "$word") ;;
             *) mapfile -t COMPREPLY < <(compgen -f -X '!*.toml' -- "$word"; compgen -d -- "$word") ;;
         esac
     fi

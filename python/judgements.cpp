@@ -107,9 +107,15 @@ std::string compare(const Study& study, const std::vector<const Study*>& others,
         report::compare_json);
 }
 
-std::string design(const Study& study, const py::object& reliability, const py::object& years, const std::string& out,
-                   const py::object& threads, const py::object& seed) {
+std::string design(const Study& study, const py::object& reliability, const py::object& years,
+                   const py::object& explore, const py::object& verify, const std::string& model,
+                   const std::string& out, const py::object& threads, const py::object& seed,
+                   const py::object& model_error) {
+    one_of(model, std::vector<std::string>{"full", "auto"}, "model"); // ends of ranges are the full model's
     analysis::DesignOptions options;
+    options.settings.explore = whole(explore, "explore", allowed::unique_explore);
+    options.settings.verify = whole(verify, "verify", allowed::unique_verify);
+    options.model = model_of(model, model_error);
     options.reliability_percent = real(reliability, "reliability", allowed::design_reliability);
     options.years = real(years, "years", allowed::design_years);
     return analysed(
@@ -130,8 +136,8 @@ void add_judgements(py::class_<Study>& study) {
              py::arg("time"))
         .def("compare", &compare, py::arg("others"), py::arg("layer"), py::arg("laws"), py::arg("explore"),
              py::arg("verify"), py::arg("out"), py::arg("threads"), py::arg("seed"), py::arg("evidence"))
-        .def("design", &design, py::arg("reliability"), py::arg("years"), py::arg("out"), py::arg("threads"),
-             py::arg("seed"));
+        .def("design", &design, py::arg("reliability"), py::arg("years"), py::arg("explore"), py::arg("verify"),
+             py::arg("model"), py::arg("out"), py::arg("threads"), py::arg("seed"), py::arg("model_error"));
 }
 
 } // namespace python

@@ -1,11 +1,7 @@
 // pavescape check: reads a study to the end, says what would run and how long it would take.
-#include "analysis/studies/check.h"
-#include "analysis/common/layout.h"
-#include "analysis/common/repeated_rows.h"
+#include "report/check.h"
 #include "analysis/common/run_cost.h"
-#include "base/text.h"
 #include "cli/commands.h"
-#include "report/text.h"
 #include "run/parallel.h"
 #include "run/progress.h"
 
@@ -15,8 +11,6 @@
 
 namespace explore::cli {
 namespace {
-
-using pave::counted;
 
 constexpr double giga = 1e9;
 
@@ -48,50 +42,9 @@ int check_study(const CheckArguments& chosen) {
                                  fmt::format("the study can be read, but has no answer at its own values: {}: {}",
                                              to_string(list.status()), list.failure().reason));
     }
-    if (options.json) {
-        report::Json commands = report::Json::array();
-        for (const analysis::Estimate& e : *list) {
-            commands.push_back({{"command", e.command}, {"runs", e.runs}, {"seconds", e.seconds}});
-        }
-        report::Json groups = report::Json::array();
-        for (const auto& group : study.groups) {
-            groups.push_back({{"group", group.name}, {"readings", group.rows.size()}, {"held_out", group.held_out}});
-        }
-        fmt::print("{}\n",
-                   report::json_text({{"status", chosen.time ? "converged" : "read"},
-                                      {"readings", study.measured().size()},
-                                      {"groups", groups},
-                                      {"parameters", study.parameters.size()},
-                                      {"outputs", study.outputs().size()},
-                                      {"doubtful", analysis::doubtful_readings(study)},
-                                      {"repeated", analysis::repeated_rows_words(study)},
-                                      {"noise_keys", analysis::noise_key_words(study)},
-                                      {"threads", threads},
-                                      {"timed", chosen.time},
-                                      {"estimate", {{"memory_GB", cost.memory / giga}, {"seconds", cost.seconds}}},
-                                      {"commands", commands}}));
-        return done;
-    }
-    fmt::print("{}", report::readings_summary(study));
-    std::vector<std::string> remarks = analysis::doubtful_readings(study);
-    remarks.push_back(analysis::repeated_rows_words(study));
-    remarks.push_back(analysis::noise_key_words(study));
-    for (const std::string& words : remarks) {
-        fmt::print("{}", words.empty() ? "" : "  " + words + "\n");
-    }
-    if (list->empty()) {
-        fmt::print("\n  What commands take is not known of a model of your own; --time runs it once.\n");
-        return done;
-    }
-    fmt::print("\n  Time on {}, {}\n", counted(static_cast<std::size_t>(threads), "thread", "threads"),
-               chosen.time ? "from runs made just now at the study's own values"
-                           : "estimated from sizes alone (--time runs the model)");
-    report::Table table({"command", "runs", "time"});
-    for (const analysis::Estimate& e : *list) {
-        table.add({e.command, e.runs,
-                   e.seconds < 1.0 ? fmt::format("{:.0f} ms", 1e3 * e.seconds) : run::duration_words(e.seconds)});
-    }
-    fmt::print("{}", table.text());
+    const report::CheckedStudy checked{study, *list, threads, chosen.time, cost};
+    fmt::print("{}", options.json ? report::json_text(report::check_json(checked)) + "\n"
+                                  : shown_answer(options, report::check_answer(checked), report::check_text(checked)));
     return done;
 }
 
@@ -107,6 +60,7 @@ void add_check(CLI::App& app, Action& action) {
         ->check(CLI::Range(1, 4096));
     command->add_flag("--time", options->time, "run the model at the study's own values to time it");
     command->add_flag("--json", options->common.json, "print one JSON object and nothing else");
+    add_depth(*command, options->common);
     command->footer("Example: pavescape check grids/captif-p1-fwd.toml");
     command->callback([=, &action] { action = [=] { return check_study(*options); }; });
 }

@@ -115,7 +115,7 @@ int hand_over_failure(const CommonOptions& options, const report::Json& json, st
     if (options.json) {
         fmt::print("{}\n", report::json_text(json));
     }
-    run::message("pavescape: {}\n", reason);
+    complain(reason);
     return computation_failed;
 }
 

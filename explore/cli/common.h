@@ -88,10 +88,15 @@ int hand_over(analysis::Session& session, const CommonOptions& options, std::str
               const std::function<std::string()>& page);
 // The same of a command that has an answer: its full page is kept too, as NAME.txt.
 int hand_over_answer(analysis::Session& session, const CommonOptions& options, std::string_view name,
+                     const report::Json& json, const report::Answer& answer, const std::string& page);
+int hand_over_answer(analysis::Session& session, const CommonOptions& options, std::string_view name,
                      const report::Json& json, const std::string& page);
-// The answer as standard output shows it.
+// The answer as standard output shows it, in the columns of the terminal.
+std::string shown_answer(const CommonOptions& options, const report::Answer& answer, const std::string& page);
 std::string shown_answer(const CommonOptions& options, std::string_view name, const report::Json& json,
                          const std::string& page);
+// "pavescape: TEXT" on standard error: in the columns of a terminal, else in one line.
+void complain(std::string_view text);
 // A computation without an answer: JSON where it is requested, and the reason on standard error. Exit status 1.
 int hand_over_failure(const CommonOptions& options, const report::Json& json, std::string_view reason);
 // For a run that was cut off: a message on standard error. Exit status 130.

@@ -1,7 +1,6 @@
 // pavescape compare: the same data, each law in the same layer, each fitted by the same search.
 #include "report/compare.h"
 #include "cli/commands.h"
-#include "run/message.h"
 
 namespace explore::cli {
 namespace {
@@ -24,10 +23,11 @@ int compare(const CompareArguments& options) {
     if (!result) {
         return report_interrupt(session.folder());
     }
-    const int status = hand_over(session, options.common, "compare", report::compare_json(*result, session.options()),
-                                 [&] { return report::compare_text(*result, session.options()); });
+    const int status = hand_over_answer(
+        session, options.common, "compare", report::compare_json(*result, session.options()),
+        report::compare_answer(*result, session.options()), report::compare_text(*result, session.options()));
     if (result->failed()) {
-        run::message("pavescape: {}\n", result->reason());
+        complain(result->reason());
     }
     return result->failed() ? computation_failed : status;
 }
@@ -39,6 +39,7 @@ void add_compare(CLI::App& app, Action& action) {
         "compare", "the same data, another law in the same layer, or another study: which do they prefer?");
     auto options = std::make_shared<CompareArguments>();
     add_common(*command, options->common);
+    add_depth(*command, options->common);
     auto* layer = command->add_option("--layer", options->compare.layer,
                                       "the layer in question (default: the one whose law depends on stress)");
     auto* laws = command->add_option("--laws", options->compare.laws, "laws to compare (default: all)")->delimiter(',');

@@ -21,8 +21,8 @@ int design(const DesignArguments& options) {
     if (result->failed()) {
         return hand_over_failure(options.common, json, result->failure);
     }
-    return hand_over(session, options.common, "design", json,
-                     [&] { return report::design_text(*result, session.options()); });
+    return hand_over_answer(session, options.common, "design", json, report::design_answer(*result, session.options()),
+                            report::design_text(*result, session.options()));
 }
 
 } // namespace
@@ -31,6 +31,8 @@ void add_design(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("design", "remaining life and overlay, with ranges");
     auto options = std::make_shared<DesignArguments>();
     add_common(*command, options->common);
+    add_model(*command, options->design.model, false);
+    add_depth(*command, options->common);
     command
         ->add_option("--reliability", options->design.reliability_percent,
                      "that an overlay lasts, over what the data accept [%]")

@@ -8,12 +8,14 @@ namespace explore::cli {
 
 void add_effects(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("effects", "the physical effects that a study may add to its model");
-    auto json = std::make_shared<bool>(false);
-    command->add_flag("--json", *json, "print one JSON array and nothing else");
+    auto options = std::make_shared<CommonOptions>();
+    command->add_flag("--json", options->json, "print one JSON array and nothing else");
+    add_depth(*command, *options);
     command->footer("Example: pavescape effects");
     command->callback([=, &action] {
         action = [=] {
-            fmt::print("{}", *json ? report::json_text(report::effects_json()) + "\n" : report::effects_text());
+            fmt::print("{}", options->json ? report::json_text(report::effects_json()) + "\n"
+                                           : shown_answer(*options, report::effects_answer(), report::effects_text()));
             return static_cast<int>(done);
         };
     });

@@ -2,7 +2,6 @@
 #include "report/forward.h"
 #include "cli/commands.h"
 #include "report/vtu.h"
-#include "run/message.h"
 #include "study/problems.h"
 #include "study/values.h"
 
@@ -30,7 +29,7 @@ int forward_at_points(const ForwardArguments& options, study::Study study) {
                                          : report::points_csv(study, *computed));
     const auto& all = computed->responses;
     if (std::none_of(all.begin(), all.end(), [](const auto& outcome) { return static_cast<bool>(outcome); })) {
-        run::message("pavescape: no point has an answer; the first: {}\n", all[0].failure().reason);
+        complain("no point has an answer; the first: " + all[0].failure().reason);
         return computation_failed;
     }
     return done;
@@ -75,13 +74,14 @@ int forward(const ForwardArguments& options) {
         fmt::print("{}\n", report::json_text(json));
         return done;
     }
-    fmt::print("{}", report::forward_text(study, *outcome, values));
+    std::string page = report::forward_text(study, *outcome, values);
     for (const std::string& file : fields) {
-        fmt::print("  fields for ParaView: {}\n", file);
+        page += fmt::format("  fields for ParaView: {}\n", file);
     }
     if (options.jacobian) {
-        fmt::print("{}", report::jacobian_text(study, *outcome));
+        page += report::jacobian_text(study, *outcome);
     }
+    fmt::print("{}", shown_answer(options.common, report::forward_answer(study, *outcome, values, fields), page));
     return done;
 }
 
@@ -91,6 +91,7 @@ void add_forward(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("forward", "responses at the study's own parameter values, or at others");
     auto options = std::make_shared<ForwardArguments>();
     add_common(*command, options->common);
+    add_depth(*command, options->common);
     auto* jacobian =
         command->add_flag("--jacobian", options->jacobian, "also the derivative of every response by every parameter");
     auto* vtu = command

@@ -25,18 +25,18 @@ int perform(const explore::cli::Action& action) {
         }
         const int status = action();
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-            explore::run::message("pavescape: the output could not be written in full\n");
+            cli::complain("the output could not be written in full");
             return cli::computation_failed;
         }
         return status;
     } catch (const pave::Error& error) {
-        explore::run::message("pavescape: {}\n", error.what());
+        cli::complain(error.what());
         return cli::wrong_input;
     } catch (const std::bad_alloc&) {
         explore::run::message("pavescape: the computation failed: memory has run out; what was finished is kept\n");
         return cli::computation_failed;
     } catch (const std::exception& error) {
-        explore::run::message("pavescape: the computation failed: {}\n", error.what());
+        cli::complain(fmt::format("the computation failed: {}", error.what()));
         return cli::computation_failed;
     }
 }
@@ -62,7 +62,7 @@ int perform_together(const explore::cli::Action& action) {
         return explore::cli::done;
     } catch (const std::exception& error) {
         if (run::is_first_of_job()) {
-            explore::run::message("pavescape: the processes cannot work together: {}\n", error.what());
+            explore::cli::complain(fmt::format("the processes cannot work together: {}", error.what()));
         }
         return explore::cli::computation_failed;
     }
@@ -115,13 +115,13 @@ int main(int argc, char** argv) {
         if (!explore::run::is_first_of_job()) {
             return cli::done; // an exit status of another process would end the first before it has spoken
         }
-        explore::run::message("pavescape: unknown command \"{}\"{}; allowed: {}\n", argv[1],
-                              near.empty() ? "" : ", did you mean \"" + near + "\"?", pave::join(names));
+        cli::complain(fmt::format("unknown command \"{}\"{}; allowed: {}", argv[1],
+                                  near.empty() ? "" : ", did you mean \"" + near + "\"?", pave::join(names)));
         return cli::wrong_input;
     }
     if (const std::string words = unknown_option(app, argc, argv); !words.empty()) {
         if (explore::run::is_first_of_job()) {
-            explore::run::message("pavescape: {}\n", words);
+            cli::complain(words);
         }
         return explore::run::is_first_of_job() ? cli::wrong_input : cli::done; // as above
     }

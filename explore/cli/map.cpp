@@ -1,7 +1,6 @@
 // pavescape map: the misfit landscape over a grid or a space-filling design.
 #include "report/map.h"
 #include "cli/commands.h"
-#include "run/message.h"
 
 #include <fmt/format.h>
 
@@ -26,10 +25,11 @@ int map(const MapArguments& options) {
     if (!result) {
         return end_early(session, options.common, study, "map", budget);
     }
-    const int status = hand_over(session, options.common, "map", report::map_json(*result, session.options()),
-                                 [&] { return report::map_text(*result, session.options()); });
+    const int status =
+        hand_over_answer(session, options.common, "map", report::map_json(*result, session.options()),
+                         report::map_answer(*result, session.options()), report::map_text(*result, session.options()));
     if (result->failed()) {
-        run::message("pavescape: {}\n", result->reason());
+        complain(result->reason());
     }
     return result->failed() ? computation_failed : status;
 }
@@ -41,6 +41,7 @@ void add_map(CLI::App& app, Action& action) {
     auto options = std::make_shared<MapArguments>();
     add_common(*command, options->common);
     add_time(*command, options->common);
+    add_depth(*command, options->common);
     add_model(*command, options->map.model);
     command
         ->add_option_function<std::string>(

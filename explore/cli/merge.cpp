@@ -1,6 +1,7 @@
 // pavescape merge: two runs of one study, computed on machines without a common disk, become one.
 #include "base/text.h"
 #include "cli/commands.h"
+#include "run/program.h"
 #include "run/store_merge.h"
 
 #include <filesystem>
@@ -48,13 +49,15 @@ int merge(const MergeArguments& options) {
                                               {"libraries", report.libraries}}));
         return done;
     }
-    fmt::print("{} now holds {}: {} came from {}, {} stood in both with the same bits.\n", folder,
-               pave::counted(report.evaluations, "evaluation", "evaluations"), report.added, options.second,
-               report.compared);
+    report::Answer answer;
+    answer.verdict = fmt::format("{} now holds {}: {} came from {}, {} stood in both with the same bits.", folder,
+                                 pave::counted(report.evaluations, "evaluation", "evaluations"), report.added,
+                                 options.second, report.compared);
     if (!report.libraries.empty()) {
-        fmt::print("Computed with different libraries, whose last bits may differ: {}\n", report.libraries);
+        answer.notes.push_back("Computed with different libraries, whose last bits may differ: " + report.libraries);
     }
-    fmt::print("The command that made them continues there with --out {}.\n", folder);
+    answer.next = fmt::format("the command that made them continues there with --out {}", run::shell_word(folder));
+    fmt::print("{}", shown_answer({}, answer, ""));
     return done;
 }
 

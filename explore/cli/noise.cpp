@@ -10,12 +10,14 @@ namespace {
 struct NoiseArguments {
     std::vector<std::string> files;
     std::string columns;
-    bool json = false;
+    CommonOptions common; // how much is shown
 };
 
 int noise(const NoiseArguments& options) {
     const auto result = analysis::noise_of_drops(data::read_fwd_files(options.files, options.columns));
-    fmt::print("{}", options.json ? report::json_text(report::noise_json(result)) + "\n" : report::noise_text(result));
+    fmt::print("{}", options.common.json
+                         ? report::json_text(report::noise_json(result)) + "\n"
+                         : shown_answer(options.common, report::noise_answer(result), report::noise_text(result)));
     return done;
 }
 
@@ -26,7 +28,8 @@ void add_noise(CLI::App& app, Action& action) {
     auto options = std::make_shared<NoiseArguments>();
     command->add_option("FILE", options->files, "measured FWD files")->required();
     add_columns(*command, options->columns);
-    command->add_flag("--json", options->json, "print one JSON object and nothing else");
+    command->add_flag("--json", options->common.json, "print one JSON object and nothing else");
+    add_depth(*command, options->common);
     command->footer("Example: pavescape noise grids/road-north.f25");
     command->callback([=, &action] { action = [=] { return noise(*options); }; });
 }

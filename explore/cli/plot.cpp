@@ -39,7 +39,8 @@ void add_plot(CLI::App& app, Action& action) {
     command->add_option("RUN", options->folder, "folder of the run")->required();
     command->add_option("FIGURE", options->drawing.figures,
                         "landscape, landscape-close, profiles, fit, residuals, candidates, corrections, sensitivity, "
-                        "posterior, predictive, deflections, back-calculation (default: all that the run has)");
+                        "posterior, predictive, prior-predictive, life, overlay, deflections, back-calculation "
+                        "(default: all that the run has)");
     command
         ->add_option("--pair", options->pair, "two parameters, X,Y: their landscape large, also as a surface (unique)")
         ->delimiter(',')

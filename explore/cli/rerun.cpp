@@ -91,20 +91,20 @@ int rerun(const std::string& folder, bool json) {
                                               {"now", {{"version", analysis::version}, {"libraries", libraries}}}}));
         return same ? done : computation_failed;
     }
-    for (const run::Session& s : sessions) {
-        if (s.version != analysis::version || s.libraries != libraries) {
-            fmt::print("then: pavescape {}, {}\nnow:  pavescape {}, {}\n", s.version, s.libraries, analysis::version,
-                       libraries);
-            break;
-        }
+    report::Answer answer;
+    answer.verdict = same ? fmt::format("The same to the last bit: {} of {}.",
+                                        counted(difference.evaluations, "evaluation", "evaluations"),
+                                        counted(difference.runs, "run", "runs"))
+                          : fmt::format("The repetition differs; first: {}", difference.first);
+    const auto other = std::find_if(sessions.begin(), sessions.end(), [&](const run::Session& s) {
+        return s.version != analysis::version || s.libraries != libraries;
+    });
+    if (other != sessions.end()) {
+        answer.notes = {fmt::format("Then: pavescape {}, {}", other->version, other->libraries),
+                        fmt::format("Now: pavescape {}, {}", analysis::version, libraries)};
     }
-    if (!same) {
-        fmt::print("The repetition differs; first: {}\n", difference.first);
-        return computation_failed;
-    }
-    fmt::print("The same to the last bit: {} of {}.\n", counted(difference.evaluations, "evaluation", "evaluations"),
-               counted(difference.runs, "run", "runs"));
-    return done;
+    fmt::print("{}", shown_answer({}, answer, ""));
+    return same ? done : computation_failed;
 }
 
 } // namespace

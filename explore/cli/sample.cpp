@@ -3,7 +3,6 @@
 #include "cli/commands.h"
 #include "report/predictive.h"
 #include "run/files.h"
-#include "run/message.h"
 
 namespace explore::cli {
 namespace {
@@ -25,7 +24,8 @@ int check_prior(const SampleArguments& options, const study::Study& study) {
     if (check->failed()) {
         return hand_over_failure(options.common, json, check->reason());
     }
-    return hand_over(session, options.common, "sample-prior", json, [&] { return report::prior_check_text(*check); });
+    return hand_over_answer(session, options.common, "sample-prior", json,
+                            report::prior_check_answer(*check, session.options()), report::prior_check_text(*check));
 }
 
 int sample(const SampleArguments& options) {
@@ -47,7 +47,7 @@ int sample(const SampleArguments& options) {
     const int status =
         hand_over_answer(session, options.common, "sample", json, report::sample_text(*result, session.options()));
     if (!result->converged()) {
-        run::message("pavescape: {}\n", result->reason());
+        complain(result->reason());
         return computation_failed;
     }
     return status;

@@ -1,7 +1,6 @@
 // pavescape sensitivity: how much each parameter moves each response, near the study's own values and over the box.
 #include "report/sensitivity.h"
 #include "cli/commands.h"
-#include "run/message.h"
 
 namespace explore::cli {
 namespace {
@@ -23,10 +22,11 @@ int sensitivity(const SensitivityArguments& options) {
         return hand_over_failure(options.common, json,
                                  std::string(to_string(result->own.status)) + ": " + result->reason());
     }
-    const int status = hand_over(session, options.common, "sensitivity", json,
-                                 [&] { return report::sensitivity_text(*result, session.options()); });
+    const int status = hand_over_answer(session, options.common, "sensitivity", json,
+                                        report::sensitivity_answer(*result, session.options()),
+                                        report::sensitivity_text(*result, session.options()));
     if (options.sensitivity.samples > 0 && result->global.complete < 2) {
-        run::message("pavescape: too few points of the box have an answer for global indices\n");
+        complain("too few points of the box have an answer for global indices");
         return computation_failed;
     }
     return status;
@@ -38,6 +38,7 @@ void add_sensitivity(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand("sensitivity", "how much each parameter moves each response");
     auto options = std::make_shared<SensitivityArguments>();
     add_common(*command, options->common);
+    add_depth(*command, options->common);
     command
         ->add_option("--parameter", options->sensitivity.parameters,
                      "a parameter to change, may come several times (default: all of the study); the others stay at "

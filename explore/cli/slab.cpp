@@ -11,12 +11,14 @@ struct SlabArguments {
     std::vector<std::string> files;
     std::string columns;
     analysis::SlabOptions options;
-    bool json = false;
+    CommonOptions common; // how much is shown
 };
 
 int slab(const SlabArguments& arguments) {
     const auto result = analysis::slabs(data::read_fwd_files(arguments.files, arguments.columns), arguments.options);
-    fmt::print("{}", arguments.json ? report::json_text(report::slab_json(result)) + "\n" : report::slab_text(result));
+    fmt::print("{}", arguments.common.json
+                         ? report::json_text(report::slab_json(result)) + "\n"
+                         : shown_answer(arguments.common, report::slab_answer(result), report::slab_text(result)));
     const bool any = std::any_of(result.stations.begin(), result.stations.end(),
                                  [](const auto& s) { return s.fit || s.transfer_percent; });
     return any ? done : computation_failed;
@@ -42,7 +44,8 @@ void add_slab(CLI::App& app, Action& action) {
         ->delimiter(',')
         ->allow_extra_args(false);
     add_columns(*command, arguments->columns);
-    command->add_flag("--json", arguments->json, "print one JSON object and nothing else");
+    command->add_flag("--json", arguments->common.json, "print one JSON object and nothing else");
+    add_depth(*command, arguments->common);
     command->footer("Example: pavescape slab grids/slab-example.csv --thickness 250 --joints J1,J2");
     command->callback([=, &action] { action = [=] { return slab(*arguments); }; });
 }

@@ -26,8 +26,8 @@ std::optional<std::pair<double, double>> sum(std::string_view cell) {
                                                               : std::nullopt;
 }
 
-// How often the way along the road turns.
-int turns(const std::vector<double>& places) {
+// How often the chainage turns back.
+int reversals(const std::vector<double>& places) {
     int found = 0;
     double way = 0.0;
     for (std::size_t i = 1; i < places.size(); ++i) {
@@ -79,7 +79,7 @@ PlaceForms::Meaning PlaceForms::meaning(std::string_view column_name) const {
         constexpr double beside = 5.0;
         // Neighbours of the sums as kilometres + metres: one way of writing beside another.
         const bool are_metres = lie_between(kilometre_m * (low->first - 1.0), kilometre_m * (high->first + 2.0));
-        const int turns_less = turns(as_kilometres_) - turns(as_stations_);
+        const int turns_less = reversals(as_kilometres_) - reversals(as_stations_);
         if (is_short && are_whole && lie_between(low->first - beside, high->first + beside) &&
             (are_metres ? turns_less > 0 : turns_less >= 0)) {
             return Meaning::stations_of_20_m;

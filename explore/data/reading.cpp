@@ -34,7 +34,8 @@ constexpr std::array<std::string_view, columns> names = {
 std::span<const Unit> units() {
     static constexpr Unit all[] = {
         {"mm", Dimension::length, 1e-3},    {"um", Dimension::length, 1e-6},   {"microstrain", Dimension::strain, 1e-6},
-        {"strain", Dimension::strain, 1.0}, {"kPa", Dimension::pressure, 1e3}, {"MPa", Dimension::pressure, 1e6},
+        {"strain", Dimension::strain, 1.0}, {"um/m", Dimension::strain, 1e-6}, {"mm/m", Dimension::strain, 1e-3},
+        {"kPa", Dimension::pressure, 1e3},  {"MPa", Dimension::pressure, 1e6},
     };
     return all;
 }
@@ -83,9 +84,8 @@ std::string Reading::place_words() const {
     } else if (x_mm != 0.0 || quantity == "deflection") {
         at = fmt::format(" at {:g} mm", x_mm);
     }
-    return (quantity == "deflection" && depth_mm == 0.0 ? quantity
-                                                        : fmt::format("{} {:g} mm deep", quantity, depth_mm)) +
-           at;
+    const bool on_surface = quantity == "deflection" || quantity == "slope" || quantity == "benkelman";
+    return (on_surface && depth_mm == 0.0 ? quantity : fmt::format("{} {:g} mm deep", quantity, depth_mm)) + at;
 }
 
 std::string Reading::words() const {

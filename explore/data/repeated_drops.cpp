@@ -1,11 +1,12 @@
 #include "data/repeated_drops.h"
 
+#include "base/error.h"
 #include "data/road_bowls.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <set>
+#include <map>
 
 namespace explore::data {
 namespace {
@@ -64,12 +65,14 @@ std::vector<RepeatedDrops> repeated_drops(const std::vector<FwdStation>& station
         if (!bowls) {
             continue;
         }
-        std::set<int> without; // drops with a reading that the others contradict
+        std::map<int, std::vector<std::string>> without; // drops with readings that the others contradict: which
         for (const ContradictedReading& r : bowls->readings_left_out) {
-            without.insert(r.drop);
-            left_out.push_back(
-                fmt::format("{}: the sensor at {:g} mm in drop {} reads {:.1f} um, its repeats {:.1f} um",
-                            stations[s].name, r.offset_mm, r.drop, r.read_um, r.repeats_um));
+            without[r.drop].push_back(
+                fmt::format("{:.1f} um at {:g} mm, its repeats {:.1f} um", r.read_um, r.offset_mm, r.repeats_um));
+        }
+        for (const auto& [drop, readings] : without) {
+            left_out.push_back(fmt::format("{}: drop {}, all its sensors, for it reads {}", stations[s].name, drop,
+                                           pave::join(readings, " and ")));
         }
         for (const DropLeftOut& drop : bowls->left_out) {
             if (drop.why == LeftOut::contradicted) {

@@ -15,8 +15,8 @@ struct RepeatedDrops {
     Eigen::MatrixXd scatter; // sums over the drops of e_i e_j, e = ln(deflection / pressure) less its mean over them
 };
 
-// In the order of the stations. Left out are the drops and the sensors that deflection_bowl.h leaves out, and every
-// drop with a reading that its repeats contradict. left_out: those that are contradicted are added, in words.
+// In the order of the stations. Left out are the drops and the sensors that deflection_bowl.h leaves out, and whole
+// every drop with a reading that its repeats contradict. left_out: those that are contradicted are added, in words.
 std::vector<RepeatedDrops> repeated_drops(const std::vector<FwdStation>& stations, std::vector<std::string>& left_out);
 
 } // namespace explore::data

@@ -28,6 +28,8 @@ struct DiagnosisTask {
     std::function<std::optional<std::vector<problem::Evaluation>>(const search::Design& sample)> explore = {};
     // Where each term was read, for what errors may have in common; empty: not considered.
     std::vector<data::NoisePlace> noise_places{};
+    // Of each term whether it is a limit (data::Censored): it counts in fits, and is no draw of the noise. Empty: none.
+    std::vector<char> limits{};
     // Faults seen in the readings before any model, and mended in them.
     std::vector<hypotheses::Hypothesis> premises{};
 };

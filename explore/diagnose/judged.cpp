@@ -70,11 +70,12 @@ Judged Judge::judge(Model model, double variance) const {
     const MatrixXd jacobian = problem->residual_jacobian(model.evaluation) / noise;
     const inference::Nuisance nuisance(jacobian, model.unit, model.residuals / noise);
     j.chi2 = model.sum / variance;
-    j.dof = static_cast<int>(model.residuals.size()) - nuisance.rank();
+    const std::size_t rows = drawn(model);
+    j.dof = static_cast<int>(rows) - nuisance.rank();
     if (noise_is_stated_ && j.dof > 0) {
         j.p_value = gsl_cdf_chisq_Q(j.chi2, j.dof);
     }
-    j.aicc = aicc(model.sum, static_cast<std::size_t>(model.residuals.size()), model.unit.size(), noise_is_stated_);
+    j.aicc = aicc(model.sum, rows, model.unit.size(), noise_is_stated_);
     j.pattern = test_pattern(model.residuals / noise, nuisance, groups_);
     const std::size_t parameters = model.unit.size() - model.members.size();
     auto prior = hypotheses::Prior::of_parameters(static_cast<Index>(parameters));
@@ -107,11 +108,11 @@ Judged Judge::judge(Model model, double variance) const {
             const double null = candidates_[model.members[m]].null;
             const double half = inference::two_sided_95 * deviation;
             constexpr double at_null = 1e-6; // an end that changes nothing is none
-            j.at_end =
-                j.at_end || (size + half >= 1.0 && null < 1.0 - at_null) || (size - half <= 0.0 && null > at_null);
+            const bool ends = (size + half >= 1.0 && null < 1.0 - at_null) || (size - half <= 0.0 && null > at_null);
+            j.at_end = j.at_end || (ends && !candidates_[model.members[m]].is_of_limit);
         }
     }
-    j.evidence = hypotheses::evidence(j.chi2, model.residuals.size(), jacobian, prior, noise_prior());
+    j.evidence = hypotheses::evidence(j.chi2, static_cast<Index>(rows), jacobian, prior, noise_prior());
     j.model = std::move(model);
     return j;
 }

@@ -45,11 +45,14 @@ public:
         : bench_(bench),
           candidates_(candidates),
           groups_(groups),
-          noise_is_stated_(bench.problem({})->noise_is_stated()) {}
+          noise_is_stated_(bench.problem({})->noise_is_stated()),
+          limits_(bench.problem({})->censored()) {}
 
     Judged judge(Model model, double variance) const;
     inference::Nuisance nuisance_of(const Model& model, double variance) const;
     bool noise_is_stated() const { return noise_is_stated_; }
+    // Residuals that are draws of the noise.
+    std::size_t drawn(const Model& model) const { return static_cast<std::size_t>(model.residuals.size()) - limits_; }
     hypotheses::NoisePrior noise_prior() const {
         return noise_is_stated_ ? hypotheses::NoisePrior{} : hypotheses::any_noise();
     }
@@ -59,6 +62,7 @@ private:
     const std::vector<Candidate>& candidates_;
     const std::vector<ReadingGroup>& groups_;
     bool noise_is_stated_;
+    std::size_t limits_; // readings that are no draws of the noise
 };
 
 } // namespace explore::diagnose

@@ -321,9 +321,10 @@ private:
         const auto free = static_cast<double>(model_.unit.size() - followed_) - held;
         return static_cast<std::size_t>(std::lround(std::max(0.0, free)));
     }
+    // Residuals that are draws of the noise.
+    std::size_t drawn() const { return static_cast<std::size_t>(model_.residuals.size()) - problem_->censored(); }
     double aicc_now() const {
-        return aicc(model_.residuals.squaredNorm(), static_cast<std::size_t>(model_.residuals.size()),
-                    followed_ + numbers(), !estimated_);
+        return aicc(model_.residuals.squaredNorm(), drawn(), followed_ + numbers(), !estimated_);
     }
 
     // Coefficients as they are held by what is known of them beforehand; their strength was chosen by the data.
@@ -339,14 +340,14 @@ private:
         prior.add_normal((pulls.transpose() * pulls).bottomRightCorner(count, count), away);
         constexpr double chosen = 1.0; // what the best strength says more than strengths do on average, about
         prior.log_volume -= chosen * static_cast<double>(accepted_.size());
-        return hypotheses::evidence(model_.residuals.squaredNorm() / d_.variance, model_.residuals.size(), jacobian,
+        return hypotheses::evidence(model_.residuals.squaredNorm() / d_.variance, static_cast<Index>(drawn()), jacobian,
                                     prior, estimated_ ? hypotheses::any_noise() : hypotheses::NoisePrior{});
     }
 
     Judged judge() const {
         Judged fit;
         fit.chi2 = model_.sum / d_.variance;
-        fit.dof = static_cast<int>(model_.residuals.size()) - nuisance().rank();
+        fit.dof = static_cast<int>(drawn()) - nuisance().rank();
         if (!estimated_ && fit.dof > 0) {
             fit.p_value = gsl_cdf_chisq_Q(fit.chi2, fit.dof);
         }

@@ -102,7 +102,12 @@ private:
         Target target;
         target.offset = -d_.baseline.model.residuals;
         for (Eigen::Index i = 0; i < target.offset.size(); ++i) {
-            target.offset[i] += noise * random.normal(static_cast<std::uint64_t>(i));
+            const auto term = static_cast<std::size_t>(i);
+            if (term < task_.limits.size() && task_.limits[term] != 0) { // stays the limit that it is
+                target.offset[i] = 0.0;
+            } else {
+                target.offset[i] += noise * random.normal(static_cast<std::uint64_t>(i));
+            }
         }
         const OnCoarse& base = d_.screening.base;
         const int number = settings_.number + static_cast<int>(b);

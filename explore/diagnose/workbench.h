@@ -19,6 +19,7 @@ struct Candidate {
     std::string layer;           // whose stiffness is all that it changes; empty: it changes more, or other things
     bool is_layout = false;      // of the sensors as a whole
     bool is_of_readings = false; // all that it changes is what instruments say
+    bool is_of_limit = false;    // the reading is a limit: its error is known on one side alone
     std::vector<std::size_t> scaled{}; // responses that its size multiplies, which is all that it does
     problem::Axis axis{};              // of the size, where it does
 

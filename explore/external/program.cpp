@@ -6,6 +6,8 @@
 #include "external/child.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
@@ -39,6 +41,18 @@ std::string last_words(const fs::path& folder) {
         }
     }
     return "";
+}
+
+// Whether a run found no room: nothing it wrote can be relied upon, its answer neither.
+bool has_no_room(const fs::path& folder) {
+    constexpr std::uintmax_t little = 1 << 16; // bytes
+    std::error_code error;
+    const fs::space_info space = fs::space(folder, error);
+    return !error && space.available < little;
+}
+bool says_no_room(const std::string& words) {
+    return words.find(std::strerror(ENOSPC)) != std::string::npos ||
+           words.find(std::strerror(EDQUOT)) != std::string::npos;
 }
 
 class Program final : public Simulator {
@@ -130,24 +144,32 @@ private:
         }
         const ChildEnd end = run_child(settings_.command, folder.string(), settings_.time_limit);
         const std::string& name = settings_.command[0];
+        const bool is_full = has_no_room(folder);
+        const std::string full = fmt::format("no room is left in {}", fs::temp_directory_path().string());
+        const auto failed = [&](const std::string& reason) {
+            return is_full                ? passing(fmt::format("{}; {}", reason, full))
+                   : says_no_room(reason) ? passing(reason)
+                                          : pave::Failure{pave::Status::failed, reason};
+        };
         switch (end.kind) {
         case ChildEnd::Kind::not_started: return passing(fmt::format("{} cannot be started: {}", name, end.reason));
         case ChildEnd::Kind::over_time:
             return passing(fmt::format("{} ran longer than time_limit_s = {:g} and was ended{}", name,
                                        settings_.time_limit, last_words(folder)));
         case ChildEnd::Kind::killed:
-            return pave::Failure{pave::Status::failed, fmt::format("{} was ended by signal {} ({}){}", name, end.code,
-                                                                   strsignal(end.code), last_words(folder))};
+            return failed(fmt::format("{} was ended by signal {} ({}){}", name, end.code, strsignal(end.code),
+                                      last_words(folder)));
         case ChildEnd::Kind::exited: break;
         }
         if (end.code != 0) {
-            return pave::Failure{pave::Status::failed,
-                                 fmt::format("{} ended with status {}{}", name, end.code, last_words(folder))};
+            return failed(fmt::format("{} ended with status {}{}", name, end.code, last_words(folder)));
         }
         auto read = read_outputs(settings_.outputs, wanted_, folder.string());
         if (!read) {
-            return pave::Failure{pave::Status::failed, fmt::format("{} ended well, but {}{}", name,
-                                                                   read.failure().reason, last_words(folder))};
+            return failed(fmt::format("{} ended well, but {}{}", name, read.failure().reason, last_words(folder)));
+        }
+        if (is_full) {
+            return passing(fmt::format("{} ended well, but {}: what it wrote may be cut off", name, full));
         }
         return read;
     }

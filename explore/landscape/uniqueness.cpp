@@ -577,12 +577,19 @@ private:
         constexpr double wide = 0.5;
         constexpr double cut_off = 0.2;
         bool incomplete = false;
+        bool is_open = false; // some way leads on, or the box ends it
         for (std::size_t k = 0; k < result_.parameters.size(); ++k) {
             const problem::Axis& axis = task_.fitted.space.axes[k];
             const Range& range = result_.parameters[k];
             const double reach = axis.unit(range.high) - axis.unit(range.low);
             const bool flat = kind_of(range) == ProfileKind::flat;
-            result_.valley = result_.valley || reach > (flat ? cut_off : wide);
+            if (reach > (flat ? cut_off : wide)) {
+                if (kind_of(range) == ProfileKind::bounded && result_.traces.empty()) {
+                    result_.wide.push_back(k);
+                } else {
+                    is_open = true;
+                }
+            }
             incomplete = incomplete || kind_of(range) == ProfileKind::incomplete;
         }
         for (std::size_t k = 0; k < static_cast<std::size_t>(task_.fitted.space.dimension()); ++k) {
@@ -596,8 +603,12 @@ private:
                     }
                 }
             }
-            result_.valley = result_.valley || high - low > wide;
+            is_open = is_open || high - low > wide;
         }
+        if (is_open || result_.alternatives) { // between separate minima a range holds what the data do not accept
+            result_.wide.clear();
+        }
+        result_.valley = is_open || !result_.wide.empty();
         if (!result_.minima[0].converged) {
             result_.missing.emplace_back("a finished search: the best one met its limit of evaluations");
         }

@@ -88,6 +88,7 @@ struct Uniqueness {
     bool alternatives = false; // minima apart that the data accept
     // A continuous set that reaches over more than half of a parameter's range, or over a fifth between bounds.
     bool valley = false;
+    std::vector<std::size_t> wide;    // parameters that alone make it so, though the data end their range on both sides
     std::vector<std::string> missing; // why undecided
 
     search::Design sample;

@@ -43,8 +43,9 @@ struct Cubic {
 };
 
 // The way by unit coordinates between two points of a profile, from how the parameters move with the quantity there.
-std::vector<double> on_the_way(const problem::Problem& problem, const Acceptance& acceptance, const Quantity& quantity,
-                               const ProfilePoint& from, const ProfilePoint& to, double share) {
+std::vector<double> points_between(const problem::Problem& problem, const Acceptance& acceptance,
+                                   const Quantity& quantity, const ProfilePoint& from, const ProfilePoint& to,
+                                   double share) {
     const auto leaving = [&](const ProfilePoint& p) {
         return cheapest_move(information(problem, acceptance, p), quantity.gradient(p.unit, p.evaluation), p.unit,
                              to.value - from.value);
@@ -208,7 +209,7 @@ void Walker::cross(ProfilePoint inside, ProfilePoint outside, const Quantity& qu
         if (!(std::abs(share * between / whole) > least && std::abs((1.0 - share) * between / whole) > least)) {
             break; // chi2 jumps, or nothing beyond has an answer
         }
-        auto next = lowest(on_the_way(problem_, acceptance_, quantity, inside, out, share), quantity,
+        auto next = lowest(points_between(problem_, acceptance_, quantity, inside, out, share), quantity,
                            {.target = inside.value + share * between,
                             .slope = rise.slope(share) / between,
                             .negligible = 0.5 * near_end * threshold});

@@ -37,6 +37,20 @@ public:
 
     // Bytes that another process of the same build makes the same function from; empty: it cannot travel.
     virtual std::string description() const { return {}; }
+
+    // evaluate() at several points, in their order. The bits of an answer depend on its own point alone, not on those
+    // beside it, but need not be those of evaluate(): what computes many points at once rounds in another order.
+    // Whoever keeps evaluations makes each of them in one way, always.
+    virtual std::vector<pave::Outcome<Prediction>> evaluate_many(std::span<const std::vector<double>> points,
+                                                                 bool with_jacobian, Workspace& workspace) const {
+        std::vector<pave::Outcome<Prediction>> answers;
+        for (const auto& point : points) {
+            answers.push_back(evaluate(point, with_jacobian, workspace));
+        }
+        return answers;
+    }
+    // How many points evaluate_many() computes for about the price of one.
+    virtual std::size_t lanes() const { return 1; }
 };
 
 } // namespace explore::problem

@@ -54,9 +54,28 @@ std::string why_no_number(const Problem& problem, const Evaluation& e) {
 
 Evaluation Problem::evaluate(std::span<const double> unit, bool with_jacobian,
                              ForwardFunction::Workspace& workspace) const {
+    std::vector<double> parameters = space.physical(unit);
+    auto outcome = function->evaluate(parameters, with_jacobian, workspace);
+    return evaluation_of(std::move(parameters), std::move(outcome));
+}
+
+std::vector<Evaluation> Problem::evaluate_many(std::span<const std::vector<double>> units, bool with_jacobian,
+                                               ForwardFunction::Workspace& workspace) const {
+    std::vector<std::vector<double>> points;
+    for (const auto& unit : units) {
+        points.push_back(space.physical(unit));
+    }
+    auto outcomes = function->evaluate_many(points, with_jacobian, workspace);
+    std::vector<Evaluation> evaluations;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        evaluations.push_back(evaluation_of(std::move(points[i]), std::move(outcomes[i])));
+    }
+    return evaluations;
+}
+
+Evaluation Problem::evaluation_of(std::vector<double> parameters, pave::Outcome<Prediction> outcome) const {
     Evaluation e;
-    e.parameters = space.physical(unit);
-    auto outcome = function->evaluate(e.parameters, with_jacobian, workspace);
+    e.parameters = std::move(parameters);
     e.status = outcome.status();
     if (!outcome) {
         e.reason = outcome.failure().reason;
@@ -261,7 +280,9 @@ Eigen::VectorXd Problem::change_by(std::size_t i) const {
 
 Eigen::VectorXd Problem::change_by_gain(std::size_t i, const Evaluation& evaluation) const {
     const double slope = misfit_.slopes(evaluation.responses)[static_cast<Eigen::Index>(i)];
-    return slope * evaluation.responses[response_of(i)] * change_by(i);
+    Eigen::VectorXd change = slope * evaluation.responses[response_of(i)] * change_by(i);
+    change.head(static_cast<Eigen::Index>(readings())).array() *= misfit_.loss_slopes(evaluation.responses).array();
+    return change;
 }
 
 Problem Problem::setting_apart(const std::vector<char>& readings) const {

@@ -47,6 +47,10 @@ public:
     // unit: a point of the unit cube.
     Evaluation evaluate(std::span<const double> unit, bool with_jacobian, ForwardFunction::Workspace& workspace) const;
 
+    // The same at several points, by what computes many at once (ForwardFunction::evaluate_many).
+    std::vector<Evaluation> evaluate_many(std::span<const std::vector<double>> units, bool with_jacobian,
+                                          ForwardFunction::Workspace& workspace) const;
+
     // Readings that are compared: one residual each.
     std::size_t readings() const { return misfit_.size(); }
     std::size_t rows() const { return readings() + priors().size() + limits.size(); }
@@ -138,6 +142,7 @@ public:
     Problem in_units_of_noise() const;
 
 private:
+    Evaluation evaluation_of(std::vector<double> parameters, pave::Outcome<Prediction> outcome) const;
     Problem with_misfit(Misfit misfit) const;
     // loss: of each reading, what its whitened derivative is multiplied by.
     Eigen::MatrixXd rows_by_unit(const Evaluation& evaluation, const Eigen::VectorXd& loss) const;

@@ -64,7 +64,7 @@ std::vector<std::string> glyphs_of(const std::string& text) {
 // as tell the rows apart.
 class FoldedTable {
 public:
-    explicit FoldedTable(const std::vector<std::string>& rows) {
+    FoldedTable(const std::vector<std::string>& rows, std::size_t columns) : columns_(columns) {
         for (const std::string& row : rows) {
             rows_.push_back(glyphs_of(row));
             wide_ = std::max(wide_, rows_.back().size());
@@ -81,17 +81,16 @@ public:
         std::vector<std::string> lines;
         const std::size_t columns = begins_.size() - 1;
         constexpr std::size_t least_name = 24;
-        const std::size_t others =
-            columns > 1 ? wide_ - begins_[1] : terminal_columns; // the width of all but the first
-        if (columns > 1 && begins_[1] > terminal_columns / 2 && others + least_name <= terminal_columns) {
-            return with_narrow_names(terminal_columns - others);
+        const std::size_t others = columns > 1 ? wide_ - begins_[1] : columns_; // the width of all but the first
+        if (columns > 1 && begins_[1] > columns_ / 2 && others + least_name <= columns_) {
+            return with_narrow_names(columns_ - others);
         }
         std::size_t named = 1;
-        while (named + 1 < columns && begins_[named + 1] <= terminal_columns / 2 && !tells_apart(named)) {
+        while (named + 1 < columns && begins_[named + 1] <= columns_ / 2 && !tells_apart(named)) {
             ++named;
         }
         const std::size_t name = columns > 1 ? begins_[named] : 0; // the width of the first columns
-        const std::size_t most = name > terminal_columns / 2 ? 0 : terminal_columns - name;
+        const std::size_t most = name > columns_ / 2 ? 0 : columns_ - name;
         for (std::size_t from = named, to = named; from < columns; from = to) {
             for (to = from + 1; to < columns && begins_[to + 1] - gap - begins_[from] <= most;) {
                 ++to;
@@ -117,7 +116,7 @@ public:
                                         words[i]);
                     }
                 } else {
-                    const auto words = wrapped(own + cells, terminal_columns - 2, 2);
+                    const auto words = wrapped(own + cells, columns_ - 2, 2);
                     for (const std::string& line : words) {
                         lines.push_back("  " + line);
                     }
@@ -173,35 +172,36 @@ private:
         return text;
     }
 
+    std::size_t columns_; // of the terminal
     std::vector<std::vector<std::string>> rows_;
     std::vector<std::size_t> begins_; // of the columns, then where another would begin
     std::size_t wide_ = 0;
 };
 
 // A page in the width of the terminal: sentences wrapped, tables folded.
-std::string in_columns(const std::string& page) {
+std::string in_columns(const std::string& page, std::size_t columns) {
     const std::vector<std::string> all = lines_of(page);
     std::string text;
     for (std::size_t i = 0; i < all.size();) {
         std::size_t end = i;
         bool is_wide = false;
         while (end < all.size() && is_row(all[end])) {
-            is_wide = is_wide || width(all[end]) > terminal_columns;
+            is_wide = is_wide || width(all[end]) > columns;
             ++end;
         }
         std::vector<std::string> lines;
         if (end > i) {
             lines.assign(all.begin() + static_cast<std::ptrdiff_t>(i), all.begin() + static_cast<std::ptrdiff_t>(end));
             if (is_wide) {
-                lines = FoldedTable(lines).lines();
+                lines = FoldedTable(lines, columns).lines();
             }
         } else {
             end = i + 1;
             lines = {all[i]};
-            if (width(all[i]) > terminal_columns) {
+            if (width(all[i]) > columns) {
                 const std::size_t indent = all[i].find_first_not_of(' ');
                 const std::size_t command = all[i].find("pavescape "); // which is pasted from one line
-                lines = wrapped(all[i].substr(0, command), terminal_columns - indent, 2);
+                lines = wrapped(all[i].substr(0, command), columns - indent, 2);
                 if (command != std::string::npos) {
                     lines.push_back("  " + all[i].substr(command));
                 }
@@ -220,11 +220,10 @@ std::string more(std::size_t count) {
     return fmt::format("  ... and {} more (--verbose)", count);
 }
 
-// Words are cut, first those of the header; where the table is still too wide its last columns are left out, with a
-// mark.
-std::vector<std::string> table_lines(const Answer& answer, std::size_t rows) {
-    constexpr std::size_t name_columns = 30;
-    const auto lines_with = [&](std::size_t columns, std::size_t cell_columns) {
+// Words are cut where the table is too wide for them, first those of the header; where it still is its last columns are
+// left out, with a mark.
+std::vector<std::string> table_lines(const Answer& answer, std::size_t rows, std::size_t terminal) {
+    const auto lines_with = [&](std::size_t columns, std::size_t name_columns, std::size_t cell_columns) {
         const auto cut = [&](std::vector<std::string> row, const char* mark) {
             const bool is_left_out = columns < answer.header.size();
             row.resize(columns);
@@ -245,17 +244,47 @@ std::vector<std::string> table_lines(const Answer& answer, std::size_t rows) {
         }
         return lines_of(table.text());
     };
-    const auto fits = [](const std::vector<std::string>& lines) {
+    const auto fits = [&](const std::vector<std::string>& lines) {
         return std::all_of(lines.begin(), lines.end(),
-                           [](const std::string& line) { return width(line) <= terminal_columns; });
+                           [&](const std::string& line) { return width(line) <= terminal; });
+    };
+    struct Widths {
+        std::size_t name, cell;
     };
     std::vector<std::string> lines;
     for (std::size_t columns = answer.header.size(); columns > 0; --columns) {
-        for (const std::size_t cell_columns : {14, 12, 10}) { // a number takes ten at most
-            lines = lines_with(columns, cell_columns);
+        for (const auto& [name, cell] :
+             {Widths{terminal, terminal}, {30, 24}, {30, 14}, {30, 12}, {30, 10}, {20, 10}}) {
+            lines = lines_with(columns, name, cell); // a number takes ten at most
             if (fits(lines)) {
                 return lines;
             }
+        }
+    }
+    return lines;
+}
+
+// A line a step; a command that does not fit beside its words stands below them, in one line.
+std::vector<std::string> next_lines(const std::string& next, std::size_t columns) {
+    constexpr std::string_view opening = "Next: ";
+    const std::string margin(opening.size(), ' ');
+    std::vector<std::string> lines;
+    for (const std::string& step : lines_of(next)) {
+        std::string begin = lines.empty() ? std::string(opening) : margin;
+        if (width(begin + step) <= columns) {
+            lines.push_back(begin + step);
+            continue;
+        }
+        const std::size_t command = step.find("pavescape ");
+        for (const std::string& part : wrapped(step.substr(0, command), columns - margin.size(), 0)) {
+            lines.push_back(begin + part);
+            begin = margin;
+        }
+        if (command != std::string::npos) {
+            if (lines.empty()) {
+                lines.push_back(trimmed(begin));
+            }
+            lines.push_back("  " + step.substr(command));
         }
     }
     return lines;
@@ -298,12 +327,12 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t columns, s
     return lines;
 }
 
-std::string laid_out(const Answer& answer, Depth depth, const std::string& full, bool colour) {
+std::string laid_out(const Answer& answer, Depth depth, const std::string& full, bool colour, std::size_t columns) {
     constexpr std::size_t of_verdict = 5;
-    std::vector<std::string> verdict = wrapped(answer.verdict, terminal_columns, 0);
+    std::vector<std::string> verdict = wrapped(answer.verdict, columns, 0);
     if (depth == Depth::brief && verdict.size() > of_verdict) {
         verdict.resize(of_verdict);
-        verdict.back() = head(verdict.back(), terminal_columns - 4) + " ...";
+        verdict.back() = head(verdict.back(), columns - 4) + " ...";
     }
     std::string text = pave::join(verdict, "\n");
     text = (colour ? "\033[1;36m" + text + "\033[0m" : text) + "\n";
@@ -311,10 +340,10 @@ std::string laid_out(const Answer& answer, Depth depth, const std::string& full,
         return text;
     }
     if (depth == Depth::full) {
-        return text + "\n" + in_columns(full);
+        return text + "\n" + in_columns(full, columns);
     }
     const std::vector<std::string> next =
-        answer.next.empty() ? std::vector<std::string>() : wrapped("Next: " + answer.next, terminal_columns, 6);
+        answer.next.empty() ? std::vector<std::string>() : next_lines(answer.next, columns);
     std::size_t left = answer.lines - std::min(answer.lines, verdict.size() + next.size() + 2);
     std::vector<std::string> body;
     if (!answer.header.empty() && left > 6) {
@@ -322,8 +351,8 @@ std::string laid_out(const Answer& answer, Depth depth, const std::string& full,
         const std::size_t room = left - 3 - std::min<std::size_t>(left - 4, answer.notes.empty() ? 0 : kept_for_notes);
         const std::size_t rows = answer.rows.size() <= room ? answer.rows.size() : room - 1;
         body.emplace_back("");
-        body.push_back(head(answer.heading, terminal_columns));
-        const auto table = table_lines(answer, rows);
+        body.push_back(head(answer.heading, columns));
+        const auto table = table_lines(answer, rows, columns);
         body.insert(body.end(), table.begin(), table.end());
         if (rows < answer.rows.size()) {
             body.push_back(more(answer.rows.size() - rows));
@@ -333,7 +362,7 @@ std::string laid_out(const Answer& answer, Depth depth, const std::string& full,
     std::vector<std::string> notes;
     std::size_t said = 0;
     for (const std::string& note : answer.notes) {
-        const auto lines = wrapped("- " + note, terminal_columns, 2);
+        const auto lines = wrapped("- " + note, columns, 2);
         const bool is_last = said + 1 == answer.notes.size();
         if (notes.size() + lines.size() + (is_last ? 1 : 2) > left) {
             break; // those behind it matter less
@@ -354,7 +383,7 @@ std::string laid_out(const Answer& answer, Depth depth, const std::string& full,
     if (!next.empty()) {
         text += "\n" + pave::join(next, "\n") + "\n";
     }
-    return text;
+    return text + (answer.block.empty() ? "" : "\n" + answer.block);
 }
 
 } // namespace explore::report

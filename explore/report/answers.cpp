@@ -114,7 +114,7 @@ Answer fit_answer(const Json& json) {
     }
     const std::string study = shell(at(at(json, "study"), "file"));
     answer.next =
-        fmt::format("pavescape {} {}; picture: {}", is_contradicted ? "diagnose" : "unique", study, page_of(json));
+        fmt::format("pavescape {} {}\nPicture: {}", is_contradicted ? "diagnose" : "unique", study, page_of(json));
     return answer;
 }
 
@@ -160,7 +160,7 @@ Answer unique_answer(const Json& json) {
         return s.starts_with("The data accept ") || s.find(" lies between ") != std::string::npos;
     });
     answer.next = take_next(answer.notes);
-    answer.next += (answer.next.empty() ? "" : " Picture: ") + page_of(json);
+    answer.next += (answer.next.empty() ? "" : "\nPicture: ") + page_of(json);
     return answer;
 }
 
@@ -191,7 +191,7 @@ Answer diagnose_answer(const Json& json) {
     answer.next = take_next(answer.notes);
     if (is_extended) {
         answer.next += fmt::format("{}pavescape unique {}",
-                                   answer.next.empty() ? "" : " Then: ", shell(at(at(json, "extended"), "study")));
+                                   answer.next.empty() ? "" : "\nThen: ", shell(at(at(json, "extended"), "study")));
     } else if (answer.next.empty()) {
         answer.next = page_of(json);
     }
@@ -306,7 +306,7 @@ Answer sample_answer(const Json& json) {
         }
     }
     answer.next = take_next(answer.notes);
-    answer.next += (answer.next.empty() ? "" : " Picture: ") + page_of(json);
+    answer.next += (answer.next.empty() ? "" : "\nPicture: ") + page_of(json);
     return answer;
 }
 

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "material/law.h"
 #include "report/text.h"
+#include "run/program.h"
 #include "run/progress.h"
 
 #include <algorithm>
@@ -161,6 +162,47 @@ Json compare_json(const CompareResult& result, const analysis::RunOptions& run) 
         json["reason"] = result.laws[0].failed;
     }
     return json;
+}
+
+Answer compare_answer(const CompareResult& result, const analysis::RunOptions& run) {
+    Answer answer;
+    answer.notes = findings(result);
+    answer.verdict = answer.notes[0];
+    answer.notes.erase(answer.notes.begin());
+    if (result.failed()) {
+        answer.next = "pavescape forward " + run::shell_word(result.study.file);
+        return answer;
+    }
+    answer.heading =
+        result.is_of_studies() ? "Studies, best first" : fmt::format("Laws in {}, best first", result.layer);
+    answer.header = {"", "chi2", "p", "AICc", "weight", "left out", "answer"};
+    const auto number = [](const std::optional<double>& v) { return v ? figure(*v) : std::string("-"); };
+    for (const FittedLaw& f : result.laws) {
+        if (!f.failed.empty()) {
+            answer.rows.push_back({f.name(), "-", "-", "-", "-", "-", "no answer"});
+            continue;
+        }
+        const bool is_weighed = std::isfinite(f.aicc) && result.same_noise;
+        answer.rows.push_back({f.name(), figure(f.chi2), f.p_value ? fmt::format("{:.2g}", *f.p_value) : "-",
+                               is_weighed ? figure(f.aicc) : "-",
+                               is_weighed ? fmt::format("{:.0f} %", 100.0 * f.weight) : "-", number(f.by_place),
+                               std::string(landscape::verdict_names[static_cast<int>(f.answer.verdict)])});
+    }
+    const FittedLaw& first = result.laws[0];
+    const auto& layers = result.study.model.layers;
+    const bool is_own = result.is_of_studies() || std::any_of(layers.begin(), layers.end(), [&](const auto& layer) {
+                            return layer.name == result.layer && layer.law == first.law;
+                        });
+    const std::string file = run::shell_word(result.is_of_studies() ? first.study.file : result.study.file);
+    const bool fits = std::any_of(result.laws.begin(), result.laws.end(), [](const FittedLaw& f) {
+        return f.failed.empty() && f.p_value.value_or(1.0) >= 0.05;
+    });
+    answer.next =
+        (is_own ? ""
+                : fmt::format("law = \"{}\" of {} in {}, then the same command\n", first.name(), result.layer, file)) +
+        fmt::format("pavescape {} {}\nPicture: pavescape report {}", fits ? "unique" : "diagnose", file,
+                    run::shell_word(run.folder));
+    return answer;
 }
 
 std::string compare_text(const CompareResult& result, const analysis::RunOptions& run) {

@@ -2,12 +2,13 @@
 #pragma once
 
 #include "analysis/compare/compare.h"
-#include "report/json.h"
+#include "report/answer.h"
 
 namespace explore::report {
 
 // "status" and "reason" where no law has an answer.
 Json compare_json(const analysis::CompareResult& result, const analysis::RunOptions& run);
+Answer compare_answer(const analysis::CompareResult& result, const analysis::RunOptions& run);
 std::string compare_text(const analysis::CompareResult& result, const analysis::RunOptions& run);
 
 } // namespace explore::report

@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "report/text.h"
+#include "run/program.h"
 #include "study/seasons.h"
 
 #include <algorithm>
@@ -64,6 +65,10 @@ Json criterion_json(const CriterionLife& c) {
     add_range(json, "remaining", c, c.remaining);
     json["if_wrong"] = wide_json(c, c.years);
     json["if_wrong"]["held_by_data"] = c.short_is_held && c.long_is_held;
+    json["distribution"] = Json::array();
+    for (const auto& [repetitions, probability] : c.distribution) {
+        json["distribution"].push_back({{"allowable", number(repetitions)}, {"probability", probability}});
+    }
     json["passed"] = c.criterion.passed;
     json["required"] = c.required;
     json["place"] = place_json(c.place);
@@ -103,6 +108,18 @@ std::string range_words(const CriterionLife& c, const auto& words) {
     const std::string low = words(c, c.allowable.low);
     const std::string high = words(c, c.allowable.high);
     return low == high ? low : fmt::format("{} to {}", low, high);
+}
+
+// The header and a row a criterion.
+std::vector<std::vector<std::string>> table_of(const DesignResult& result) {
+    std::vector<std::vector<std::string>> rows{{"criterion", "strain", "repeats", "95 %", "years", "95 %", "first"}};
+    for (const CriterionLife& c : result.criteria) {
+        rows.push_back({c.criterion.name, std::isnan(c.strain.best) ? "-" : figure(c.strain.best),
+                        repetitions_words(c, c.allowable.best), range_words(c, analysis::repetitions_words),
+                        years_words(c, c.allowable.best), range_words(c, analysis::years_words),
+                        result.no_range.empty() ? fmt::format("{:.0f} %", 100.0 * c.governs) : "-"});
+    }
+    return rows;
 }
 
 std::string millimetres(const std::optional<double>& mm, double most) {
@@ -147,20 +164,38 @@ Json design_json(const DesignResult& result, const analysis::RunOptions& run) {
         }
         json["seasons"].push_back({{"name", season.name}, {"share", season.share}, {"factors", factors}});
     }
+    json["strains_from_between"] = {{"runs", result.runs_between}, {"off", result.off_between}};
     json["computed"] = result.computed;
     json["kept"] = result.kept;
     json["seconds"] = result.seconds;
     return json;
 }
 
-std::string design_text(const DesignResult& result, const analysis::RunOptions& run) {
-    Table table({"criterion", "strain", "repeats", "95 %", "years", "95 %", "first"});
-    for (const CriterionLife& c : result.criteria) {
-        table.add({c.criterion.name, std::isnan(c.strain.best) ? "-" : figure(c.strain.best),
-                   repetitions_words(c, c.allowable.best), range_words(c, analysis::repetitions_words),
-                   years_words(c, c.allowable.best), range_words(c, analysis::years_words),
-                   result.no_range.empty() ? fmt::format("{:.0f} %", 100.0 * c.governs) : "-"});
+Answer design_answer(const DesignResult& result, const analysis::RunOptions& run) {
+    Answer answer;
+    answer.notes = findings(result);
+    answer.verdict = answer.notes[0];
+    answer.notes.erase(answer.notes.begin());
+    answer.heading = "Lives (95 %): repetitions of the axle, years left, which criterion ends first";
+    const auto table = table_of(result);
+    answer.header = table.front();
+    answer.rows.assign(table.begin() + 1, table.end());
+    const auto deciding = std::find_if(answer.notes.begin(), answer.notes.end(), [](const std::string& words) {
+        return words.starts_with("What would decide: ");
+    });
+    if (deciding != answer.notes.end()) {
+        answer.next = "what would decide" + deciding->substr(deciding->find(':')) + "\n";
+        answer.notes.erase(deciding);
     }
+    answer.next +=
+        (answer.next.empty() ? "" : "Page: ") + std::string("pavescape report ") + run::shell_word(run.folder);
+    return answer;
+}
+
+std::string design_text(const DesignResult& result, const analysis::RunOptions& run) {
+    const auto rows = table_of(result);
+    Table table(rows.front());
+    std::for_each(rows.begin() + 1, rows.end(), [&](const auto& row) { table.add(row); });
     const analysis::Overlay& overlay = *result.overlay;
     std::string mm = fmt::format("  overlay [mm]: {} at the best set", millimetres(overlay.best, overlay.most));
     if (result.no_range.empty()) {

@@ -43,6 +43,23 @@ Json effects_json() {
     return json;
 }
 
+Answer effects_answer() {
+    Answer answer;
+    answer.lines = all_lines;
+    const auto& all = pave::pavement::effects();
+    answer.verdict = fmt::format("{} effects can be added to a study, each with a size.", all.size());
+    answer.heading = "Effects";
+    answer.header = {"name", "unit of size", "none", "typical", "acts on"};
+    for (const auto* effect : all) {
+        answer.rows.push_back({std::string(effect->name), std::string(effect->unit), fmt::format("{:g}", effect->null),
+                               fmt::format("{:g}", effect->typical), std::string(effect->acts_on)});
+    }
+    answer.next =
+        "[[effects]] with name and size in a study; diagnose tries them all. Mechanisms, ranges and sources:\n"
+        "pavescape effects --verbose";
+    return answer;
+}
+
 std::string effects_text() {
     Table table({"name", "unit of size", "no effect", "from", "to", "typical", "acts on", "options"});
     std::string words;

@@ -423,6 +423,9 @@ std::string unit_words(const std::string& unit) {
 }
 
 std::string quantity_words(const std::string& quantity) {
+    if (quantity == "benkelman") {
+        return "Benkelman deflection";
+    }
     const auto cut = quantity.find('_');
     const std::string kind = quantity.substr(0, cut);
     const std::string axis = cut == std::string::npos ? "" : quantity.substr(cut + 1);

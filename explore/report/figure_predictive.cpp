@@ -1,4 +1,4 @@
-// Readings against what the draws of a posterior predict of them, with their noise.
+// Readings against what the draws of a posterior, or of the prior, predict of them, with their noise.
 #include "report/figures.h"
 
 #include <algorithm>
@@ -23,18 +23,17 @@ std::string words_of(const Json& row) {
 
 } // namespace
 
-Figure predictive_figure(const Json& sample) {
-    const Json& rows = sample.at("predictive").at("readings");
+Figure predictive_figure(const Json& rows, const std::string& name) {
     const auto count = static_cast<double>(rows.size());
     constexpr double row_height = 0.4;
-    Figure figure{.name = "predictive", .width = 13.5};
+    Figure figure{.name = name, .width = 13.5};
     Panel panel;
     panel.left = 4.4;
     panel.bottom = 1.2;
     panel.width = 8.7;
     panel.height = row_height * count;
     figure.height = panel.bottom + panel.height + 0.4;
-    DataTable table{"predictive", {"reading", "measured", "low", "median", "high", "unit", "pit"}, {}};
+    DataTable table{name, {"reading", "measured", "low", "median", "high", "unit", "pit"}, {}};
     Boxes ranges{.colours = {0xE1E6EA}};
     Line inside{.colour = okabe_ito[0], .width = 0.0, .marker = Marker::circle, .marker_size = 1.1};
     Line outside{.colour = okabe_ito[1], .width = 0.0, .marker = Marker::square, .marker_size = 1.1};
@@ -52,7 +51,7 @@ Figure predictive_figure(const Json& sample) {
         Line& line = row.at("inside").get<bool>() ? inside : outside;
         line.x.push_back((row.at("measured").get<double>() - median) / half);
         line.y.push_back(at);
-        most = std::max(most, std::abs(line.x.back()));
+        most = std::max({most, std::abs(line.x.back()), ranges.right.back(), -ranges.left.back()});
         panel.y.ticks.push_back({at, words_of(row)});
         table.rows.push_back({words_of(row), cell(row.at("measured").get<double>()), cell(low), cell(median),
                               cell(high), row.at("unit").get<std::string>(), cell(row.at("pit").get<double>())});

@@ -18,6 +18,7 @@ struct Strip {
     std::string quantity, unit, label{}; // label: beside the axis
     std::vector<Value> values{};         // in the order of the stations
     bool from_zero = false;
+    bool is_log = false; // then values are above 0
     double limit = none; // a dashed line
     bool medians = true; // of homogeneous sections
 };
@@ -219,6 +220,12 @@ PlotAxis value_axis(const Strip& strip) {
                 high = std::isnan(high) ? at : std::max(high, at);
             }
         }
+    }
+    if (strip.is_log) {
+        constexpr double beside = 1.2;
+        PlotAxis axis{.label = strip.label, .low = low / beside, .high = high * beside, .log = true};
+        axis.ticks = round_ticks(axis.low, axis.high, true, 4);
+        return axis;
     }
     low = strip.from_zero ? std::min(0.0, low) : low;
     const double margin = high > low ? 0.08 * (high - low) : std::max(1e-9, 0.1 * std::abs(high));
@@ -452,6 +459,18 @@ Figure back_calculation_figure(const Json& survey) {
         }
     };
     std::vector<Strip> strips;
+    Strip years{.quantity = "years", .unit = "years", .label = "years\nleft", .is_log = true};
+    for (const Json& s : road.stations) {
+        const Json lives = s.value("lives", Json::object());
+        const auto at = [&](const char* key) {
+            const double value = number_or_none(lives.value(key, Json()));
+            return value > 0.0 ? value : none;
+        };
+        years.values.push_back({.value = at("years"), .low = at("years_low"), .high = at("years_high")});
+    }
+    if (has_values(years)) {
+        strips.push_back(std::move(years));
+    }
     for (const std::string& name : parameters) {
         const AxisWords words = axis_words(name);
         strips.push_back(strip_of(road, name, words.unit, words.lines(), [&](const Json& s) {

@@ -205,6 +205,16 @@ std::vector<std::string> figures_of(const FolderContents& contents) {
             names.emplace_back("predictive");
         }
     }
+    if (results.contains("design") && results.at("design").contains("overlay_mm")) {
+        const Json& criteria = results.at("design").at("criteria");
+        if (std::any_of(criteria.begin(), criteria.end(),
+                        [](const Json& c) { return !c.value("distribution", Json::array()).empty(); })) {
+            names.insert(names.end(), {"life", "overlay"});
+        }
+    }
+    if (results.contains("sample-prior") && !results.at("sample-prior").value("readings", Json::array()).empty()) {
+        names.emplace_back("prior-predictive");
+    }
     if (const Json* road = road_in(results)) {
         const auto any = [&](const char* key) {
             return std::any_of(road->at("stations").begin(), road->at("stations").end(),
@@ -263,7 +273,16 @@ Figure make_figure(const FolderContents& contents, const std::string& name) {
         return posterior_figure(contents.results.at("sample"));
     }
     if (name == "predictive") {
-        return predictive_figure(contents.results.at("sample"));
+        return predictive_figure(contents.results.at("sample").at("predictive").at("readings"), name);
+    }
+    if (name == "prior-predictive") {
+        return predictive_figure(contents.results.at("sample-prior").at("readings"), name);
+    }
+    if (name == "life") {
+        return life_figure(contents.results.at("design"));
+    }
+    if (name == "overlay") {
+        return overlay_figure(contents.results.at("design"));
     }
     if (name == "deflections") {
         return deflections_figure(*road_in(contents.results));

@@ -17,8 +17,8 @@ struct FolderContents {
 };
 
 // Names of the figures that can be made of it, in their order: "landscape", "landscape-close", "profiles", "fit",
-// "residuals", "candidates", "corrections", "sensitivity", "posterior", "predictive", "deflections",
-// "back-calculation".
+// "residuals", "candidates", "corrections", "sensitivity", "posterior", "predictive", "prior-predictive", "life",
+// "overlay", "deflections", "back-calculation".
 std::vector<std::string> figures_of(const FolderContents& contents);
 // One of them. Throws Json::exception for results that are not those of this program.
 Figure make_figure(const FolderContents& contents, const std::string& name);
@@ -43,8 +43,11 @@ Figure sampled_landscape_figure(const Json& evaluations, const Json& parameters,
 // The posterior of `sample`: the draws over every pair with the region that holds 95 % of them, each parameter with
 // its prior.
 Figure posterior_figure(const Json& sample);
-// The readings against the ranges in which its draws predict them.
-Figure predictive_figure(const Json& sample);
+// The distribution of every life of `design`, with what is required of it dashed; the overlay against the reliability.
+Figure life_figure(const Json& design);
+Figure overlay_figure(const Json& design);
+// The readings against the ranges in which draws predict them. readings: as report/predictive.h writes them.
+Figure predictive_figure(const Json& readings, const std::string& name);
 // Along the road of `survey` or `road`: deflections and indices of every station; parameters and outputs with their 95
 // % ranges, and how well they fit. Above them what is worth a look: stations without a result, outliers, remarks.
 Figure deflections_figure(const Json& survey);

@@ -16,6 +16,11 @@
 namespace explore::report {
 namespace {
 
+// An error as large as half of what the study allows.
+bool says_nothing(const landscape::LocalAnalysis& local, std::size_t parameter) {
+    return !(local.standard_error[parameter] <= 0.5);
+}
+
 using analysis::FitResult;
 using analysis::GroupFit;
 using landscape::Minimum;
@@ -180,7 +185,7 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
         json["best"]["std_error"][name.get<std::string>()] = nullptr;
     }
     for (std::size_t k = 0; k < space.axes.size(); ++k) {
-        if (!local.determines(k)) {
+        if (says_nothing(local, k)) {
             json["best"]["std_error"][space.axes[k].name] = nullptr;
         }
     }
@@ -247,7 +252,7 @@ std::string fit_text(const FitResult& result, const analysis::RunOptions& run) {
             {axis.name, figure(best.evaluation.parameters[k]),
              held ? fmt::format("95 %: {} to {}", figure(axis.physical(held->low)), figure(axis.physical(held->high)))
              : landscape::is_at_bound(best.unit[k]) ? "at bound"
-             : !local.determines(k)                 ? "not determined"
+             : says_nothing(local, k)               ? "not determined"
                                                     : figure(error),
              figure(axis.low), figure(axis.high)});
     }

@@ -3,12 +3,16 @@
 #include "base/text.h"
 #include "data/csv.h"
 #include "report/text.h"
+#include "run/program.h"
 
+#include <cctype>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace explore::report {
 
 using pave::counted;
+using pave::figure;
 using pave::pavement::Response;
 
 Json forward_json(const study::Study& study, const pave::pavement::ForwardModel* model,
@@ -49,6 +53,71 @@ Json forward_json(const study::Study& study, const pave::pavement::ForwardModel*
         json["jacobian"] = {{"parameters", std::move(names)}, {"rows", std::move(rows)}};
     }
     return json;
+}
+
+Answer forward_answer(const study::Study& study, const Response& response, const std::vector<study::NamedValue>& values,
+                      const std::vector<std::string>& fields) {
+    Answer answer;
+    answer.lines = all_lines;
+    double squares = 0.0;
+    double largest = 0.0;
+    std::size_t compared = 0;
+    std::string where;
+    const bool has_derivatives = response.jacobian.cols() > 0;
+    answer.header = has_derivatives ? with_axes({"", "model", "unit"}, study.space)
+                                    : std::vector<std::string>{"", "measured", "model", "unit", "difference"};
+    for (std::size_t i = 0; i < response.values.size(); ++i) {
+        const data::Reading& r = study.readings[i];
+        const double model = r.in_unit(response.values[i]);
+        std::vector<std::string> row{r.is_measured() ? r.label() : r.output};
+        if (has_derivatives) {
+            row.insert(row.end(), {figure(model), std::string(r.unit.name)});
+            for (Eigen::Index k = 0; k < response.jacobian.cols(); ++k) {
+                row.push_back(figure(r.in_unit(response.jacobian(static_cast<Eigen::Index>(i), k))));
+            }
+        } else {
+            row.insert(row.end(),
+                       {r.is_measured() ? fmt::format("{}{}", data::sign_of(r.censored), figure(r.value)) : "",
+                        figure(model), std::string(r.unit.name)});
+        }
+        if (r.is_measured() && r.value != 0.0 && r.censored == data::Censored::no) {
+            const double off = 100.0 * (model / r.value - 1.0);
+            squares += off * off;
+            ++compared;
+            if (!(std::abs(off) <= std::abs(largest))) {
+                largest = off;
+                where = r.label();
+            }
+            if (!has_derivatives) {
+                row.push_back(fmt::format("{:+.1f} %", off));
+            }
+        }
+        row.resize(answer.header.size());
+        answer.rows.push_back(std::move(row));
+    }
+    std::vector<std::string> set;
+    for (const auto& [name, value] : values) {
+        set.push_back(fmt::format("{} = {}", name, value));
+    }
+    const std::string place = set.empty() ? "At the study's own values" : "At " + pave::join(set);
+    answer.verdict =
+        compared > 0
+            ? fmt::format("{} the model is {:.3g} % off the {} (root mean square), at most {:+.3g} % at {}.", place,
+                          std::sqrt(squares / static_cast<double>(compared)), counted(compared, "reading", "readings"),
+                          largest, where)
+            : fmt::format("{} the model gives {}.", place, counted(response.values.size(), "response", "responses"));
+    answer.heading = has_derivatives ? "Responses, and derivatives by the parameters" : "Responses";
+    answer.notes = response.warnings;
+    answer.notes.emplace_back(signs(study));
+    answer.notes.back()[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(answer.notes.back()[0])));
+    answer.notes.back() += ".";
+    for (const std::string& file : fields) {
+        answer.notes.push_back("Fields for ParaView: " + file);
+    }
+    if (compared > 0 && !study.parameters.empty() && !has_derivatives) {
+        answer.next = "pavescape fit " + run::shell_word(study.file);
+    }
+    return answer;
 }
 
 std::string forward_text(const study::Study& study, const Response& response,

@@ -4,7 +4,7 @@
 #include "analysis/studies/point_list.h"
 #include "base/outcome.h"
 #include "pavement/forward.h"
-#include "report/json.h"
+#include "report/answer.h"
 #include "study/values.h"
 
 namespace explore::report {
@@ -12,7 +12,9 @@ namespace explore::report {
 // model: none of a study with its own. values: of the study that were set to others.
 Json forward_json(const study::Study& study, const pave::pavement::ForwardModel* model,
                   const pave::Outcome<pave::pavement::Response>& outcome, const std::vector<study::NamedValue>& values);
-// Of a run with an answer.
+// Of a run with an answer. fields: files of them that were written.
+Answer forward_answer(const study::Study& study, const pave::pavement::Response& response,
+                      const std::vector<study::NamedValue>& values, const std::vector<std::string>& fields);
 std::string forward_text(const study::Study& study, const pave::pavement::Response& response,
                          const std::vector<study::NamedValue>& values);
 // A line a point: its values, the readings and outputs there, and how it ended.

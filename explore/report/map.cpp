@@ -107,6 +107,48 @@ Json map_json(const MapResult& map, const analysis::RunOptions& run) {
     return json;
 }
 
+Answer map_answer(const MapResult& map, const analysis::RunOptions& run) {
+    Answer answer;
+    if (map.failed()) {
+        answer.verdict =
+            fmt::format("None of {} has an answer.", pave::counted(map.evaluations.size(), "point", "points"));
+        answer.next = "pavescape forward " + run::shell_word(map.study.file);
+        return answer;
+    }
+    answer.notes = findings(map);
+    answer.verdict = answer.notes[0];
+    answer.notes.erase(answer.notes.begin());
+    if (map.options.model.alone()) {
+        answer.verdict += " By the reduced model alone: --model auto refines it with the full one.";
+    }
+    answer.heading = "The lowest points";
+    answer.header = with_axes({"point", "misfit"}, map.study.space);
+    for (const auto& low : map.lowest) {
+        std::vector<std::string> row{fmt::format("{}", low.number), figure(low.evaluation.misfit)};
+        std::transform(low.evaluation.parameters.begin(), low.evaluation.parameters.end(), std::back_inserter(row),
+                       [](double value) { return figure(value); });
+        answer.rows.push_back(std::move(row));
+    }
+    const auto without = static_cast<std::size_t>(
+        std::count_if(map.evaluations.begin(), map.evaluations.end(), [](const auto& e) { return !e.converged(); }));
+    if (without > 0) {
+        answer.notes.push_back(fmt::format("{} of {} have no answer (--verbose counts the reasons).", without,
+                                           pave::counted(map.evaluations.size(), "point", "points")));
+    }
+    if (map.explored) {
+        answer.notes.push_back(fmt::format("The map predicts the misfit within {:g} % in {:.0f} to {:.0f} % of the box "
+                                           "(95 %).",
+                                           100.0 * landscape::Explored::tolerance, 100.0 * map.explored->low,
+                                           100.0 * map.explored->high));
+    }
+    const std::string folder = run::shell_word(run.folder);
+    answer.next =
+        fmt::format("pavescape fit {} --from {}\nPicture: pavescape plot {} map\nAll points: pavescape export "
+                    "{} --command map",
+                    run::shell_word(map.study.file), folder, folder, folder);
+    return answer;
+}
+
 std::string map_text(const MapResult& map, const analysis::RunOptions& run) {
     std::string text =
         fmt::format("{}\n  {}: {} computed in {} ({:.1f} runs/s), {} kept from before\n", study_summary(map.study),

@@ -59,6 +59,25 @@ Json noise_json(const analysis::NoiseResult& result) {
     return json;
 }
 
+Answer noise_answer(const analysis::NoiseResult& result) {
+    Answer answer;
+    answer.lines = 30;
+    answer.notes = findings(result);
+    answer.verdict = answer.notes[0];
+    answer.notes.erase(answer.notes.begin());
+    answer.heading = "Noise of one drop (95 %)";
+    answer.header = {"part", "value", "from", "to", "unit"};
+    for (const auto& [part, key, unit] : words) {
+        const bool is_known = result.model.value[part] > 0.0;
+        const auto number = [&](double value) { return is_known ? fmt::format("{:.3g}", value) : std::string("-"); };
+        answer.rows.push_back({key, number(result.model.value[part]), number(result.model.low[part]),
+                               number(result.model.high[part]), unit});
+    }
+    answer.next = "put this into the study:";
+    answer.block = noise_block(result.model);
+    return answer;
+}
+
 std::string noise_text(const analysis::NoiseResult& result) {
     std::string text = fmt::format(
         "{}, {} of repeated drops, {} in them\n\nScatter of ln(deflection / pressure) of one drop, and its "

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "analysis/survey/noise.h"
-#include "report/json.h"
+#include "report/answer.h"
 
 namespace explore::report {
 
@@ -10,6 +10,7 @@ namespace explore::report {
 std::string noise_block(const analysis::NoiseModel& model);
 
 Json noise_json(const analysis::NoiseResult& result);
+Answer noise_answer(const analysis::NoiseResult& result);
 std::string noise_text(const analysis::NoiseResult& result);
 
 } // namespace explore::report

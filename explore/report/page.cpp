@@ -12,6 +12,7 @@
 PAVESCAPE_EMBED(pavescape_script, PAVESCAPE_WEB "/report.js");
 PAVESCAPE_EMBED(pavescape_words, PAVESCAPE_WEB "/words.js");
 PAVESCAPE_EMBED(pavescape_summary, PAVESCAPE_WEB "/summary.js");
+PAVESCAPE_EMBED(pavescape_design, PAVESCAPE_WEB "/design.js");
 PAVESCAPE_EMBED(pavescape_road, PAVESCAPE_WEB "/road.js");
 PAVESCAPE_EMBED(pavescape_landscape, PAVESCAPE_WEB "/landscape.js");
 PAVESCAPE_EMBED(pavescape_blocks, PAVESCAPE_WEB "/blocks.js");
@@ -74,6 +75,7 @@ std::string page(const Json& data) {
                         harmless(data) + "</script>",
                     std::string(text(pavescape_landscape_begin, pavescape_landscape_end)) +
                         std::string(text(pavescape_summary_begin, pavescape_summary_end)) +
+                        std::string(text(pavescape_design_begin, pavescape_design_end)) +
                         std::string(text(pavescape_road_begin, pavescape_road_end)) +
                         std::string(text(pavescape_script_begin, pavescape_script_end)));
 }

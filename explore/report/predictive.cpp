@@ -3,6 +3,7 @@
 #include "analysis/explore/build.h"
 #include "base/text.h"
 #include "report/text.h"
+#include "run/program.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -58,6 +59,29 @@ Json prior_check_json(const analysis::PriorCheck& check, const analysis::RunOpti
             {"version", analysis::version},
             {"seed", run.seed},
             {"run", run.folder}};
+}
+
+Answer prior_check_answer(const analysis::PriorCheck& check, const analysis::RunOptions& run) {
+    Answer answer;
+    answer.notes = analysis::findings(check);
+    answer.verdict = answer.notes[0];
+    answer.notes.erase(answer.notes.begin());
+    answer.heading = "Readings as the prior predicts them, with their noise";
+    answer.header = {"reading", "measured", "2.5 %", "50 %", "97.5 %", "unit", ""};
+    for (const PredictedReading& p : check.readings) {
+        const data::Reading& reading = check.study.readings[p.row];
+        answer.rows.push_back(
+            {reading.words(), fmt::format("{}{}", data::sign_of(reading.censored), figure(reading.value)),
+             figure(reading.in_unit(p.low)), figure(reading.in_unit(p.median)), figure(reading.in_unit(p.high)),
+             std::string(reading.unit.name), p.is_inside() ? "" : "outside"});
+    }
+    answer.notes.push_back(fmt::format("{} points of the prior, {} with an answer ({} computed, {} kept from before).",
+                                       check.points, check.answered, check.computed, check.kept));
+    answer.next = check.unreached().empty() ? "pavescape sample " + run::shell_word(check.study.file)
+                                            : "look at units, places, bounds and the section before any fit\n"
+                                              "Results: " +
+                                                  run.folder + "/sample-prior.json";
+    return answer;
 }
 
 std::string prior_check_text(const analysis::PriorCheck& check) {

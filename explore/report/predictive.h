@@ -2,7 +2,7 @@
 #pragma once
 
 #include "analysis/sample/prior_check.h"
-#include "report/json.h"
+#include "report/answer.h"
 
 namespace explore::report {
 
@@ -12,6 +12,7 @@ Json predicted_json(const study::Study& study, const std::vector<analysis::Predi
 std::string predicted_table(const study::Study& study, const std::vector<analysis::PredictedReading>& readings);
 
 Json prior_check_json(const analysis::PriorCheck& check, const analysis::RunOptions& run);
+Answer prior_check_answer(const analysis::PriorCheck& check, const analysis::RunOptions& run);
 std::string prior_check_text(const analysis::PriorCheck& check);
 
 } // namespace explore::report

@@ -4,6 +4,7 @@
 #include "analysis/survey/survey_findings.h"
 #include "base/text.h"
 #include "data/csv.h"
+#include "report/lives.h"
 #include "report/survey.h"
 #include "report/table.h"
 
@@ -180,6 +181,9 @@ std::string road_csv(const RoadResult& result) {
             text += "," + data::csv_cell(name + std::string(column));
         }
     }
+    for (const std::string& column : life_columns(result.survey)) {
+        text += "," + data::csv_cell(column);
+    }
     text += ",drops_used,file,line\n";
     for (const RoadStation& s : result.stations) {
         const analysis::StationResult& station = result.survey.stations[s.station];
@@ -199,6 +203,9 @@ std::string road_csv(const RoadResult& result) {
                 cells.insert(cells.end(), {number(range->value), number(range->low), number(range->high),
                                            range->determined ? "true" : "false"});
             }
+        }
+        for (std::string& text_of_life : life_cells(result.survey, station)) {
+            cells.push_back(std::move(text_of_life));
         }
         std::size_t drops = 0;
         for (const std::size_t level : station.used_levels()) {

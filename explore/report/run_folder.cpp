@@ -59,7 +59,14 @@ bool names_its_study(const Json& result) {
 // The results that each command left in the folder when it was done.
 Json results_in(const std::filesystem::path& folder, const std::vector<std::string>& commands) {
     Json results = Json::object();
+    std::vector<std::string> names;
     for (const std::string& command : commands) {
+        names.push_back(command);
+        if (command == "sample") {
+            names.emplace_back("sample-prior"); // by its option --prior
+        }
+    }
+    for (const std::string& command : names) {
         const auto path = folder / (command + ".json");
         if (!std::filesystem::is_regular_file(path)) {
             continue;

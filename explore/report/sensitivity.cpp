@@ -209,7 +209,87 @@ Json sensitivity_json(const SensitivityResult& s, const analysis::RunOptions& ru
         json["findings"] = findings(s);
     }
     json["warnings"] = warnings_json(s.own);
+    json["answer"] = sensitivity_answer(s, run).verdict;
     return json;
+}
+
+// A row a response, a column a parameter: of its variance over the box the share that the parameter makes in all, or
+// where no sample was computed its elasticity.
+Answer sensitivity_answer(const SensitivityResult& s, const analysis::RunOptions& run) {
+    Answer answer;
+    const auto& axes = s.study.space.axes;
+    const bool is_global = s.options.samples > 0 && s.global.complete >= 2;
+    std::vector<double> largest(axes.size(), 0.0); // of all responses
+    std::vector<std::size_t> leads(axes.size(), 0);
+    answer.header = with_axes({""}, s.study.space);
+    std::size_t varying = 0;
+    for (std::size_t i = 0; i < s.responses.size(); ++i) {
+        std::vector<std::string> row{s.study.readings[s.responses[i]].label()};
+        std::size_t lead = 0;
+        double most = -1.0;
+        for (std::size_t k = 0; k < axes.size(); ++k) {
+            const double value =
+                is_global ? s.global.responses[i].total[k].value
+                          : s.elasticity(static_cast<Eigen::Index>(s.responses[i]), static_cast<Eigen::Index>(k));
+            row.push_back(!std::isfinite(value) ? "-"
+                          : is_global           ? fmt::format("{:.0f} %", std::min(100.0, 100.0 * std::max(0.0, value)))
+                                                : fmt::format("{:+.2f}", value));
+            if (std::abs(value) > most) {
+                most = std::abs(value);
+                lead = k;
+            }
+            largest[k] = std::max(largest[k], std::isfinite(value) ? std::abs(value) : 0.0);
+        }
+        if (most > 0.0) {
+            ++leads[lead];
+            ++varying;
+        }
+        answer.rows.push_back(std::move(row));
+    }
+    const auto first = static_cast<std::size_t>(std::max_element(leads.begin(), leads.end()) - leads.begin());
+    const std::string over = is_global ? "Over the box" : "Near the study's own values";
+    answer.verdict = varying == 0 ? over + " no parameter moves any of these responses."
+                     : axes.size() == 1
+                         ? fmt::format("{} {} moves {} of {}.", over, axes[0].name, varying,
+                                       pave::counted(s.responses.size(), "response", "responses"))
+                         : fmt::format("{} {} matters most to {} of {}.", over, axes[first].name, leads[first],
+                                       pave::counted(s.responses.size(), "response", "responses"));
+    answer.heading = is_global ? "Share of the variance over the box, with interactions"
+                               : "% of the response for 1 % of the parameter";
+    std::vector<std::string> idle;
+    constexpr double little = 0.05;
+    for (std::size_t k = 0; k < axes.size(); ++k) {
+        if (varying > 0 && largest[k] < little && (is_global || axes[k].start != 0.0)) {
+            idle.push_back(axes[k].name);
+        }
+    }
+    if (is_global) {
+        answer.notes = findings(s);
+        std::erase_if(answer.notes, [](const std::string& words) { // what the table says already
+            return words.find(" is governed by ") != std::string::npos;
+        });
+    } else if (s.options.samples > 0) {
+        answer.notes = findings(s);
+    }
+    for (const auto& axis : axes) {
+        if (axis.start == 0.0) {
+            answer.notes.push_back(fmt::format("{} is 0 in the study: it has no percentage.", axis.name));
+        }
+    }
+    std::size_t holes = 0;
+    for (const auto& curve : s.curves) {
+        holes += static_cast<std::size_t>(
+            std::count_if(curve.points.begin(), curve.points.end(), [](const auto& e) { return !e.converged(); }));
+    }
+    if (holes > 0) {
+        answer.notes.push_back(fmt::format("{} of the curves {} no answer (--verbose says why).",
+                                           pave::counted(holes, "point", "points"), holes == 1 ? "has" : "have"));
+    }
+    answer.next = (idle.empty() ? ""
+                                : fmt::format("hold {} at a known value: these responses do not determine {}\n",
+                                              pave::join(idle), idle.size() == 1 ? "it" : "them")) +
+                  "Picture: pavescape report " + run::shell_word(run.folder);
+    return answer;
 }
 
 std::string sensitivity_text(const SensitivityResult& s, const analysis::RunOptions& run) {

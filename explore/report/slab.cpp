@@ -1,10 +1,11 @@
 #include "report/slab.h"
 
 #include "base/text.h"
-#include "report/answer.h"
-#include "report/table.h"
+#include "report/text.h"
 
+#include <algorithm>
 #include <fmt/format.h>
+#include <iterator>
 
 namespace explore::report {
 
@@ -57,36 +58,77 @@ Json slab_json(const analysis::SlabResult& result) {
     return json;
 }
 
-std::string slab_text(const analysis::SlabResult& result) {
-    constexpr std::size_t columns = 80;
-    std::string text;
-    for (const std::string& sentence : findings(result)) {
-        for (const std::string& line : wrapped(sentence, columns - 2, 2)) {
-            text += "  " + line + "\n";
+namespace {
+
+constexpr std::size_t slab_columns = 8;
+
+std::vector<std::string> header_of(const analysis::SlabResult& result) {
+    return {"station",  "D0 um", "AREA mm",   "l mm", is_liquid(result) ? "k MPa/m" : "E0 MPa",
+            "slab MPa", "RMS %", "transfer %"};
+}
+
+std::vector<std::string> row_of(const SlabStation& s) {
+    const auto cell = [](const std::optional<double>& value) { return value ? figure(*value, 3) : std::string(); };
+    std::vector<std::string> cells{s.name, s.d0_um > 0.0 ? figure(s.d0_um, 3) : "", cell(s.area_mm)};
+    if (s.fit) {
+        for (const SlabRange& range : {s.fit->stiffness_mm, s.fit->foundation, s.fit->slab_MPa}) {
+            cells.push_back(figure(range.value, 3));
         }
+        cells.push_back(fmt::format("{:.1f}", s.fit->rms_percent));
     }
-    Table table({"station", "D0 um", "AREA mm", "l mm", is_liquid(result) ? "k MPa/m" : "E0 MPa", "slab MPa", "RMS %",
-                 "transfer %"});
-    for (const SlabStation& s : result.stations) {
-        const auto cell = [](const std::optional<double>& value) { return value ? figure(*value, 3) : std::string(); };
-        std::vector<std::string> cells{s.name, s.d0_um > 0.0 ? figure(s.d0_um, 3) : "", cell(s.area_mm)};
-        if (s.fit) {
-            for (const SlabRange& range : {s.fit->stiffness_mm, s.fit->foundation, s.fit->slab_MPa}) {
-                cells.push_back(figure(range.value, 3));
-            }
-            cells.push_back(fmt::format("{:.1f}", s.fit->rms_percent));
-        }
-        cells.resize(7);
-        cells.push_back(cell(s.transfer_percent));
-        table.add(std::move(cells));
-    }
-    text += "\n" + table.text();
+    cells.resize(slab_columns - 1);
+    cells.push_back(cell(s.transfer_percent));
+    return cells;
+}
+
+std::vector<std::string> reasons_of(const analysis::SlabResult& result) {
+    std::vector<std::string> reasons;
     for (const SlabStation& s : result.stations) {
         if (!s.reason.empty()) {
-            text += fmt::format("  {}: {}\n", s.name, s.reason);
+            reasons.push_back(fmt::format("{}: {}", s.name, s.reason));
         }
     }
-    return text;
+    return reasons;
+}
+
+// The first of the sentences that says what to do.
+std::string step_of(std::vector<std::string>& notes) {
+    const auto step = std::find_if(notes.begin(), notes.end(), [](const std::string& words) {
+        return words.find("Drop there again") != std::string::npos || words.find(": restore it") != std::string::npos ||
+               words.find(": try --foundation") != std::string::npos;
+    });
+    if (step == notes.end()) {
+        return "";
+    }
+    const std::string words = *step;
+    notes.erase(step);
+    return words;
+}
+
+} // namespace
+
+Answer slab_answer(const analysis::SlabResult& result) {
+    Answer answer;
+    answer.lines = 30;
+    answer.notes = findings(result);
+    answer.verdict = answer.notes[0];
+    answer.notes.erase(answer.notes.begin());
+    answer.heading = "Stations";
+    answer.header = header_of(result);
+    std::transform(result.stations.begin(), result.stations.end(), std::back_inserter(answer.rows), row_of);
+    for (std::string& reason : reasons_of(result)) {
+        answer.notes.push_back(std::move(reason));
+    }
+    answer.next = step_of(answer.notes);
+    return answer;
+}
+
+std::string slab_text(const analysis::SlabResult& result) {
+    Table table(header_of(result));
+    for (const SlabStation& s : result.stations) {
+        table.add(row_of(s));
+    }
+    return sentences(findings(result)) + "\n" + table.text() + sentences(reasons_of(result));
 }
 
 } // namespace explore::report

@@ -4,6 +4,7 @@
 #include "base/units.h"
 #include "data/csv.h"
 #include "report/condition.h"
+#include "report/lives.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -119,6 +120,9 @@ void add_fit(const SurveyResult& result, const StationResult& s, Json& json) {
                 {"unit", std::string(outputs[o].unit.name)},
                 {"determined", p.determined}};
         }
+        if (fit.lives) {
+            json["lives"] = lives_json(*fit.lives);
+        }
     }
 }
 
@@ -222,6 +226,9 @@ Json sections_json(const SurveyResult& result) {
                      {"characteristic", characteristic_json(result, section)}};
         for (std::size_t k = 0; k < names.size(); ++k) {
             json["parameters"][names[k]] = percentiles_json(section.parameters[k]);
+        }
+        if (result.has_lives()) {
+            json["life"] = section_life_json(result, section);
         }
         sections.push_back(std::move(json));
     }
@@ -370,6 +377,9 @@ std::string survey_csv(const SurveyResult& result) {
         const std::string name = fmt::format("{} [{}]", output.output, output.unit.name);
         header.insert(header.end(), {name, name + " low", name + " high"});
     }
+    for (std::string& column : life_columns(result)) {
+        header.push_back(std::move(column));
+    }
     if (result.study) {
         header.insert(header.end(),
                       {"misfit", "rms_percent", "converged", "on_bound", "asphalt_modulus_at_reference_MPa"});
@@ -428,6 +438,9 @@ std::string survey_csv(const SurveyResult& result) {
             cells.insert(cells.end(),
                          {number(outputs[o].in_unit(p.value)), p.determined ? number(outputs[o].in_unit(p.low)) : "",
                           p.determined ? number(outputs[o].in_unit(p.high)) : ""});
+        }
+        for (std::string& text_of_life : life_cells(result, s)) {
+            cells.push_back(std::move(text_of_life));
         }
         if (result.study && s.fit) {
             const landscape::Minimum& best = s.fit->best;

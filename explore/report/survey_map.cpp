@@ -1,6 +1,8 @@
+#include "report/survey.h"
+
 #include "analysis/survey/survey_findings.h"
 #include "base/text.h"
-#include "report/survey.h"
+#include "report/lives.h"
 
 #include <fmt/format.h>
 
@@ -61,6 +63,7 @@ std::optional<Json> survey_geojson(const SurveyResult& result) {
             properties[name + " low"] = p.determined ? Json(outputs[o].in_unit(p.low)) : Json(nullptr);
             properties[name + " high"] = p.determined ? Json(outputs[o].in_unit(p.high)) : Json(nullptr);
         }
+        add_life_properties(s, properties);
         features.push_back({{"type", "Feature"},
                             {"geometry", {{"type", "Point"}, {"coordinates", {*f.longitude, *f.latitude}}}},
                             {"properties", std::move(properties)}});

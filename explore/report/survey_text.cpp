@@ -1,5 +1,6 @@
 #include "analysis/survey/survey_findings.h"
 #include "base/text.h"
+#include "report/lives.h"
 #include "report/survey.h"
 #include "report/table.h"
 #include "report/text.h"
@@ -351,6 +352,12 @@ std::string survey_text(const SurveyResult& result) {
     if (!result.outputs().empty()) {
         text += "\nOutputs at the best fits (95 % ranges by their derivatives and the ranges of the parameters)\n" +
                 output_table(result);
+    }
+    if (result.has_lives()) {
+        text += "\nLife and overlay at the best fits (95 % ranges to first order)\n" + life_table(result);
+        if (!result.sections.empty()) {
+            text += "\nLife and overlay of the homogeneous sections\n" + section_life_table(result);
+        }
     }
     if (const std::string remarks = remark_list(result); !remarks.empty()) {
         text += "\nRemarks\n" + remarks;

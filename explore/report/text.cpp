@@ -5,6 +5,7 @@
 #include "pavement/effects/effect.h"
 #include "report/json.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace explore::report {
@@ -48,8 +49,11 @@ std::string readings_summary(const study::Study& study) {
 
 std::string response_table(const study::Study& study, const std::vector<double>& responses,
                            const std::map<std::size_t, double>& weights) {
-    std::vector<std::string> header{"load",     "quantity", "x mm",  "y mm", "depth mm",
-                                    "gauge mm", "measured", "model", "unit", "difference"};
+    std::vector<std::string> header{"load",     study.has_own_model ? "reading" : "quantity",
+                                    "x mm",     "y mm",
+                                    "depth mm", "gauge mm",
+                                    "measured", "model",
+                                    "unit",     "difference"};
     const bool has_times = data::has_times(study.readings);
     if (has_times) {
         header.insert(header.begin() + 6, "ms");
@@ -57,7 +61,7 @@ std::string response_table(const study::Study& study, const std::vector<double>&
     if (!weights.empty()) {
         header.push_back("weight");
     }
-    Table table(header);
+    std::vector<std::vector<std::string>> rows;
     for (std::size_t i = 0; i < responses.size(); ++i) {
         const data::Reading& r = study.readings[i];
         const double model = r.in_unit(responses[i]);
@@ -82,6 +86,20 @@ std::string response_table(const study::Study& study, const std::vector<double>&
             const auto weight = weights.find(i);
             row.push_back(weight == weights.end() ? "" : fmt::format("{:.2f}", weight->second));
         }
+        rows.push_back(std::move(row));
+    }
+    // Readings of a user's own model may be told apart by their names alone.
+    for (std::size_t c = has_times ? 7 : 6; study.has_own_model && c-- > 0;) {
+        const auto says_nothing = [&](const auto& row) { return row[c] == (c == 0 ? rows[0][0] : "0"); };
+        if (c != 1 && std::all_of(rows.begin(), rows.end(), says_nothing)) {
+            header.erase(header.begin() + static_cast<std::ptrdiff_t>(c));
+            for (auto& row : rows) {
+                row.erase(row.begin() + static_cast<std::ptrdiff_t>(c));
+            }
+        }
+    }
+    Table table(header);
+    for (auto& row : rows) {
         table.add(std::move(row));
     }
     return fmt::format("  {}\n{}", signs(study), table.text());

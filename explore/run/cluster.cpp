@@ -29,10 +29,10 @@ using namespace std::chrono_literals;
 
 // Letters, in CBOR: doubles travel bit for bit.
 //   hello     rank k to 0   ["hello", build, threads]
-//   ask       0 to k        ["ask", ticket, function, values, with jacobian, description or ""]
+//   ask       0 to k        ["ask", ticket, function, points, with jacobian, description or "", at once]
 //   tell      k to 0        ["tell", ticket, CPU seconds, kind, ...]
 //   home      0 to k        ["home"]
-enum class Kind { prediction, failure, no_memory, unknown_function, broken };
+enum class Kind { answers, no_memory, unknown_function, broken };
 
 std::string packed(const Json& json) {
     std::string bytes;
@@ -76,24 +76,36 @@ class Pooled {
 public:
     explicit Pooled(std::shared_ptr<const ForwardFunction> function) : function_(std::move(function)) {}
     Answer evaluate(std::span<const double> values, bool with_jacobian) {
-        std::unique_ptr<ForwardFunction::Workspace> workspace;
+        auto workspace = workspace_at_hand();
+        Answer answer = function_->evaluate(values, with_jacobian, *workspace);
+        take_back(std::move(workspace));
+        return answer;
+    }
+    std::vector<Answer> evaluate_many(std::span<const std::vector<double>> points, bool with_jacobian) {
+        auto workspace = workspace_at_hand();
+        auto answers = function_->evaluate_many(points, with_jacobian, *workspace);
+        take_back(std::move(workspace));
+        return answers;
+    }
+    std::size_t lanes() const { return function_->lanes(); }
+
+private:
+    std::unique_ptr<ForwardFunction::Workspace> workspace_at_hand() {
         {
             const std::scoped_lock lock(mutex_);
             if (!idle_.empty()) {
-                workspace = std::move(idle_.back());
+                auto workspace = std::move(idle_.back());
                 idle_.pop_back();
+                return workspace;
             }
         }
-        if (workspace == nullptr) {
-            workspace = function_->make_workspace();
-        }
-        Answer answer = function_->evaluate(values, with_jacobian, *workspace);
+        return function_->make_workspace();
+    }
+    void take_back(std::unique_ptr<ForwardFunction::Workspace> workspace) {
         const std::scoped_lock lock(mutex_);
         idle_.push_back(std::move(workspace));
-        return answer;
     }
 
-private:
     std::shared_ptr<const ForwardFunction> function_;
     std::mutex mutex_;
     std::vector<std::unique_ptr<ForwardFunction::Workspace>> idle_;
@@ -139,11 +151,16 @@ Json compute(const Json& ask, Functions& functions, const MakeFunction& make_fun
         }
         known = functions.add(key, make_function(description));
     }
-    const Answer answer = known->evaluate(ask.at(3).get<std::vector<double>>(), ask.at(4));
-    if (answer) {
-        return Json::array({Kind::prediction, told(*answer)});
+    const auto points = ask.at(3).get<std::vector<std::vector<double>>>();
+    const bool with_jacobian = ask.at(4);
+    const bool at_once = ask.at(6);
+    Json answers = Json::array();
+    for (const Answer& answer : at_once ? known->evaluate_many(points, with_jacobian)
+                                        : std::vector{known->evaluate(points.at(0), with_jacobian)}) {
+        answers.push_back(answer ? Json::array({told(*answer)})
+                                 : Json::array({answer.failure().status, answer.failure().reason}));
     }
-    return Json::array({Kind::failure, answer.failure().status, answer.failure().reason});
+    return Json::array({Kind::answers, std::move(answers)});
 }
 
 Json answer_to(const Json& ask, Functions& functions, const MakeFunction& make_function) {
@@ -363,9 +380,10 @@ struct Cluster::Implementation {
         slot_came.notify_one();
     }
 
-    Json ask(std::size_t rank, const std::string& key, const std::string& description, std::span<const double> values,
-             bool with_jacobian) {
-        const std::vector<double> point(values.begin(), values.end());
+    // at_once: evaluate_many() is meant, else evaluate() at the one point.
+    Json ask(std::size_t rank, const std::string& key, const std::string& description,
+             std::span<const std::vector<double>> of_points, bool with_jacobian, bool at_once) {
+        const std::vector<std::vector<double>> points(of_points.begin(), of_points.end());
         std::unique_lock lock(mutex);
         const std::int64_t number = next_ticket++;
         auto& has = sent.try_emplace(key, std::vector<char>(ranks.size(), 0)).first->second;
@@ -373,8 +391,8 @@ struct Cluster::Implementation {
         for (;;) {
             has[rank] = 1;
             Ticket& ticket = tickets[number];
-            out.emplace_back(static_cast<int>(rank),
-                             packed({"ask", number, key, point, with_jacobian, send_description ? description : ""}));
+            out.emplace_back(static_cast<int>(rank), packed({"ask", number, key, points, with_jacobian,
+                                                             send_description ? description : "", at_once}));
             ++traffic.requests;
             post_came.notify_one();
             std::optional<std::chrono::steady_clock::time_point> end;
@@ -481,25 +499,49 @@ std::shared_ptr<const ForwardFunction> Cluster::spread(std::shared_ptr<const For
         std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Own>(); }
 
         Answer evaluate(std::span<const double> values, bool with_jacobian, Workspace&) const override {
-            const std::size_t rank = cluster_.take(own_threads_, asked_);
-            struct Back {
-                Implementation& cluster;
-                std::size_t rank;
-                ~Back() { cluster.give_back(rank); }
-            } const back{cluster_, rank};
-            return rank == 0 ? own_.evaluate(values, with_jacobian) : there(rank, values, with_jacobian);
+            const Slot slot(*this);
+            if (slot.rank == 0) {
+                return own_.evaluate(values, with_jacobian);
+            }
+            const std::vector<double> point(values.begin(), values.end());
+            return std::move(there(slot.rank, {&point, 1}, with_jacobian, false).at(0));
         }
+        std::vector<Answer> evaluate_many(std::span<const std::vector<double>> points, bool with_jacobian,
+                                          Workspace&) const override {
+            const Slot slot(*this);
+            return slot.rank == 0 ? own_.evaluate_many(points, with_jacobian)
+                                  : there(slot.rank, points, with_jacobian, true);
+        }
+        std::size_t lanes() const override { return own_.lanes(); }
 
     private:
-        Answer there(std::size_t rank, std::span<const double> values, bool with_jacobian) const {
-            const Json tell = cluster_.ask(rank, key_, description_, values, with_jacobian);
+        // A thread of some process, as long as it is there.
+        struct Slot {
+            explicit Slot(const Spread& spread)
+                : cluster(spread.cluster_),
+                  rank(cluster.take(spread.own_threads_, spread.asked_)) {}
+            ~Slot() { cluster.give_back(rank); }
+            Slot(const Slot&) = delete;
+            Slot& operator=(const Slot&) = delete;
+            Implementation& cluster;
+            std::size_t rank;
+        };
+        std::vector<Answer> there(std::size_t rank, std::span<const std::vector<double>> points, bool with_jacobian,
+                                  bool at_once) const {
+            const Json tell = cluster_.ask(rank, key_, description_, points, with_jacobian, at_once);
             switch (tell.at(0).get<Kind>()) {
-            case Kind::prediction: return prediction_of(tell.at(1));
-            case Kind::failure: return pave::Failure{tell.at(1).get<pave::Status>(), tell.at(2).get<std::string>()};
+            case Kind::answers: break;
             case Kind::no_memory: throw std::bad_alloc();
-            default: break;
+            default:
+                throw std::runtime_error(fmt::format("process {} of the job: {}", rank, tell.at(1).get<std::string>()));
             }
-            throw std::runtime_error(fmt::format("process {} of the job: {}", rank, tell.at(1).get<std::string>()));
+            std::vector<Answer> answers;
+            for (const Json& answer : tell.at(1)) {
+                answers.push_back(answer.size() == 1 ? Answer(prediction_of(answer.at(0)))
+                                                     : Answer(pave::Failure{answer.at(0).get<pave::Status>(),
+                                                                            answer.at(1).get<std::string>()}));
+            }
+            return answers;
         }
 
         mutable Pooled own_;

@@ -29,6 +29,7 @@ struct Engine::Implementation {
     Store* store;
     int run;
     EngineSettings settings;
+    std::size_t threads;
     tbb::global_control limit;
     tbb::task_arena arena;
     tbb::enumerable_thread_specific<std::unique_ptr<problem::ForwardFunction::Workspace>> workspaces;
@@ -46,6 +47,18 @@ struct Engine::Implementation {
         Evaluation e = problem.evaluate(unit, with_jacobian, *workspace);
         forward_ns += thread_cpu_ns() - begin;
         return e;
+    }
+
+    // The same of several points at once.
+    std::vector<Evaluation> evaluate_many(std::span<const std::vector<double>> units, bool with_jacobian) {
+        auto& workspace = workspaces.local();
+        const std::int64_t begin = thread_cpu_ns();
+        if (workspace == nullptr) {
+            workspace = problem.function->make_workspace();
+        }
+        auto evaluations = problem.evaluate_many(units, with_jacobian, *workspace);
+        forward_ns += thread_cpu_ns() - begin;
+        return evaluations;
     }
 
     void keep(RunNumber number, const Evaluation& e) {
@@ -71,6 +84,7 @@ Engine::Engine(const problem::Problem& problem, Store* store, int run, EngineSet
                            store,
                            run,
                            settings,
+                           static_cast<std::size_t>(threads),
                            tbb::global_control(tbb::global_control::max_allowed_parallelism, threads),
                            tbb::task_arena(threads),
                            {},
@@ -106,15 +120,27 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
     {
         Progress progress("explore", m.settings.show_progress ? static_cast<std::int64_t>(n) : -1);
         progress.add(static_cast<std::int64_t>(n - missing.size()), false);
-        for_each_index(m.arena, missing.size(), [&](std::size_t k) {
-            const std::size_t i = missing[k];
+        // As many at once as go together, but so that no thread is without work.
+        const std::size_t share = (missing.size() + m.threads - 1) / m.threads;
+        const std::size_t at_once = std::max<std::size_t>(1, std::min(m.problem.function->lanes(), share));
+        for_each_index(m.arena, (missing.size() + at_once - 1) / at_once, [&](std::size_t k) {
+            const std::span<const std::size_t> numbers =
+                std::span(missing).subspan(k * at_once, std::min(at_once, missing.size() - k * at_once));
+            std::vector<std::vector<double>> points;
+            for (const std::size_t i : numbers) {
+                points.push_back(point(i));
+            }
+            std::vector<Evaluation> computed;
             try {
-                evaluations[i] = m.evaluate(point(i), with_jacobian);
+                computed = m.evaluate_many(points, with_jacobian);
             } catch (const Interrupted&) { // the program's own flag tells
                 return;
             }
-            m.keep({-1, number(i)}, evaluations[i]);
-            progress.add(1, true);
+            for (std::size_t j = 0; j < numbers.size(); ++j) {
+                m.keep({-1, number(numbers[j])}, computed[j]);
+                evaluations[numbers[j]] = std::move(computed[j]);
+                progress.add(1, true);
+            }
         });
     }
     tally_.computed = m.computed;

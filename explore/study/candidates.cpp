@@ -128,6 +128,8 @@ Study candidates(const Study& study, const std::vector<std::size_t>& again) {
 double candidate_noise(Quantity quantity, double value) {
     switch (quantity) {
     case Quantity::deflection: return std::hypot(0.02 * value, 2e-6);
+    case Quantity::benkelman: return std::hypot(0.05 * value, 20e-6);
+    case Quantity::slope:
     case Quantity::strain_zz:
     case Quantity::strain_xx:
     case Quantity::strain_yy: return std::hypot(0.05 * value, 10e-6);

@@ -190,6 +190,35 @@ public:
         return prediction_of(std::move(outcome).value(), with_jacobian);
     }
 
+    std::vector<pave::Outcome<problem::Prediction>> evaluate_many(std::span<const std::vector<double>> points,
+                                                                  bool with_jacobian,
+                                                                  Workspace& workspace) const override {
+        std::vector<Case> cases;
+        std::vector<std::optional<pave::Failure>> impossible;
+        for (const auto& values : points) {
+            auto c = case_at(model_.nominal(), parameters_, values);
+            impossible.push_back(c ? std::nullopt : std::optional(c.failure()));
+            if (c) {
+                cases.push_back(std::move(c).value());
+            }
+        }
+        static const std::vector<Parameter> none;
+        auto responses = model_.run_many(cases, with_jacobian ? parameters_ : none, *static_cast<Own&>(workspace).own);
+        std::vector<pave::Outcome<problem::Prediction>> answers;
+        auto next = responses.begin();
+        for (const auto& why_not : impossible) {
+            if (why_not) {
+                answers.emplace_back(*why_not);
+                continue;
+            }
+            auto& outcome = *next++;
+            answers.push_back(outcome ? pave::Outcome(prediction_of(std::move(outcome).value(), with_jacobian))
+                                      : pave::Outcome<problem::Prediction>(outcome.failure()));
+        }
+        return answers;
+    }
+    std::size_t lanes() const override { return static_cast<std::size_t>(model_.lanes()); }
+
     std::string description() const override {
         std::vector<std::string> paths;
         for (const Parameter& p : parameters_) {

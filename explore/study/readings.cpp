@@ -53,9 +53,15 @@ std::optional<double> time_of(std::optional<double> time_ms, const Load& load, c
 namespace {
 
 data::Dimension dimension_of(Quantity quantity) {
-    return quantity == Quantity::deflection  ? data::Dimension::length
-           : quantity <= Quantity::strain_yy ? data::Dimension::strain
-                                             : data::Dimension::pressure;
+    switch (quantity) {
+    case Quantity::deflection:
+    case Quantity::benkelman: return data::Dimension::length;
+    case Quantity::strain_zz:
+    case Quantity::strain_xx:
+    case Quantity::strain_yy:
+    case Quantity::slope: return data::Dimension::strain;
+    default: return data::Dimension::pressure;
+    }
 }
 
 Sensor sensor_of(const data::Reading& m, const Case& model) {

@@ -187,10 +187,13 @@ class Study(Analyses):
         study._core = _pavescape.Study.from_text(text=text, files=dict(files or {}), name=name)
         return study
 
-    def design(self, reliability: float = _default["design_reliability"], years: float = _default["design_years"], out: str = "", threads: int = 0,
-               seed: int = 1) -> Result:
+    def design(self, reliability: float = _default["design_reliability"], years: float = _default["design_years"],
+               explore: int = _default["unique_explore"], verify: int = _default["unique_verify"], model: str = "full", out: str = "", threads: int = 0,
+               seed: int = 1, model_error: float = _default["model_error"]) -> Result:
         """Remaining life and overlay, with ranges: the [[criteria]] of the study.
 
-        reliability: that an overlay lasts, over what the data accept [%]. years: of traffic, where a criterion states none. Else as fit().
+        reliability: that an overlay lasts, over what the data accept [%]. years: of traffic, where a criterion states none. model: full or auto.
+        explore, verify: as unique(). Else as fit().
         """
-        return result_of("design", self._core.design(reliability=reliability, years=years, out=os.fspath(out), threads=threads, seed=seed))
+        return result_of("design", self._core.design(reliability=reliability, years=years, explore=explore, verify=verify, model=model,
+                                                     out=os.fspath(out), threads=threads, seed=seed, model_error=model_error))

@@ -6,8 +6,10 @@
 #include "base/outcome.h"
 #include "fe/deadline.h"
 
+#include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 namespace pave::fe {
@@ -24,7 +26,8 @@ inline double load_factor_after(int i, int n) {
     return i == n ? 1.0 : std::expm1(growth * i / n) / std::expm1(growth);
 }
 
-// State: zero at the start, with add(factor, rate) that adds a multiple of its rate (of the same type).
+// State: zero at the start, with set_sum(from, factors, rates): itself becomes another plus multiples of rates, all of
+// the same type.
 template <class State>
 class LoadPath {
 public:
@@ -61,12 +64,16 @@ public:
             const double end = load_factor_after(step + 1, steps);
             const double h = end - load_factor_after(step, steps);
             for (int i = 1; i < stages; ++i) {
-                trial = now;
+                std::array<double, stages> factors{};
+                std::array<const State*, stages> rates{};
+                std::size_t count = 0;
                 for (int j = 0; j < i; ++j) {
                     if (const double f = h * a[i][j]; f != 0.0) {
-                        trial.add(f, slope[j]);
+                        factors[count] = f;
+                        rates[count++] = &slope[j];
                     }
                 }
+                trial.set_sum(now, {factors.data(), count}, {rates.data(), count});
                 if (deadline.has_passed()) {
                     return Deadline::failure();
                 }

@@ -53,6 +53,12 @@ struct PathState {
         du += factor * rate.du;
         d_stress += factor * rate.d_stress;
     }
+    void set_sum(const PathState& from, std::span<const double> factors, std::span<const PathState* const> rates) {
+        *this = from;
+        for (std::size_t j = 0; j < rates.size(); ++j) {
+            add(factors[j], *rates[j]);
+        }
+    }
 };
 
 // y += factor K x, with the values of K on the pattern of its lower triangle.

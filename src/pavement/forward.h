@@ -7,6 +7,7 @@
 #include "pavement/section.h"
 
 #include <memory>
+#include <span>
 
 namespace pave::pavement {
 
@@ -49,6 +50,13 @@ public:
     // inertia go with it. Effects that are varied must be `present`. Pure: same input, same bits.
     Outcome<Response> run(const Case& values, const std::vector<Parameter>& parameters, Workspace& workspace) const;
 
+    // The same at many values, in the order of these: as run(), but for rounding where runs go together in lanes of the
+    // processor's vectors (fe/batch_solver.h). Whether a run does, and its bits, depend on it alone.
+    std::vector<Outcome<Response>> run_many(std::span<const Case> values, const std::vector<Parameter>& parameters,
+                                            Workspace& workspace) const;
+    // How many go together for about the price of one; 1: none do.
+    int lanes() const;
+
     // The state of the run at `values` under a load, at rest; of a load that nothing reads too.
     Outcome<Fields> fields(const Case& values, int load) const;
 
@@ -65,14 +73,18 @@ public:
     Cost cost() const;
 
 private:
-    struct Observed; // sensors that are read in passing, for derivatives by what moves sensors alone
+    // How derivatives are made at some values: sensors that are read in passing, where a parameter moves sensors alone;
+    // runs again, where one does not know its derivative.
+    struct Plan;
+    Plan plan(const Case& values, const std::vector<Parameter>& parameters) const;
+    LoadModel::Workspace& workspace_of(std::size_t load, Workspace& workspace) const;
     // response: at `values`. Of the sensors of these loads; the others' entries mean nothing.
     Outcome<Eigen::VectorXd> difference_quotient(const Case& values, const Response& response,
                                                  const Parameter& parameter, const std::vector<bool>& loads,
                                                  Workspace& workspace) const;
     // loads: which of them to run; empty: all. A derivative that a load does not have is zero there.
     Outcome<Response> run_exact(const Case& values, const std::vector<Parameter>& parameters,
-                                const std::vector<bool>& loads, const Observed& observed, Workspace& workspace) const;
+                                const std::vector<bool>& loads, const Plan& plan, Workspace& workspace) const;
 
     Case nominal_;
     std::vector<std::shared_ptr<const LoadModel>> models_; // of each load; none where nothing is read on its path

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "layered/response.h"
+#include "pavement/device.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,9 +50,8 @@ double value_of(const layered::Field& f, Quantity quantity) { // signs of Quanti
     case Quantity::strain_yy: return -f.strain_yy;
     case Quantity::stress_zz: return -f.stress_zz;
     case Quantity::stress_xx: return -f.stress_xx;
-    case Quantity::stress_yy: break;
+    default: return -f.stress_yy;
     }
-    return -f.stress_yy;
 }
 
 // Where the sensors of one load read.
@@ -63,16 +63,14 @@ public:
             if (sensor.load != load) {
                 continue;
             }
-            const std::vector<Sensor::Share> whole{{.gauge = sensor.gauge}};
-            for (const Sensor::Share& share : sensor.shares.empty() ? whole : sensor.shares) {
-                const double x = sensor.x + share.dx;
-                const double z = sensor.depth;
-                if (sensor.quantity == Quantity::strain_zz && share.gauge > 0.0) {
-                    const double half = share.gauge / 2.0;
-                    add(i, {x, sensor.y, false}, z - half, Quantity::deflection, share.weight / share.gauge);
-                    add(i, {x, sensor.y, false}, z + half, Quantity::deflection, -share.weight / share.gauge);
+            for (const auto& [plain, weight] : plain_readings(sensor)) {
+                const double z = plain.depth;
+                if (plain.quantity == Quantity::strain_zz && plain.gauge > 0.0) {
+                    const double half = plain.gauge / 2.0;
+                    add(i, {plain.x, plain.y, false}, z - half, Quantity::deflection, weight / plain.gauge);
+                    add(i, {plain.x, plain.y, false}, z + half, Quantity::deflection, -weight / plain.gauge);
                 } else {
-                    add(i, {x, sensor.y, sensor.quantity != Quantity::deflection}, z, sensor.quantity, share.weight);
+                    add(i, {plain.x, plain.y, plain.quantity != Quantity::deflection}, z, plain.quantity, weight);
                 }
             }
         }

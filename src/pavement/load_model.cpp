@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory_limit.h"
 #include "base/units.h"
+#include "fe/batch_solver.h"
 #include "pavement/layered.h"
 #include "pavement/pulse.h"
 #include "pavement/solid_cost.h"
@@ -198,6 +199,41 @@ public:
         return reading;
     }
 
+    int lanes() const override {
+        return !is_axisymmetric || is_pulse_ || !model_->springs.empty() ? 1 : fe::BatchSolver::lanes();
+    }
+    bool goes_with_others(const Run& run) const override {
+        if constexpr (is_axisymmetric) {
+            const Case& values = *run.values;
+            return !is_pulse_ && !values.relaxes() && !values.is_hyperelastic() &&
+                   values.settings.integration == Integration::incremental && !values.loads[load_].inertia &&
+                   sensors_on_the_way(values).empty() && fe::BatchSolver::serves(*model_, *run.layers, *run.variations);
+        }
+        return false;
+    }
+    std::vector<Outcome<Reading>> run_together(std::span<const Run> runs, Workspace& workspace) const override {
+        std::vector<std::optional<Outcome<Reading>>> readings(runs.size());
+        if constexpr (is_axisymmetric) {
+            for (std::size_t i = 0; i < runs.size(); ++i) {
+                if (readings[i]) {
+                    continue;
+                }
+                std::vector<std::size_t> alike;
+                for (std::size_t j = i; j < runs.size(); ++j) {
+                    if (!readings[j] && are_alike(runs[i], runs[j])) {
+                        alike.push_back(j);
+                    }
+                }
+                follow_in_lanes(runs, alike, static_cast<Own&>(workspace), readings);
+            }
+        }
+        std::vector<Outcome<Reading>> all;
+        for (auto& reading : readings) {
+            all.push_back(std::move(*reading));
+        }
+        return all;
+    }
+
     Outcome<Fields> fields(const Case& values, const std::vector<fe::LayerMaterial>& layers,
                            Workspace& workspace) const override {
         const Load& load = values.loads[load_];
@@ -232,6 +268,71 @@ public:
 private:
     struct Geometry;
     struct Own;
+    static constexpr bool is_axisymmetric = std::is_same_v<Kind, Axisymmetric>;
+
+    // Whether two runs have one mesh and the same variations.
+    bool are_alike(const Run& a, const Run& b) const {
+        return lines_at(*a.values) == lines_at(*b.values) &&
+               a.values->settings.solver.load_steps == b.values->settings.solver.load_steps &&
+               std::equal(a.variations->begin(), a.variations->end(), b.variations->begin(), b.variations->end(),
+                          [](const fe::Variation& v, const fe::Variation& w) {
+                              return v.kind == w.kind && v.layer == w.layer && v.index == w.index;
+                          });
+    }
+    // Runs that are alike.
+    void follow_in_lanes(std::span<const Run> runs, const std::vector<std::size_t>& numbers, Own& own,
+                         std::vector<std::optional<Outcome<Reading>>>& readings) const {
+        std::vector<Eigen::VectorXd> forces;
+        std::vector<std::vector<fe::Functional<fe::AxisymmetricQ8>>> read;
+        std::vector<std::size_t> fitting;
+        for (const std::size_t i : numbers) {
+            const Case& values = *runs[i].values;
+            const Load& load = values.loads[load_];
+            if (!own.fit(*this, values)) {
+                readings[i] = does_not_fit;
+                continue;
+            }
+            fitting.push_back(i);
+            forces.push_back(load.pressure * load.factor * own.unit_load);
+            read.push_back(functionals(values, own));
+        }
+        std::vector<fe::BatchRun> batch;
+        for (std::size_t k = 0; k < fitting.size(); ++k) {
+            batch.push_back({runs[fitting[k]].layers, &forces[k], &read[k]});
+        }
+        if (batch.empty()) {
+            return;
+        }
+        Geometry& g = *own.geometry;
+        if (!g.batch) {
+            g.batch = std::make_unique<fe::BatchSolver>(*g.model);
+        }
+        const Run& first = runs[fitting[0]];
+        const auto followed = g.batch->incremental(batch, *first.variations, first.values->settings.solver);
+        for (std::size_t k = 0; k < fitting.size(); ++k) {
+            if (!followed[k]) {
+                readings[fitting[k]] = followed[k].failure();
+                continue;
+            }
+            const fe::Course& at_rest = followed[k]->at_rest;
+            if (!at_rest.values.allFinite()) {
+                readings[fitting[k]] = not_finite;
+                continue;
+            }
+            const Case& values = *runs[fitting[k]].values;
+            Reading reading;
+            reading.values.resize(values.sensors.size());
+            reading.derivatives.setZero(static_cast<Eigen::Index>(values.sensors.size()), at_rest.d_values[0].cols());
+            reading.statistics = followed[k]->statistics;
+            const std::vector<std::size_t> sensors = sensors_of(values);
+            for (std::size_t r = 0; r < sensors.size(); ++r) {
+                const auto row = static_cast<Eigen::Index>(r);
+                reading.values[sensors[r]] = at_rest.values(row, 0);
+                reading.derivatives.row(static_cast<Eigen::Index>(sensors[r])) = at_rest.d_values[0].row(row);
+            }
+            readings[fitting[k]] = std::move(reading);
+        }
+    }
 
     // The model of one of the others whose mesh is this one's; none.
     std::shared_ptr<const fe::Model<Element>> model_among(const LoadModels& others) const {
@@ -512,6 +613,7 @@ private:
         typename Kind::Mesh mesh;
         std::unique_ptr<fe::Model<Element>> model;
         std::unique_ptr<fe::Solver<Element>> solver;
+        std::unique_ptr<fe::BatchSolver> batch; // made when first needed
         int moves = 0;
     };
 
@@ -532,24 +634,26 @@ private:
 
         // False: the load does not fit into the mesh of this geometry.
         bool fit(const LoadModelOf& of, const Case& values) {
-            const Lines breaks = Kind::breaks(values, of.load_);
-            for (const auto& along : breaks) {
-                if (!std::is_sorted(along.begin(), along.end(), std::less_equal<>())) {
-                    return false;
-                }
+            const std::optional<Lines> wanted = of.lines_at(values);
+            if (!wanted) {
+                return false;
             }
-            Lines wanted = of.lines_for(breaks);
             const Load& load = values.loads[of.load_];
             Geometry& g = *geometry;
-            if (wanted != g.lines) {
-                g.lines = wanted;
-                g.mesh = Kind::mesh_of(std::move(wanted), values, of.load_);
+            if (*wanted != g.lines) {
+                g.lines = *wanted;
+                g.mesh = Kind::mesh_of(*wanted, values, of.load_);
                 auto moved = std::make_unique<fe::Model<Element>>(
                     fe::make_model(g.mesh, *of.model_, springs_of(values, of.load_)));
                 if (g.solver == nullptr) {
                     g.solver = std::make_unique<fe::Solver<Element>>(*moved);
                 } else {
                     g.solver->move(*moved);
+                }
+                if constexpr (is_axisymmetric) {
+                    if (g.batch) {
+                        g.batch->move(*moved);
+                    }
                 }
                 g.model = std::move(moved);
                 ++g.moves;
@@ -572,6 +676,16 @@ private:
         }
     };
 
+    // None: the load does not fit into the mesh of this geometry.
+    std::optional<Lines> lines_at(const Case& values) const {
+        const Lines breaks = Kind::breaks(values, load_);
+        for (const auto& along : breaks) {
+            if (!std::is_sorted(along.begin(), along.end(), std::less_equal<>())) {
+                return std::nullopt;
+            }
+        }
+        return lines_for(breaks);
+    }
     Lines lines_for(const Lines& breaks) const {
         Lines lines = Kind::lines_of(mesh_);
         for (std::size_t axis = 0; axis < lines.size(); ++axis) {

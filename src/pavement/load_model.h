@@ -9,6 +9,7 @@
 
 #include <map>
 #include <memory>
+#include <span>
 
 namespace pave::pavement {
 
@@ -100,6 +101,18 @@ public:
     virtual Outcome<Reading> run(const Case& values, const std::vector<fe::LayerMaterial>& layers,
                                  const std::vector<fe::Variation>& variations, const std::vector<Neighbours>& moving,
                                  Workspace& workspace) const = 0;
+    // How many runs go together for about the price of one, in lanes of the processor's vectors; 1: none do.
+    virtual int lanes() const { return 1; }
+    // A run whose mesh moves with no variation.
+    struct Run {
+        const Case* values;
+        const std::vector<fe::LayerMaterial>* layers;
+        const std::vector<fe::Variation>* variations;
+    };
+    // Whether a run goes with others, whatever these are.
+    virtual bool goes_with_others(const Run&) const { return false; }
+    // Those runs, as run() but for rounding; the bits of each are the same with other runs beside it, and alone.
+    virtual std::vector<Outcome<Reading>> run_together(std::span<const Run>, Workspace&) const { return {}; }
     // At the end of such a run, of the load at rest.
     virtual Outcome<Fields> fields(const Case& values, const std::vector<fe::LayerMaterial>& layers,
                                    Workspace& workspace) const = 0;

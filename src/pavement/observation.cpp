@@ -1,5 +1,7 @@
 #include "pavement/observation.h"
 
+#include "pavement/device.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -276,23 +278,20 @@ Observation<fe::Hex20> observe_place(const Sensor& sensor, const mesh::SolidMesh
 template <class Element, class Mesh>
 Observation<Element> observe_shares(const Sensor& sensor, const Mesh& mesh, const fe::Model<Element>& model,
                                     const Mesh& chosen, const std::vector<bool>& incompressible) {
-    if (sensor.shares.empty()) {
+    if (sensor.shares.empty() && !is_of_device(sensor.quantity)) {
         return observe_place(sensor, mesh, model, chosen, incompressible);
     }
     // Shares beside each other read the same cells: each is weighed once.
     std::map<int, double> on_displacement;
     std::map<int, typename Element::Stress> on_stress;
-    for (const Sensor::Share& share : sensor.shares) {
-        Sensor there = sensor;
-        there.x += share.dx;
-        there.gauge = share.gauge;
-        const auto o = observe_place(there, mesh, model, chosen, incompressible);
+    for (const PlainReading& plain : plain_readings(sensor)) {
+        const auto o = observe_place(plain.sensor, mesh, model, chosen, incompressible);
         for (const auto& [unknown, weight] : o.on_displacement) {
-            on_displacement[unknown] += share.weight * weight;
+            on_displacement[unknown] += plain.weight * weight;
         }
         for (const auto& [point, weight, direction] : o.on_stress) {
             auto& sum = on_stress.try_emplace(point, Element::Stress::Zero()).first->second;
-            sum += share.weight * weight * direction;
+            sum += plain.weight * weight * direction;
         }
     }
     Observation<Element> sum;

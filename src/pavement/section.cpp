@@ -1,5 +1,7 @@
 #include "pavement/section.h"
 
+#include "pavement/device.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -94,7 +96,7 @@ double Case::default_extent(double depth) const {
     const bool moves = std::any_of(loads.begin(), loads.end(), [](const Load& load) { return load.is_pulse(); });
     double extent = std::max(moves ? 8.0 : 4.0, 2.0 * depth);
     for (const Sensor& sensor : sensors) {
-        extent = std::max(extent, 2.0 * std::hypot(sensor.x, sensor.y));
+        extent = std::max(extent, 2.0 * reach_of(sensor));
     }
     return extent;
 }

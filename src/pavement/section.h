@@ -96,8 +96,9 @@ struct Load {
     double total_force() const; // N
 };
 
-// deflection: positive down [m]; strains [-] and load-induced stresses [Pa]: positive in compression.
-enum class Quantity { deflection, strain_zz, strain_xx, strain_yy, stress_zz, stress_xx, stress_yy };
+// deflection: positive down [m]; strains [-] and load-induced stresses [Pa]: positive in compression. What devices on
+// the surface make of deflections, slope [-] and benkelman [m]: device.h.
+enum class Quantity { deflection, strain_zz, strain_xx, strain_yy, stress_zz, stress_xx, stress_yy, slope, benkelman };
 
 struct QuantityInfo {
     Quantity quantity;
@@ -109,7 +110,8 @@ inline constexpr QuantityInfo quantities[] = {
     {Quantity::deflection, "deflection", "mm", 1e-3},        {Quantity::strain_zz, "strain_zz", "microstrain", 1e-6},
     {Quantity::strain_xx, "strain_xx", "microstrain", 1e-6}, {Quantity::strain_yy, "strain_yy", "microstrain", 1e-6},
     {Quantity::stress_zz, "stress_zz", "kPa", 1e3},          {Quantity::stress_xx, "stress_xx", "kPa", 1e3},
-    {Quantity::stress_yy, "stress_yy", "kPa", 1e3},
+    {Quantity::stress_yy, "stress_yy", "kPa", 1e3},          {Quantity::slope, "slope", "um/m", 1e-6},
+    {Quantity::benkelman, "benkelman", "mm", 1e-3},
 };
 constexpr const QuantityInfo& info(Quantity quantity) {
     return quantities[static_cast<int>(quantity)];

@@ -85,13 +85,16 @@ private:
             da.setZero(modes, count);
             d_stress.setZero(N * points, count);
         }
-        void add(double factor, const State& rate) {
-            a += factor * rate.a;
-            stress += factor * rate.stress;
-            gap += factor * rate.gap;
-            stress_gap += factor * rate.stress_gap;
-            da += factor * rate.da;
-            d_stress += factor * rate.d_stress;
+        void set_sum(const State& from, std::span<const double> factors, std::span<const State* const> rates) {
+            *this = from;
+            for (std::size_t j = 0; j < rates.size(); ++j) {
+                a += factors[j] * rates[j]->a;
+                stress += factors[j] * rates[j]->stress;
+                gap += factors[j] * rates[j]->gap;
+                stress_gap += factors[j] * rates[j]->stress_gap;
+                da += factors[j] * rates[j]->da;
+                d_stress += factors[j] * rates[j]->d_stress;
+            }
         }
     };
     struct Own : Workspace {

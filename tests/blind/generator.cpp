@@ -477,7 +477,7 @@ struct Errors {
     VectorXd in_units(const VectorXd& change) const { return root.triangularView<Eigen::Lower>().solve(change); }
 };
 
-// Of repeated drops (docs/guide/knowledge.md): own errors are correlated over this distance between readings of one
+// Of repeated drops (docs/evidence/ranges.md): own errors are correlated over this distance between readings of one
 // load and quantity, and all readings of a load have one in common, this share of the relative one.
 constexpr double correlated_mm = 600.0;
 constexpr double in_common = 0.6;

@@ -6,7 +6,7 @@ rich:      deflections, strains and stresses at 1 % noise. The verdict must be u
            outputs are counted against the truth.
 
 usage: unique_trials.py [--program PROGRAM] [--count COUNT] [--first SEED] [--correlated | --other PROGRAM]
-           --correlated: errors are tied as those of repeated drops are (docs/guide/knowledge.md), and the study says so; --other: what another build
+           --correlated: errors are tied as those of repeated drops are (docs/evidence/ranges.md), and the study says so; --other: what another build
            says of these readings, to which errors are independent, each as large
 """
 import argparse

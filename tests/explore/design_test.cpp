@@ -34,7 +34,7 @@ std::vector<double> lives_at(const study::Study& study, const std::vector<double
     for (std::size_t i = 0; i < list.size(); ++i) {
         lives.emplace_back(places, list[i], places.candidates[i]);
     }
-    auto logs = analysis::lives_with_overlay({.places = places, .lives = lives, .required = {}}, moduli, added_mm);
+    auto logs = analysis::lives_with_overlay(places, lives, moduli, added_mm);
     for (double& life : logs) {
         life = std::exp(life);
     }

@@ -161,7 +161,7 @@ TEST(FindingsOfUnique, SayTheVerdictWithWhatTakesItBack) {
         says(text, "does not fit these data within their stated noise (chi2 = 1.250 with 2 degrees of freedom"));
 
     EXPECT_TRUE(says(findings(unique_result(determined_fit({0.5, 1.0, 0.3}), Verdict::unique)),
-                     "limited by the bound: base.k2 at its upper bound."));
+                     "limited by the bound: base.k2 at its upper bound. Widen it"));
 }
 
 TEST(FindingsOfUnique, TellValleysFromAlternativesAndSayWhatIsMissing) {

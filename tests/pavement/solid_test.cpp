@@ -57,6 +57,7 @@ double sum_of_circles(std::span<const reference::ElasticLayer> stack, const Case
         case Quantity::stress_zz: sum -= part.sigma_zz; break;
         case Quantity::stress_xx: sum -= part.sigma_rr; break;
         case Quantity::stress_yy: sum -= part.sigma_tt; break;
+        default: ADD_FAILURE() << "no closed form of this quantity here";
         }
     }
     return sum;

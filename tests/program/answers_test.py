@@ -1,10 +1,17 @@
 """Answers on the terminal: the verdict first, short and within 80 columns; all of it with --verbose, the verdict with --quiet."""
+import fcntl
 import json
+import os
+import pty
 import re
+import shutil
+import struct
+import subprocess
+import termios
 
 import pytest
 
-from support import run, workspace
+from support import PROGRAM, ROOT, run, workspace
 
 LAYERS = [("asphalt", 90, 2600), ("base", 280, 320), ("subgrade", 0, 65)]
 WEAK = "S04"
@@ -59,6 +66,83 @@ def test_an_answer_is_short_and_begins_with_its_verdict(place, command, most):
     told = " ".join(full.stdout.split())
     assert kept["findings"] and all(words in told for words in kept["findings"]), "all findings stand in the full text"
     assert max(map(len, full.stdout.splitlines())) <= 80, f"{command} --verbose: a line of {max(map(len, full.stdout.splitlines()))} columns"
+
+
+OTHERS = {  # command: its arguments, what its verdict says, most lines
+    "check": (["one.toml"], "The study can be run: 6 readings", 30),
+    "forward": (["one.toml"], "At the study's own values the model is", 20),
+    "map": (["one.toml", "--design", "sobol", "--points", 32], "The lowest misfit of 32 points", 25),
+    "sensitivity": (["one.toml", "--samples", 64, "--points", 3], "Over the box ", 25),
+    "compare": (["one.toml", "other.toml"], "The data cannot tell these studies apart", 25),
+    "sample": (["one.toml", "--samples", 2000], "", 25),
+    "noise": ([ROOT / "grids/road-north.f25"], "Repeated drops agree within", 35),
+    "slab": ([ROOT / "grids/slab-example.csv", "--thickness", 250, "--joints", "J1,J2"], "Modulus of subgrade reaction k", 30),
+    "effects": ([], "effects can be added to a study", 60),
+}
+
+
+@pytest.mark.parametrize("command", OTHERS)
+def test_every_other_answer_begins_with_its_verdict_too(place, command):
+    arguments, verdict, most = OTHERS[command]
+    shutil.copy(place / "one.toml", place / "other.toml")
+    arguments = [command, *arguments, *(["--threads", 1] if command in ("check", "map", "sensitivity", "compare", "sample") else [])]
+    arguments += ["--out", command] if command in ("map", "sensitivity", "compare", "sample") else []
+    brief, full, quiet = (run(*arguments, *more, cwd=place) for more in ([], ["--verbose"], ["--quiet"]))
+    for shown in (brief, full, quiet):
+        assert shown.returncode == 0, shown.stderr
+        assert verdict in " ".join(quiet.stdout.split()) and shown.stdout.startswith(quiet.stdout.split("\n")[0]), f"the verdict comes first: {shown.stdout[:200]}"
+        lines = shown.stdout.splitlines()
+        assert max(map(len, lines)) <= 80, f"{command}: a line of {max(map(len, lines))} columns:\n{shown.stdout}"
+    assert len(brief.stdout.splitlines()) <= most, brief.stdout
+    assert len(quiet.stdout.splitlines()) <= 5 and len(full.stdout) > len(brief.stdout) / 2 > len(quiet.stdout) / 2
+
+
+def test_merge_and_rerun_say_their_verdict_first(place):
+    for name, points in (("less", 8), ("more", 16)):
+        assert run("map", "one.toml", "--design", "sobol", "--points", points, "--out", name, cwd=place).returncode == 0
+    merged = run("merge", "less", "more", cwd=place)
+    again = run("rerun", "more", cwd=place)
+    for shown, verdict in ((merged, "less now holds 16 evaluations"), (again, "The same to the last bit: 16 evaluations")):
+        assert shown.returncode == 0 and shown.stdout.startswith(verdict), shown.stdout + shown.stderr
+        assert max(map(len, shown.stdout.splitlines())) <= 80, shown.stdout
+    assert "Next: " in merged.stdout
+
+
+def on_a_terminal(columns, *arguments, cwd):
+    """What a terminal of so many columns shows of both streams."""
+    ours, its = pty.openpty()
+    fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 40, columns, 0, 0))
+    with subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=cwd, stdin=subprocess.DEVNULL, stdout=its, stderr=its) as process:
+        os.close(its)
+        shown = b""
+        while True:
+            try:
+                part = os.read(ours, 65536)
+            except OSError:  # the other end is closed
+                break
+            if not part:
+                break
+            shown += part
+        process.wait()
+    os.close(ours)
+    return shown.decode().replace("\r\n", "\n")
+
+
+@pytest.mark.parametrize("columns", [60, 100])
+def test_an_answer_takes_the_width_of_its_terminal(place, columns):
+    shown = on_a_terminal(columns, "forward", "one.toml", cwd=place)
+    plain = re.sub("\033\\[[0-9;]*m", "", shown)
+    widths = [len(line) for line in plain.splitlines()]
+    assert plain.startswith("At the study's own values") and columns - 15 < max(widths) <= columns, shown
+    assert plain != shown, "the verdict has a colour"
+
+
+def test_a_complaint_takes_the_width_of_its_terminal_and_one_line_elsewhere(place):
+    arguments = ("fit", "one.toml", "--start", "base.modulus=300")
+    shown = on_a_terminal(60, *arguments, cwd=place)
+    assert shown.startswith("pavescape: ") and max(map(len, shown.splitlines())) <= 60 < len(shown), shown
+    told = run(*arguments, cwd=place).stderr
+    assert told.count("\n") == 1 and " ".join(shown.split()) == " ".join(told.split()), told
 
 
 def test_a_survey_names_its_weak_station_first(place):
@@ -135,3 +219,84 @@ def test_a_reading_that_stands_out_is_left_out_as_the_finding_says():
     table.write_text("\n".join(head + rows) + "\n")
     helped = run(*fit, "--quiet", "--out", folder / "without")
     assert helped.stdout.startswith("The model fits the 7 readings within their noise"), helped.stdout + helped.stderr
+
+
+def bowl(folder, name, noise=0.01, sought=("asphalt", "base", "subgrade"), changes=(), bounds={}, more=""):
+    """A study of a linear section on a half-space, whose readings have 1 % of scatter that is stated as `noise`; `changes` [(from, to)] of its text."""
+    text = 'schema = 1\ntitle = "A bowl"\n[section]\nbottom = "half-space"\n'
+    for layer, thickness, modulus in LAYERS:
+        text += f'[[layers]]\nname = "{layer}"\nlaw = "linear"\nmodulus_MPa = {modulus}\npoisson = 0.4\ndensity_kg_m3 = 2000\nk0 = 0.5\n'
+        text += f"thickness_mm = {thickness}\n" if thickness else ""
+    text += '[[loads]]\nname = "fwd"\ntype = "plate"\nradius_mm = 150\npressure_kPa = 600\n'
+    places = (0, 200, 300, 450, 600, 900, 1200, 1500)
+    outputs = "".join(f'[[outputs]]\nname = "o{x}"\nload = "fwd"\nquantity = "deflection"\nx_mm = {x}\n' for x in places)
+    (folder / "truth.toml").write_text(text + outputs)
+    truth = [r["value"] for r in json.loads(run("forward", folder / "truth.toml", "--json").stdout)["responses"]]
+    sigma = [f",{noise * value}" if noise else "," for value in truth]
+    (folder / f"{name}.csv").write_text("load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + "".join(
+        f"fwd,deflection,{x},0,0,0,{value * (1 + 0.01 * (-1) ** i)},mm{own}\n" for i, (x, value, own) in enumerate(zip(places, truth, sigma))))
+    text += f'[data]\nfiles = ["{name}.csv"]\nmisfit = "weighted"\n{more}'
+    for layer, _, modulus in LAYERS:
+        if layer in sought:
+            low, high, rest = bounds.get(layer, (modulus / 6, modulus * 6, ""))
+            text += f'[[parameters]]\nname = "{layer}.modulus_MPa"\nmin = {low}\nmax = {high}\nscale = "log"\n{rest}'
+    for before, after in changes:
+        assert before in text
+        text = text.replace(before, after)
+    (folder / f"{name}.toml").write_text(text)
+    return folder / f"{name}.toml"
+
+
+def fitted(path):
+    """(what the fit says of itself in full, its JSON)"""
+    told = run("fit", path, "--explore", 64, "--starts", 3, "--threads", 1, "--verbose", "--out", path.parent / f"fit-{path.stem}")
+    assert told.returncode == 0, told.stderr
+    return " ".join(told.stdout.split()), json.loads((path.parent / f"fit-{path.stem}" / "fit.json").read_text())
+
+
+def test_a_bound_that_is_widened_as_the_finding_says_lets_the_model_fit():
+    folder = workspace()
+    told, before = fitted(bowl(folder, "narrow", bounds={"base": (100, 200, "")}))
+    assert "base.modulus_MPa at its upper bound" in told and "with the range opened: try that first" in told, told
+    told, after = fitted(bowl(folder, "wide"))
+    assert before["noise"]["p_value"] < 0.001 and after["noise"]["p_value"] > 0.05, (before["noise"], after["noise"])
+    assert "at its upper bound" not in told and abs(after["best"]["parameters"]["base.modulus_MPa"] / 320 - 1) < 0.15, after["best"]
+
+
+def test_a_prior_that_is_widened_as_the_finding_says_lets_the_model_fit():
+    folder = workspace()
+    prior = lambda spread: {"subgrade": (65 / 6, 65 * 6, f"prior = {{ mean = 90, factor = {spread} }}\n")}
+    told, before = fitted(bowl(folder, "sure", bounds=prior(1.02)))
+    assert "The readings contradict what is known beforehand" in told and "widen it if not" in told, told
+    told, after = fitted(bowl(folder, "unsure", bounds=prior(2)))
+    assert "The readings do not contradict what is known beforehand" in told, told
+    assert abs(after["best"]["parameters"]["subgrade.modulus_MPa"] - 65) < 0.5 * abs(before["best"]["parameters"]["subgrade.modulus_MPa"] - 65)
+
+
+def test_noise_that_is_stated_as_the_finding_says_judges_the_model():
+    folder = workspace()
+    told, before = fitted(bowl(folder, "silent", noise=None))
+    assert "State it under [data.noise] to judge the model" in told and before["noise"]["p_value"] is None, told
+    _, after = fitted(bowl(folder, "stated", noise=None, more="[data.noise]\nrelative = 0.01\n"))
+    assert after["noise"]["p_value"] > 0.05, after["noise"]
+
+
+def test_too_few_readings_know_more_once_a_parameter_is_held_as_the_finding_says():
+    folder = workspace()
+    keep = lambda path, rows: (path.with_suffix(".csv").write_text("".join(path.with_suffix(".csv").read_text().splitlines(True)[:1 + rows])), path)[1]
+    told, before = fitted(keep(bowl(folder, "few"), 2))
+    assert "2 readings for 3 parameters" in told and "Hold parameters at known values" in told, told
+    told, after = fitted(keep(bowl(folder, "held", sought=("subgrade",)), 2))
+    assert "readings for" not in told and after["best"]["std_error"]["subgrade.modulus_MPa"] < 0.05 * 65, after["best"]
+
+
+def test_noise_of_another_size_is_stated_as_the_diagnosis_says():
+    folder = workspace()
+    path = bowl(folder, "quiet", noise=0.002)
+    told = run("diagnose", path, "--threads", 1, "--verbose", "--out", folder / "diagnose")
+    kept = json.loads((folder / "diagnose" / "diagnose.json").read_text())
+    if kept["verdict"] == "adequate":
+        assert "State the noise so under [data.noise]" in " ".join(told.stdout.split()), told.stdout
+    _, before = fitted(path)
+    _, after = fitted(bowl(folder, "louder", noise=0.01))
+    assert before["noise"]["p_value"] < 0.01 < 0.05 < after["noise"]["p_value"]

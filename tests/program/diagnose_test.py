@@ -59,7 +59,7 @@ def test_every_part_of_the_answer_is_there(found):
     for candidate in found["candidates"]:
         for kind in ("effect", "score_z", "p_familywise", "delta_aicc", "size", "size_low", "size_high"):
             assert kind in candidate, f"a candidate has {kind}"
-    names = [line.split()[0] for line in run("effects").stdout.splitlines() if line and not line.startswith(" ")]
+    names = [effect["name"] for effect in json.loads(run("effects", "--json").stdout)]
     assert found["verdict"] in ("adequate", "cause-named", "ambiguous", "located", "unexplained"), found["verdict"]
     assert found["verdict"] in ("cause-named", "ambiguous"), f"the floor lies 2.5 m deeper: {found['verdict']}"
     assert math.isclose(found["gain"]["misfit_reduction"], 1 - found["extended"]["misfit"] / found["baseline"]["misfit"]), "the gain is that of the misfits"

@@ -80,7 +80,7 @@ def test_the_files_of_the_tutorial_of_a_model_of_ones_own_run():
 
 @pytest.mark.long
 def test_the_tutorial_of_a_model_of_ones_own_ends_as_it_says():
-    assert len(follow(workspace(), OWN_MODEL)) == 5
+    assert len(follow(workspace(), OWN_MODEL)) == 6
 
 
 # --- links
@@ -131,6 +131,9 @@ def test_the_checks_find_what_they_are_for():
     source.write_text('// What a run holds.\nint asked = 0; // `asked`\nauto text = "the data that were asked for";\n')
     done = check("words", source)
     assert done.returncode == 1 and [line.split(":")[1] for line in done.stdout.splitlines()] == ["1", "3"], done.stdout
+    source.write_text("double cost_function = 0.0;\nclass CostFunction {};\nauto text = \"the surrogate model\";\nint cost = 0;\n")
+    done = check("words", source)
+    assert done.returncode == 1 and [line.split(":")[1] for line in done.stdout.splitlines()] == ["3", "1", "2"], done.stdout
     text = "- " + "word " * 40 + "\n\n| " + "cell " * 40 + "|\n\n    " + "code " * 40 + "\n"
     page.write_text(text)
     assert check("columns", page).returncode == 1

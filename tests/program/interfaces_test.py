@@ -77,8 +77,9 @@ def test_completion(prefix):
     completion = prefix / "share" / "bash-completion" / "completions" / "pavescape"
     ask = ('source {0}; COMP_WORDS=({1} {2}); COMP_CWORD={3}; _pavescape; printf "%s\\n" "${{COMPREPLY[@]}}"')
     for words, place, *wanted in (("dia", 1, "diagnose"), ("fit --sta", 2, "--start", "--starts"), ("fit --model a", 3, "auto"), ("plot run --format p", 4, "pdf", "png"),
-                                 ("plot run res", 3, "residuals"), ("plot run back", 3, "back-calculation"), ("fit --starts 3", 3)):
-        offered = command("bash", "-c", ask.format(completion, PROGRAM, words, place)).split()
+                                 ("plot run res", 3, "residuals"), ("plot run back", 3, "back-calculation"), ("fit --starts 3", 3), ("slab f --foundation li", 4, "liquid"),
+                                 ("noise CMakeLists.t", 2, "CMakeLists.txt"), ("slab CMakeLists.t", 2, "CMakeLists.txt"), ("forward s --points CMakeLists.t", 4, "CMakeLists.txt")):
+        offered = command("bash", "-c", ask.format(completion, PROGRAM, words, place), cwd=ROOT).split()
         assert sorted(offered) == wanted, f"completion of '{words}': {offered}"
 
 

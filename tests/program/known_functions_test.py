@@ -4,6 +4,7 @@ import json
 import random
 
 import numpy as np
+import pytest
 from python_test import python
 
 ROSENBROCK = """
@@ -76,6 +77,33 @@ print(json.dumps([found.verdict, [[p.low, p.high] for p in found.profiles], [lis
     assert all(np.allclose([beta * susceptible, beta / share], [0.45, 1.5], rtol=0.02) for beta, share, susceptible in minima), minima
 
 
+LINEAR = """
+import json, numpy as np, pavescape
+problem = pavescape.Problem([("x", 0, 1), ("y", 0, 1)], ([0.5, 0.5], [%s, 0.02]), lambda x: x)
+found = problem.unique(threads=2)
+print(json.dumps([found.verdict, found.valley, [[p.low, p.high] for p in found.profiles], found.findings[0]]))
+"""
+
+
+def test_a_wide_range_around_one_minimum_is_no_valley():
+    # Each reading is its parameter: the 95 % range is 0.5 -+ 1.96 sigma, of 0.15 more than half of the box and within it.
+    verdict, _, ranges, said = json.loads(python(LINEAR % 0.15))
+    assert np.allclose(ranges, [[0.206, 0.794], [0.4608, 0.5392]], atol=2e-3), ranges
+    assert verdict == "non-unique" and said == "NON-UNIQUE: around the one minimum the data accept more than half of what the study allows for x.", said
+    verdict, valley, ranges, said = json.loads(python(LINEAR % 0.1))
+    assert verdict == "unique" and not valley and np.allclose(ranges[0], [0.304, 0.696], atol=2e-3), (verdict, ranges, said)
+
+
+def test_two_narrow_minima_far_apart_are_no_valley():
+    # x^2 = 0.25 within -+ 1.96 0.02: near -0.5 and near 0.5, and nowhere between.
+    verdict, valley, said = json.loads(python("""
+import json, pavescape
+found = pavescape.Problem([("x", -1, 1)], ([0.25, 0.25], [0.02, 0.02]), lambda x: [x[0] ** 2, x[0] ** 2]).unique(threads=2)
+print(json.dumps([found.verdict, found.valley, found.findings[0]]))
+"""))
+    assert verdict == "non-unique" and not valley and "no acceptable way found between them" in said, (valley, said)
+
+
 HIDDEN = """
 import json, sys, numpy as np, pavescape
 seed, which = int(sys.argv[1]), int(sys.argv[2])
@@ -92,15 +120,29 @@ print(json.dumps([found.verdict, found.causes]))
 """
 
 
-def test_effects_hidden_by_chance_are_named():
-    # Chance makes something else as probable in one case of ten or so; then it is said, and nothing else is named alone.
-    first, named = 0, 0
-    for _ in range(8):
-        seed, which = random.SystemRandom().randrange(10**9), random.SystemRandom().randrange(2)
+NAMES = ("a level that stays", "a pump that beats")
+
+
+def hidden_by_chance(cases):
+    """Of cases (seed, which effect): how often the hidden effect is first, is named, and another is named alone."""
+    first, named, wrong = 0, 0, 0
+    for seed, which in cases:
         verdict, causes = json.loads(python(HIDDEN, seed, which))
-        hidden = ("a level that stays", "a pump that beats")[which]
-        assert verdict != "cause-named" or causes == [hidden], (seed, which, verdict, causes)
         print(seed, which, verdict, causes)
-        first += causes[:1] == [hidden]
-        named += verdict == "cause-named"
-    assert first >= 5 and named >= 3, (first, named)
+        first += causes[:1] == [NAMES[which]]
+        named += verdict == "cause-named" and causes == [NAMES[which]]
+        wrong += verdict == "cause-named" and causes != [NAMES[which]]
+    return first, named, wrong
+
+
+def test_effects_hidden_by_chance_are_named():
+    # Noise of eight seeds, always the same; how often chance hides an effect: below.
+    assert hidden_by_chance([(seed, seed % 2) for seed in range(1, 9)]) == (8, 8, 0)
+
+
+@pytest.mark.long
+def test_how_often_effects_hidden_by_chance_are_named():
+    # Of 120 seeds all had it first, 116 named it, none another: at these rates 80 others miss the bounds less than once in a thousand times.
+    cases = [(random.SystemRandom().randrange(10**9), k % 2) for k in range(80)]
+    first, named, wrong = hidden_by_chance(cases)
+    assert first >= 78 and named >= 70 and wrong <= 1, (first, named, wrong)

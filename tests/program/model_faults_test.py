@@ -80,6 +80,56 @@ def test_a_disk_without_room_for_what_a_program_reads():
     assert done.returncode == 0 and evaluations(folder / "out") == 4, done.stderr
 
 
+def on_small_disk(script, *arguments):
+    """Runs a shell script in a mount namespace of its own; skips where none can be made. $1: a folder to mount on."""
+    done = subprocess.run(["unshare", "-m", "sh", "-c", script, "sh", *map(str, arguments)], capture_output=True, text=True)
+    if "unshare" in done.stderr or "mount:" in done.stderr:
+        pytest.skip(f"no disk of one's own can be mounted here: {done.stderr.strip()}")
+    return done
+
+
+# What is written is cut off where the disk is full; more is an error.
+CUT_OFF = "open('big.dat', 'wb', buffering=0).write(bytes(3_000_000))"
+
+
+@pytest.mark.parametrize("writes, ending", [(f"{CUT_OFF}; open('more.dat', 'wb', buffering=0).write(b'1')", "ended with status"),
+                                            (CUT_OFF, "ended well, but no room is left in"),
+                                            (f"{CUT_OFF}; import os; os.remove('big.dat'); raise SystemExit(os.strerror(28))", "No space left on device")],
+                         ids=["fails", "notices nothing", "tidies up"])
+def test_a_program_that_fills_the_disk(writes, ending):
+    folder = workspace()
+    disk, script = folder / "disk", f'open("out.json", "w").write(\'{{"readings": [1, 2]}}\')\nif {str(folder / "disk")!r} in __import__("os").getcwd():\n    {writes}'
+    disk.mkdir()
+    study = rosenbrock(folder, script=script)
+    asked = f"{PROGRAM} map {study} --design grid --points 2 --threads 1 --out {folder}/out"
+    full = on_small_disk(f"mount -t tmpfs -o size=1m tmpfs $1 || exit 99\nTMPDIR=$1 {asked}", disk)
+    one_message(full, ending, "another attempt may have an answer")
+    assert evaluations(folder / "out") == 0, "a point without room is not kept as one without an answer"
+    done = subprocess.run(asked.split(), capture_output=True, text=True)
+    assert done.returncode == 0 and evaluations(folder / "out") == 4, done.stderr
+
+
+def test_a_full_disk_under_the_results():
+    folder = workspace()
+    disk, study = folder / "disk", rosenbrock(folder)
+    disk.mkdir()
+    asked = f"{PROGRAM} map {study} --design grid --points 24 --threads 1 --json"
+    whole = subprocess.run([*asked.split(), "--out", folder / "whole"], capture_output=True, text=True)
+    assert whole.returncode == 0, whole.stderr
+    # Room for some of the store and its journal, then for both.
+    done = on_small_disk(f"mount -t tmpfs -o size=400k tmpfs $1 || exit 99\n"
+                         f"{asked} --out $1/out >$2/first 2>$2/first.txt; echo $? >>$2/first.txt\n"
+                         f"mkdir $2/kept; cp $1/out/run.sqlite* $2/kept; mount -o remount,size=50m $1\n"
+                         f"{asked} --out $1/out >$2/second 2>$2/second.txt; echo $? >>$2/second.txt", disk, folder)
+    first, second = ((folder / f"{name}.txt").read_text().strip().splitlines() for name in ("first", "second"))
+    messages = [line for line in first if line.startswith("pavescape:")]
+    assert first[-1] == "1" and len(messages) == 1 and "no room" in messages[0], (first, done.stderr)
+    kept = evaluations(folder / "kept")
+    assert 0 < kept < 24 * 24 and second[-1] == "0", (kept, second)
+    again = json.loads((folder / "second").read_text())
+    assert (again["lowest"], again["statuses"]) == ((whole := json.loads(whole.stdout))["lowest"], whole["statuses"])
+
+
 def test_no_folder_for_a_run():
     folder = workspace()
     one_message(run("forward", rosenbrock(folder), env={**os.environ, "TMPDIR": "/proc"}), "no folder can be made in /proc")

@@ -75,3 +75,20 @@ def test_a_road_without_repeated_drops_is_refused():
     refused = run("noise", single)
     assert refused.returncode == 2 and refused.stdout == "" and "no drop is repeated" in refused.stderr, refused.stderr
     assert run("noise", folder / "missing.csv").returncode == 2, "a file that is not there"
+
+
+def test_what_is_left_out_is_said():
+    # In one drop a sensor reads eighteen times what its repeats read: the drop goes, with all its sensors.
+    changed = list(rows)
+    cells = changed[2].split(",")
+    cells[-1] = repr(18 * float(cells[-1]))
+    changed[2] = ",".join(cells)
+    spiked = folder / "spiked.csv"
+    spiked.write_text("\n".join(changed) + "\n")
+    done = run("noise", spiked, "--json")
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert told["drops"] == STATIONS * DROPS - 1, told["drops"]
+    words, = told["left_out"]
+    assert words.startswith("0: drop 2, all its sensors, for it reads ") and f"{float(cells[-1]):.1f} um at 1200 mm, its repeats " in words, words
+    assert any(words in text for text in told["findings"]), told["findings"]

@@ -91,6 +91,41 @@ def test_a_wrong_reading_is_named(url):
     assert "reading 7" in answer["hypotheses"][0]["name"], answer["hypotheses"][0]
 
 
+def within(readings, low, high):
+    """As an instrument gives them that is blind below and clipped above."""
+    return [(name, f"<{low}" if float(value) < low else f">{high}" if float(value) > high else value, sigma) for name, value, sigma in readings]
+
+
+def test_an_effect_is_named_where_some_readings_are_limits(url):
+    # Of 20 readings the first is clipped, and of the last, at which the level alone is left, no more is known than that they lie below 0.17.
+    answer = diagnosed(workspace(), url, (readings := within(read(3, level=0.15), 0.17, 1.2)))
+    limits = sum(str(value)[0] in "<>" for _, value, _ in readings)
+    assert limits >= 5 and readings[0][1] == ">1.2" and readings[-1][1] == "<0.17", readings
+    assert answer["verdict"] == "cause-named" and answer["causes"] == ["a level that stays"], answer["findings"]
+    first = answer["hypotheses"][0]
+    size = first["sizes"]["a level that stays"]
+    deviation = (size["high"] - size["low"]) / (2 * 1.96)
+    assert abs(size["value"] - 0.15) < 3 * deviation and deviation < 0.01, size
+    # Draws of the noise are the readings with a value, less two rates and a level.
+    assert answer["extended"]["dof"] == len(TIMES) - limits - 3 and answer["extended"]["p_value"] > 0.05, answer["extended"]
+    assert any(text.startswith(f"{limits} readings are limits") for text in answer["findings"]), answer["findings"]
+
+
+def test_nothing_is_named_where_nothing_is_hidden_and_some_readings_are_limits(url):
+    answer = diagnosed(workspace(), url, (readings := within(read(4), 0.05, 1.0)))
+    assert sum(str(value)[0] in "<>" for _, value, _ in readings) >= 7, readings
+    assert answer["verdict"] == "adequate" and answer["hypotheses"][0]["kind"] == "none", answer["findings"]
+
+
+def test_a_limit_that_is_wrong_is_named(url):
+    readings = read(5)
+    name, value, sigma = readings[6]
+    assert float(value) > 0.15
+    readings[6] = (name, "<0.05", sigma)
+    answer = diagnosed(workspace(), url, readings)
+    assert answer["verdict"] == "cause-named" and answer["hypotheses"][0]["kind"] == "readings" and "reading 7" in answer["hypotheses"][0]["name"], answer["findings"]
+
+
 # --- through a program, whose files an extended study has to find
 
 LINE = """

@@ -15,6 +15,7 @@ data = "\n".join(lines[:2] + [line + str(sigma) for line, sigma in zip(lines[2:]
 study = write_study(folder / "s", STUDY.replace('misfit = "log"', 'misfit = "weighted"'), data)
 # Linear layers: quick enough for what needs many runs.
 linear = folder / "linear.toml"
+lives = folder / "lives.toml"
 RUNS = {
     "fit": ("fit", linear, "--explore", 32, "--starts", 4),
     "map": ("map", linear, "--design", "sobol", "--points", 64),
@@ -23,6 +24,7 @@ RUNS = {
     "sensitivity": ("sensitivity", linear, "--samples", 16),
     "diagnose": ("diagnose", linear),
     "compare": ("compare", study, "--laws", "uzan,k-theta", "--explore", 16, "--verify", 3),
+    "design": ("design", lives, "--explore", 32, "--verify", 4),
     "survey": ("survey", ROOT / "grids" / "road-example.csv"),
 }
 # What stands out of the page or of its own box. The text of a study may scroll, and on a screen what a road has of its stations.
@@ -37,6 +39,9 @@ CLIPPED = """[...document.querySelectorAll("main *")].filter((e) => !e.closest("
 @pytest.fixture(scope="module", autouse=True)
 def linear_study():
     assert run("new", linear, "--linear").returncode == 0, "new"
+    criteria = "".join(f'[[criteria]]\nname = "{name}"\nlaw = "{law}"\naxle = "wheel"\ntraffic_per_year = 1.0e5\ngrowth = 0.03\npassed = 2e5\n'
+                       for name, law in (("rutting", "austroads-subgrade"), ("cracking", "asphalt-institute-fatigue")))
+    lives.write_text(linear.read_text() + criteria)
 
 
 @pytest.fixture(scope="module")
@@ -179,3 +184,21 @@ def test_strips_and_bowls_of_a_long_road(browser, long_road):
     browser.evaluate("document.querySelector('[data-chart=map]').emit('plotly_click', { points: [{ customdata: 201 }] })")
     assert browser.wait("document.querySelector('[data-chart=bowl] svg.main-svg') !== null", 20), "a click on a station shows its bowl"
     assert "P201" in browser.evaluate("document.querySelector('[data-chart=bowl]').layout.title.text")
+
+
+def test_the_page_of_design(browser):
+    out = reported("design")
+    design = json.loads((out / "design.json").read_text())
+    browser.open((out / "report.html").as_uri())
+    assert browser.wait("document.querySelector('[data-chart=lives] svg.main-svg') !== null", 60), "the lives are drawn"
+    assert design["findings"][0] in browser.evaluate("document.querySelector('#summary .verdict').textContent")
+    best = browser.evaluate("document.querySelector('[data-chart=lives]').data.find((t) => t.name === 'best').x")
+    wanted = [min(200, max(0.1, c["remaining_years"])) for c in design["criteria"] if c["remaining_years"] is not None]
+    assert best == pytest.approx(wanted), "the years of each criterion, as far as the axis goes"
+
+
+def test_what_is_drawn_first_is_not_folded_away(browser):
+    for name, chart in (("sensitivity", "curves"), ("map", "pair"), ("compare", "measured")):
+        browser.open((reported(name) / "report.html").as_uri())
+        assert browser.wait(f"document.querySelector('[data-chart={chart}] svg.main-svg') !== null", 60), name
+        assert browser.evaluate(f"document.querySelector('[data-chart={chart}]').closest('details').open"), f"{name}: its {chart} stand open"

@@ -73,6 +73,7 @@ prior = { mean = 60, sd = 0.5 }
     done = run("sample", two, "--json", "--samples", 400, "--out", folder / "sample")
     assert done.returncode == 0, f"sample runs: {done.stderr}"
     sampled = json.loads(done.stdout)
+    assert run("sample", two, "--prior", "--samples", 400, "--out", folder / "prior").returncode == 0, "sample --prior runs"
     HEADER = "station,lane,chainage_m,drop,radius_mm,pressure_kPa,D0_um,D200_um,D300_um,D450_um,D600_um,D900_um"
     STATIONS = ["A,L,0,1,150,600,500,390,320,230,170,100", "B,L,100,1,150,600,700,500,400,260,180,110", "C,R,50,1,150,600,400,330,280,210,160,100",
                 "D,R,150,1,150,600,500,300,200,250,100,50"]
@@ -84,7 +85,7 @@ prior = { mean = 60, sd = 0.5 }
     return made_up, sampled, surveyed
 
 
-FIGURES = {"sample": {"posterior", "predictive"}, "survey": {"deflections", "back-calculation"}, "made-up": {"candidates", "corrections"}, "compare": {"fit"},
+FIGURES = {"sample": {"posterior", "predictive"}, "prior": {"prior-predictive"}, "survey": {"deflections", "back-calculation"}, "made-up": {"candidates", "corrections"}, "compare": {"fit"},
            "sensitivity": {"sensitivity"}, "unique": {"landscape", "profiles", "fit", "residuals"}, "fit": {"fit", "residuals"}, "map": {"landscape"}}
 BEGINS = {"svg": b"<?xml", "pdf": b"%PDF", "png": b"\x89PNG"}
 
@@ -184,6 +185,18 @@ def test_the_border_holds_most_of_the_draws(runs):
     ranges = {r["name"]: r for r in numbers("sample", "posterior")}
     assert (ranges["subgrade.modulus_MPa"]["prior_mean"], ranges["base.modulus_MPa"]["prior_mean"]) == ("60", ""), f"priors: {ranges}"
     assert len(numbers("sample", "posterior-draws")) == len(sampled["draws"]), "every draw of the result"
+
+
+@pytest.mark.usefixtures("plotted")
+def test_predicted_readings_are_those_of_the_results(runs):
+    for run_folder, table, of in (("sample", "predictive", runs[1]["predictive"]), ("prior", "prior-predictive", json.loads((folder / "prior" / "sample-prior.json").read_text()))):
+        drawn = numbers(run_folder, table)
+        assert len(drawn) == len(of["readings"]) > 0, drawn
+        for row, reading in zip(drawn, of["readings"]):
+            assert all(float(row[key]) == reading[key] for key in ("measured", "low", "median", "high", "pit")), (row, reading)
+    # A prior is wider than what it leaves with readings.
+    width = {t: sum(float(r["high"]) - float(r["low"]) for r in numbers(f, t)) for f, t in (("sample", "predictive"), ("prior", "prior-predictive"))}
+    assert width["prior-predictive"] > 3 * width["predictive"], width
 
 
 @pytest.mark.usefixtures("plotted")

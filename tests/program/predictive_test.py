@@ -67,6 +67,6 @@ def test_the_draws_predict_each_reading_with_its_noise():
 def test_the_check_of_the_prior_is_a_page_and_continues():
     path = made("page", READ)
     done = run("sample", path, "--prior", "--samples", 400, "--out", folder / "page" / "out")
-    assert done.returncode == 0 and "The prior reaches all 8 readings" in done.stdout and "400 computed" in done.stdout, done.stdout + done.stderr
+    assert done.returncode == 0 and done.stdout.startswith("The prior reaches all 8 readings") and "400 computed" in " ".join(done.stdout.split()), done.stdout + done.stderr
     again = run("sample", path, "--prior", "--samples", 500, "--out", folder / "page" / "out")
-    assert "100 computed, 400 kept" in again.stdout, again.stdout
+    assert "100 computed, 400 kept" in " ".join(again.stdout.split()), again.stdout

@@ -44,16 +44,16 @@ def test_one_bit_or_one_evaluation_is_found(out):
     database.execute(f"UPDATE evaluation SET responses = ? WHERE {where}", (bytes(bits),))
     database.commit()
     done = run("rerun", out)
-    assert done.returncode == 1 and f"fit, search {search}, evaluation 2: response fwd.deflection@300,0,0" in done.stdout, f"one bit: {done.stdout}"
+    assert done.returncode == 1 and f"fit, search {search}, evaluation 2: response fwd.deflection@300,0,0" in " ".join(done.stdout.split()), f"one bit: {done.stdout}"
     database.execute(f"UPDATE evaluation SET responses = ? WHERE {where}", (responses,))
 
     # One evaluation more, and one less.
     database.execute("DELETE FROM evaluation WHERE run = 1 AND number = 5")
     database.commit()
-    assert "map, point 5: not computed then" in run("rerun", out).stdout, "an evaluation that the run lacks"
+    assert "map, point 5: not computed then" in " ".join(run("rerun", out).stdout.split()), "an evaluation that the run lacks"
     database.execute("UPDATE evaluation SET number = 99 WHERE run = 1 AND number = 6")
     database.commit()
-    assert "map, point 99: not computed now" in run("rerun", out).stdout, "an evaluation that only the run has"
+    assert "map, point 99: not computed now" in " ".join(run("rerun", out).stdout.split()), "an evaluation that only the run has"
     database.close()
 
 

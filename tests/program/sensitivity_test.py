@@ -112,7 +112,7 @@ def test_holes_in_the_curves_have_their_reasons():
             else:
                 assert point["status"] == "converged" and len(point["responses_change_percent"]) == 2, f"{curve['parameter']} {point['change_percent']}: {point}"
     assert "0 < value" in result["curves"][0]["points"][0]["reason"], "the allowed range is said"
-    text = run("sensitivity", holes, "--samples", 0, "--points", 5, "--range", 100, "--out", folder / "holes").stdout
+    text = run("sensitivity", holes, "--samples", 0, "--points", 5, "--range", 100, "--verbose", "--out", folder / "holes").stdout
     lines = [line for line in text.splitlines() if "█" in line and "base.n" in line]
     assert len(lines) == 2 and all(line.split("base.n")[1].split()[:5].count("-") == 3 for line in lines), f"holes in the table: {lines}"
     assert text.count("no answer at") == 4, "each hole is listed with its status"
@@ -126,7 +126,7 @@ def test_a_parameter_of_zero_has_no_percentage():
 
 def test_without_outputs_the_readings_are_the_responses():
     with_data = write_study(folder / "data", STUDY[:STUDY.index("[[outputs]]")])
-    done = run("sensitivity", with_data, "--samples", 16, "--points", 3, "--out", folder / "data" / "out")
+    done = run("sensitivity", with_data, "--samples", 16, "--points", 3, "--verbose", "--out", folder / "data" / "out")
     assert done.returncode == 0, f"with data: {done.stderr}"
     for words in ("fwd.deflection@300,0,0", "positive in compression", "What this means", "is governed by", "95 % interval"):
         assert words in done.stdout, f"'{words}' in the report"

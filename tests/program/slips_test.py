@@ -84,7 +84,7 @@ def test_a_tie_by_log_asks_which_one_is_meant():
 
 
 @pytest.mark.parametrize("command, options", [("fit", ("--explore", 8, "--starts", 1, "--verbose")), ("map", ("--design", "sobol", "--points", 4)),
-                                              ("unique", ("--explore", 8, "--verify", 1, "--verbose")), ("sensitivity", ("--samples", 2))])
+                                              ("unique", ("--explore", 8, "--verify", 1, "--verbose")), ("sensitivity", ("--samples", 2, "--verbose"))])
 def test_a_command_that_is_proposed_can_be_pasted(command, options):
     folder = workspace()
     study = write_study(folder, LAYERED, LAYERED_BOWL)

@@ -31,10 +31,12 @@ std::vector<std::string> prior_findings(const problem::Problem& problem, const l
         }
         text.push_back(
             influence.p_value < level
-                ? fmt::format("The readings contradict what is known beforehand (p = {:.2g}): by themselves they call "
-                              "for {} = {}, where the prior says {}.",
-                              influence.p_value, axes[worst].name, figure(influence.readings_want[worst]),
-                              prior_words(axes[worst]))
+                ? fmt::format(
+                      "The readings contradict what is known beforehand (p = {:.2g}): by themselves they call "
+                      "for {} = {}, where the prior says {}. Check that it is of this place and widen it if not; "
+                      "diagnose looks for what the model lacks.",
+                      influence.p_value, axes[worst].name, figure(influence.readings_want[worst]),
+                      prior_words(axes[worst]))
                 : fmt::format("The readings do not contradict what is known beforehand (p = {:.2g}).",
                               influence.p_value));
     }
@@ -67,7 +69,7 @@ std::string constraint_words(const problem::Problem& problem, const landscape::M
                     pave::join(texts));
     const problem::Problem by_noise = problem.in_units_of_noise();
     if (!answer.alone || !by_noise.noise_is_stated() || !by_noise.priors().empty()) {
-        return words + " Without it the readings may ask for other values.";
+        return words + " Without it the readings may call for other values.";
     }
     const double rise =
         std::pow(by_noise.misfit(answer.evaluation), 2) - by_noise.of_readings().residuals(*answer.alone).squaredNorm();
@@ -80,7 +82,9 @@ std::string constraint_words(const problem::Problem& problem, const landscape::M
     constexpr double level = 0.05;
     return words + fmt::format(" The readings {} (chi2 is {} lower without, p = {:.2g}){}.",
                                p < level ? "contradict what it demands" : "do not contradict it", figure(rise), p,
-                               p < level ? "; by themselves they ask for " + wanted : "");
+                               p < level ? "; by themselves they call for " + wanted +
+                                               ": loosen it, or look for what the model lacks (diagnose)"
+                                         : "");
 }
 
 } // namespace explore::analysis

@@ -19,8 +19,10 @@ Layout layout_of(const study::Study& study) {
         for (const std::size_t row : group.rows) {
             const std::size_t term = layout.rows.size();
             layout.rows.push_back(row);
-            own.terms.push_back(term);
             const data::Reading& m = study.readings[row];
+            if (m.censored == data::Censored::no) { // what a limit leaves is no draw of the noise
+                own.terms.push_back(term);
+            }
             const auto add = [&](std::vector<diagnose::Fold>& folds, const std::string& name) {
                 auto fold = std::find_if(folds.begin(), folds.end(), [&](const auto& f) { return f.name == name; });
                 if (fold == folds.end()) {

@@ -83,8 +83,8 @@ std::vector<Hypothesis> hypotheses_of(const study::Study& study) {
 using Batch = std::vector<std::size_t>; // of hypotheses, rising
 
 // With all of them free; their coordinates follow the parameters in this order, for corrections come first.
-problem::Problem problem_with(const study::Study& study, const std::vector<Hypothesis>& hypotheses,
-                              const Batch& batch) {
+problem::Problem problem_with(const study::Study& study, const std::vector<Hypothesis>& hypotheses, const Batch& batch,
+                              study::Scope scope = study::Scope::everything) {
     std::vector<pave::pavement::Correction> corrections;
     std::vector<study::Variant> effects;
     for (const std::size_t c : batch) {
@@ -92,7 +92,7 @@ problem::Problem problem_with(const study::Study& study, const std::vector<Hypot
         effects.insert(effects.end(), hypotheses[c].effects.begin(), hypotheses[c].effects.end());
     }
     return study::make_noise_problem(
-        study::with_free_effects(study::with_free_corrections(study, corrections), effects), study::Scope::everything);
+        study::with_free_effects(study::with_free_corrections(study, corrections), effects), scope);
 }
 
 bool is_error_of_reading(const Hypothesis& hypothesis) {
@@ -213,7 +213,7 @@ void differentiate_errors(const problem::Problem& problem, const Slopes& plain, 
 }
 
 // From the answer to the hypothesis's own best point at the most probable strength, by Gauss and Newton's steps; the
-// slopes there.
+// slopes there, of the outputs that `sloped` has.
 Slopes slopes_at_best(const Sloped& sloped, const problem::Problem& problem, const Hypothesis& hypothesis,
                       Slopes slopes, Index parameters) {
     const auto workspace = problem.function->make_workspace();
@@ -315,11 +315,33 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
     constexpr std::size_t leading = 8;
     constexpr double far = 3.0; // of ln(evidence): where nothing is told apart, the answer is near enough
     const double without = right.log_evidence;
+    // Steps need the readings alone: where outputs are under other loads, these are run at the end.
+    const std::vector<bool> computed = study::computed_loads(study);
+    const bool apart = std::any_of(outputs.begin(), outputs.end(), [&](std::size_t o) {
+        return !computed[static_cast<std::size_t>(study.model.sensors[o].load)];
+    });
+    const std::vector<std::size_t> no_outputs;
+    const Sloped of_readings{sloped.study, sloped.shift, no_outputs, noise};
     run::for_each_index(arena, std::min(leading, order.size()), [&](std::size_t i) {
         const std::size_t c = order[i].second;
-        if (slopes[c] && order[0].first > without + far) {
-            slopes[c] = slopes_at_best(sloped, problem_with(sloped.study, hypotheses, {c}), hypotheses[c],
-                                       std::move(*slopes[c]), n);
+        if (!slopes[c] || !(order[0].first > without + far)) {
+            return;
+        }
+        const problem::Problem problem = problem_with(sloped.study, hypotheses, {c});
+        if (!apart) {
+            slopes[c] = slopes_at_best(sloped, problem, hypotheses[c], std::move(*slopes[c]), n);
+            return;
+        }
+        Slopes begin = *slopes[c];
+        begin.outputs.resize(0);
+        begin.output_rows.resize(0, Eigen::NoChange);
+        const VectorXd end =
+            slopes_at_best(of_readings, problem_with(sloped.study, hypotheses, {c}, study::Scope::fitted),
+                           hypotheses[c], std::move(begin), n)
+                .at;
+        if (auto there =
+                end == slopes[c]->at ? std::nullopt : sloped.at(problem, end, *problem.function->make_workspace())) {
+            slopes[c] = std::move(there);
         }
     });
     std::vector<Said> all;

@@ -48,6 +48,9 @@ std::vector<std::string> findings(const CompareResult& result) {
             text.push_back(fmt::format("The data cannot tell these {}{} apart: {}.{}", kinds, in_layer,
                                        pave::join(alive),
                                        out.empty() ? "" : " They speak against " + pave::join(out) + "."));
+            if (!first.study.outputs().empty()) {
+                text.push_back(fmt::format("What an output may be lies within the ranges of all of these {}.", kinds));
+            }
         }
         if (!unweighed.empty()) {
             text.push_back(fmt::format("That is among the {} that AICc can weigh: for so few readings {} {} too many "

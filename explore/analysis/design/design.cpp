@@ -3,6 +3,7 @@
 #include "analysis/common/layout.h"
 #include "analysis/common/load_steps.h"
 #include "analysis/design/design_overlay.h"
+#include "analysis/design/design_walks.h"
 #include "base/error.h"
 #include "base/random.h"
 #include "inference/quantiles.h"
@@ -26,128 +27,6 @@ using pave::pavement::CriticalPlace;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double two_sided = 1.959963984540054; // deviate of 97.5 %
-
-// One end of a range of lives, and the sets on the way to it.
-struct End {
-    double log_life = 0.0;
-    double strain = 0.0;
-    std::vector<std::pair<double, std::vector<double>>> way; // root of the rise of chi2, unit coordinates
-
-    // The set where the rise is that of this deviate, between those that were walked.
-    std::vector<double> at(double deviate, double threshold) const {
-        const double root = std::sqrt(threshold) * deviate / two_sided;
-        for (std::size_t i = 1; i < way.size(); ++i) {
-            if (root <= way[i].first) {
-                const double span = way[i].first - way[i - 1].first;
-                const double t = span > 0.0 ? std::max(0.0, (root - way[i - 1].first) / span) : 1.0;
-                std::vector<double> unit = way[i - 1].second;
-                for (std::size_t k = 0; k < unit.size(); ++k) {
-                    unit[k] += t * (way[i].second[k] - unit[k]);
-                }
-                return unit;
-            }
-        }
-        return way.back().second;
-    }
-};
-
-// Walks over the sets that the data accept, to the shortest and the longest life of each criterion.
-class Walks {
-public:
-    Walks(const landscape::Uniqueness& answer, const std::vector<Life>& lives, const problem::Problem& everything,
-          run::Engine& engine)
-        : answer_(answer),
-          lives_(lives),
-          everything_(everything),
-          engine_(engine) {}
-
-    std::vector<End> shortest, longest; // of each life; none of those without strain at the best set
-
-    // False: interrupted.
-    bool run(const problem::Evaluation& best) {
-        std::vector<landscape::Minimum> from;
-        for (const std::size_t m : answer_.alternative_of) {
-            landscape::Minimum minimum = answer_.minima[m];
-            minimum.evaluation = m == 0 ? best : engine_.evaluate_one(minimum.unit);
-            if (minimum.evaluation.converged()) {
-                from.push_back(std::move(minimum));
-            }
-        }
-        const std::size_t count = from.size();
-        std::vector<landscape::Branch> branches(2 * count * lives_.size());
-        std::vector<std::size_t> critical;
-        for (const Life& life : lives_) {
-            critical.push_back(life.critical(life.at(best.parameters), best.responses));
-        }
-        if (!engine_.chains("lives", 0, branches.size(), [&](std::size_t i, run::Chain& chain) {
-                const std::size_t l = i / (2 * count);
-                branches[i] = landscape::walk(chain, everything_, *answer_.acceptance, from[(i / 2) % count],
-                                              from[0].evaluation.misfit, quantity(l, critical[l]), i % 2 == 0 ? -1 : 1);
-            })) {
-            return false;
-        }
-        for (std::size_t l = 0; l < lives_.size(); ++l) {
-            shortest.push_back(end_of(branches, l, count, 0, from));
-            longest.push_back(end_of(branches, l, count, 1, from));
-        }
-        return true;
-    }
-
-private:
-    landscape::Quantity quantity(std::size_t l, std::size_t candidate) const {
-        const Life& life = lives_[l];
-        return {[&life, candidate](const std::vector<double>&, const problem::Evaluation& e) {
-                    return life.log_repetitions(candidate, life.at(e.parameters), e.responses);
-                },
-                [&life, candidate](const std::vector<double>& unit, const problem::Evaluation& e) -> VectorXd {
-                    return life.gradient(candidate, unit, e);
-                }};
-    }
-
-    // side: 0 the shortest, 1 the longest. Where another place is strained more at a set, that place's life counts.
-    End end_of(const std::vector<landscape::Branch>& branches, std::size_t l, std::size_t count, std::size_t side,
-               const std::vector<landscape::Minimum>& from) const {
-        const double sign = side == 0 ? -1.0 : 1.0;
-        End end;
-        for (std::size_t a = 0; a < count; ++a) {
-            const landscape::Branch& branch = branches[2 * (l * count + a) + side];
-            if (a > 0 && sign * branch.limit <= sign * end.log_life) {
-                continue;
-            }
-            const double begin =
-                std::max(0.0, answer_.acceptance->rise(from[a].evaluation.misfit, from[0].evaluation.misfit));
-            const Life& life = lives_[l];
-            end = {};
-            end.log_life = branch.limit;
-            end.way.emplace_back(std::sqrt(begin), from[a].unit);
-            const problem::Evaluation* last = &from[a].evaluation;
-            for (const landscape::ProfilePoint& p : branch.points) {
-                if (p.rise <= answer_.acceptance->threshold) {
-                    end.way.emplace_back(std::sqrt(std::max(p.rise, 0.0)), p.unit);
-                    last = &p.evaluation;
-                }
-            }
-            if (branch.end == landscape::WalkEnd::threshold) {
-                end.way.emplace_back(std::sqrt(answer_.acceptance->threshold), branch.limit_unit);
-            }
-            const problem::Evaluation there =
-                branch.limit_unit == end.way.back().second && branch.end != landscape::WalkEnd::threshold
-                    ? *last
-                    : engine_.evaluate_one(branch.limit_unit);
-            if (there.converged()) {
-                const auto at = life.at(there.parameters);
-                end.strain = life.strain(life.critical(at, there.responses), there.responses);
-                end.log_life = life.log_repetitions(at, there.responses);
-            }
-        }
-        return end;
-    }
-
-    const landscape::Uniqueness& answer_;
-    const std::vector<Life>& lives_;
-    const problem::Problem& everything_;
-    run::Engine& engine_;
-};
 
 // Of ln(life) by the unit coordinates.
 VectorXd gradient_of(const Life& life, const std::vector<double>& unit, const problem::Evaluation& e) {
@@ -208,16 +87,20 @@ void weigh(std::vector<CriterionLife>& criteria, const MatrixXd& correlations, s
     }
 }
 
-LifeRange mapped(const LifeRange& range, const auto& function) {
-    return {function(range.best), function(range.low), function(range.high), function(range.wide_low),
-            function(range.wide_high)};
-}
-
-// The repetitions left of an allowable number.
-void set_remaining(CriterionLife& c) {
-    const auto none_below = [](double value) { return std::isnan(value) ? value : std::max(0.0, value); };
-    c.remaining = mapped(c.allowable, [&](double n) { return none_below(n - c.criterion.passed); });
-    c.years = mapped(c.remaining, [&](double n) { return c.criterion.years_of(n); });
+// As CriterionLife::distribution.
+std::vector<std::pair<double, double>> distribution_of(const LifeWalks& walks, std::size_t l, double threshold) {
+    std::vector<std::pair<double, double>> distribution;
+    const auto add = [&](const LifeEnd& end, std::size_t i, double sign) {
+        const double deviate = sign * two_sided * end.way[i].first / std::sqrt(threshold);
+        distribution.emplace_back(std::exp(end.log_lives[i]), gsl_cdf_ugaussian_P(deviate));
+    };
+    for (std::size_t i = walks.shortest[l].way.size(); i > 0; --i) {
+        add(walks.shortest[l], i - 1, -1.0);
+    }
+    for (std::size_t i = 1; i < walks.longest[l].way.size(); ++i) {
+        add(walks.longest[l], i, 1.0);
+    }
+    return distribution;
 }
 
 // Strains that are possible if the model lacks something, at the modulus of the best set; in all seasons alike.
@@ -272,11 +155,11 @@ void widen(DesignResult& result, const CriticalPlaces& places, const std::vector
 
 // Nothing: interrupted.
 std::optional<Overlay> overlay_of(const DesignResult& result, const CriticalPlaces& places,
-                                  const std::vector<Life>& lives, const Walks& walks, const landscape::Minimum& best,
-                                  int threads) {
-    OverlayDemand demand{.places = places, .lives = lives, .required = {}};
+                                  const std::vector<Life>& lives, const LifeWalks& walks,
+                                  const landscape::Minimum& best, int threads) {
+    std::vector<double> required;
     for (const CriterionLife& c : result.criteria) {
-        demand.required.push_back(c.required);
+        required.push_back(c.required);
     }
     const problem::ParameterSpace& space = places.study.space;
     std::vector<std::vector<double>> sets{best.evaluation.parameters};
@@ -284,18 +167,19 @@ std::optional<Overlay> overlay_of(const DesignResult& result, const CriticalPlac
     if (ends > 0) {
         const double threshold = result.answer.acceptance->threshold;
         const double deviate = gsl_cdf_ugaussian_Pinv(0.01 * result.options.reliability_percent);
-        for (const End& end : walks.shortest) {
+        for (const LifeEnd& end : walks.shortest) {
             sets.push_back(space.physical(end.at(deviate, threshold)));
         }
         for (const auto* side : {&walks.shortest, &walks.longest}) {
-            for (const End& end : *side) {
+            for (const LifeEnd& end : *side) {
                 sets.push_back(space.physical(end.way.back().second));
             }
         }
     }
     std::vector<std::optional<double>> needed(sets.size());
     tbb::task_arena arena(run::concurrency(threads));
-    run::for_each_index(arena, sets.size(), [&](std::size_t i) { needed[i] = overlay_needed(demand, sets[i]); });
+    run::for_each_index(arena, sets.size(),
+                        [&](std::size_t i) { needed[i] = overlays_needed(places, lives, {required}, sets[i])[0]; });
     if (run::interrupted()) {
         return std::nullopt;
     }
@@ -322,20 +206,6 @@ std::optional<Overlay> overlay_of(const DesignResult& result, const CriticalPlac
 
 } // namespace
 
-std::optional<double> Overlay::cost() const {
-    if (!best || !reliable) {
-        return std::nullopt;
-    }
-    return std::max(0.0, *reliable) - std::max(0.0, *best);
-}
-
-const CriterionLife& DesignResult::governing() const {
-    return *std::min_element(criteria.begin(), criteria.end(), [](const auto& a, const auto& b) {
-        return a.criterion.years_of(a.allowable.best - a.criterion.passed) <
-               b.criterion.years_of(b.allowable.best - b.criterion.passed);
-    });
-}
-
 std::optional<DesignResult> design(Session& session, const study::Study& given, const DesignOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
     study::refuse_own_model(given, "design");
@@ -352,16 +222,27 @@ std::optional<DesignResult> design(Session& session, const study::Study& given, 
     for (std::size_t l = 0; l < criteria.size(); ++l) {
         lives.emplace_back(places, criteria[l], places.candidates[l]);
     }
-    const problem::Problem fitted = study::make_noise_problem(study, study::Scope::fitted);
+    const problem::Problem fitted = study::make_noise_problem(as_read, study::Scope::fitted);
     const problem::Problem everything = seasonal(study::make_noise_problem(study, study::Scope::everything), places);
     DesignResult result{.study = study, .options = options, .answer = {}, .criteria = {}};
-    const std::string settings =
+    std::string settings =
         fmt::format("searches of {} evaluations, seed {}", options.settings.max_evaluations, session.options().seed);
+    auto reduced = session.reduced(fitted, as_read, options.model);
+    if (options.model.reduced() && !reduced) {
+        return std::nullopt;
+    }
+    std::optional<run::Engine> explorer;
+    if (reduced) {
+        settings += reduced->settings;
+        explorer.emplace(reduced->problem, session.store(), session.begin(study, "design-explore", settings),
+                         session.engine_settings());
+    }
     const int lives_run = session.begin(study, "design-lives", settings);
     auto everything_engine = session.engine(everything, lives_run);
     auto engine = session.engine(fitted, session.begin(study, "design", settings));
-    auto task = uniqueness_task(study, fitted, everything, engine, everything_engine, session.options().seed);
+    auto task = uniqueness_task(as_read, fitted, everything, engine, everything_engine, session.options().seed);
     task.outputs.clear(); // lives are walked, not strains
+    task.explorer = explorer ? &*explorer : nullptr;
     auto answer = landscape::uniqueness(task, options.settings);
     if (!answer) {
         return std::nullopt;
@@ -387,26 +268,37 @@ std::optional<DesignResult> design(Session& session, const study::Study& given, 
         c.required = criteria[l].passed + criteria[l].design_traffic.value_or(criteria[l].traffic_of(options.years));
         result.criteria.push_back(std::move(c));
     }
-    Walks walks(result.answer, lives, everything, everything_engine);
+    LifeWalks walks;
     if (!result.answer.acceptance) {
         result.no_range = result.answer.missing.empty() ? "the noise is not known" : result.answer.missing.back();
     } else {
-        if (!walks.run(best.evaluation)) {
+        auto walked = walk_lives({.session = session,
+                                  .answer = result.answer,
+                                  .places = places,
+                                  .lives = lives,
+                                  .fitted = reduced ? reduced->problem : fitted,
+                                  .everything = everything,
+                                  .settings = settings},
+                                 best.evaluation);
+        if (!walked) {
             return std::nullopt;
         }
+        walks = std::move(*walked);
+        session.begin(study, "design", settings); // the run used last
         for (std::size_t l = 0; l < lives.size(); ++l) {
             CriterionLife& c = result.criteria[l];
             c.allowable.low = std::min(c.allowable.best, std::exp(walks.shortest[l].log_life));
             c.allowable.high = std::max(c.allowable.best, std::exp(walks.longest[l].log_life));
             c.strain.low = std::min(c.strain.best, walks.longest[l].strain);
             c.strain.high = std::max(c.strain.best, walks.shortest[l].strain);
+            c.distribution = distribution_of(walks, l, result.answer.acceptance->threshold);
         }
         widen(result, places, lives, best, session.options().threads);
         weigh(result.criteria, correlation(everything, lives, *result.answer.acceptance, best.unit, best.evaluation),
               session.options().seed);
     }
     for (CriterionLife& c : result.criteria) {
-        set_remaining(c);
+        c.set_remaining();
     }
     result.overlay = overlay_of(result, places, lives, walks, best, session.options().threads);
     if (!result.overlay) {
@@ -417,8 +309,10 @@ std::optional<DesignResult> design(Session& session, const study::Study& given, 
         result.next = narrowing_steps(as_read, fitted, *result.answer.acceptance, result.answer.minima[0],
                                       gradient_of(lives[ends_first], best.unit, best.evaluation));
     }
-    result.computed = engine.tally().computed + everything_engine.tally().computed;
-    result.kept = engine.tally().kept + everything_engine.tally().kept;
+    result.computed = engine.tally().computed + everything_engine.tally().computed + walks.computed;
+    result.kept = engine.tally().kept + everything_engine.tally().kept + walks.kept;
+    result.runs_between = walks.between;
+    result.off_between = walks.off;
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;
 }

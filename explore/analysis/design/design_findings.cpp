@@ -10,16 +10,6 @@ namespace {
 
 using pave::figure;
 
-constexpr double long_time = 200.0; // years: more is as good as for ever
-
-std::string power_of_ten(double value) { // 2.6e7, not 2.6e+07
-    std::string text = fmt::format("{:.2g}", value);
-    if (const auto at = text.find("e+"); at != std::string::npos) {
-        text.erase(at + 1, text[at + 2] == '0' ? 2 : 1);
-    }
-    return text;
-}
-
 // "> 200" within a sentence.
 std::string spoken(std::string words) {
     if (words.starts_with("> ")) {
@@ -38,10 +28,11 @@ std::string wide_words(const CriterionLife& c) {
     const bool has_short = c.short_is_held && c.beyond(c.allowable.wide_low) >= 0;
     const bool has_long = c.long_is_held && c.beyond(c.allowable.wide_high) <= 0;
     if (!has_short && !has_long) {
-        const std::string within = c.criterion.guide == nullptr
-                                       ? ""
-                                       : fmt::format(" within what {} is used for, {} to {} repetitions",
-                                                     c.criterion.law, power_of_ten(c.least()), power_of_ten(c.most()));
+        const std::string within =
+            c.criterion.guide == nullptr
+                ? ""
+                : fmt::format(" within what {} is used for, {} to {} repetitions", c.criterion.law,
+                              repetitions_figure(c.least()), repetitions_figure(c.most()));
         return fmt::format("If the model may lack something, these data do not bound the life{}.", within);
     }
     if (!c.long_is_held) {
@@ -117,28 +108,6 @@ std::string overlay_words(const DesignResult& result) {
 
 } // namespace
 
-std::string repetitions_words(const CriterionLife& c, double allowable) {
-    constexpr double endless = 1e12;
-    if (std::isnan(allowable)) {
-        return "-";
-    }
-    const double most = std::min(c.most(), endless);
-    return allowable > most          ? "> " + power_of_ten(most)
-           : c.beyond(allowable) < 0 ? "< " + power_of_ten(c.least())
-                                     : power_of_ten(allowable);
-}
-
-std::string years_words(const CriterionLife& c, double allowable) {
-    if (std::isnan(allowable)) {
-        return "-";
-    }
-    const double left = std::clamp(allowable, c.least(), c.most()) - c.criterion.passed;
-    const double years = c.criterion.years_of(std::max(0.0, left));
-    const bool is_less = c.beyond(allowable) < 0 && years > 0.0;
-    const bool is_more = c.beyond(allowable) > 0 || (!is_less && years > long_time);
-    return (is_less ? "< " : is_more ? "> " : "") + pave::figure(is_more ? std::min(years, long_time) : years, 2);
-}
-
 std::vector<std::string> findings(const DesignResult& result) {
     const CriterionLife& first = result.governing();
     std::vector<std::string> words;
@@ -167,7 +136,7 @@ std::vector<std::string> findings(const DesignResult& result) {
                                         std::isfinite(c.strain.best)
                                             ? fmt::format("{} microstrain", figure(c.strain.best))
                                             : fmt::format("{:.2g} repetitions", c.allowable.best),
-                                        c.criterion.law, power_of_ten(c.least()), power_of_ten(c.most())));
+                                        c.criterion.law, repetitions_figure(c.least()), repetitions_figure(c.most())));
         }
     }
     for (std::string& step : next_words(result)) {

@@ -9,19 +9,16 @@ namespace explore::analysis {
 inline constexpr double thickest_overlay = 400.0;
 inline constexpr double thinnest_top = 20.0; // that milling leaves
 
-struct OverlayDemand {
-    const CriticalPlaces& places;
-    const std::vector<Life>& lives;
-    std::vector<double> required; // of each: repetitions
-};
-
 // The life of every criterion, ln of repetitions, with a top layer thicker by so much [mm], at physical values of the
 // parameters, by a run of its own. Empty: no answer.
-std::vector<double> lives_with_overlay(const OverlayDemand& demand, const std::vector<double>& parameters,
-                                       double added_mm);
+std::vector<double> lives_with_overlay(const CriticalPlaces& places, const std::vector<Life>& lives,
+                                       const std::vector<double>& parameters, double added_mm);
 
-// The thinnest that lasts together with all thicker ones up to it that were tried; below 0: what may be milled off.
-// Nothing: none does, or no answer.
-std::optional<double> overlay_needed(const OverlayDemand& demand, const std::vector<double>& parameters);
+// Of each of several demands, that differ in what is required, at one set: the thinnest that lasts together with all
+// thicker ones up to it that were tried; below 0: what may be milled off. Nothing: none does, or no answer. required:
+// repetitions that each life must allow, a list a demand.
+std::vector<std::optional<double>> overlays_needed(const CriticalPlaces& places, const std::vector<Life>& lives,
+                                                   const std::vector<std::vector<double>>& required,
+                                                   const std::vector<double>& parameters);
 
 } // namespace explore::analysis

@@ -194,6 +194,7 @@ std::vector<diagnose::Candidate> candidates_of(const study::Study& study, const 
             candidate.reading =
                 std::find(layout.rows.begin(), layout.rows.end(), static_cast<std::size_t>(*variant.applied.reading)) -
                 layout.rows.begin();
+            candidate.is_of_limit = study.readings[layout.rows[*candidate.reading]].censored != data::Censored::no;
         }
         list.push_back(std::move(candidate));
     }
@@ -306,12 +307,6 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
                           "the tests of diagnose are those of normal noise", "loss = \"student\"",
                           "loss = \"normal\": a wrong reading is one of the causes that it looks for");
     }
-    if (baseline.censored() > 0) {
-        throw pave::Error({.file = study.file, .key = "data"},
-                          "the tests of diagnose are those of readings with a value",
-                          pave::counted(baseline.censored(), "reading is a limit", "readings are limits"),
-                          "data without rows whose value is < or >; fit, unique and sample take them");
-    }
     for (const std::string& name : options.without) {
         study::effect_named(study, name, {.key = "--without"});
     }
@@ -384,6 +379,7 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     };
     for (const std::size_t row : result.layout.rows) {
         task.noise_places.push_back(study::noise_place(study.model.sensors[row]));
+        task.limits.push_back(study.readings[row].censored == data::Censored::no ? 0 : 1);
     }
     for (const data::BowlFault& fault : faults) {
         if (fault.is_mendable()) {

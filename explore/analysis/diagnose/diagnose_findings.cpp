@@ -1,3 +1,4 @@
+#include "analysis/common/limit_words.h"
 #include "analysis/diagnose/diagnose_verdict.h"
 
 #include "base/error.h"
@@ -80,6 +81,9 @@ public:
             text.push_back(weights);
         }
         if (std::string words = noise_key_words(study); !words.empty()) {
+            text.push_back(std::move(words));
+        }
+        if (std::string words = limit_words(study); !words.empty()) {
             text.push_back(std::move(words));
         }
         if (std::string words = next_words(); !words.empty()) {

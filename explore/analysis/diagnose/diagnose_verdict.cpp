@@ -176,8 +176,10 @@ private:
                                "that was tried (probability {}).",
                                percent(d.decision.of_noise));
         }
-        return fmt::format("ADEQUATE, but for the noise: {}; nothing else is visible (probability {}).",
-                           row_words(leading), percent(d.decision.of_noise));
+        return fmt::format(
+            "ADEQUATE, but for the noise: {}; nothing else is visible (probability {}). State the noise so "
+            "under [data.noise].",
+            row_words(leading), percent(d.decision.of_noise));
     }
 
     std::string ambiguous_words(const std::vector<std::string>& sets) const {

@@ -94,7 +94,8 @@ void unknown_parameters(const FitResult& result, std::vector<std::string>& text)
     const problem::ParameterSpace& space = result.problem.space;
     const std::size_t count = space.axes.size();
     if (result.problem.readings() < count) {
-        text.push_back(fmt::format("{} for {}: whatever this fit says, other values fit these readings as well.",
+        text.push_back(fmt::format("{} for {}: whatever this fit says, other values fit these readings as well. Hold "
+                                   "parameters at known values, state priors for them, or add readings.",
                                    counted(result.problem.readings(), "reading", "readings"),
                                    counted(count, "parameter", "parameters")));
     }
@@ -105,7 +106,7 @@ void unknown_parameters(const FitResult& result, std::vector<std::string>& text)
         }
     }
     if (!unseen.empty() && (result.local.degrees_of_freedom > 0 || result.local.noise_is_stated)) {
-        text.push_back(fmt::format("Not determined individually (the standard error spans half of the allowed range or "
+        text.push_back(fmt::format("Not determined individually (the 95 % range spans half of the allowed range or "
                                    "more): {}. Other values fit these data as well, and what they predict elsewhere "
                                    "may differ: unique says how far.",
                                    pave::join(unseen)));
@@ -167,8 +168,8 @@ std::string downweighted(const FitResult& result) {
                : fmt::format("{}: {} {} less than half of what {} would with normal noise (1): {}. {}", noise,
                              counted(names.size(), "reading", "readings"), names.size() == 1 ? "counts" : "count",
                              names.size() == 1 ? "it" : "they", pave::join(names),
-                             names.size() == 1 ? "It or the model is wrong there."
-                                               : "They or the model are wrong there.");
+                             names.size() == 1 ? "It or the model is wrong there: check it."
+                                               : "They or the model are wrong there: check them.");
 }
 
 // A reading whose residual noise does not explain: its studentised residual (Cook and Weisberg 1982), the largest of
@@ -286,10 +287,12 @@ std::vector<std::string> findings(const FitResult& result) {
     const auto close = rivals(minima, problem, local);
     // The most important comes first: what is not known, then where the searches ended.
     if (!best.converged) {
-        text.push_back(fmt::format("The search that came lowest had not converged ({}): the misfit may fall further. "
-                                   "Neither the model nor a reading is judged by it, and its standard errors are of a "
-                                   "point that is none of the data's.",
-                                   why_not_converged(result)));
+        text.push_back(
+            fmt::format("The search that came lowest had not converged ({}): the misfit may fall further. "
+                        "Neither the model nor a reading is judged by it, and its standard errors are of a "
+                        "point that is none of the data's.{}",
+                        why_not_converged(result),
+                        limited_words(result).empty() ? " More --starts, or another --method, may end it." : ""));
     }
     if (best.converged && contradicts_noise(local) && best.on_bound.empty()) {
         text.push_back(noise_words(local, problem.noise_is_student(), best.alone.has_value()));
@@ -412,7 +415,8 @@ std::vector<std::string> findings(const FitResult& result) {
         text.push_back(std::move(words));
     }
     if (local.degrees_of_freedom <= 0) {
-        text.push_back(fmt::format("{} for {} free: the data cannot tell noise from a wrong model{}.",
+        text.push_back(fmt::format("{} for {} free: the data cannot tell noise from a wrong model{}. Readings that are "
+                                   "added, or a parameter that is held, let them.",
                                    counted(problem.readings(), "reading", "readings"),
                                    counted(problem.space.axes.size(), "parameter", "parameters"),
                                    local.noise_is_stated ? "" : ", and no error of the parameters can be given"));
@@ -424,7 +428,9 @@ std::vector<std::string> findings(const FitResult& result) {
         }
         text.push_back(fmt::format(
             "The data state no noise. Estimated from the residuals of the fit, with only {}, one "
-            "residual has a standard deviation of {}. State it under [data.noise] to judge the model.",
+            "residual has a standard deviation of {}. State it under [data.noise] to judge the model; `pavescape "
+            "noise` "
+            "finds it in repeated drops.",
             counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom"),
             figure(local.noise)));
     }

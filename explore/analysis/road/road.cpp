@@ -3,6 +3,7 @@
 #include "analysis/road/road_diagnosis.h"
 #include "analysis/road/road_outliers.h"
 #include "analysis/road/road_withheld.h"
+#include "analysis/survey/survey_lives.h"
 #include "analysis/survey/survey_road.h"
 #include "base/error.h"
 #include "landscape/batch.h"
@@ -363,6 +364,9 @@ private:
             judge_fit(s);
         }
         conclude(state, judged_, alone, result_);
+        if (!predict_station_lives(state)) {
+            return false;
+        }
         result_.outliers = explain_outliers(state, judged_, alone, result_.station_noise_factor);
         if (diagnoses_) {
             result_.diagnosis = diagnose_road(session_, state, result_.dof, problem_of);
@@ -375,6 +379,23 @@ private:
             return result_.withheld.has_value();
         }
         return true;
+    }
+
+    // To first order, with the covariance that the road leaves at a station.
+    bool predict_station_lives(const RoadState& state) {
+        const Eigen::MatrixXd common = common_covariance(state);
+        std::vector<StationToLast> stations;
+        for (std::size_t i = 0; i < tasks_.size(); ++i) {
+            if (tasks_[i].station->is_fitted()) {
+                const double noise = result_.noise_factor();
+                stations.push_back(
+                    {tasks_[i].station, tasks_[i].words(),
+                     [covariance = StationInformation(state, i).covariance(common), noise](const Eigen::VectorXd& g) {
+                         return noise * std::sqrt(std::max(0.0, g.dot(covariance * g)));
+                     }});
+            }
+        }
+        return predict_lives(session_, survey_, stations);
     }
 
     Session& session_;
@@ -401,6 +422,7 @@ double RoadResult::noise_factor() const {
 std::optional<RoadResult> road(Session& session, std::vector<data::FwdFile> files, study::Study survey_study,
                                const RoadOptions& options) {
     check_study(survey_study);
+    check_criteria(survey_study);
     const auto begin = std::chrono::steady_clock::now();
     RoadResult result;
     result.survey = begin_survey(std::move(files), std::move(survey_study), options.survey);

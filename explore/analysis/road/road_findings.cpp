@@ -201,15 +201,19 @@ std::vector<std::string> findings_of(const RoadResult& result) {
     if (result.weakest.size() > 1 && result.condition > poorly_conditioned) {
         words.push_back(fmt::format(
             "The common parameters are known less well together than each by itself: along {} by {} of the box (one "
-            "standard deviation), {:.0f} times worse than along the best known combination.",
+            "standard deviation), {:.0f} times worse than along the best known combination. Hold one of them at a "
+            "known "
+            "value.",
             weakest_words(result), percent(result.weakest_sd), std::sqrt(result.condition)));
     }
     words.push_back(
         result.widened
-            ? fmt::format("The model misses the readings by {:.1f} times their noise (chi2 = {} with {:.0f} degrees of "
-                          "freedom, p = {:.2g}): ranges are wider by that much, and an error that the model makes at "
-                          "every station shifts the common parameters by more than they say.",
-                          result.noise_factor(), figure(result.chi2), result.dof, result.p_value)
+            ? fmt::format(
+                  "The model misses the readings by {:.1f} times their noise (chi2 = {} with {:.0f} degrees of "
+                  "freedom, p = {:.2g}): ranges are wider by that much, and an error that the model makes at "
+                  "every station shifts the common parameters by more than they say. `road --diagnose` looks for "
+                  "what all stations lack.",
+                  result.noise_factor(), figure(result.chi2), result.dof, result.p_value)
             : fmt::format("The fit is consistent with the noise of the readings: chi2 = {} with {:.0f} degrees of "
                           "freedom, p = {:.2g}.",
                           figure(result.chi2), result.dof, result.p_value));
@@ -254,7 +258,9 @@ std::vector<std::string> findings_of(const RoadResult& result) {
         words.push_back(withheld_words(*result.withheld));
     }
     if (!result.converged) {
-        words.push_back(fmt::format("The search over all stations did not converge: {}.", result.ended));
+        words.push_back(fmt::format("The search over all stations did not converge: {}. Leave out stations that "
+                                    "stand out, or hold a common parameter.",
+                                    result.ended));
     }
     words.emplace_back("Ranges hold for errors that are new at every reading. What is wrong in the same way at every "
                        "station, as a sensor's calibration or a thickness, is not in them.");

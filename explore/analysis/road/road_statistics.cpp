@@ -328,6 +328,7 @@ void conclude(const RoadState& state, const std::vector<RoadStation>& judged, co
             j.alone.push_back(range_about(axes[k], alone[i].unit[k], quantile * std::sqrt(by_itself.back()(at, at))));
             fit.parameters.push_back(range_about(axes[k], state.points[i].unit[k], quantile * std::sqrt(own(at, at))));
         }
+        fit.quantile = quantile / result.noise_factor();
         fit.local.chi2 = j.chi2;
         fit.local.degrees_of_freedom = static_cast<int>(std::lround(j.dof));
         fit.local.p_value = j.dof > 0.0 ? gsl_cdf_chisq_Q(j.chi2, j.dof) : 1.0;

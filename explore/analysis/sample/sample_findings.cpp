@@ -58,12 +58,12 @@ void say_bounds(const SampleResult& result, std::vector<std::string>& text) {
         }
         for (const int upper : {0, 1}) {
             if (ends[upper] > held * total) {
-                text.push_back(fmt::format("{} is cut off at its {} bound {}: {:.0f} % of the draws lie within "
-                                           "{:.0f} % of the range from it. "
-                                           "What is said of it rests on that bound.",
-                                           axes[k].name, upper != 0 ? "upper" : "lower",
-                                           figure(upper != 0 ? axes[k].high : axes[k].low), 100.0 * ends[upper] / total,
-                                           100.0 * edge));
+                text.push_back(fmt::format(
+                    "{} is cut off at its {} bound {}: {:.0f} % of the draws lie within "
+                    "{:.0f} % of the range from it. "
+                    "What is said of it rests on that bound: widen the range, or state what is known as a prior.",
+                    axes[k].name, upper != 0 ? "upper" : "lower", figure(upper != 0 ? axes[k].high : axes[k].low),
+                    100.0 * ends[upper] / total, 100.0 * edge));
             }
         }
         if (landscape::marginal(units, result.descent).sd / std::sqrt(inference::box_variance) > uninformed &&
@@ -90,9 +90,9 @@ void say_modes(const SampleResult& result, std::vector<std::string>& text) {
             places.push_back(
                 fmt::format("{:.0f} % about {}", 100.0 * mode.share, figure(axes[k].physical(mode.centre))));
         }
-        text.push_back(
-            fmt::format("{} separate values of {} explain the data: {}. Its mean lies where none of them is.",
-                        modes.size(), axes[k].name, pave::join(places)));
+        text.push_back(fmt::format("{} separate values of {} explain the data: {}. Its mean lies where none of them "
+                                   "is: report each by itself; a further reading or a prior decides.",
+                                   modes.size(), axes[k].name, pave::join(places)));
     }
 }
 

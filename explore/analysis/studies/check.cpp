@@ -266,9 +266,11 @@ std::vector<std::string> doubtful_readings(const study::Study& study) {
         double high = 10e6;
         switch (study.model.sensors[i].quantity) {
         case Quantity::deflection:
+        case Quantity::benkelman:
             low = -2e-3;
             high = 20e-3;
             break;
+        case Quantity::slope:
         case Quantity::strain_zz:
         case Quantity::strain_xx:
         case Quantity::strain_yy:

@@ -329,12 +329,12 @@ std::vector<std::string> findings(const NoiseResult& result) {
     }
     if (!missed.empty()) {
         text.push_back(fmt::format("The model does not hold at {}: its scatter is off by more than a factor of two "
-                                   "there.",
+                                   "there. State sigma of that sensor's readings, or leave it out.",
                                    pave::join(missed)));
     }
     constexpr int few = 30;
     if (result.degrees < few) {
-        text.push_back(fmt::format("Only {}: see how wide the ranges are.",
+        text.push_back(fmt::format("Only {}: see how wide the ranges are; more drops at a station narrow them.",
                                    pave::counted(static_cast<std::size_t>(result.degrees), "repeat", "repeats")));
     }
     text.push_back("Repeats do not show what stays the same from drop to drop: calibration, places of sensors, the "

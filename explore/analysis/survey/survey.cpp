@@ -1,5 +1,6 @@
 #include "analysis/survey/survey.h"
 
+#include "analysis/survey/survey_lives.h"
 #include "analysis/survey/survey_network.h"
 #include "analysis/survey/survey_outputs.h"
 #include "analysis/survey/survey_road.h"
@@ -8,6 +9,7 @@
 #include "data/fwd_values.h"
 #include "landscape/batch.h"
 #include "landscape/held_ranges.h"
+#include "landscape/prediction_error.h"
 #include "run/progress.h"
 
 #include <algorithm>
@@ -54,7 +56,7 @@ public:
     bool run() {
         const auto begin = std::chrono::steady_clock::now();
         if (!networks_.build(tasks_) || !explore() || !networks_.search(searches_, settings_) || !fit() ||
-            !predict_outputs(session_, result_, tasks_)) {
+            !predict_outputs(session_, result_, tasks_) || !predict_station_lives()) {
             return false;
         }
         result_.floor = floor_of(result_, tasks_);
@@ -145,6 +147,19 @@ private:
         landscape::search_batch(items, session_.store(), *optimise::find_method(settings_.method), how,
                                 session_.options().threads, keep);
         return finished == items.size();
+    }
+
+    bool predict_station_lives() {
+        std::vector<StationToLast> stations;
+        for (const StationTask& task : tasks_) {
+            if (task.station->is_fitted()) {
+                stations.push_back({task.station, task.words(), [&task](const Eigen::VectorXd& gradient) {
+                                        const StationFit& fit = *task.station->fit;
+                                        return landscape::prediction_error(gradient, fit.best, task.problem, fit.local);
+                                    }});
+            }
+        }
+        return predict_lives(session_, result_, stations);
     }
 
     Session& session_;
@@ -241,8 +256,15 @@ std::vector<data::Reading> SurveyResult::outputs() const {
     return found;
 }
 
+bool SurveyResult::has_lives() const {
+    return count([](const StationResult& s) { return s.is_fitted() && s.fit->lives; }) > 0;
+}
+
 std::optional<SurveyResult> survey(Session& session, std::vector<data::FwdFile> files,
                                    std::optional<study::Study> survey_study, const SurveyOptions& options) {
+    if (survey_study) {
+        check_criteria(*survey_study);
+    }
     SurveyResult result = begin_survey(std::move(files), std::move(survey_study), options);
     if (result.study && !fit_stations(session, result)) {
         return std::nullopt;

@@ -3,6 +3,7 @@
 
 #include "analysis/common/floor.h"
 #include "analysis/common/session.h"
+#include "analysis/design/criterion_life.h"
 #include "data/bowl_indices.h"
 #include "data/temperature_curves.h"
 #include "inference/quantiles.h"
@@ -68,6 +69,15 @@ struct OutputRange {
     bool determined = false; // no direction that the readings do not see moves it
 };
 
+// Lives by the criteria of the study at the best fit (analysis/survey/survey_lives.h).
+struct StationLives {
+    std::vector<CriterionLife> criteria; // in the order of the study's
+    Overlay overlay;
+    bool has_range = false; // else nothing is known of the ends
+
+    const CriterionLife& first() const { return ends_first(criteria); }
+};
+
 struct StationFit {
     landscape::Minimum best;
     std::size_t minima = 0;
@@ -78,9 +88,10 @@ struct StationFit {
     std::vector<ParameterRange> parameters;    // in the order of the study's
     landscape::LocalAnalysis local;
     double quantile = inference::two_sided_95; // half a 95 % range over a standard error
-    std::vector<std::size_t> held_by{}; // inequalities of the study that cut ranges: those end there, on one side
-    std::vector<OutputRange> outputs{}; // in the order of SurveyResult::outputs
-    std::string why_no_outputs{};       // where the model has no answer for them
+    std::vector<std::size_t> held_by{};  // inequalities of the study that cut ranges: those end there, on one side
+    std::vector<OutputRange> outputs{};  // in the order of SurveyResult::outputs
+    std::string why_no_outputs{};        // where the model has no answer for them
+    std::optional<StationLives> lives{}; // nothing: no criteria, or no answer under their axles
 };
 
 enum class TemperatureSource {
@@ -223,6 +234,7 @@ struct SurveyResult {
     std::size_t end_of_lane(std::size_t begin) const;
     std::vector<std::string> parameter_names() const;
     std::vector<data::Reading> outputs() const; // of the study; none without one
+    bool has_lives() const;                     // at any station
     double d0_at_common(const StationResult& s) const {
         return s.bowl().d0_um() * common_pressure_kPa / s.bowl().pressure_kPa;
     }

@@ -342,6 +342,35 @@ void add_bounds(const SurveyResult& result, std::vector<std::string>& words) {
     }
 }
 
+void add_lives(const SurveyResult& result, std::vector<std::string>& words) {
+    const StationResult* shortest = nullptr;
+    std::size_t needing = 0;
+    std::size_t with = 0;
+    const auto years = [](const StationResult& s) { return s.fit->lives->first().years.best; };
+    for (const StationResult& s : result.stations) {
+        if (!s.is_fitted() || !s.fit->lives) {
+            continue;
+        }
+        ++with;
+        const Overlay& overlay = s.fit->lives->overlay;
+        const auto built = s.fit->lives->has_range ? overlay.reliable : overlay.best;
+        needing += !built || *built > 0.0 ? 1 : 0;
+        shortest = shortest == nullptr || years(s) < years(*shortest) ? &s : shortest;
+    }
+    if (shortest == nullptr) {
+        return;
+    }
+    const CriterionLife& c = shortest->fit->lives->first();
+    words.push_back(fmt::format(
+        "The life ends first at {}: {} years are left{} (\"{}\"). {} of {} stations need an overlay for the design "
+        "traffic with {:g} % reliability.",
+        shortest->station.name, years_words(c, c.allowable.best),
+        std::isnan(c.allowable.low)
+            ? ""
+            : fmt::format(", {} to {} (95 %)", years_words(c, c.allowable.low), years_words(c, c.allowable.high)),
+        c.criterion.name, needing, with, usual_reliability_percent));
+}
+
 } // namespace
 
 std::vector<std::string> findings_of(const SurveyResult& result) {
@@ -349,6 +378,7 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
     if (std::string weak = weak_words(result); !weak.empty()) {
         words.push_back(std::move(weak));
     }
+    add_lives(result, words);
     words.insert(words.end(), result.remarks.begin(), result.remarks.end());
     const auto stations = result.stations.size();
     const auto without_place = result.count([](const StationResult& s) { return !s.station.chainage_m; });
@@ -416,8 +446,10 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
         const auto unknown =
             result.count([&](const StationResult& s) { return s.is_fitted() && !s.fit->parameters[k].determined; });
         if (unknown > 0) {
-            words.push_back(fmt::format("{} is not determined at {} of {} stations: its value there is not to be used.",
-                                        names[k], unknown, fitted));
+            words.push_back(
+                fmt::format("{} is not determined at {} of {} stations: its value there is not to be used. Hold it at "
+                            "a known value; `road` fits the stations together.",
+                            names[k], unknown, fitted));
         }
     }
     add_bounds(result, words);

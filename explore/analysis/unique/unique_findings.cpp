@@ -61,7 +61,8 @@ std::string unique_words(const problem::ParameterSpace& space, const Uniqueness&
             u.acceptance->p_value);
     }
     if (!bounds.empty()) {
-        text += fmt::format("; limited by the bound: {}", pave::join(bound_words(space, bounds)));
+        text += fmt::format("; limited by the bound: {}. Widen it if other values are possible",
+                            pave::join(bound_words(space, bounds)));
     }
     return text + ".";
 }
@@ -183,7 +184,10 @@ std::vector<std::string> findings(const UniqueResult& result) {
         say((u.acceptance && u.acceptance->widened
                  ? fmt::format("NON-UNIQUE, and the data contradict the model (p = {:.2g}): ", u.acceptance->p_value)
                  : "NON-UNIQUE: ") +
-            (u.alternatives && u.valley
+            (!u.alternatives && !u.wide.empty()
+                 ? fmt::format("around the one minimum the data accept more than half of what the study allows for {}.",
+                               pave::join(names_of(space, u.wide), " and "))
+             : u.alternatives && u.valley
                  ? "separate minima fit these data, and a continuous valley of parameter sets too."
              : u.alternatives ? "separate minima fit these data, with no acceptable way found between them."
                               : "a continuous valley of parameter sets fits these data equally well."));
@@ -215,9 +219,10 @@ std::vector<std::string> findings(const UniqueResult& result) {
                         fixed.empty() ? "." : "; what they fix: " + pave::join(fixed) + "."));
     }
     if (!u.directions.dead.empty()) {
-        say(fmt::format(
-            "No reading is sensitive to {} here: crossing the whole range changes none by more than its noise.",
-            pave::join(names_of(space, u.directions.dead))));
+        say(fmt::format("No reading is sensitive to {} here: crossing the whole range changes none by more than its "
+                        "noise. Hold it at "
+                        "a known value.",
+                        pave::join(names_of(space, u.directions.dead))));
     }
     if (!u.confirmation.empty()) {
         say(u.confirmation);
@@ -291,7 +296,9 @@ std::vector<std::string> findings(const UniqueResult& result) {
         say(fmt::format(
             "The model does not fit these data within their stated noise ({} = {} with {}, p = {:.2g}). The "
             "ranges are widened as if the noise were as large as the residuals, and rises of chi2 are counted in that "
-            "noise: 1 of them is {} of the chi2 above. With a wrong model they can still mislead.",
+            "noise: 1 of them is {} of the chi2 above. With a wrong model they can still mislead: diagnose looks for "
+            "what "
+            "it lacks.",
             result.problem.noise_is_student() ? "-2 ln likelihood" : "chi2", figure(acceptance.chi2),
             counted(static_cast<std::size_t>(std::max(0, acceptance.degrees_of_freedom)), "degree of freedom",
                     "degrees of freedom"),
@@ -313,9 +320,11 @@ std::vector<std::string> findings(const UniqueResult& result) {
         const std::vector<std::string> names = study.groups_fitted();
         if (c.p_value < 0.05) {
             const std::string wanted = conflict_words(space, c.direction);
-            say(fmt::format("The groups of data contradict each other under this model (p = {:.2g}){}.", c.p_value,
+            say(fmt::format("The groups of data contradict each other under this model (p = {:.2g}){}: fit shows "
+                            "what each alone calls for, diagnose what the model may lack.",
+                            c.p_value,
                             wanted.empty() ? ""
-                                           : fmt::format(": {} asks for {} than {}", names[c.alone[c.second].group],
+                                           : fmt::format("; {} calls for {} than {}", names[c.alone[c.second].group],
                                                          wanted, names[c.alone[c.first].group])));
         } else {
             say(fmt::format("The groups of data do not contradict each other (p = {:.2g}).", c.p_value));

@@ -36,7 +36,7 @@ std::vector<std::size_t> wrong_readings_beside(const problem::Problem& problem, 
     const auto of_readings = static_cast<double>(open.size());
     MatrixXd followed(residuals.size(), 0);
     VectorXd left = nuisance.beyond(residuals);
-    double dof = static_cast<double>(residuals.size() - nuisance.rank());
+    double dof = static_cast<double>(residuals.size() - nuisance.rank()) - static_cast<double>(problem.censored());
     std::vector<std::size_t> found;
     while (found.size() < most && dof > 2.0) {
         double largest = 0.0;

@@ -122,7 +122,15 @@ void Investigation::record_noise() {
         problem->noise_is_student() || problem->readings() != problem->rows()) {
         return;
     }
-    // Parameters that are pressed against a bound follow nothing.
+    // Of limits errors cannot be seen; parameters that are pressed against a bound follow nothing.
+    std::vector<Index> drawn;
+    std::vector<data::NoisePlace> places;
+    for (std::size_t i = 0; i < task_.noise_places.size(); ++i) {
+        if (i >= task_.limits.size() || task_.limits[i] == 0) {
+            drawn.push_back(static_cast<Index>(i));
+            places.push_back(task_.noise_places[i]);
+        }
+    }
     MatrixXd jacobian = problem->residual_jacobian(baseline.model.evaluation);
     const VectorXd pull = jacobian.transpose() * baseline.model.residuals;
     for (Index k = 0; k < jacobian.cols(); ++k) {
@@ -130,43 +138,44 @@ void Investigation::record_noise() {
             jacobian.col(k).setZero();
         }
     }
-    const hypotheses::LinearFit linear{baseline.model.residuals, jacobian};
+    const hypotheses::LinearFit linear{baseline.model.residuals(drawn), jacobian(drawn, Eigen::all)};
+    const double of_limits = baseline.model.residuals.squaredNorm() - linear.residuals.squaredNorm();
     const auto add = [&](const hypotheses::NoiseStructure& structure, std::string name, std::string unit) {
         Row row{.hypothesis = {.kind = Kind::noise, .name = std::move(name)},
                 .sizes = {{std::move(unit), structure.size, structure.size, structure.size}},
                 .fit = fit_of(baseline)};
-        row.fit.chi2 = structure.chi2;
-        row.fit.p_value = baseline.dof > 0 ? gsl_cdf_chisq_Q(structure.chi2, baseline.dof) : 1.0;
+        row.fit.chi2 = structure.chi2 + of_limits;
+        row.fit.p_value = baseline.dof > 0 ? gsl_cdf_chisq_Q(row.fit.chi2, baseline.dof) : 1.0;
         row.fit.pattern_dof = 0; // of that noise patterns are expected
         row.fit.p_pattern = 1.0;
         row.log_prior = hypotheses::log_prior_of_structure(structure.key, counts());
-        row.log_evidence = structure.evidence.log;
+        row.log_evidence = structure.evidence.log - 0.5 * of_limits;
         row.noise = structure.evidence.any_size > structure.evidence.as_stated ? structure.evidence.noise : 1.0;
         row.model = 0;
         row.is_independent = row.has_tails = structure.key == "heavy-tailed";
         d_.ledger.add(std::move(row));
     };
     std::map<int, Index> column;
-    for (const auto& place : task_.noise_places) {
+    for (const auto& place : places) {
         column.try_emplace(place.load, static_cast<Index>(column.size()));
     }
     if (column.size() > 1) { // of one load all are those of another load
         MatrixXd common = MatrixXd::Zero(linear.residuals.size(), static_cast<Index>(column.size()));
-        for (std::size_t i = 0; i < task_.noise_places.size(); ++i) {
-            common.col(column[task_.noise_places[i].load]) += problem->change_by_gain(i, baseline.model.evaluation);
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const auto row = static_cast<std::size_t>(drawn[i]);
+            common.col(column[places[i].load]) += problem->change_by_gain(row, baseline.model.evaluation)(drawn);
         }
         add(hypotheses::common_errors(linear, common, judge_.noise_prior()), "errors that the readings of a load share",
             "common_relative");
     }
     // Readings taken twice in one place at one time, as far as is stated, say nothing of distances.
-    const auto& places = task_.noise_places;
     const bool have_places = std::none_of(places.begin(), places.end(), [&](const auto& place) {
         return std::count_if(places.begin(), places.end(), [&](const auto& other) {
                    return data::is_one_sensor(place, other) && place.time == other.time;
                }) > 1;
     });
     if (have_places) {
-        add(hypotheses::correlated_errors(linear, task_.noise_places, judge_.noise_prior()),
+        add(hypotheses::correlated_errors(linear, places, judge_.noise_prior()),
             "errors of neighbouring readings are alike", "correlation_m");
     }
     add(hypotheses::heavy_tails(linear, judge_.noise_prior()), "errors with heavy tails", "degrees");

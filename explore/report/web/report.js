@@ -315,7 +315,7 @@
     // -- one section a command ------------------------------------------------------------------------------------
 
     // The first sentence of a command stands at the top of the page, or of its section where another command's does.
-    const summary = ["unique", "sample", "diagnose", "compare", "fit", "sensitivity", "road", "survey", "map"].find((c) => results[c] && ((results[c].findings || []).length || c === "survey"));
+    const summary = ["unique", "sample", "diagnose", "compare", "fit", "sensitivity", "design", "road", "survey", "map"].find((c) => results[c] && ((results[c].findings || []).length || c === "survey"));
     const opening = (command, about) => {
         const answer = summaries.answerOf(results[command]);
         const said = summaries.detailsOf(results[command]);
@@ -344,7 +344,15 @@
             return measuredOf(r);
         }
         if (command === "diagnose" && (r.hypotheses || []).some((h) => typeof h.probability === "number")) return probabilities(r);
-        return command === "road" || command === "survey" ? roads.picture(r) : null;
+        if (command === "sensitivity" && r.global) return totals(r);
+        return command === "design" ? designs.picture(r) : command === "road" || command === "survey" ? roads.picture(r) : null;
+    };
+    // Of the variance of each response the share that each parameter makes in all.
+    const totals = (r) => {
+        const list = r.global.indices.slice(0, 6);
+        return chart("totals", Object.keys(list[0].total).map((name, k) => ({ type: "bar", orientation: "h", name: titled(name), y: list.map((g) => g.response), x: list.map((g) => g.total[name].value), marker: { color: colours[k % colours.length] } })),
+            { barmode: "group", xaxis: axis("share of the variance, with interactions", { rangemode: "tozero", tickformat: ".0%" }), yaxis: axis("", { automargin: true, autorange: "reversed" }),
+                height: 180 + list.length * (12 + 14 * Object.keys(list[0].total).length), margin: { l: 64, r: 16, t: 24, b: 100 }, legend: { orientation: "h", y: -70 / (56 + list.length * (12 + 14 * Object.keys(list[0].total).length)) } });
     };
     const probabilities = (r) => {
         const list = [...r.hypotheses].filter((h) => typeof h.probability === "number").sort((a, b) => b.probability - a.probability).slice(0, 6);
@@ -354,7 +362,7 @@
         };
         return chart("probabilities", [{ type: "bar", orientation: "h", y: list.map((_, i) => i), x: list.map((h) => h.probability), text: list.map((h) => `${Math.round(100 * h.probability)} %`), textposition: "outside", cliponaxis: false,
             marker: { color: list.map((_, i) => (i === 0 ? colours[0] : "#9aa5ad")) }, hovertext: list.map((h) => say(h.in_words || h.name)), hoverinfo: "text" }],
-        { xaxis: axis("probability", { range: [0, 1.08], tickformat: ".0%" }), yaxis: axis("", { automargin: true, autorange: "reversed", tickvals: list.map((_, i) => i), ticktext: list.map((h) => short(h.in_words || h.name)), tickfont: { size: 11 } }),
+        { xaxis: axis("probability", { range: [0, 1.08], tickformat: ".0%" }), yaxis: axis("", { automargin: true, autorange: "reversed", tickvals: list.map((_, i) => i), ticktext: list.map((h) => short((h.in_words || h.name).replace(/ \(95 %[^)]*\)/, ""))), tickfont: { size: 11 } }),
             height: 90 + 44 * list.length, margin: { l: 64, r: 44, t: 24, b: 50 }, showlegend: false }, "What may lie behind the residuals, of all that was tried, the most probable first.");
     };
     // An output with its range, the wider where the model may be wrong.
@@ -380,7 +388,7 @@
         const rows = data.evaluations && data.evaluations.command === "map" ? data.evaluations : null;
         const lowest = (r.lowest || []).slice(0, 1);
         section("The map", opening("map", `${r.points} points, ${r.design}.`),
-            rows && (r.parameters || []).length > 1 ? pairCharts(r.parameters, rows.rows, lowest) : null,
+            rows && (r.parameters || []).length > 1 ? [part("Misfit over pairs of parameters", true), pairCharts(r.parameters, rows.rows, lowest)] : null,
             part("Lowest points"), turned(r.lowest.slice(0, 8).map((e) => `point ${e.number}`), [["misfit", ...r.lowest.map((e) => figure(e.misfit))],
                 ...(r.parameters || []).map((p) => [titled(p.name), ...r.lowest.map((e) => figure(e.parameters[p.name]))])]),
             rangesTable(r.parameters), statusTable(r.statuses));
@@ -390,12 +398,14 @@
 
     // right: the model's own range beside the wider one, which is drawn in any case.
     const outputsChart = (outputs, best, right) => {
-        const bar = (name, low, high, thickness, color) => ({ type: "scatter", mode: "markers", name, x: outputs.map(() => 1), y: outputs.map((o) => `${o.name}<br>[${wording.unit(o.unit)}]`), marker: { size: 10, color: "#000" },
-            text: outputs.map((o) => `best ${figure(best(o))}, ${figure(low(o))} to ${figure(high(o))}`), hoverinfo: "text",
-            error_x: { type: "data", symmetric: false, thickness, color, array: outputs.map((o) => high(o) / best(o) - 1), arrayminus: outputs.map((o) => 1 - low(o) / best(o)) } });
+        const names = outputs.map((o) => `${o.name}<br>[${wording.unit(o.unit)}]`);
+        const line = (name, low, high, width, color) => ({ type: "scatter", mode: "lines", name, hoverinfo: "skip", line: { width, color },
+            x: outputs.flatMap((o) => [low(o) / best(o), high(o) / best(o), null]), y: names.flatMap((n) => [n, n, null]) });
         const wider = outputs.some((o) => widest(o).wider);
-        return chart("outputs", [bar(wider ? "also if the model may lack something" : "95 %", (o) => widest(o).low, (o) => widest(o).high, 3, wider ? colours[4] : colours[0]),
-            ...(wider && right ? [bar("if the model is right", (o) => o.low, (o) => o.high, 6, colours[0])] : [])],
+        return chart("outputs", [line(wider ? "also if the model may lack something" : "95 %", (o) => widest(o).low, (o) => widest(o).high, 5, wider ? colours[4] : colours[0]),
+            ...(wider && right ? [line("if the model is right", (o) => o.low, (o) => o.high, 10, colours[0])] : []),
+            { type: "scatter", mode: "markers", name: "best fit", x: outputs.map(() => 1), y: names, marker: { size: 11, color: "#fff", line: { color: "#000", width: 2 } },
+                text: outputs.map((o) => `best ${figure(best(o))}, ${figure(widest(o).low)} to ${figure(widest(o).high)}`), hoverinfo: "text" }],
         { xaxis: axis("relative to the best fit"), yaxis: axis("", { automargin: true }), height: 190 + 40 * outputs.length, margin: { l: 64, r: 16, t: 24, b: 90 }, legend: { orientation: "h", y: -70 / (40 * outputs.length + 76) } },
         wider ? "95 % ranges. The wider one is the one to use: it also holds if the model lacks something that these readings cannot show." : "Range of each output over all sets of parameters that the data accept.");
     };
@@ -521,6 +531,10 @@
             r.log_evidence === undefined ? [] : make("p", { className: "soft" }, `Log evidence ${figure(r.log_evidence)} ± ${figure(r.log_evidence_error)}: its difference between models of the same readings is their log odds.`));
     };
 
+    const showPrior = (r) => section("Before any fit", r.reason ? make("p", {}, r.reason) : null, opening("sample-prior", "What the prior predicts of each reading, with its noise."),
+        (r.readings || []).length ? table(["reading", "measured", "2.5 %", "50 %", "97.5 %", "unit", "below"],
+            r.readings.map((q) => [q.name || `${quantity(q.quantity)} under ${loadWords(q.load)}, ${placeOf(q)}`, ...[q.measured, q.low, q.median, q.high].map(figure), wording.unit(q.unit), q.pit.toFixed(3)]), [0]) : []);
+
     // A correction over its places: the band, and in grey what is not seen. Depths point downwards.
     const correctionChart = (c) => {
         const down = c.channel === "depth" || c.channel === "level";
@@ -552,7 +566,7 @@
         const threshold = thresholdOf(r.candidates || []);
         const corrections = r.corrections || [];
         const alike = [...(r.confounding || [])].sort((a, b) => Math.abs(a.cosine) - Math.abs(b.cosine));
-        section("What the model gets wrong",
+        section("Does the model hold?",
             opening("diagnose"),
             r.readings ? [part("Measured and modelled, before and after", true), againstMeasured(r.readings, r.responses.measured,
                 [{ name: "study's model", values: r.responses.baseline },
@@ -590,7 +604,7 @@
         const good = all.filter((l) => l.status === "converged");
         const row = (name, of) => [name, ...good.map(of)];
         section(`Which ${r.laws ? "law" : "study"} do the data prefer?`, opening("compare", r.laws ? `Laws of “${r.layer}”.` : "Studies of the same readings."),
-            good.length ? turned(good.map((l) => l.law), [row("misfit", (l) => figure(l.misfit)), row("χ²", (l) => figure(l.chi2)), row("degrees of freedom", (l) => l.dof), row("p", (l) => figure(l.p_value)),
+            part("Side by side", true), good.length ? turned(good.map((l) => l.law), [row("misfit", (l) => figure(l.misfit)), row("χ²", (l) => figure(l.chi2)), row("degrees of freedom", (l) => l.dof), row("p", (l) => figure(l.p_value)),
                 row("AICc", (l) => figure(l.aicc)), row("weight [%]", (l) => (typeof l.weight === "number" ? (100 * l.weight).toFixed(1) : null)), row("left out", (l) => figure(l.held_out_rms)),
                 row("held out", (l) => figure(l.study_held_out_rms)), row("answer", (l) => l.verdict)]) : null,
             words(all.filter((l) => l.status !== "converged").map((l) => `${l.law}: ${l.reason}`)),
@@ -604,7 +618,7 @@
     const showSensitivity = (r) => {
         const responses = r.responses.map((s) => s.name);
         section("Sensitivity", opening("sensitivity", `One at a time over ±${plain(r.range_percent)} %.`),
-            make("div", { className: "charts" }, responses.slice(0, 12).map((name, i) => chart("curves", r.curves.map((c, k) => ({
+            part("One parameter at a time", true), make("div", { className: "charts" }, responses.slice(0, 12).map((name, i) => chart("curves", r.curves.map((c, k) => ({
                 type: "scatter", mode: "lines", name: titled(c.parameter), line: { dash: dashes[k % dashes.length], color: colours[k % colours.length] },
                 x: c.points.map((p) => p.change_percent),
                 y: c.points.map((p) => (p.responses_change_percent ? p.responses_change_percent[i] : null)),
@@ -618,7 +632,7 @@
             })), { title: { text: g.response }, yaxis: axis("share of the variance"), xaxis: named(Object.keys(g.total)), barmode: "group" })))] : []);
     };
 
-    const show = { unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, survey: (r) => roads.showSurvey(section, r, r.findings || []), road: (r) => roads.showRoad(section, r, r.findings || []) };
+    const show = { "sample-prior": showPrior, unique: showUnique, sample: showSample, diagnose: showDiagnose, compare: showCompare, fit: showFit, map: showMap, sensitivity: showSensitivity, design: (r) => designs.show(section, r, opening("design")), survey: (r) => roads.showSurvey(section, r, r.findings || []), road: (r) => roads.showRoad(section, r, r.findings || []) };
 
     // -- the page -------------------------------------------------------------------------------------------------
 
@@ -628,13 +642,15 @@
     const navigation = make("nav");
     root.append(make("header", {}, make("h1", {}, titles[0] || data.folder),
         make("p", { className: "soft" }, `Pavescape ${data.version}, run “${data.folder}”: ${Object.keys(results).join(", ") || "not finished"}`)), navigation);
-    const summed = !summary ? null : summary === "road" || summary === "survey" ? roads.summaryOf(results[summary]) : summaries.summaryOf(summary, results[summary]);
+    // A sentence with a command in it, which is set as one.
+    const withCommand = (text) => text.split(/(pavescape (?:unique|diagnose|fit) \S+)/).map((piece, i) => (i % 2 === 1 ? make("code", {}, piece) : piece));
+    const summed = !summary ? null : summary === "road" || summary === "survey" ? roads.summaryOf(results[summary]) : summary === "design" ? designs.summaryOf(results.design) : summaries.summaryOf(summary, results[summary]);
     if (summed) {
         const picture = pictureOf(summary, results[summary]);
         root.append(make("section", { id: "summary", className: picture ? "with-picture" : "" }, make("div", { className: "said" },
             make("p", { className: "verdict" }, summed.verdict), summed.named ? make("p", { className: "named" }, make("strong", {}, summed.named[0]), summed.named[1]) : null), picture,
-        make("div", { className: "rest" }, summed.numbers.length ? table(["", summed.value || "best", summed.range || "95 % range", ""], summed.numbers.map((n) => [n.name, n.value, n.range, n.unit]), [0]) : null,
-            summed.action ? make("p", { className: "next" }, make("strong", {}, "Next: "), summed.action.replace(/^Measure next: (.)/, (_, c) => `measure the ${c}`)) : null)));
+        make("div", { className: "rest" }, summed.numbers.length ? table(["", summed.value || "best", summed.range || "95 % range", ""], summed.numbers.map((n) => [n.name, n.value, n.range, n.unit]), [0, 3]) : null,
+            summed.action ? make("p", { className: "next" }, make("strong", {}, "Next: "), withCommand(summed.action.replace(/^Measure next: (.)/, (_, c) => `measure the ${c}`))) : null)));
     }
     for (const [command, draw] of Object.entries(show)) {
         if (results[command]) draw(results[command]);
@@ -660,5 +676,8 @@
     if (sections.length < 3) navigation.remove();
     for (const { id, title } of sections) navigation.append(make("a", { href: "#" + id }, title));
     for (const draw of pending) draw();
+    // Paper has no folds: what was found is printed.
+    const findings = [...document.querySelectorAll("details")].filter((d) => d.querySelector("summary").textContent === "Findings");
+    window.addEventListener("beforeprint", () => findings.forEach((d) => { d.open = true; }));
     document.documentElement.dataset.charts = String(pending.length);
 })();

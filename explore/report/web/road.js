@@ -208,6 +208,9 @@ const roads = (() => {
         section("The road", make("p", {}, `${r.counts.stations} stations, ${r.counts.rejected} rejected${r.counts.no_ratio ? `, ${r.counts.no_ratio} without a deflection ratio` : ""}` +
             (r.counts.fitted ? `, ${r.counts.fitted} back-calculated, ${r.counts.no_fit || 0} not described by the model, ${r.counts.failed} without an answer.` : ".")),
         notables.length ? notableTable(notables.slice(0, mostNamed)) : [],
+        fitted.some((s) => s.lives) ? [part("Life along the road", true), along(fitted.filter((s) => s.lives && s.lives.years > 0), "years left", (s) => s.lives.years,
+            { more: { type: "log" }, rangeOf: (s) => (s.lives.years_low > 0 && s.lives.years_high ? [s.lives.years_low, s.lives.years_high] : null),
+                caption: "At the best fits, of the criterion that ends first, with 95 % ranges." })] : [],
         good.length ? [part("Deflections along the road", true), positions(r).length > 1 ? deflections(r) : null, make("div", { className: "bowl" }),
         along(good, "deflection ratio", (s) => s.deflection_ratio, { caption: r.deflection_ratio.definition, shapes: [{ type: "line", xref: "paper", x0: 0, x1: 1,
             y0: r.deflection_ratio.limit, y1: r.deflection_ratio.limit, line: { dash: "dash", color: colours[1] } }] })] : [],

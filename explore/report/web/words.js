@@ -5,6 +5,7 @@ const wording = (() => {
     const unit = (text) => (text === "um" ? "µm" : text);
     // "strain_zz": "vertical strain".
     const quantity = (name) => {
+        if (name === "benkelman") return "Benkelman deflection";
         const [kind, axis] = name.split("_");
         const way = { zz: "vertical", xx: "transverse", yy: "longitudinal" }[axis];
         return way ? `${way} ${kind}` : name.replaceAll("_", " ");
@@ -50,8 +51,12 @@ const wording = (() => {
     const escaped = (text) => text.replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
     const say = (sentence) => {
         let text = String(sentence);
-        for (const name of names) {
-            if (name.includes(".")) text = text.replace(new RegExp(`(?<![\\w.])${escaped(name)}(?![\\w])`, "g"), titled(name));
+        // The unit goes behind the value, "base modulus = 300 MPa"; without a value there is none.
+        for (const name of names.filter((n) => n.includes("."))) {
+            const { name: words, unit: of } = parameter(name);
+            const number = "-?\\d[\\d.e+-]*";
+            text = text.replace(new RegExp(`(?<![\\w.])${escaped(name)}(?: (=|lies between|anywhere from|from|is))?(?: (${number}(?: (?:to|and) ${number})?)(?! ?%|[\\w]))?(?![\\w])`, "g"),
+                (_, link, value) => `${words}${link ? ` ${link}` : ""}${value ? ` ${value.replace(/\.$/, "")}${of ? ` ${of}` : ""}${value.endsWith(".") ? "." : ""}` : ""}`);
         }
         text = text.replace(/\b(strain|stress)_(zz|xx|yy)\b/g, (name) => quantity(name)).replace(/(\d(?:[\d.]*\d)?) mm deep\b/g, (_, mm) => `${metres(Number(mm))} below the surface`);
         for (const [name, words] of reading) {

@@ -1,0 +1,46 @@
+// Walks over the sets that the data accept, to the shortest and the longest life of each criterion.
+//
+// A step needs the misfit and the strains under the axle, whose run may cost a thousand times that of the readings. So
+// strains are taken from between a few runs of everything (study/kriging.h, with slopes): at the minima and at the ends
+// of the parameters' ranges first, then at the ends that walks find, until these runs give the lives that were expected
+// there. An end that is reported is a run of everything.
+#pragma once
+
+#include "analysis/common/session.h"
+#include "analysis/design/design_life.h"
+#include "landscape/uniqueness.h"
+
+namespace explore::analysis {
+
+// One end of a range of lives, and the sets on the way to it.
+struct LifeEnd {
+    double log_life = 0.0;
+    double strain = 0.0;                                     // microstrain
+    std::vector<std::pair<double, std::vector<double>>> way; // root of the rise of chi2, unit coordinates
+    std::vector<double> log_lives;                           // along it
+
+    // The set where the rise is that of this deviate, between those that were walked.
+    std::vector<double> at(double deviate, double threshold) const;
+};
+
+struct LifeWalks {
+    std::vector<LifeEnd> shortest, longest; // of each life
+    std::size_t between = 0;                // runs of everything that strains were taken from between
+    double off = 0.0;                       // largest difference of ln(life) at an end from what was expected there
+    std::int64_t computed = 0, kept = 0;    // by engines of its own
+};
+
+struct LifeWalkTask {
+    Session& session;
+    const landscape::Uniqueness& answer; // with an acceptance
+    const CriticalPlaces& places;
+    const std::vector<Life>& lives;
+    const problem::Problem& fitted;     // the misfit's, without the places
+    const problem::Problem& everything; // with them
+    std::string settings;               // of the store
+};
+
+// best: of everything, at the best minimum. Nothing: interrupted.
+std::optional<LifeWalks> walk_lives(const LifeWalkTask& task, const problem::Evaluation& best);
+
+} // namespace explore::analysis
