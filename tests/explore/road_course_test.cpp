@@ -110,5 +110,5 @@ TEST(RoadCourse, FindsWhatMadeIt) {
 
 TEST(RoadCourse, LongerThanItsRoadIsSaidAsSuch) {
     EXPECT_EQ(analysis::course_length_words(9307.0, 2400.0), "more than the length of the road, 2400 m");
-    EXPECT_EQ(analysis::course_length_words(412.0, 2400.0), "some 410 m");
+    EXPECT_EQ(analysis::course_length_words(412.0, 2400.0), "some 412 m");
 }

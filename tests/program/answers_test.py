@@ -265,10 +265,10 @@ def test_a_bound_that_is_widened_as_the_finding_says_lets_the_model_fit():
 
 def test_a_prior_that_is_widened_as_the_finding_says_lets_the_model_fit():
     folder = workspace()
-    prior = lambda spread: {"subgrade": (65 / 6, 65 * 6, f"prior = {{ mean = 90, factor = {spread} }}\n")}
-    told, before = fitted(bowl(folder, "sure", bounds=prior(1.02)))
+    prior = lambda spread: {"subgrade": (65 / 6, 65 * 6, f"prior = {{ mean = 90, sd = {spread} }}\n")}
+    told, before = fitted(bowl(folder, "sure", bounds=prior(0.02)))
     assert "The readings contradict what is known beforehand" in told and "widen it if not" in told, told
-    told, after = fitted(bowl(folder, "unsure", bounds=prior(2)))
+    told, after = fitted(bowl(folder, "unsure", bounds=prior(0.7)))
     assert "The readings do not contradict what is known beforehand" in told, told
     assert abs(after["best"]["parameters"]["subgrade.modulus_MPa"] - 65) < 0.5 * abs(before["best"]["parameters"]["subgrade.modulus_MPa"] - 65)
 

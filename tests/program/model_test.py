@@ -79,7 +79,9 @@ def test_the_model_is_built_once_and_again_where_it_no_longer_fits(maps):
 def test_where_the_estimate_is_above_the_limit_the_full_model_runs():
     strict = mapped(folder / "strict", "--model", "reduced", "--model-error", 0.01)
     assert strict["by_full_model"] == strict["statuses"]["converged"], "no estimate is below a hundredth of a percent"
-    assert table(folder / "strict") == table(folder / "full"), "then all is the full model's"
+    pairs = list(zip(table(folder / "strict"), table(folder / "full"), strict=True))
+    # By one run at a time and by several side by side, which round in another order.
+    assert all(a == b if a is None or b is None else math.isclose(a, b, rel_tol=1e-9) for a, b in pairs), "then all is the full model's"
 
 
 def test_a_fit_explored_by_the_reduced_model_ends_where_the_full_one_does():

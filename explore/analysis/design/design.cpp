@@ -100,6 +100,11 @@ std::vector<std::pair<double, double>> distribution_of(const LifeWalks& walks, s
     for (std::size_t i = 1; i < walks.longest[l].way.size(); ++i) {
         add(walks.longest[l], i, 1.0);
     }
+    // The ends are those of full runs, a hair from where the interpolation between runs has the points before them.
+    const auto [shortest, longest] = std::minmax(distribution.front().first, distribution.back().first);
+    for (auto& [life, probability] : distribution) {
+        life = std::clamp(life, shortest, longest);
+    }
     return distribution;
 }
 
@@ -234,12 +239,12 @@ std::optional<DesignResult> design(Session& session, const study::Study& given, 
     std::optional<run::Engine> explorer;
     if (reduced) {
         settings += reduced->settings;
-        explorer.emplace(reduced->problem, session.store(), session.begin(study, "design-explore", settings),
+        explorer.emplace(reduced->problem, session.store(), session.begin(as_read, "design-explore", settings),
                          session.engine_settings());
     }
     const int lives_run = session.begin(study, "design-lives", settings);
     auto everything_engine = session.engine(everything, lives_run);
-    auto engine = session.engine(fitted, session.begin(study, "design", settings));
+    auto engine = session.engine(fitted, session.begin(as_read, "design", settings));
     auto task = uniqueness_task(as_read, fitted, everything, engine, everything_engine, session.options().seed);
     task.outputs.clear(); // lives are walked, not strains
     task.explorer = explorer ? &*explorer : nullptr;
@@ -284,7 +289,7 @@ std::optional<DesignResult> design(Session& session, const study::Study& given, 
             return std::nullopt;
         }
         walks = std::move(*walked);
-        session.begin(study, "design", settings); // the run used last
+        session.begin(as_read, "design", settings); // the run used last
         for (std::size_t l = 0; l < lives.size(); ++l) {
             CriterionLife& c = result.criteria[l];
             c.allowable.low = std::min(c.allowable.best, std::exp(walks.shortest[l].log_life));
