@@ -222,8 +222,7 @@ PlotAxis value_axis(const Strip& strip) {
         }
     }
     if (strip.is_log) {
-        constexpr double beside = 1.2;
-        PlotAxis axis{.label = strip.label, .low = low / beside, .high = high * beside, .log = true};
+        PlotAxis axis{.label = strip.label, .low = low / 1.2, .high = 1.2 * high, .log = true};
         axis.ticks = round_ticks(axis.low, axis.high, true, 4);
         return axis;
     }

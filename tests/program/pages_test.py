@@ -27,9 +27,9 @@ RUNS = {
     "design": ("design", lives, "--explore", 32, "--verify", 4),
     "survey": ("survey", ROOT / "grids" / "road-example.csv"),
 }
-# What stands out of the page or of its own box. The text of a study may scroll, and on a screen what a road has of its stations.
+# What stands out of the page or of its own box. The text of a study may scroll, and on a screen what a road has of its stations and a design of its criteria.
 CLIPPED = """[...document.querySelectorAll("main *")].filter((e) => !e.closest(".chart, pre, script, noscript") && !["MAIN", "OPTION"].includes(e.tagName)).filter((e) => {
-    const road = document.querySelector("[data-chart=strip]") !== null && matchMedia("screen").matches;
+    const road = document.querySelector("[data-chart=strip], [data-chart=lives]") !== null && matchMedia("screen").matches;
     if (road && e.closest(".wide")) return false;
     return (e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0 && getComputedStyle(e).display !== "inline" && !["TBODY", "THEAD", "TR"].includes(e.tagName))
         || e.getBoundingClientRect().right > document.documentElement.clientWidth + 1;
@@ -39,7 +39,7 @@ CLIPPED = """[...document.querySelectorAll("main *")].filter((e) => !e.closest("
 @pytest.fixture(scope="module", autouse=True)
 def linear_study():
     assert run("new", linear, "--linear").returncode == 0, "new"
-    criteria = "".join(f'[[criteria]]\nname = "{name}"\nlaw = "{law}"\naxle = "wheel"\ntraffic_per_year = 1.0e5\ngrowth = 0.03\npassed = 2e5\n'
+    criteria = "".join(f'[[criteria]]\nname = "{name}"\nlaw = "{law}"\naxle = "fwd"\ntraffic_per_year = 1.0e5\ngrowth = 0.03\npassed = 2e5\n'
                        for name, law in (("rutting", "austroads-subgrade"), ("cracking", "asphalt-institute-fatigue")))
     lives.write_text(linear.read_text() + criteria)
 

@@ -39,7 +39,7 @@ def test_forward_at_another_value_is_that_of_a_study_with_this_value():
     for half, whole in zip(halved, values(run("forward", study, "--json"))):
         assert half == pytest.approx(whole / 2, rel=1e-9)
     said = run("forward", study, "--set", "base.modulus_MPa=600")
-    assert "at base.modulus_MPa = 600" in said.stdout, said.stdout
+    assert "At base.modulus_MPa = 600" in said.stdout, said.stdout
 
 
 def test_forward_with_a_wrong_value_says_what_is_allowed():
