@@ -93,20 +93,28 @@ private:
         return !run::interrupted();
     }
 
+    bool is_limit(Eigen::Index i) const {
+        const auto term = static_cast<std::size_t>(i);
+        return term < task_.limits.size() && task_.limits[term] != 0;
+    }
+    // That a reading is the limit that it is, by what that adds to chi2: -2 ln of it.
+    double probability_of(double residual) const { return std::exp(-0.5 * residual * residual / d_.variance); }
+
     std::optional<double> gain_by_chance(std::size_t b) const {
         if (!at_with_.converged()) {
             return std::nullopt;
         }
         const pave::RandomStream random(task_.seed, 100 + b);
+        const pave::RandomStream kept(task_.seed, 1000000 + b);
         const double noise = std::sqrt(d_.variance);
         Target target;
         target.offset = -d_.baseline.model.residuals;
         for (Eigen::Index i = 0; i < target.offset.size(); ++i) {
-            const auto term = static_cast<std::size_t>(i);
-            if (term < task_.limits.size() && task_.limits[term] != 0) { // stays the limit that it is
-                target.offset[i] = 0.0;
-            } else {
-                target.offset[i] += noise * random.normal(static_cast<std::uint64_t>(i));
+            const auto number = static_cast<std::uint64_t>(i);
+            if (is_limit(i) && kept.uniform(number) < probability_of(target.offset[i])) {
+                target.offset[i] = 0.0; // the limit that it is
+            } else { // what the instrument reads is no limit, and drawn like any other
+                target.offset[i] += noise * random.normal(number);
             }
         }
         const OnCoarse& base = d_.screening.base;

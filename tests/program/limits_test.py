@@ -116,3 +116,13 @@ def test_a_limit_that_is_far_away_says_nothing_and_one_that_is_broken_a_lot():
 def test_limits_that_have_no_probability_are_refused(cells, data, sigma, words):
     done = run("fit", made("refused", cells, data, sigma), "--out", folder / "no")
     assert done.returncode == 2 and all(w in done.stderr for w in words), done.stderr
+
+
+def test_a_wrong_limit_is_named_and_nothing_else():
+    """The limit was written in mils at one sensor: the bowl passes it by far, and its neighbours know."""
+    random = np.random.default_rng(20261)
+    bowl = FLEXIBILITY / 80 + SIGMA * random.normal(size=len(OFFSETS))
+    cells = [round(float(v), 4) for v in bowl]
+    cells[3] = f"<{round(cells[3] - 12 * SIGMA, 4)}"
+    found = answer("diagnose", made("wrong", cells), "--explore", 16, "--starts", 2)
+    assert found["causes"] and found["causes"][0]["effect"] == "outlier" and "450" in json.dumps(found["causes"][0]), found["causes"]
