@@ -124,7 +124,7 @@ Solver<Element>::incremental(const std::vector<LayerMaterial>& layers, const Eig
     if (Element::dim == 3) {
         Eigen::VectorXd correction = load;
         w.subtract_linear_force(now.u, correction);
-        w.subtract_force(now.stress, 1, 0, correction);
+        w.subtract_force(now.stress, 1, 0, correction.data());
         if (!w.system.solve(correction, {})) {
             return not_definite;
         }

@@ -66,7 +66,7 @@ Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen
         };
         out.u = factor * load;
         add_product(lower, lasting, -1.0, now.u, out.u);
-        w.subtract_force(now.stress, 1, 0, out.u);
+        w.subtract_force(now.stress, 1, 0, out.u.data());
         std::vector<Eigen::VectorXd> felt;
         felt.reserve(memories.size());
         for (const Memory& m : memories) {
@@ -86,7 +86,7 @@ Solver<Element>::over_time(const std::vector<LayerMaterial>& layers, const Eigen
         for (int k = 0; k < count; ++k) {
             auto right = out.du.col(k);
             add_product(lower, lasting, -1.0, now.du.col(k), right);
-            w.subtract_force(now.d_stress, count, k, right);
+            w.subtract_force(now.d_stress, count, k, right.data());
             w.subtract_force_motion(k, now.stress, right.data());
             for (const Memory& m : memories) {
                 product(m, m.before_rate(step, now.u, now.du.col(k), k) + m.share_rate(step, k) * out.u, right);

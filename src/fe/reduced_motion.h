@@ -104,7 +104,7 @@ public:
     void set_moduli(const Stresses& stress, const Stresses& d_stress) {
         for (Eigen::Index s = 0; s < points(); ++s) {
             w_.set_modulus(points_[static_cast<std::size_t>(s)].number, stress.col(s),
-                           [&](int k) { return d_stress.col(s * count() + k); });
+                           d_stress.data() + N * s * count());
         }
     }
     bool set_matrix() {

@@ -1,3 +1,4 @@
+#include "fe/full_matrix.h"
 #include "fe/gmres.h"
 #include "fe/solver_work.h"
 
@@ -42,179 +43,223 @@ bool solve_point(const LayerMaterial& layer, const mechanics::Voigt<N>& initial,
     return std::abs(log_e - std::log(point.modulus)) < 1e-11 && point.gain > 0.0;
 }
 
-} // namespace
+std::string describe_fold(double reached_by_load, double reached_by_smoothing) {
+    std::string text = "the secant law has no equilibrium: raising the load ended in a fold at " +
+                       std::to_string(static_cast<int>(100.0 * reached_by_load)) + " % of it; ";
+    if (reached_by_smoothing > 1.0) {
+        text += "lowering the tension smoothing ended in a fold at " +
+                std::to_string(reached_by_smoothing).substr(0, 4) + " times the study's value";
+    } else {
+        text += "no larger tension smoothing (up to 64 times) has one either";
+    }
+    return text + ". Where base stiffness grows as fast as stress, strain cannot balance the load";
+}
 
-template <class Element>
-Outcome<Solution<Element>>
-Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
-                        const std::vector<Variation>& variations, const SolverSettings& settings,
-                        const std::vector<double>& springs, const std::vector<Motion<Element>>& motions) {
-    using Stress = typename Element::Stress;
-    using Vector = typename Element::Vector;
-    constexpr int dofs = Element::dofs;
-    Work& w = *work_;
-    w.prepare(layers, variations, settings, springs, motions);
-    const int points = w.points();
-    const int count = w.count();
-    Solution<Element> solution = w.empty_solution();
-    Statistics& statistics = solution.statistics;
-    const double load_norm = load.norm();
+// One run on the shared work, which is prepared for it.
+template <class Element, class Work>
+class Secant {
+public:
+    Secant(Work& work, const Eigen::VectorXd& load, const SolverSettings& settings)
+        : w_(work),
+          load_(load),
+          settings_(settings),
+          points_(work.points()),
+          layers_(work.layers),
+          state_(static_cast<std::size_t>(points_)),
+          rest_left_(static_cast<std::size_t>(points_)),
+          rest_right_(static_cast<std::size_t>(points_)) {}
 
-    const auto solve_elastic = [&](const Eigen::VectorXd& modulus, Eigen::VectorXd& u) {
-        w.assemble(modulus);
-        return w.system.set_matrix(w.values) && w.system.solve(u, {});
-    };
-    const Failure not_definite{Status::failed, "the stiffness matrix of the section is not positive definite"};
-
-    Eigen::VectorXd modulus(points);
-    Eigen::VectorXd u = load;
-    if (points == 0) {
-        if (!solve_elastic(modulus, u)) {
-            return not_definite;
+    Outcome<Solution<Element>> solve() {
+        Solution<Element> solution = w_.empty_solution();
+        const Failure not_definite{Status::failed, "the stiffness matrix of the section is not positive definite"};
+        Eigen::VectorXd modulus(points_);
+        Eigen::VectorXd u = load_;
+        if (points_ == 0) {
+            if (!solve_elastic(modulus, u)) {
+                return not_definite;
+            }
+        } else if (!follow_load(u, modulus)) {
+            const double reached_by_load = reached_;
+            const double reached_by_smoothing = follow_smoothing(u, modulus);
+            if (reached_by_smoothing != 1.0) {
+                return Failure{Status::no_equilibrium, describe_fold(reached_by_load, reached_by_smoothing)};
+            }
         }
+        if (points_ > 0) {
+            Eigen::VectorXd unbalanced;
+            balance(u, 1.0, modulus, unbalanced);
+        }
+        solution.displacement = u;
+        if (w_.count() > 0) {
+            w_.set_load_rates(load_, solution.d_displacement);
+            w_.subtract_linear_rates(u, solution.d_displacement);
+        }
+        set_stress_at_held_displacement(solution);
+        if (w_.count() > 0) {
+            if (points_ == 0) {
+                if (!w_.system.solve(solution.d_displacement, {})) {
+                    return not_definite;
+                }
+            } else if (!solve_tangent(u, solution.d_displacement.data(), w_.count(), settings_.linear_tolerance)) {
+                return Failure{Status::no_equilibrium, "the equilibrium found is a fold: its tangent is singular"};
+            }
+            add_stress_rates(solution);
+        }
+        statistics_.load_steps = 1;
+        statistics_.factorizations += w_.system.factorizations();
+        statistics_.iterations += w_.system.iterations();
+        solution.statistics = statistics_;
+        w_.finish(load_, solution);
+        return solution;
     }
 
-    // A run of the continuation: which load, which smoothing of tension (factor on the laws' own is applied by caller).
-    std::vector<LayerMaterial> eased = layers;
-    const std::vector<LayerMaterial>* law_layers = &layers;
-    std::vector<SecantPoint<Element::voigt>> state(points);
+private:
+    using Stress = typename Element::Stress;
+    using Vector = typename Element::Vector;
+
+    bool solve_elastic(const Eigen::VectorXd& modulus, Eigen::VectorXd& u) {
+        w_.assemble(modulus);
+        return w_.system.set_matrix(w_.values) && w_.system.solve(u, {});
+    }
 
     // Stress state for displacement x: false when a point has no stable answer. unbalanced := factor load - internal.
-    const auto balance = [&](const Eigen::VectorXd& x, double factor, const Eigen::VectorXd& guess,
-                             Eigen::VectorXd& unbalanced) {
-        unbalanced = factor * load;
-        for (std::size_t a = 0; a < w.active.size(); ++a) {
-            const int e = w.active[a];
-            const Vector xe = w.model->gather(e, x.data());
+    bool balance(const Eigen::VectorXd& x, double factor, const Eigen::VectorXd& guess, Eigen::VectorXd& unbalanced) {
+        unbalanced = factor * load_;
+        for (std::size_t a = 0; a < w_.active.size(); ++a) {
+            const int e = w_.active[a];
+            const Vector xe = w_.model->gather(e, x.data());
             Vector force = Vector::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
                 const int q = static_cast<int>(a) * Element::gauss + g;
-                const Stress s = w.unit(e, g) * Element::strain(w.point(e, g), xe);
-                if (!solve_point<Element::voigt>((*law_layers)[w.topology->layer[e]], w.initial[q], s, guess[q],
-                                                 state[q])) {
+                const Stress s = w_.unit(e, g) * Element::strain(w_.point(e, g), xe);
+                if (!solve_point<Element::voigt>((*layers_)[w_.topology->layer[e]], w_.initial[q], s, guess[q],
+                                                 state_[q])) {
                     return false;
                 }
-                Element::add_force(w.point(e, g), state[q].modulus * s, -w.point(e, g).weight, force);
+                Element::add_force(w_.point(e, g), state_[q].modulus * s, -w_.point(e, g).weight, force);
             }
-            w.model->scatter_add(e, force, unbalanced.data());
+            w_.model->scatter_add(e, force, unbalanced.data());
         }
-        w.subtract_linear_force(x, unbalanced);
+        w_.subtract_linear_force(x, unbalanced);
         return true;
-    };
+    }
 
-    // The consistent tangent at `state` for displacement x: E C + E s (gradient^T C) / gain at every active point.
-    const auto factorize_tangent = [&](const Eigen::VectorXd& x) {
-        w.prepare_full();
-        w.start_full();
-        for (std::size_t a = 0; a < w.active.size(); ++a) {
-            const int e = w.active[a];
-            const Vector xe = w.model->gather(e, x.data());
-            Eigen::Matrix<double, dofs, dofs> k = Eigen::Matrix<double, dofs, dofs>::Zero();
+    // The consistent tangent at the state for displacement x: E C + E s (gradient^T C) / gain at every active point.
+    bool factorize_tangent(const Eigen::VectorXd& x) {
+        if (w_.full == nullptr) {
+            w_.full = std::make_unique<FullMatrix<Element>>(*w_.topology);
+        }
+        w_.full->set(w_.linear);
+        for (std::size_t a = 0; a < w_.active.size(); ++a) {
+            const int e = w_.active[a];
+            const Vector xe = w_.model->gather(e, x.data());
+            Eigen::Matrix<double, Element::dofs, Element::dofs> k =
+                Eigen::Matrix<double, Element::dofs, Element::dofs>::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
-                const auto& point = state[static_cast<std::size_t>(a) * Element::gauss + g];
-                const auto b = Element::strain_operator(w.point(e, g));
-                const Stress s = w.unit(e, g) * (b * xe);
+                const auto& point = state_[static_cast<std::size_t>(a) * Element::gauss + g];
+                const auto b = Element::strain_operator(w_.point(e, g));
+                const Stress s = w_.unit(e, g) * (b * xe);
                 const mechanics::Stiffness<Element::voigt> d =
-                    point.modulus * (w.unit(e, g) + s * (point.gradient.transpose() * w.unit(e, g)) / point.gain);
-                const typename Element::Operator db = w.point(e, g).weight * (d * b);
+                    point.modulus * (w_.unit(e, g) + s * (point.gradient.transpose() * w_.unit(e, g)) / point.gain);
+                const typename Element::Operator db = w_.point(e, g).weight * (d * b);
                 k.noalias() += b.transpose() * db;
             }
-            w.add_full(e, k);
+            w_.full->add(e, k);
         }
-        ++statistics.factorizations;
-        return w.lu->factorize(w.full_values);
-    };
+        ++statistics_.factorizations;
+        return w_.full->factorize();
+    }
+
     // The same without forming it: its symmetric part, which also preconditions, and the rest point by point. False
     // where that does not get there, as happens near a fold.
-    std::vector<Stress> rest_left(points);
-    std::vector<Stress> rest_right(points);
-    const auto solve_iteratively = [&](const Eigen::VectorXd& x, double* columns, int number, double tolerance) {
-        Eigen::VectorXd now(points);
-        for (std::size_t a = 0; a < w.active.size(); ++a) {
-            const int e = w.active[a];
-            const Vector xe = w.model->gather(e, x.data());
+    bool solve_iteratively(const Eigen::VectorXd& x, double* columns, int number, double tolerance) {
+        Eigen::VectorXd now(points_);
+        for (std::size_t a = 0; a < w_.active.size(); ++a) {
+            const int e = w_.active[a];
+            const Vector xe = w_.model->gather(e, x.data());
             for (int g = 0; g < Element::gauss; ++g) {
                 const std::size_t q = a * Element::gauss + g;
-                const auto& point = state[q];
-                const Stress s = w.unit(e, g) * Element::strain(w.point(e, g), xe);
+                const auto& point = state_[q];
+                const Stress s = w_.unit(e, g) * Element::strain(w_.point(e, g), xe);
                 now[static_cast<Eigen::Index>(q)] = point.modulus;
-                rest_left[q] = (w.point(e, g).weight * point.modulus / point.gain) * s;
-                rest_right[q] = w.unit(e, g) * point.gradient;
+                rest_left_[q] = (w_.point(e, g).weight * point.modulus / point.gain) * s;
+                rest_right_[q] = w_.unit(e, g) * point.gradient;
             }
         }
-        w.assemble(now);
-        if (!w.system.set_matrix(w.values)) {
+        w_.assemble(now);
+        if (!w_.system.set_matrix(w_.values)) {
             return false;
         }
         const auto apply = [&](const Eigen::VectorXd& v) {
-            Eigen::VectorXd y = w.system.product(v);
-            for (std::size_t a = 0; a < w.active.size(); ++a) {
-                const int e = w.active[a];
-                const Vector ve = w.model->gather(e, v.data());
+            Eigen::VectorXd y = w_.system.product(v);
+            for (std::size_t a = 0; a < w_.active.size(); ++a) {
+                const int e = w_.active[a];
+                const Vector ve = w_.model->gather(e, v.data());
                 Vector force = Vector::Zero();
                 for (int g = 0; g < Element::gauss; ++g) {
                     const std::size_t q = a * Element::gauss + g;
-                    Element::add_force(w.point(e, g), rest_left[q],
-                                       rest_right[q].dot(Element::strain(w.point(e, g), ve)), force);
+                    Element::add_force(w_.point(e, g), rest_left_[q],
+                                       rest_right_[q].dot(Element::strain(w_.point(e, g), ve)), force);
                 }
-                w.model->scatter_add(e, force, y.data());
+                w_.model->scatter_add(e, force, y.data());
             }
             return y;
         };
-        const auto precondition = [&](const Eigen::VectorXd& v) { return w.system.preconditioned(v); };
+        const auto precondition = [&](const Eigen::VectorXd& v) { return w_.system.preconditioned(v); };
         constexpr int patience = 60;
-        Eigen::Map<Eigen::MatrixXd> all(columns, load.size(), number);
-        Eigen::MatrixXd answers(load.size(), number);
+        Eigen::Map<Eigen::MatrixXd> all(columns, load_.size(), number);
+        Eigen::MatrixXd answers(load_.size(), number);
         for (int k = 0; k < number; ++k) {
             const Eigen::VectorXd column = all.col(k);
             Eigen::VectorXd found = column;
             int steps = gmres(found, apply, precondition, tolerance, patience);
             if (steps < 0) { // once more with a factor of this very state
                 found = column;
-                steps = w.system.took_steps(steps) ? gmres(found, apply, precondition, tolerance, patience) : -1;
+                steps = w_.system.took_steps(steps) ? gmres(found, apply, precondition, tolerance, patience) : -1;
             }
             if (steps < 0) {
                 return false;
             }
-            w.system.took_steps(steps);
+            w_.system.took_steps(steps);
             answers.col(k) = found;
         }
         all = answers;
         return true;
-    };
+    }
+
     // columns := tangent^-1 columns.
-    const auto solve_tangent = [&](const Eigen::VectorXd& x, double* columns, int number, double tolerance) {
+    bool solve_tangent(const Eigen::VectorXd& x, double* columns, int number, double tolerance) {
         if (Element::dim == 3 && solve_iteratively(x, columns, number, tolerance)) {
             return true;
         }
         if (!factorize_tangent(x)) {
             return false;
         }
-        w.lu->solve(columns, number);
+        w_.full->solve(columns, number);
         return true;
-    };
+    }
 
     // Newton at one load. Keeps x and modulus of the last balanced state; false when it gets stuck.
-    const auto newton = [&](double factor, Eigen::VectorXd& x, Eigen::VectorXd& e_guess) {
+    bool newton(double factor, Eigen::VectorXd& x, Eigen::VectorXd& e_guess) {
         Eigen::VectorXd unbalanced;
         if (!balance(x, factor, e_guess, unbalanced)) {
             return false;
         }
         double norm = unbalanced.norm();
         for (int step = 0; step < 25; ++step) {
-            for (int q = 0; q < points; ++q) {
-                e_guess[q] = state[q].modulus;
+            for (int q = 0; q < points_; ++q) {
+                e_guess[q] = state_[q].modulus;
             }
-            if (norm <= settings.equilibrium_tolerance * factor * load_norm) {
+            if (norm <= settings_.equilibrium_tolerance * factor * load_.norm()) {
                 return true;
             }
             // Near enough for Newton's method to converge quadratically until the last step.
-            const double needed = settings.equilibrium_tolerance * factor * load_norm / norm;
+            const double needed = settings_.equilibrium_tolerance * factor * load_.norm() / norm;
             Eigen::VectorXd direction = unbalanced;
             if (!solve_tangent(x, direction.data(), 1, std::clamp(0.3 * needed, 1e-10, 1e-6))) {
                 return false;
             }
-            ++statistics.newton_steps;
+            ++statistics_.newton_steps;
             double length = 1.0;
             Eigen::VectorXd trial;
             for (;; length *= 0.5) {
@@ -230,56 +275,55 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
             norm = unbalanced.norm();
         }
         return false;
-    };
+    }
 
     // Starting state at one load: a few damped elastic solutions with moduli from the stress before.
-    const auto start = [&](double factor, Eigen::VectorXd& x, Eigen::VectorXd& e_guess) {
-        for (int q = 0; q < points; ++q) {
-            const LayerMaterial& layer = (*law_layers)[w.topology->layer[w.active[q / Element::gauss]]];
+    bool start(double factor, Eigen::VectorXd& x, Eigen::VectorXd& e_guess) {
+        for (int q = 0; q < points_; ++q) {
+            const LayerMaterial& layer = (*layers_)[w_.topology->layer[w_.active[q / Element::gauss]]];
             e_guess[q] =
-                layer.law->modulus(layer.parameters, mechanics::invariants<Element::voigt>(w.initial[q])).value;
+                layer.law->modulus(layer.parameters, mechanics::invariants<Element::voigt>(w_.initial[q])).value;
         }
         for (int pass = 0; pass < 4; ++pass) {
-            x = factor * load;
+            x = factor * load_;
             if (!solve_elastic(e_guess, x)) {
                 return false;
             }
-            for (int q = 0; q < points; ++q) {
-                const int e = w.active[q / Element::gauss];
-                const LayerMaterial& layer = (*law_layers)[w.topology->layer[e]];
-                const Stress strain = Element::strain(w.point(e, q % Element::gauss), w.model->gather(e, x.data()));
-                const Stress total = w.initial[q] + e_guess[q] * (w.unit(e, q % Element::gauss) * strain);
+            for (int q = 0; q < points_; ++q) {
+                const int e = w_.active[q / Element::gauss];
+                const LayerMaterial& layer = (*layers_)[w_.topology->layer[e]];
+                const Stress strain = Element::strain(w_.point(e, q % Element::gauss), w_.model->gather(e, x.data()));
+                const Stress total = w_.initial[q] + e_guess[q] * (w_.unit(e, q % Element::gauss) * strain);
                 const auto m = layer.law->modulus(layer.parameters, mechanics::invariants<Element::voigt>(total));
                 e_guess[q] = std::sqrt(e_guess[q] * m.value);
             }
         }
         return true;
-    };
+    }
 
     // Load continuation: the full load at once, else in steps halved on failure, from a small load that balances.
-    double reached = 0.0;
-    const auto follow_load = [&](Eigen::VectorXd& x, Eigen::VectorXd& e_guess) {
-        reached = 0.0;
+    bool follow_load(Eigen::VectorXd& x, Eigen::VectorXd& e_guess) {
+        reached_ = 0.0;
         if (start(1.0, x, e_guess) && newton(1.0, x, e_guess)) {
-            reached = 1.0;
+            reached_ = 1.0;
             return true;
         }
         constexpr double smallest = 1.0 / 256.0;
         Eigen::VectorXd good_x = Eigen::VectorXd::Zero(x.size());
-        Eigen::VectorXd good_e(points);
+        Eigen::VectorXd good_e(points_);
         double step = 0.25;
-        while (reached < 1.0 && step >= smallest) {
-            const double next = std::min(1.0, reached + step);
+        while (reached_ < 1.0 && step >= smallest) {
+            const double next = std::min(1.0, reached_ + step);
             bool ok = false;
-            if (reached == 0.0) {
+            if (reached_ == 0.0) {
                 ok = start(next, x, e_guess) && newton(next, x, e_guess);
             } else {
-                x = good_x * (next / reached);
+                x = good_x * (next / reached_);
                 e_guess = good_e;
                 ok = newton(next, x, e_guess);
             }
             if (ok) {
-                reached = next;
+                reached_ = next;
                 good_x = x;
                 good_e = e_guess;
                 step *= 1.5;
@@ -287,36 +331,27 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
                 step *= 0.5;
             }
         }
-        return reached >= 1.0;
-    };
+        return reached_ >= 1.0;
+    }
 
-    bool found = points == 0 || follow_load(u, modulus);
-    const double reached_by_load = reached;
-    double reached_by_smoothing = 0.0;
-    if (!found) {
-        // Delta continuation: a softer floor of theta has an answer more often; lower it to the study's own.
-        const auto ease = [&](double factor) {
-            for (std::size_t l = 0; l < layers.size(); ++l) {
-                if (const auto delta = layers[l].law->index_of("tension_smoothing_kPa")) {
-                    eased[l].parameters[*delta] = layers[l].parameters[*delta] * factor;
-                }
-            }
-            law_layers = &eased;
-        };
-        for (double factor = 4.0; factor <= 64.0 && reached_by_smoothing == 0.0; factor *= 4.0) {
+    // Delta continuation: a softer floor of theta has an answer more often; lower it to the study's own. Returns by
+    // which factor on that it ended in a fold; 1: an answer, 0: not even the largest has one.
+    double follow_smoothing(Eigen::VectorXd& u, Eigen::VectorXd& modulus) {
+        double reached = 0.0;
+        for (double factor = 4.0; factor <= 64.0 && reached == 0.0; factor *= 4.0) {
             ease(factor);
             if (follow_load(u, modulus)) {
-                reached_by_smoothing = factor;
+                reached = factor;
             }
         }
         double ratio = 0.5;
         Eigen::VectorXd good_u = u;
         Eigen::VectorXd good_e = modulus;
-        while (reached_by_smoothing > 1.0 && ratio < 0.98) {
-            const double next = std::max(1.0, reached_by_smoothing * ratio);
+        while (reached > 1.0 && ratio < 0.98) {
+            const double next = std::max(1.0, reached * ratio);
             ease(next);
             if (newton(1.0, u, modulus)) {
-                reached_by_smoothing = next;
+                reached = next;
                 good_u = u;
                 good_e = modulus;
             } else {
@@ -325,83 +360,95 @@ Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::V
                 ratio = std::sqrt(ratio);
             }
         }
-        found = reached_by_smoothing == 1.0;
-        law_layers = &layers;
+        layers_ = w_.layers;
+        return reached;
     }
-    if (!found) {
-        return Failure{Status::no_equilibrium, w.describe_fold(reached_by_load, reached_by_smoothing)};
+    void ease(double factor) {
+        eased_ = *w_.layers;
+        for (LayerMaterial& layer : eased_) {
+            if (const auto delta = layer.law->index_of("tension_smoothing_kPa")) {
+                layer.parameters[*delta] *= factor;
+            }
+        }
+        layers_ = &eased_;
     }
 
-    Eigen::VectorXd unbalanced;
-    if (points > 0) {
-        balance(u, 1.0, modulus, unbalanced);
-    }
-    solution.displacement = u;
-    if (count > 0) {
-        w.set_load_rates(load, solution.d_displacement);
-        w.subtract_linear_rates(u, solution.d_displacement);
-    }
-    // First the stress rates at held displacement, then what the displacement rates add.
-    for (std::size_t a = 0; a < w.active.size(); ++a) {
-        const int e = w.active[a];
-        const LayerMaterial& layer = w.layer_of(e);
-        const Vector ue = w.model->gather(e, u.data());
-        for (int g = 0; g < Element::gauss; ++g) {
-            const int q = static_cast<int>(a) * Element::gauss + g;
-            const int to = e * Element::gauss + g;
-            const auto& point = state[q];
-            const Stress strain = Element::strain(w.point(e, g), ue);
-            const Stress s = w.unit(e, g) * strain;
-            solution.stress.col(to) = point.modulus * s;
-            solution.modulus[to] = point.modulus;
-            const auto here = layer.law->modulus(layer.parameters, point.at);
-            for (int k = 0; k < count; ++k) {
-                Vector force = Vector::Zero();
-                Stress turned = point.modulus * (w.unit_rate(e, g, k) * strain);
-                if (const Motion<Element>* motion = w.motion_of(k)) {
-                    turned +=
-                        w.subtract_motion(*motion, e, g, ue, point.modulus * s, point.modulus * w.unit(e, g), force);
+    // Stress and its rates at held displacement; d_displacement(:, k) -= the force of those.
+    void set_stress_at_held_displacement(Solution<Element>& solution) const {
+        for (std::size_t a = 0; a < w_.active.size(); ++a) {
+            const int e = w_.active[a];
+            const LayerMaterial& layer = w_.layer_of(e);
+            const Vector ue = w_.model->gather(e, solution.displacement.data());
+            for (int g = 0; g < Element::gauss; ++g) {
+                const int q = static_cast<int>(a) * Element::gauss + g;
+                const int to = e * Element::gauss + g;
+                const auto& point = state_[q];
+                const Stress strain = Element::strain(w_.point(e, g), ue);
+                const Stress s = w_.unit(e, g) * strain;
+                solution.stress.col(to) = point.modulus * s;
+                solution.modulus[to] = point.modulus;
+                const auto here = layer.law->modulus(layer.parameters, point.at);
+                for (int k = 0; k < w_.count(); ++k) {
+                    Vector force = Vector::Zero();
+                    Stress turned = point.modulus * (w_.unit_rate(e, g, k) * strain);
+                    if (const Motion<Element>* motion = w_.motion_of(k)) {
+                        turned += w_.subtract_motion(*motion, e, g, ue, point.modulus * s,
+                                                     point.modulus * w_.unit(e, g), force);
+                    }
+                    const double explicit_rate =
+                        w_.explicit_modulus_rate(layer, w_.topology->layer[e], point.at, here, k);
+                    const double e_rate =
+                        (explicit_rate +
+                         point.gradient.dot(w_.initial_rate[static_cast<std::size_t>(q) * w_.count() + k] + turned)) /
+                        point.gain;
+                    const Stress d = turned + e_rate * s;
+                    solution.d_stress.col(static_cast<Eigen::Index>(to) * w_.count() + k) = d;
+                    Element::add_force(w_.point(e, g), d, -w_.point(e, g).weight, force);
+                    w_.model->scatter_add(e, force, solution.d_displacement.col(k).data());
                 }
-                const double explicit_rate = w.explicit_modulus_rate(layer, w.topology->layer[e], point.at, here, k);
-                const double e_rate =
-                    (explicit_rate +
-                     point.gradient.dot(w.initial_rate[static_cast<std::size_t>(q) * count + k] + turned)) /
-                    point.gain;
-                const Stress d = turned + e_rate * s;
-                solution.d_stress.col(static_cast<Eigen::Index>(to) * count + k) = d;
-                Element::add_force(w.point(e, g), d, -w.point(e, g).weight, force);
-                w.model->scatter_add(e, force, solution.d_displacement.col(k).data());
             }
         }
     }
-    if (count > 0) {
-        if (points == 0) {
-            if (!w.system.solve(solution.d_displacement, {})) {
-                return not_definite;
-            }
-        } else if (!solve_tangent(u, solution.d_displacement.data(), count, settings.linear_tolerance)) {
-            return Failure{Status::no_equilibrium, "the equilibrium found is a fold: its tangent is singular"};
-        }
-        for (std::size_t a = 0; a < w.active.size(); ++a) {
-            const int e = w.active[a];
-            const Vector ue = w.model->gather(e, u.data());
-            for (int k = 0; k < count; ++k) {
-                const Vector de = w.model->gather(e, solution.d_displacement.col(k).data());
+
+    // What the rates of the displacement add.
+    void add_stress_rates(Solution<Element>& solution) const {
+        for (std::size_t a = 0; a < w_.active.size(); ++a) {
+            const int e = w_.active[a];
+            const Vector ue = w_.model->gather(e, solution.displacement.data());
+            for (int k = 0; k < w_.count(); ++k) {
+                const Vector de = w_.model->gather(e, solution.d_displacement.col(k).data());
                 for (int g = 0; g < Element::gauss; ++g) {
-                    const auto& point = state[static_cast<std::size_t>(a) * Element::gauss + g];
-                    const Stress s = w.unit(e, g) * Element::strain(w.point(e, g), ue);
-                    const Stress ds = point.modulus * (w.unit(e, g) * Element::strain(w.point(e, g), de));
-                    solution.d_stress.col(static_cast<Eigen::Index>(e * Element::gauss + g) * count + k) +=
+                    const auto& point = state_[static_cast<std::size_t>(a) * Element::gauss + g];
+                    const Stress s = w_.unit(e, g) * Element::strain(w_.point(e, g), ue);
+                    const Stress ds = point.modulus * (w_.unit(e, g) * Element::strain(w_.point(e, g), de));
+                    solution.d_stress.col(static_cast<Eigen::Index>(e * Element::gauss + g) * w_.count() + k) +=
                         ds + s * (point.gradient.dot(ds) / point.gain);
                 }
             }
         }
     }
-    statistics.load_steps = 1;
-    statistics.factorizations += w.system.factorizations();
-    statistics.iterations += w.system.iterations();
-    w.finish(load, solution);
-    return solution;
+
+    Work& w_;
+    const Eigen::VectorXd& load_;
+    const SolverSettings& settings_;
+    const int points_;
+    std::vector<LayerMaterial> eased_;
+    const std::vector<LayerMaterial>* layers_; // the study's own, or eased
+    std::vector<SecantPoint<Element::voigt>> state_;
+    std::vector<Stress> rest_left_, rest_right_; // of the tangent, beyond its symmetric part
+    Statistics statistics_;
+    double reached_ = 0.0; // of the load
+};
+
+} // namespace
+
+template <class Element>
+Outcome<Solution<Element>>
+Solver<Element>::secant(const std::vector<LayerMaterial>& layers, const Eigen::VectorXd& load,
+                        const std::vector<Variation>& variations, const SolverSettings& settings,
+                        const std::vector<double>& springs, const std::vector<Motion<Element>>& motions) {
+    work_->prepare(layers, variations, settings, springs, motions);
+    return Secant<Element, Work>(*work_, load, settings).solve();
 }
 
 using Layers = std::vector<LayerMaterial>;

@@ -193,7 +193,7 @@ public:
     // force -= that of stress in stress-dependent layers, or in one of them.
     void subtract_force(const Stresses& stress, Eigen::Index stride, Eigen::Index offset,
                         Eigen::Ref<Eigen::VectorXd> force, int layer = -1) const {
-        w_.subtract_force(stress, stride, offset, force, layer);
+        w_.subtract_force(stress, stride, offset, force.data(), layer);
     }
     template <class Vector>
     void subtract_force_motion(int k, const Stresses& stress, Vector&& right) const {
