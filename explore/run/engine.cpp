@@ -1,6 +1,7 @@
 #include "run/engine.h"
 
 #include "run/cluster.h"
+#include "run/in_step.h"
 #include "run/least_squares.h"
 #include "run/parallel.h"
 #include "run/progress.h"
@@ -59,6 +60,23 @@ struct Engine::Implementation {
         auto evaluations = problem.evaluate_many(units, with_jacobian, *workspace);
         forward_ns += thread_cpu_ns() - begin;
         return evaluations;
+    }
+
+    // So many go together, and no thread is without work.
+    std::size_t at_once(std::size_t points) const {
+        return std::max<std::size_t>(1, std::min(problem.function->lanes(), (points + threads - 1) / threads));
+    }
+
+    // The same of any number of points, in parallel; none of those that an interruption leaves out.
+    InStep::Answers evaluate_all(std::span<const std::vector<double>> units, bool with_jacobian) {
+        InStep::Answers answers(units.size());
+        const std::size_t some = at_once(units.size());
+        for_each_index(arena, (units.size() + some - 1) / some, [&](std::size_t k) {
+            auto computed =
+                evaluate_many(units.subspan(k * some, std::min(some, units.size() - k * some)), with_jacobian);
+            std::move(computed.begin(), computed.end(), answers.begin() + static_cast<std::ptrdiff_t>(k * some));
+        });
+        return answers;
     }
 
     void keep(RunNumber number, const Evaluation& e) {
@@ -120,9 +138,7 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
     {
         Progress progress("explore", m.settings.show_progress ? static_cast<std::int64_t>(n) : -1);
         progress.add(static_cast<std::int64_t>(n - missing.size()), false);
-        // As many at once as go together, but so that no thread is without work.
-        const std::size_t share = (missing.size() + m.threads - 1) / m.threads;
-        const std::size_t at_once = std::max<std::size_t>(1, std::min(m.problem.function->lanes(), share));
+        const std::size_t at_once = m.at_once(missing.size());
         for_each_index(m.arena, (missing.size() + at_once - 1) / at_once, [&](std::size_t k) {
             const std::span<const std::size_t> numbers =
                 std::span(missing).subspan(k * at_once, std::min(at_once, missing.size() - k * at_once));
@@ -231,11 +247,8 @@ bool Engine::chains(const std::string& what, const std::function<int(std::size_t
     std::atomic<std::int64_t> kept{0};
     {
         Progress progress(what, m.settings.show_progress ? 0 : -1);
-        for_each_index(m.arena, count, [&](std::size_t i) {
-            KeptChain chain(
-                m.problem, m.store, m.run, start(i),
-                [&](std::span<const double> unit, bool with_jacobian) { return m.evaluate(unit, with_jacobian); },
-                progress);
+        const auto follow = [&](std::size_t i, const KeptChain::Compute& compute) {
+            KeptChain chain(m.problem, m.store, m.run, start(i), compute, progress);
             try {
                 body(i, chain);
             } catch (const Interrupted&) { // as above
@@ -243,7 +256,26 @@ bool Engine::chains(const std::string& what, const std::function<int(std::size_t
             m.computed += chain.computed;
             kept += chain.kept;
             progress.note(fmt::format("{} of {}", ++finished, count));
-        });
+        };
+        // Few chains are as fast one by one. Whether they go in step depends on their number alone, for it shows in
+        // the last bits.
+        constexpr std::size_t few = 3;
+        if (const std::size_t lanes = m.problem.function->lanes(); lanes > 1 && count > few) {
+            InStep in_step([&](std::span<const std::vector<double>> units, bool with_jacobian) {
+                return m.evaluate_all(units, with_jacobian);
+            });
+            in_step.run(count, lanes * m.threads, [&](std::size_t i) {
+                follow(i, [&](std::span<const double> unit, bool with_jacobian) {
+                    return in_step.at(unit, with_jacobian);
+                });
+            });
+        } else {
+            for_each_index(m.arena, count, [&](std::size_t i) {
+                follow(i, [&](std::span<const double> unit, bool with_jacobian) {
+                    return m.evaluate(unit, with_jacobian);
+                });
+            });
+        }
     }
     tally_.computed = m.computed;
     tally_.forward_cpu_seconds = 1e-9 * static_cast<double>(m.forward_ns);
@@ -297,7 +329,7 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
                 std::rethrow_exception(failure);
             }
             if (!method.uses_gradient && !end.search.unit.empty()) {
-                end.evaluation = m.evaluate(end.search.unit, true);
+                end.evaluation = chain.at(end.search.unit, true);
             }
         });
     if (!finished) {

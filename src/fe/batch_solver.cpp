@@ -372,19 +372,31 @@ bool BatchSolver::serves(const Model<Element>& model, const std::vector<LayerMat
 }
 
 int BatchSolver::lanes() {
-    return lanes::kernels().lanes;
+    return lanes::kernels(static_cast<int>(most_lanes)).lanes;
 }
 
 bool BatchSolver::rounds_once() {
-    return lanes::kernels().rounds_once;
+    return lanes::kernels(1).rounds_once;
 }
 
 BatchSolver::BatchSolver(const Model<Element>& model, const lanes::Kernels* kernels)
-    : work_(std::make_unique<Work>(model, kernels != nullptr ? *kernels : lanes::kernels())) {}
+    : model_(&model),
+      kernels_(kernels) {}
 BatchSolver::~BatchSolver() = default;
 
 void BatchSolver::move(const Model<Element>& model) {
-    work_->move(model);
+    model_ = &model;
+    for (const auto& work : works_) {
+        work->move(model);
+    }
+}
+
+// The memory for so many runs.
+BatchSolver::Work& BatchSolver::work_for(std::size_t runs) {
+    const Kernels& own = kernels_ != nullptr ? *kernels_ : lanes::kernels(static_cast<int>(runs));
+    const auto known =
+        std::find_if(works_.begin(), works_.end(), [&](const auto& work) { return &work->kernels == &own; });
+    return known != works_.end() ? **known : *works_.emplace_back(std::make_unique<Work>(*model_, own));
 }
 
 std::vector<Outcome<BatchReading>> BatchSolver::incremental(std::span<const BatchRun> runs,
@@ -392,14 +404,21 @@ std::vector<Outcome<BatchReading>> BatchSolver::incremental(std::span<const Batc
                                                             const SolverSettings& settings) {
     std::vector<Outcome<BatchReading>> outcomes;
     outcomes.reserve(runs.size());
-    for (std::size_t first = 0; first < runs.size(); first += work_->width) {
-        work_->follow(runs.subspan(first, std::min(work_->width, runs.size() - first)), variations, settings, outcomes);
+    while (!runs.empty()) {
+        Work& work = work_for(std::min(runs.size(), most_lanes));
+        const std::size_t some = std::min(work.width, runs.size());
+        work.follow(runs.first(some), variations, settings, outcomes);
+        runs = runs.subspan(some);
     }
     return outcomes;
 }
 
 std::size_t BatchSolver::memory() const {
-    return work_->memory();
+    std::size_t bytes = 0;
+    for (const auto& work : works_) {
+        bytes += work->memory();
+    }
+    return bytes;
 }
 
 } // namespace pave::fe

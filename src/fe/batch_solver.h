@@ -39,12 +39,12 @@ public:
     // factor on the load.
     static bool serves(const Model<Element>& model, const std::vector<LayerMaterial>& layers,
                        const std::vector<Variation>& variations);
-    // How many runs cost what one does.
+    // How many runs go together at most.
     static int lanes();
     // Whether this processor rounds a product and a sum once: what bits depend on.
     static bool rounds_once();
 
-    // kernels: nullptr: the widest of the processor.
+    // kernels: nullptr: those of the processor, no wider than the runs at hand need.
     explicit BatchSolver(const Model<Element>& model, const lanes::Kernels* kernels = nullptr);
     ~BatchSolver();
 
@@ -60,7 +60,11 @@ public:
 
 private:
     struct Work;
-    std::unique_ptr<Work> work_;
+    Work& work_for(std::size_t runs);
+
+    const Model<Element>* model_;
+    const lanes::Kernels* kernels_;
+    std::vector<std::unique_ptr<Work>> works_; // of a width each, made when first needed
 };
 
 } // namespace pave::fe

@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <mutex>
+#include <numeric>
 
 using namespace explore;
 
@@ -335,6 +337,96 @@ TEST(Engine, WithoutMemoryForOneRunEndsAndGoesOnLaterAsIfNothingHadHappened) {
     const std::string whole = table_after(-1);
     EXPECT_EQ(table_after(7), whole);  // in the design
     EXPECT_EQ(table_after(34), whole); // in a search
+}
+
+// The same basins by a model that computes four points for the price of one.
+class FourAtOnce final : public problem::ForwardFunction {
+public:
+    explicit FourAtOnce(int poisoned = -1) : poisoned_(poisoned) {}
+
+    std::unique_ptr<Workspace> make_workspace() const override { return std::make_unique<Workspace>(); }
+    pave::Outcome<problem::Prediction> evaluate(std::span<const double> p, bool with_jacobian,
+                                                Workspace& workspace) const override {
+        return basins_.evaluate(p, with_jacobian, workspace);
+    }
+    std::vector<pave::Outcome<problem::Prediction>> evaluate_many(std::span<const std::vector<double>> points,
+                                                                  bool with_jacobian,
+                                                                  Workspace& workspace) const override {
+        const std::scoped_lock lock(mutex_);
+        sizes_.push_back(points.size());
+        if (static_cast<int>(sizes_.size()) == poisoned_) {
+            throw std::bad_alloc();
+        }
+        return ForwardFunction::evaluate_many(points, with_jacobian, workspace);
+    }
+    std::size_t lanes() const override { return 4; }
+    std::vector<std::size_t> sizes() const { return sizes_; }
+
+private:
+    TwoBasins basins_;
+    int poisoned_;
+    mutable std::mutex mutex_;
+    mutable std::vector<std::size_t> sizes_;
+};
+
+problem::Problem four_at_once(std::shared_ptr<FourAtOnce> function) {
+    problem::Problem p = two_basins();
+    p.function = std::move(function);
+    return p;
+}
+
+// Chain i asks for i + 1 points, with derivatives at every third.
+std::vector<std::vector<double>> misfits_of_chains(run::Engine& engine, std::size_t count) {
+    std::vector<std::vector<double>> misfits(count);
+    EXPECT_TRUE(engine.chains("", 0, count, [&](std::size_t i, run::Chain& chain) {
+        double u = 0.05 * static_cast<double>(i);
+        for (std::size_t k = 0; k <= i; ++k) {
+            misfits[i].push_back(chain.at(std::vector{u, 0.3}, k % 3 == 2).misfit);
+            u = 0.5 * (u + std::min(1.0, misfits[i].back()));
+        }
+    }));
+    return misfits;
+}
+
+TEST(Engine, ComputesWhatChainsAskForTogether) {
+    const auto function = std::make_shared<FourAtOnce>();
+    run::Engine together(four_at_once(function), nullptr, 0, {.threads = 1, .show_progress = false});
+    run::Engine one_by_one(two_basins(), nullptr, 0, {.threads = 1, .show_progress = false});
+    const auto misfits = misfits_of_chains(together, 7);
+    EXPECT_EQ(misfits, misfits_of_chains(one_by_one, 7));
+    // Seven chains of 1 to 7 points on four threads: the first four go together until one of them ends.
+    const auto sizes = function->sizes();
+    EXPECT_EQ(sizes.front(), 4u);
+    EXPECT_EQ(std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}), 28u);
+    EXPECT_LT(sizes.size(), 20u);
+    run::Engine wider(four_at_once(function), nullptr, 0, {.threads = 3, .show_progress = false});
+    EXPECT_EQ(misfits, misfits_of_chains(wider, 7));
+}
+
+TEST(Engine, LeavesFewChainsByThemselves) {
+    const auto function = std::make_shared<FourAtOnce>();
+    run::Engine engine(four_at_once(function), nullptr, 0, {.threads = 1, .show_progress = false});
+    misfits_of_chains(engine, 3);
+    EXPECT_TRUE(function->sizes().empty());
+}
+
+TEST(Engine, ChainsInStepEndWithWhatOneOfThemThrows) {
+    const auto function = std::make_shared<FourAtOnce>(3);
+    run::Engine engine(four_at_once(function), nullptr, 0, {.threads = 2, .show_progress = false});
+    EXPECT_THROW(misfits_of_chains(engine, 9), std::bad_alloc);
+    run::Engine other(four_at_once(std::make_shared<FourAtOnce>()), nullptr, 0, {.threads = 2, .show_progress = false});
+    std::atomic<int> ended{0};
+    EXPECT_THROW(other.chains("", 0, 6,
+                              [&](std::size_t i, run::Chain& chain) {
+                                  chain.at(std::vector{0.1 * static_cast<double>(i), 0.5});
+                                  if (i == 2) {
+                                      throw std::runtime_error("on purpose");
+                                  }
+                                  chain.at(std::vector{0.1 * static_cast<double>(i), 0.6});
+                                  ++ended;
+                              }),
+                 std::runtime_error);
+    EXPECT_EQ(ended, 5); // the others were under way
 }
 
 TEST(Store, KeepsRunsWithOtherSettingsApart) {

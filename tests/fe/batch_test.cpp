@@ -186,7 +186,7 @@ TEST(Lanes, DerivativesAreThoseOfOnePath) {
 TEST(Lanes, LawsWithoutAFormOfTheirOwnAreAskedLaneByLane) {
     const std::vector<fe::Variation> by{{Kind::law_parameter, 1, 1}, {Kind::law_parameter, 1, 2}};
     for (const char* law : {"k-theta", "uzan-deviator", "bilinear"}) {
-        const Apart off = apart(Sections(5, law), by, fe::lanes::kernels());
+        const Apart off = apart(Sections(5, law), by, fe::lanes::kernels(8));
         EXPECT_LT(off.values, 1e-11) << law;
         EXPECT_LT(off.derivatives, 1e-10) << law;
     }
@@ -218,17 +218,33 @@ TEST(Lanes, BitsDependNeitherOnNeighboursNorOnTheirNumber) {
 
 TEST(Lanes, FusedWidthsHaveTheSameBits) {
     const Sections sections(8);
-    const auto kernels = all_kernels();
-    if (kernels.size() < 3) {
+    const auto& settings = sections.nominal.settings.solver;
+    std::vector<std::vector<Outcome<fe::BatchReading>>> of_widths;
+    for (const auto* kernels : all_kernels()) {
+        if (kernels->rounds_once) {
+            of_widths.push_back(
+                fe::BatchSolver(sections.parts.model, kernels).incremental(sections.runs, many_variations, settings));
+        }
+    }
+    if (of_widths.size() < 2) {
         GTEST_SKIP() << "one width with fused multiplication, or none";
     }
-    const auto& settings = sections.nominal.settings.solver;
-    const auto wide =
-        fe::BatchSolver(sections.parts.model, kernels[0]).incremental(sections.runs, many_variations, settings);
-    const auto narrow =
-        fe::BatchSolver(sections.parts.model, kernels[1]).incremental(sections.runs, many_variations, settings);
     for (std::size_t i = 0; i < sections.runs.size(); ++i) {
-        EXPECT_EQ(bits(wide[i]), bits(narrow[i])) << i;
+        for (const auto& other : of_widths) {
+            EXPECT_EQ(bits(of_widths[0][i]), bits(other[i])) << i;
+        }
+    }
+}
+
+TEST(Lanes, AreNoMoreThanTheRunsNeed) {
+    for (int runs = 1; runs <= 9; ++runs) {
+        const auto& chosen = fe::lanes::kernels(runs);
+        for (const auto* kernels : all_kernels()) {
+            EXPECT_EQ(chosen.rounds_once, all_kernels()[0]->rounds_once);
+            if (kernels->rounds_once == chosen.rounds_once && kernels->lanes >= runs) {
+                EXPECT_LE(chosen.lanes, kernels->lanes) << runs;
+            }
+        }
     }
 }
 

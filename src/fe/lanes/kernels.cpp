@@ -6,6 +6,9 @@ namespace sse2 {
 extern const Kernels table;
 }
 #ifdef PAVESCAPE_WIDE_LANES
+namespace fma2 {
+extern const Kernels table;
+}
 namespace avx2 {
 extern const Kernels table;
 }
@@ -28,19 +31,30 @@ int usable_kernels(const Kernels** list, int most) {
     }
     if (has_avx2) {
         add(avx2::table);
+        add(fma2::table);
     }
 #endif
     add(sse2::table);
     return count;
 }
 
-const Kernels& kernels() {
-    static const Kernels* const widest = [] {
-        const Kernels* first = nullptr;
-        usable_kernels(&first, 1);
-        return first;
+const Kernels& kernels(int runs) {
+    struct Usable {
+        const Kernels* list[4] = {};
+        int count = 0;
+    };
+    static const Usable usable = [] {
+        Usable all;
+        all.count = usable_kernels(all.list, 4);
+        return all;
     }();
-    return *widest;
+    const Kernels* narrowest = usable.list[0];
+    for (int i = 1; i < usable.count && usable.list[i]->lanes >= runs; ++i) {
+        if (usable.list[i]->rounds_once == narrowest->rounds_once) {
+            narrowest = usable.list[i];
+        }
+    }
+    return *narrowest;
 }
 
 } // namespace pave::fe::lanes

@@ -156,8 +156,9 @@ struct Kernels {
     void (*functions)(const double* x, double* log, double* log_1_plus, double* exp);
 };
 
-// Of the widest vectors that this processor has and the build knows.
-const Kernels& kernels();
+// Of the narrowest vectors, of those that this processor has and the build knows, with room for so many runs; the
+// widest where none has. All of them give the same bits.
+const Kernels& kernels(int runs);
 // Of all that this processor has, the widest first.
 int usable_kernels(const Kernels** list, int most);
 

@@ -3,7 +3,7 @@
 // standard library that could be shared with code for another processor.
 //
 // Every operation is the same in every width, and multiplications are fused with additions where it is written so: a
-// lane has the same bits with 256 and 512 bits. Without fused instructions (SSE2) they differ in the last places.
+// lane has the same bits with 128, 256 and 512 bits. Without fused instructions (SSE2) they differ in the last places.
 #pragma once
 
 #include <cstdint>
@@ -15,18 +15,11 @@
 
 namespace pave::fe::lanes::PAVE_LANES {
 
-#if defined(__AVX512F__)
-inline constexpr int width = 8;
-inline constexpr bool many_registers = true; // 32 of them
-#elif defined(__AVX2__)
-inline constexpr int width = 4;
-inline constexpr bool many_registers = false;
-#else
-inline constexpr int width = 2;
-inline constexpr bool many_registers = false;
-#endif
+// PAVE_LANES_WIDTH: 8, 4 or 2 lanes; with fewer than the instructions have, for few runs.
+inline constexpr int width = PAVE_LANES_WIDTH;
+inline constexpr bool many_registers = width == 8; // 32 of them
 
-#if defined(__AVX512F__) || defined(__FMA__)
+#ifdef __FMA__
 inline constexpr bool is_fused = true;
 #else
 inline constexpr bool is_fused = false;
@@ -41,10 +34,12 @@ PAVE_INLINE Lanes all(double x) {
 }
 // a b + c, and c - a b.
 PAVE_INLINE Lanes fma(Lanes a, Lanes b, Lanes c) {
-#if defined(__AVX512F__)
+#if PAVE_LANES_WIDTH == 8
     return _mm512_fmadd_pd(a, b, c);
-#elif defined(__FMA__)
+#elif PAVE_LANES_WIDTH == 4
     return _mm256_fmadd_pd(a, b, c);
+#elif defined(__FMA__)
+    return _mm_fmadd_pd(a, b, c);
 #else
     return a * b + c;
 #endif
@@ -53,18 +48,20 @@ PAVE_INLINE Lanes fma(double a, Lanes b, Lanes c) {
     return fma(all(a), b, c);
 }
 PAVE_INLINE Lanes minus(Lanes a, Lanes b, Lanes c) {
-#if defined(__AVX512F__)
+#if PAVE_LANES_WIDTH == 8
     return _mm512_fnmadd_pd(a, b, c);
-#elif defined(__FMA__)
+#elif PAVE_LANES_WIDTH == 4
     return _mm256_fnmadd_pd(a, b, c);
+#elif defined(__FMA__)
+    return _mm_fnmadd_pd(a, b, c);
 #else
     return c - a * b;
 #endif
 }
 PAVE_INLINE Lanes root(Lanes x) {
-#if defined(__AVX512F__)
+#if PAVE_LANES_WIDTH == 8
     return _mm512_maskz_sqrt_pd(static_cast<__mmask8>(-1), x); // the plain one makes g++ 12 warn falsely
-#elif defined(__AVX2__)
+#elif PAVE_LANES_WIDTH == 4
     return _mm256_sqrt_pd(x);
 #elif defined(__SSE2__)
     return _mm_sqrt_pd(x);
