@@ -113,7 +113,7 @@ private:
             const auto number = static_cast<std::uint64_t>(i);
             if (is_limit(i) && kept.uniform(number) < probability_of(target.offset[i])) {
                 target.offset[i] = 0.0; // the limit that it is
-            } else { // what the instrument reads is no limit, and drawn like any other
+            } else {                    // what the instrument reads is no limit, and drawn like any other
                 target.offset[i] += noise * random.normal(number);
             }
         }
