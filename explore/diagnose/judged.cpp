@@ -1,10 +1,12 @@
 #include "diagnose/judged.h"
 
 #include "inference/quantiles.h"
+#include "problem/censored.h"
 
 #include <algorithm>
 #include <cmath>
 #include <gsl/gsl_cdf.h>
+#include <optional>
 
 namespace explore::diagnose {
 
@@ -63,6 +65,25 @@ inference::Nuisance Judge::nuisance_of(const Model& model, double variance) cons
             model.residuals / noise};
 }
 
+namespace {
+
+// 95 % interval of a size by which the model's answer at a reading is moved that is a limit: from the end of its range
+// on the side where the limit is kept to where chi2 is larger by what one number may take. row: the residual there,
+// rate: its derivative by the unit coordinate (problem/censored.h). Nothing: it is kept by so much that no end is seen.
+std::optional<Interval> interval_of_limit(const problem::Axis& axis, double unit, double row, double rate) {
+    const auto beyond = [](double of_row) { return -gsl_cdf_ugaussian_Pinv(std::exp(-0.5 * of_row * of_row)); };
+    const double z = beyond(row);
+    const double by_unit = std::copysign(1.0, row) * rate / problem::censored_row_slope(z, data::Censored::below);
+    if (!std::isfinite(z) || !std::isfinite(by_unit) || by_unit == 0.0) {
+        return std::nullopt;
+    }
+    const double end = std::clamp(unit + (beyond(inference::two_sided_95) - z) / by_unit, 0.0, 1.0);
+    const double low = axis.physical(by_unit > 0.0 ? 0.0 : end);
+    return Interval{axis.physical(unit), low, axis.physical(by_unit > 0.0 ? end : 1.0)};
+}
+
+} // namespace
+
 Judged Judge::judge(Model model, double variance) const {
     Judged j;
     const auto problem = bench_.problem(model.members);
@@ -104,12 +125,19 @@ Judged Judge::judge(Model model, double variance) const {
             const double size = model.unit[parameters + m];
             const double deviation = std::sqrt(covariance(at, at));
             prior.cut_off(size, deviation);
-            j.sizes.push_back(interval_within(problem->space.axes[parameters + m], size, known(at, at)));
-            const double null = candidates_[model.members[m]].null;
+            const Candidate& candidate = candidates_[model.members[m]];
+            const problem::Axis& axis = problem->space.axes[parameters + m];
+            std::optional<Interval> of_limit;
+            if (candidate.is_of_limit) {
+                const auto row = static_cast<Index>(*candidate.reading);
+                of_limit = interval_of_limit(axis, size, model.residuals[row] / noise, jacobian(row, at));
+            }
+            j.sizes.push_back(of_limit ? *of_limit : interval_within(axis, size, known(at, at)));
+            const double null = candidate.null;
             const double half = inference::two_sided_95 * deviation;
             constexpr double at_null = 1e-6; // an end that changes nothing is none
             const bool ends = (size + half >= 1.0 && null < 1.0 - at_null) || (size - half <= 0.0 && null > at_null);
-            j.at_end = j.at_end || (ends && !candidates_[model.members[m]].is_of_limit);
+            j.at_end = j.at_end || (ends && !candidate.is_of_limit);
         }
     }
     j.evidence = hypotheses::evidence(j.chi2, static_cast<Index>(rows), jacobian, prior, noise_prior());

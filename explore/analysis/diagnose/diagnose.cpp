@@ -52,11 +52,16 @@ DiagnosedModel model_of(const DiagnoseResult& result, diagnose::Workbench& bench
     const auto problem = bench.problem(judged.model.members);
     const Diagnosis& d = result.diagnosis;
     const bool is_corrected = !channels_of(result.channels, judged.model.members).empty();
+    const std::size_t of_study = judged.model.unit.size() - judged.model.members.size();
     for (std::size_t k = 0; k < judged.model.unit.size(); ++k) {
-        m.parameters.push_back(
-            is_corrected ? diagnose::interval_within(problem->space.axes[k], judged.model.unit[k],
-                                                     d.location->covariance.diagonal()[static_cast<Eigen::Index>(k)])
-                         : diagnose::interval_of(*problem, judged.model, k, d.variance));
+        if (is_corrected) {
+            m.parameters.push_back(
+                diagnose::interval_within(problem->space.axes[k], judged.model.unit[k],
+                                          d.location->covariance.diagonal()[static_cast<Eigen::Index>(k)]));
+        } else {
+            m.parameters.push_back(k < of_study ? diagnose::interval_of(*problem, judged.model, k, d.variance)
+                                                : judged.sizes[k - of_study]);
+        }
     }
     Predictor(m.study).complete(m.evaluation);
     m.held_out_rms = held_out_rms(result.study, m.evaluation.responses);
