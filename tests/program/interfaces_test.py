@@ -2,6 +2,7 @@
 import json
 import os
 import re
+import shutil
 
 import pytest
 
@@ -73,14 +74,57 @@ def test_manual_pages(prefix):
         assert f'.TH {name.upper()} "1"' in text and f"\n{name} - " in text and '"Pavescape ' in text, f"{page} has its title"
 
 
-def test_completion(prefix):
-    completion = prefix / "share" / "bash-completion" / "completions" / "pavescape"
-    ask = ('source {0}; COMP_WORDS=({1} {2}); COMP_CWORD={3}; _pavescape; printf "%s\\n" "${{COMPREPLY[@]}}"')
-    for words, place, *wanted in (("dia", 1, "diagnose"), ("fit --sta", 2, "--start", "--starts"), ("fit --model a", 3, "auto"), ("plot run --format p", 4, "pdf", "png"),
-                                 ("plot run res", 3, "residuals"), ("plot run back", 3, "back-calculation"), ("fit --starts 3", 3), ("slab f --foundation li", 4, "liquid"),
-                                 ("noise CMakeLists.t", 2, "CMakeLists.txt"), ("slab CMakeLists.t", 2, "CMakeLists.txt"), ("forward s --points CMakeLists.t", 4, "CMakeLists.txt")):
-        offered = command("bash", "-c", ask.format(completion, PROGRAM, words, place), cwd=ROOT).split()
-        assert sorted(offered) == wanted, f"completion of '{words}': {offered}"
+COMPLETED = [("dia", "diagnose"), ("fit --sta", "--start", "--starts"), ("fit --model a", "auto"), ("plot run --format p", "pdf", "png"), ("plot run res", "residuals"),
+             ("plot run back", "back-calculation"), ("fit --starts 3",), ("slab f --foundation li", "liquid"), ("noise CMakeLists.t", "CMakeLists.txt"),
+             ("slab CMakeLists.t", "CMakeLists.txt"), ("forward s --points CMakeLists.t", "CMakeLists.txt"), ("survey f --study CMakeLists.t", "CMakeLists.txt"),
+             ("fit --quiet grids/captif-p1-fwd.t", "grids/captif-p1-fwd.toml"), ("report doc", "docs")]
+
+
+def offered_by_bash(completion, words):
+    ask = 'source {0}; COMP_WORDS=({1} {2}); COMP_CWORD={3}; _pavescape; printf "%s\\n" "${{COMPREPLY[@]}}"'
+    return command("bash", "-c", ask.format(completion / "bash-completion/completions/pavescape", PROGRAM, words, len(words.split())), cwd=ROOT).split()
+
+
+def offered_by_fish(completion, words):
+    ask = f"source {completion}/fish/vendor_completions.d/pavescape.fish; complete -C 'pavescape {words}'"
+    environment = {**os.environ, "PATH": f"{PROGRAM.parent}:{os.environ['PATH']}", "HOME": str(folder)}
+    lines = command("fish", "--private", "-c", ask, cwd=ROOT, env=environment).splitlines()
+    return [line.split("\t")[0].rstrip("/") for line in lines if words.startswith("plot") or line.split("\t")[0].startswith(words.split()[-1])]
+
+
+def offered_by_zsh(completion, words):
+    """What its line editor shows: a prefix that is left, then the rest of it is written, or a list."""
+    ask = f"""zmodload zsh/zpty; zpty z zsh -f -i
+zpty -w z 'PROMPT=; PS2=; fpath=({completion}/zsh/vendor-completions $fpath); path=({PROGRAM.parent} $path); autoload -U compinit; compinit -u -d {folder}/dump; bindkey "^I" complete-word; LISTMAX=999; zstyle ":completion:*" list-separator ""; zstyle ":completion:*" verbose no; print READY'
+while zpty -r z line && [[ $line != READY* ]]; do :; done
+zpty -n -w z $'pavescape {words}\t'; sleep 1; zpty -n -w z $'\t'; sleep 1; zpty -n -w z $'\C-a\C-k'; zpty -w z 'print DONE'
+while zpty -r z line; do print -r -- $line; [[ $line = DONE* ]] && break; done; zpty -d z"""
+    shown = subprocess.run(["zsh", "-f", "-c", ask], capture_output=True, text=True, cwd=ROOT, timeout=60).stdout
+    return re.sub(r"\x1b\[[?0-9;]*[A-Za-z]|[\x00-\x08]", "", shown)
+
+
+@pytest.mark.parametrize("words, wanted", [(words, wanted) for words, *wanted in COMPLETED])
+def test_completion_in_bash(prefix, words, wanted):
+    assert sorted(offered_by_bash(prefix / "share", words)) == wanted
+
+
+@pytest.mark.skipif(not shutil.which("fish"), reason="fish is not installed")
+@pytest.mark.parametrize("words, wanted", [(words, wanted) for words, *wanted in COMPLETED])
+def test_completion_in_fish(prefix, words, wanted):
+    assert sorted(offered_by_fish(prefix / "share", words)) == wanted
+
+
+@pytest.mark.skipif(not shutil.which("zsh"), reason="zsh is not installed")
+@pytest.mark.parametrize("words, wanted", [("dia", "diagnose"), ("fit --model a", "auto"), ("noise CMakeLists.t", "CMakeLists.txt")])
+def test_completion_in_zsh(prefix, words, wanted):
+    assert words.rsplit(" ", 1)[0] and wanted in offered_by_zsh(prefix / "share", words)
+
+
+def test_the_files_of_completion_are_in_the_tree():
+    # They need no installation: tools/demo says so.
+    words = "fit --sta"
+    ask = f'source {ROOT}/cmake/completion/pavescape.bash; COMP_WORDS=({PROGRAM} {words}); COMP_CWORD=2; _pavescape; echo "${{COMPREPLY[@]}}"'
+    assert command("bash", "-c", ask).split() == ["--start", "--starts"]
 
 
 def test_the_debian_package():
@@ -88,7 +132,7 @@ def test_the_debian_package():
     packages = list((folder / "package").glob("*.deb"))
     assert len(packages) == 1, f"one package: {packages}"
     contents = command("dpkg-deb", "--contents", packages[0])
-    for path in ("./usr/bin/pavescape\n", "./usr/share/man/man1/pavescape.1", "completions/pavescape\n", "dist-packages/pavescape",
+    for path in ("./usr/bin/pavescape\n", "./usr/share/man/man1/pavescape.1", "completions/pavescape\n", "zsh/vendor-completions/_pavescape\n", "fish/vendor_completions.d/pavescape.fish\n", "dist-packages/pavescape",
                  "doc/pavescape/docs/reference/commands.md", "share/pavescape/grids/captif-p1-fwd.toml"):
         assert path in contents, f"the package holds {path.strip()}"
     assert "libtbb" in command("dpkg-deb", "--field", packages[0], "Depends"), "the package names what it needs"
