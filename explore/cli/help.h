@@ -15,8 +15,8 @@ std::shared_ptr<CLI::FormatterBase> help_in_columns(std::size_t columns);
 // The words that an option takes; empty: any.
 std::vector<std::string> words_of(const CLI::Option& option);
 
-// The completions of the last of these words, which follow the program's name: a line a candidate, its explanation behind a
-// tab; `:files`, `:studies` and `:folders` stand for names from the disk.
+// The completions of the last of these words, which follow the program's name: one line for each candidate, its
+// explanation behind a tab; `:files`, `:studies` and `:folders` stand for names from the disk.
 std::vector<std::string> completions(const CLI::App& app, const std::vector<std::string>& words);
 
 } // namespace explore::cli

@@ -80,51 +80,44 @@ COMPLETED = [("dia", "diagnose"), ("fit --sta", "--start", "--starts"), ("fit --
              ("fit --quiet grids/captif-p1-fwd.t", "grids/captif-p1-fwd.toml"), ("report doc", "docs")]
 
 
-def offered_by_bash(completion, words):
+SCRIPTS = ROOT / "cmake" / "completion"  # they need no installation
+
+
+def offered_by_bash(words):
     ask = 'source {0}; COMP_WORDS=({1} {2}); COMP_CWORD={3}; _pavescape; printf "%s\\n" "${{COMPREPLY[@]}}"'
-    return command("bash", "-c", ask.format(completion / "bash-completion/completions/pavescape", PROGRAM, words, len(words.split())), cwd=ROOT).split()
+    return command("bash", "-c", ask.format(SCRIPTS / "pavescape.bash", PROGRAM, words, len(words.split())), cwd=ROOT).split()
 
 
-def offered_by_fish(completion, words):
-    ask = f"source {completion}/fish/vendor_completions.d/pavescape.fish; complete -C 'pavescape {words}'"
-    environment = {**os.environ, "PATH": f"{PROGRAM.parent}:{os.environ['PATH']}", "HOME": str(folder)}
+def offered_by_fish(words):
+    ask = f"source {SCRIPTS}/pavescape.fish; complete -C 'pavescape {words}'"
+    environment = {**os.environ, "PATH": f"{pathlib.Path(PROGRAM).parent}:{os.environ['PATH']}", "HOME": str(folder)}
     lines = command("fish", "--private", "-c", ask, cwd=ROOT, env=environment).splitlines()
     return [line.split("\t")[0].rstrip("/") for line in lines if words.startswith("plot") or line.split("\t")[0].startswith(words.split()[-1])]
 
 
-def offered_by_zsh(completion, words):
-    """What its line editor shows: a prefix that is left, then the rest of it is written, or a list."""
-    ask = f"""zmodload zsh/zpty; zpty z zsh -f -i
-zpty -w z 'PROMPT=; PS2=; fpath=({completion}/zsh/vendor-completions $fpath); path=({PROGRAM.parent} $path); autoload -U compinit; compinit -u -d {folder}/dump; bindkey "^I" complete-word; LISTMAX=999; zstyle ":completion:*" list-separator ""; zstyle ":completion:*" verbose no; print READY'
-while zpty -r z line && [[ $line != READY* ]]; do :; done
-zpty -n -w z $'pavescape {words}\t'; sleep 1; zpty -n -w z $'\t'; sleep 1; zpty -n -w z $'\C-a\C-k'; zpty -w z 'print DONE'
-while zpty -r z line; do print -r -- $line; [[ $line = DONE* ]] && break; done; zpty -d z"""
-    shown = subprocess.run(["zsh", "-f", "-c", ask], capture_output=True, text=True, cwd=ROOT, timeout=60).stdout
-    return re.sub(r"\x1b\[[?0-9;]*[A-Za-z]|[\x00-\x08]", "", shown)
+def offered_by_zsh(words):
+    """What it hands to zsh: words to describe, or the pattern of files."""
+    ask = f"""_files() {{ print files $* }}; _describe() {{ local list=$@[-1]; print -l -- ${{${{(P)list}}%%:*}} }}
+complete() {{ local -a words=({PROGRAM} {words}); local CURRENT=$#words; source {SCRIPTS}/_pavescape }}; complete; true"""
+    return command("zsh", "-f", "-c", ask, cwd=ROOT).splitlines()
 
 
 @pytest.mark.parametrize("words, wanted", [(words, wanted) for words, *wanted in COMPLETED])
-def test_completion_in_bash(prefix, words, wanted):
-    assert sorted(offered_by_bash(prefix / "share", words)) == wanted
+def test_completion_in_bash(words, wanted):
+    assert sorted(offered_by_bash(words)) == wanted
 
 
 @pytest.mark.skipif(not shutil.which("fish"), reason="fish is not installed")
 @pytest.mark.parametrize("words, wanted", [(words, wanted) for words, *wanted in COMPLETED])
-def test_completion_in_fish(prefix, words, wanted):
-    assert sorted(offered_by_fish(prefix / "share", words)) == wanted
+def test_completion_in_fish(words, wanted):
+    assert sorted(offered_by_fish(words)) == wanted
 
 
 @pytest.mark.skipif(not shutil.which("zsh"), reason="zsh is not installed")
-@pytest.mark.parametrize("words, wanted", [("dia", "diagnose"), ("fit --model a", "auto"), ("noise CMakeLists.t", "CMakeLists.txt")])
-def test_completion_in_zsh(prefix, words, wanted):
-    assert words.rsplit(" ", 1)[0] and wanted in offered_by_zsh(prefix / "share", words)
-
-
-def test_the_files_of_completion_are_in_the_tree():
-    # They need no installation: tools/demo says so.
-    words = "fit --sta"
-    ask = f'source {ROOT}/cmake/completion/pavescape.bash; COMP_WORDS=({PROGRAM} {words}); COMP_CWORD=2; _pavescape; echo "${{COMPREPLY[@]}}"'
-    assert command("bash", "-c", ask).split() == ["--start", "--starts"]
+@pytest.mark.parametrize("words, wanted", [(words, wanted) for words, *wanted in COMPLETED if wanted and "." not in words and words != "report doc"] +
+                         [("fit --quiet grids/c", ["files -g *.toml"]), ("noise CMa", ["files"]), ("report doc", ["files -/"]), ("fit --starts 3", [])])
+def test_completion_in_zsh(words, wanted):
+    assert sorted(offered_by_zsh(words)) == wanted
 
 
 def test_the_debian_package():
