@@ -43,8 +43,8 @@ const designs = (() => {
     };
 
     const show = (section, r, opening) => section("Life that is left", opening,
-        part("Criteria", true), table(["criterion", "microstrain", "95 %", "years", "95 %", "if the model lacks something", "ends first"], r.criteria.map((c) => [name(c),
-            figure(c.strain_microstrain), range(c.strain_low, c.strain_high, figure), years(c.remaining_years), range(c.low, c.high, years),
+        part("Criteria", true), table(["criterion", "microstrain (95 %)", "years left (95 %)", "if the model lacks something", "ends first"], r.criteria.map((c) => [name(c),
+            `${figure(c.strain_microstrain)} (${range(c.strain_low, c.strain_high, figure)})`, `${years(c.remaining_years)} (${range(c.low, c.high, years)})`,
             c.if_wrong && (known(c.if_wrong.low) || known(c.if_wrong.high)) ? range(c.if_wrong.low, c.if_wrong.high, years) : "not bounded",
             known(r.governs[c.name]) ? `${Math.round(100 * r.governs[c.name])} %` : "–"]), [0]),
         make("p", { className: "soft" }, r.criteria.map((c) => `${name(c)}: ${c.formula}`).join("; ") + "."),
