@@ -170,8 +170,8 @@ PlotAxis Corner::axis(std::size_t k, bool named) const {
     constexpr double wide = 3.0; // less is labelled evenly
     const int most = side < 2.5 ? 3 : 4;
     axis.ticks = ticks(p.log && axis.high > wide * axis.low, most);
-    if (axis.ticks.size() < 2) { // one says nothing of the scale
-        axis.ticks = ticks(false, 2 * most);
+    for (int more = most; axis.ticks.size() < 2 && more <= 2 * most; ++more) { // one says nothing of the scale
+        axis.ticks = ticks(false, more);
     }
     axis.labelled = named;
     axis.label = named ? fitting(axis_words(p.name), side) : "";
