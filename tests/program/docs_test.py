@@ -154,3 +154,11 @@ def test_every_page_of_evidence_says_which_program_its_numbers_are_of():
     for page in (ROOT / "docs" / "evidence").glob("*.md"):
         of = [row.split("|")[3] for row in rows if f"](evidence/{page.name})" in row]
         assert len(of) == 1 and re.search(r"\b[0-9a-f]{7}\b", of[0]), f"{page.name}: {of}"
+
+
+def test_every_figure_is_in_the_gallery():
+    listed = re.search(r"FIGURE +(.*?)\(default", " ".join(run("plot", "--help").stdout.split()))[1]
+    drawn = [picture.stem for picture in (ROOT / "docs" / "guide" / "gallery").glob("*.svg")]
+    rare = {"corrections"}  # where a diagnosis finds no effect, but a place
+    for figure in set(name.strip() for name in listed.split(",")) - rare:
+        assert any(name.endswith(f"-{figure}") for name in drawn), f"{figure}: {sorted(drawn)}"
