@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "cli/common.h"
+#include "cli/terminal.h"
 #include "run/files.h"
 #include "run/message.h"
 
@@ -12,23 +13,19 @@
 #include <unistd.h>
 
 namespace explore::cli {
-namespace {
 
 bool is_terminal(int file) {
     return isatty(file) == 1;
 }
 
-// Of the terminal, where there is one; longer lines than these are hard to read.
 std::size_t columns_of(int file) {
     constexpr std::size_t least = 40;
-    constexpr std::size_t most = 100;
+    constexpr std::size_t most = 100; // longer lines are hard to read
     winsize size{};
     return is_terminal(file) && ioctl(file, TIOCGWINSZ, &size) == 0 && size.ws_col > 0
                ? std::clamp<std::size_t>(size.ws_col, least, most)
                : report::terminal_columns;
 }
-
-} // namespace
 
 void add_depth(CLI::App& app, CommonOptions& options) {
     auto* verbose = app.add_flag("--verbose", options.verbose, "print all details, not the answer alone");

@@ -62,7 +62,7 @@ analysis::RunOptions CommonOptions::run(std::string folder) const {
 }
 
 void add_run_options(CLI::App& app, CommonOptions& options, const std::string& default_folder) {
-    app.add_option("--out", options.out, "folder for the results (default: " + default_folder + ")");
+    app.add_option("--out", options.out, "folder for the results (default: " + default_folder + ")")->type_name("DIR");
     app.add_option("--threads", options.threads, "number of threads (default: one a core)")
         ->check(within(analysis::allowed::threads));
     app.add_option("--seed", options.seed, "fixes what is random")->check(whole_number())->capture_default_str();
@@ -77,7 +77,8 @@ void add_common(CLI::App& app, CommonOptions& options) {
 void add_columns(CLI::App& app, std::string& columns) {
     app.add_option("--columns", columns,
                    "names of the columns of a table: \"load_kN = Force, D0_um = D1, radius_mm = 150\", or a file of "
-                   "such lines");
+                   "such lines")
+        ->type_name("TEXT|FILE");
 }
 
 void add_model(CLI::App& app, analysis::ModelOptions& options, bool alone) {

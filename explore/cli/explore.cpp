@@ -17,7 +17,8 @@ void add_explore(CLI::App& app, Action& action) {
     command->add_option("--port", *port, "of 127.0.0.1; 0: any that is free")
         ->check(CLI::Range(0, 65535))
         ->capture_default_str();
-    command->add_option("--out", options->out, "folder that keeps the reduced model (default: output/<study name>)");
+    command->add_option("--out", options->out, "folder that keeps the reduced model (default: output/<study name>)")
+        ->type_name("DIR");
     command->add_option("--threads", options->threads, "number of threads (default: one a core)")
         ->check(CLI::Range(1, 4096));
     command

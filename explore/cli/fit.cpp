@@ -63,7 +63,7 @@ void add_fit(CLI::App& app, Action& action) {
         ->capture_default_str();
     command
         ->add_option("--method", options->fit.multistart.method,
-                     "local search: " + pave::join(names) + "; another method confirms its minima")
+                     "local search; another method confirms the minima that it ends in")
         ->check(CLI::IsMember(names))
         ->capture_default_str();
     command

@@ -1,6 +1,8 @@
 #include "analysis/explore/build.h"
 #include "base/error.h"
 #include "cli/commands.h"
+#include "cli/help.h"
+#include "cli/terminal.h"
 #include "run/blas.h"
 #include "run/cluster.h"
 #include "run/interrupt.h"
@@ -13,6 +15,7 @@
 #include <fmt/format.h>
 #include <malloc.h>
 #include <new>
+#include <unistd.h>
 
 namespace {
 
@@ -102,13 +105,21 @@ int main(int argc, char** argv) {
     mallopt(M_TOP_PAD, 16 << 20);
     CLI::App app{"Pavescape calibrates stress-dependent pavement models and says whether the answer can be trusted."};
     app.name("pavescape");
-    app.set_version_flag("--version", explore::analysis::version);
+    app.formatter(cli::help_in_columns(cli::columns_of(STDOUT_FILENO))); // before the commands, which take it over
+    app.set_help_flag("-h,--help", "print this help");
+    app.set_version_flag("--version", explore::analysis::version, "print the version");
     app.require_subcommand(1);
     cli::Action action;
     std::vector<std::string> names;
     for (const cli::Command& command : cli::commands()) {
         command.add(app, action);
         names.emplace_back(command.name);
+    }
+    if (argc > 1 && std::string_view(argv[1]) == "--complete") { // what completion asks for
+        for (const std::string& line : cli::completions(app, {argv + 2, argv + argc})) {
+            fmt::print("{}\n", line);
+        }
+        return cli::done;
     }
     if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
         const std::string near = pave::nearest_name(argv[1], names);

@@ -69,10 +69,11 @@ void add_merge(CLI::App& app, Action& action) {
     command->add_option("FIRST", options->first, "folder of a run, which gets what the second has")->required();
     command->add_option("SECOND", options->second, "folder of another run of the same study, which is only read")
         ->required();
-    command->add_option("--out", options->out, "put both into a new folder instead");
+    command->add_option("--out", options->out, "put both into a new folder instead")->type_name("DIR");
     command->add_flag("--json", options->json, "print one JSON object and nothing else");
-    command->footer("Where both have computed the same point the bits are compared; where they differ nothing is "
-                    "merged.\nExample: pavescape merge output/here output/there");
+    command->footer(
+        "Where both have computed the same point the bits are compared; where they\ndiffer nothing is merged.\n"
+        "Example: pavescape merge output/here output/there");
     command->callback([=, &action] { action = [=] { return merge(*options); }; });
 }
 

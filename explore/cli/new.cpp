@@ -81,7 +81,7 @@ void add_new(CLI::App& app, Action& action) {
     auto* from = command
                      ->add_option("--from", options->from,
                                   "FWD file, of any format that survey reads: the study and the readings of a station")
-                     ->type_name("FWD");
+                     ->type_name("FILE");
     command->add_option("--station", options->station, "its name or chainage (default: the first that can be used)")
         ->needs(from);
     command->add_option("--columns", options->columns, "names of the columns of a table, as for survey")->needs(from);
@@ -102,7 +102,7 @@ void add_new(CLI::App& app, Action& action) {
                     "subgrade\" --linear");
     command->callback([=, &action] {
         if (file->count() == 0 && from->count() == 0) {
-            throw CLI::RequiredError("FILE, or --from FWD");
+            throw CLI::RequiredError("FILE.toml, or --from FILE");
         }
         action = [=] { return write_study(*options); };
     });

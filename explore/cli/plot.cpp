@@ -46,7 +46,7 @@ void add_plot(CLI::App& app, Action& action) {
         ->delimiter(',')
         ->expected(2)
         ->type_name("X,Y");
-    add_choice(*command, "--format", options->drawing.format, report::figure_format_names, "svg, pdf, png");
+    add_choice(*command, "--format", options->drawing.format, report::figure_format_names, "of the files");
     command->add_option("--out", options->drawing.out, "folder for the figures (default: RUN/figures)")
         ->type_name("DIR");
     command->footer("Example: pavescape plot output/captif-p1-unique-fwd landscape --format pdf");

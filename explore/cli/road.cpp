@@ -25,7 +25,9 @@ int fit_road(const RoadInput& input, const analysis::RoadOptions& chosen) {
 void add_road(CLI::App& app, Action& action) {
     auto* sub = app.add_subcommand("road", "a road of FWD stations as one experiment: what they have in common");
     auto input = std::make_shared<RoadInput>();
-    sub->add_option("--study", input->common.study, "study (TOML) whose parameters state their level")->required();
+    sub->add_option("--study", input->common.study, "study (TOML) whose parameters state their level")
+        ->required()
+        ->type_name("FILE");
     add_road_input(*sub, *input);
     auto chosen = std::make_shared<analysis::RoadOptions>();
     add_load(*sub, "--withhold", "keep this load out of the fit and predict it: 40kN, 566kPa",

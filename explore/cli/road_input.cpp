@@ -26,7 +26,8 @@ void add_road_input(CLI::App& app, RoadInput& input) {
     app.add_option("FILE", input.files, "measured FWD files")->required();
     add_columns(app, input.columns);
     app.add_option("--layers", input.options.layers,
-                   "thicknesses by chainage: a table with chainage_m and columns such as asphalt_mm, asphalt_sd_mm");
+                   "thicknesses by chainage: a table with chainage_m and columns such as asphalt_mm, asphalt_sd_mm")
+        ->type_name("FILE");
     app.add_option("--drops", drops.numbers, "use these drops and no others: 2,3")
         ->delimiter(',')
         ->allow_extra_args(false)

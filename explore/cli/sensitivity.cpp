@@ -41,7 +41,7 @@ void add_sensitivity(CLI::App& app, Action& action) {
     add_depth(*command, options->common);
     command
         ->add_option("--parameter", options->sensitivity.parameters,
-                     "a parameter to change, may come several times (default: all of the study); the others stay at "
+                     "a parameter to change (repeatable; default: all of the study); the others stay at "
                      "their own values")
         ->allow_extra_args(false);
     command->add_option("--range", options->sensitivity.range, "the curves go this many percent to either side")

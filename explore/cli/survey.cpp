@@ -29,7 +29,8 @@ void add_survey(CLI::App& app, Action& action) {
         app.add_subcommand("survey", "a road of FWD stations: deflection ratios, back-calculation of every station");
     auto input = std::make_shared<RoadInput>();
     analysis::SurveyOptions& options = input->options;
-    sub->add_option("--study", input->common.study, "study (TOML) whose section and parameters are fitted");
+    sub->add_option("--study", input->common.study, "study (TOML) whose section and parameters are fitted")
+        ->type_name("FILE");
     add_road_input(*sub, *input);
     add_load(*sub, "--normalise", "scale deflections to this load: 40kN, 50kN, 566kPa, 700kPa",
              [&options](const analysis::LoadLevel& level) { options.normalise = level; });

@@ -38,9 +38,10 @@ std::string take_next(std::vector<std::string>& notes) {
     if (found == notes.end()) {
         return "";
     }
-    std::string sentence = "best next measurement" + found->substr(opening.size());
+    std::string sentence = found->substr(opening.size()); // ": READING ..." or " for THAT: READING ..."
     notes.erase(found);
-    return sentence;
+    const std::size_t colon = sentence.find(": ");
+    return "measure" + (colon == 0 ? "" : "," + sentence.substr(0, colon) + ",") + " the " + sentence.substr(colon + 2);
 }
 
 std::string take_first(std::vector<std::string>& notes) {

@@ -150,21 +150,29 @@ PlotAxis Corner::axis(std::size_t k, bool named) const {
     axis.low = p.physical(p.from);
     axis.high = p.physical(p.to);
     axis.log = p.log;
-    constexpr double wide = 3.0; // less is labelled evenly
-    axis.ticks = round_ticks(axis.low, axis.high, p.log && axis.high > wide * axis.low, side < 2.5 ? 3 : 4);
-    // None at the ends, where the next panel begins.
     const auto share = [&](const Tick& tick) { return (p.unit(tick.at) - p.from) / (p.to - p.from); };
-    std::erase_if(axis.ticks, [&](const Tick& tick) { return std::abs(share(tick) - 0.5) > 0.46; });
-    // Nor two so near that their texts touch.
-    constexpr double letter = 0.16; // cm
-    double free = -1.0;             // from there on, cm
-    std::erase_if(axis.ticks, [&](const Tick& tick) {
-        const double half = 0.5 * letter * static_cast<double>(tick.text.size());
-        const double at = share(tick) * side;
-        const bool touches = at - half < free;
-        free = touches ? free : at + half + 0.5 * letter;
-        return touches;
-    });
+    const auto ticks = [&](bool log, int most) {
+        auto all = round_ticks(axis.low, axis.high, log, most);
+        // None at the ends, where the next panel begins.
+        std::erase_if(all, [&](const Tick& tick) { return std::abs(share(tick) - 0.5) > 0.46; });
+        // Nor two so near that their texts touch.
+        constexpr double letter = 0.16; // cm
+        double free = -1.0;             // from there on, cm
+        std::erase_if(all, [&](const Tick& tick) {
+            const double half = 0.5 * letter * static_cast<double>(tick.text.size());
+            const double at = share(tick) * side;
+            const bool touches = at - half < free;
+            free = touches ? free : at + half + 0.5 * letter;
+            return touches;
+        });
+        return all;
+    };
+    constexpr double wide = 3.0; // less is labelled evenly
+    const int most = side < 2.5 ? 3 : 4;
+    axis.ticks = ticks(p.log && axis.high > wide * axis.low, most);
+    for (int more = most; axis.ticks.size() < 2 && more <= 2 * most; ++more) { // one says nothing of the scale
+        axis.ticks = ticks(false, more);
+    }
     axis.labelled = named;
     axis.label = named ? fitting(axis_words(p.name), side) : "";
     return axis;

@@ -30,7 +30,7 @@ PlotAxis percent_axis(std::string label) {
 
 Figure life_figure(const Json& design) {
     DataTable table{"life", {"criterion", "allowable", "probability"}, {}};
-    Panel panel = framed("repetitions of the axle", "probability that\nthe life is shorter (%)");
+    Panel panel = framed("repetitions of the axle (millions)", "probability that\nthe life is shorter (%)");
     panel.y = percent_axis(panel.y.label);
     double low = none;
     double high = none;
@@ -54,8 +54,12 @@ Figure life_figure(const Json& design) {
             const double required = criterion.at("required").get<double>();
             low = std::fmin(low, required);
             high = std::fmax(high, required);
-            panel.layers.emplace_back(Line{
-                .x = {required, required}, .y = {0.0, 100.0}, .colour = line.colour, .width = 1.0, .dashed = true});
+            panel.layers.emplace_back(Line{.x = {required, required},
+                                           .y = {0.0, 100.0},
+                                           .colour = line.colour,
+                                           .width = 1.0,
+                                           .dashed = true,
+                                           .name = name + ", required"});
             panel.layers.emplace_back(std::move(line));
         }
     }
@@ -64,6 +68,10 @@ Figure life_figure(const Json& design) {
     panel.x.high = high * beside;
     panel.x.log = true;
     panel.x.ticks = round_ticks(panel.x.low, panel.x.high, true, 6);
+    constexpr double million = 1e6;
+    for (Tick& tick : panel.x.ticks) {
+        tick.text = fmt::format("{:.6g}", tick.at / million);
+    }
     panel.bottom = 1.3 + legend_height(panel);
     Figure figure{.name = "life", .width = 11.6, .height = panel.bottom + panel.height + 0.4};
     figure.panels.push_back(std::move(panel));
@@ -75,7 +83,7 @@ Figure overlay_figure(const Json& design) {
     const Json& overlay = design.at("overlay_mm");
     DataTable table{"overlay", {"reliability_percent", "overlay_mm"}, {}};
     Panel panel = framed("reliability over what the data accept (%)",
-                         fmt::format("more of {} (mm)", overlay.at("layer").get<std::string>()));
+                         fmt::format("overlay on the {} (mm)", overlay.at("layer").get<std::string>()));
     panel.x = percent_axis(panel.x.label);
     std::vector<std::pair<double, double>> points;
     const auto add = [&](double reliability, const char* key) {

@@ -68,7 +68,7 @@ Figure predictive_figure(const Json& rows, const std::string& name) {
     panel.x.low = -most;
     panel.x.high = most;
     panel.x.ticks = round_ticks(-most, most, false, 8);
-    panel.x.label = "reading - predicted (halves of the range that holds 95 %)";
+    panel.x.label = "reading - median prediction (half-widths of its 95 % range)";
     panel.y.low = -0.5;
     panel.y.high = count - 0.5;
     panel.y.reversed = true;

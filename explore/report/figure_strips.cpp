@@ -1,4 +1,5 @@
 // Strip charts along a road of `survey` and `road`.
+#include "data/median.h"
 #include "report/figure_key.h"
 
 #include <algorithm>
@@ -64,6 +65,10 @@ struct Road {
             found->stations.push_back(i);
         }
     }
+    bool is_weak(std::size_t i) const {
+        const Json weak = survey.value("weak", Json::array());
+        return std::any_of(weak.begin(), weak.end(), [&](const Json& w) { return w.at("index") == i; });
+    }
     std::vector<std::string> place(std::size_t i) const {
         const Json& s = stations[i];
         return {s.at("station").get<std::string>(), s.value("profile", std::string()), s.value("lane", std::string()),
@@ -89,18 +94,15 @@ Colour paler(Colour colour) {
     return mixed;
 }
 
-double median_of(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const std::size_t half = values.size() / 2;
-    return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
 // Points of interest at a station: {kind, words}. What more than half of the stations have in common is not.
 std::vector<std::pair<std::string, std::string>> warnings_of(const Road& road, std::size_t i) {
     static const std::map<std::string, std::string> kinds{
         {"doubtful", "doubtful"}, {"rejected", "rejected"}, {"no-fit", "not described"}, {"failed", "no answer"}};
     const Json& s = road.stations[i];
     std::vector<std::pair<std::string, std::string>> warnings;
+    if (road.is_weak(i)) {
+        warnings.emplace_back("weak", "deflects more than its section");
+    }
     if (const auto kind = kinds.find(s.at("status").get<std::string>()); kind != kinds.end()) {
         warnings.emplace_back(kind->second, s.value("reason", std::string()));
     }
@@ -150,6 +152,9 @@ void add_lane(Panel& panel, const Road& road, std::size_t number, const Strip& s
     Line way{.colour = paler(style.colour), .width = 0.8};
     Line bars{.colour = style.colour, .width = 0.9};
     Line marks = style;
+    Line weak = style;
+    weak.colour = okabe_ito[1];
+    weak.marker_size = 1.3;
     Line open = style;
     open.colour = white;
     open.marker_size = 0.55;
@@ -158,7 +163,7 @@ void add_lane(Panel& panel, const Road& road, std::size_t number, const Strip& s
         if (std::isnan(v.value) || std::isnan(road.at[i])) {
             continue;
         }
-        for (Line* line : {&way, &marks}) {
+        for (Line* line : {&way, road.is_weak(i) ? &weak : &marks}) {
             line->x.push_back(road.at[i]);
             line->y.push_back(v.value);
         }
@@ -181,6 +186,7 @@ void add_lane(Panel& panel, const Road& road, std::size_t number, const Strip& s
     }
     add(bars);
     add(marks);
+    add(weak);
     add(open);
 }
 
@@ -202,7 +208,7 @@ void add_sections(Panel& panel, const Road& road, std::size_t number, const Stri
             }
         }
         if (!values.empty()) {
-            const double median = median_of(std::move(values));
+            const double median = data::median(std::move(values));
             panel.layers.emplace_back(
                 Line{.x = {from, to}, .y = {median, median}, .colour = paler(style_of(number).colour), .width = 3.0});
             rows.push_back({lane.profile, lane.lane, cell(from), cell(to), strip.quantity, cell(median)});
@@ -327,28 +333,23 @@ Figure strips_figure(const std::string& name, const Road& road, const std::vecto
     }
 
     Key key(left, 0.0);
-    std::size_t entries = 0;
-    const auto entry = [&](auto&& add) {
-        add();
-        ++entries;
-    };
     for (std::size_t number = 0; road.lanes.size() > 1 && number < road.lanes.size(); ++number) {
-        entry([&] { key.mark(style_of(number), road.lanes[number].name()); });
+        key.mark(style_of(number), road.lanes[number].name());
     }
     if (ranges) {
-        entry([&] { key.line(okabe_ito[0], false, 0.9, "bars: 95 % ranges"); });
+        key.line(okabe_ito[0], false, 0.9, "bars: 95 % ranges");
     }
     if (undetermined) {
-        entry([&] {
-            key.mark({.colour = okabe_ito[0], .marker = Marker::open_circle},
-                     "open: not determined by these readings, not to be used");
-        });
+        key.mark({.colour = okabe_ito[0], .marker = Marker::open_circle}, "open: not determined by these readings");
     }
     if (!sections.rows.empty()) {
-        entry([&] { key.line(paler(okabe_ito[0]), false, 3.0, "median of a homogeneous section"); });
+        key.line(paler(okabe_ito[0]), false, 3.0, "median of a homogeneous section");
+    }
+    if (!road.survey.value("weak", Json::array()).empty()) {
+        key.mark({.colour = okabe_ito[1], .marker = Marker::circle, .marker_size = 1.3}, "weak");
     }
     if (limits) {
-        entry([&] { key.line(black, true, 1.0, "limit of the deflection ratio"); });
+        key.line(black, true, 1.0, "limit of the deflection ratio");
     }
     Panel explained = key.done();
     const double below = 1.25 + explained.height + 0.2; // ticks, the name of the axis, the key
@@ -371,15 +372,14 @@ Figure strips_figure(const std::string& name, const Road& road, const std::vecto
         figure.panels.push_back(std::move(panel));
     }
     explained.bottom = 0.2;
-    if (entries > 0) {
+    if (!explained.notes.empty()) {
         figure.panels.push_back(std::move(explained));
     }
     figure.tables = {std::move(table)};
-    if (!sections.rows.empty()) {
-        figure.tables.push_back(std::move(sections));
-    }
-    if (!warnings.rows.empty()) {
-        figure.tables.push_back(std::move(warnings));
+    for (DataTable* more : {&sections, &warnings}) {
+        if (!more->rows.empty()) {
+            figure.tables.push_back(std::move(*more));
+        }
     }
     return figure;
 }

@@ -5,6 +5,7 @@
 #include "report/text.h"
 #include "run/program.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <fmt/format.h>
@@ -64,8 +65,11 @@ Answer forward_answer(const study::Study& study, const Response& response, const
     std::size_t compared = 0;
     std::string where;
     const bool has_derivatives = response.jacobian.cols() > 0;
+    const bool is_measured = std::any_of(study.readings.begin(), study.readings.end(),
+                                         [](const data::Reading& r) { return r.is_measured(); });
     answer.header = has_derivatives ? with_axes({"", "model", "unit"}, study.space)
-                                    : std::vector<std::string>{"", "measured", "model", "unit", "difference"};
+                    : is_measured   ? std::vector<std::string>{"", "measured", "model", "unit", "difference"}
+                                    : std::vector<std::string>{"", "model", "unit"};
     for (std::size_t i = 0; i < response.values.size(); ++i) {
         const data::Reading& r = study.readings[i];
         const double model = r.in_unit(response.values[i]);
@@ -75,6 +79,8 @@ Answer forward_answer(const study::Study& study, const Response& response, const
             for (Eigen::Index k = 0; k < response.jacobian.cols(); ++k) {
                 row.push_back(figure(r.in_unit(response.jacobian(static_cast<Eigen::Index>(i), k))));
             }
+        } else if (!is_measured) {
+            row.insert(row.end(), {figure(model), std::string(r.unit.name)});
         } else {
             row.insert(row.end(),
                        {r.is_measured() ? fmt::format("{}{}", data::sign_of(r.censored), figure(r.value)) : "",

@@ -4,6 +4,7 @@
 #include "analysis/survey/survey_findings.h"
 #include "base/text.h"
 #include "data/csv.h"
+#include "report/answer.h"
 #include "report/lives.h"
 #include "report/survey.h"
 #include "report/table.h"
@@ -169,6 +170,7 @@ Json road_json(const RoadResult& result) {
     }
     json["converged"] = result.converged;
     json["rounds"] = result.rounds;
+    json["answer"] = answer_of("road", json).verdict;
     return json;
 }
 

@@ -1,6 +1,7 @@
 #include "report/survey.h"
 
 #include "analysis/survey/survey_findings.h"
+#include "analysis/survey/weak_stations.h"
 #include "base/units.h"
 #include "data/csv.h"
 #include "report/condition.h"
@@ -286,6 +287,14 @@ Json survey_json(const SurveyResult& result) {
                  {"sections", sections_json(result)}};
     for (const StationResult& s : result.stations) {
         json["stations"].push_back(station_json(result, s));
+    }
+    json["weak"] = Json::array();
+    for (const analysis::WeakStation& w : analysis::weak_stations(result)) {
+        json["weak"].push_back({{"index", w.station},
+                                {"station", result.stations[w.station].station.name},
+                                {"D0_ratio", w.d0_ratio},
+                                {"parameter", w.parameter ? Json(result.parameter_names()[*w.parameter]) : Json()},
+                                {"parameter_ratio", w.parameter ? Json(w.parameter_ratio) : Json()}});
     }
     json["suspect_sensor"] = nullptr;
     if (result.suspect) {

@@ -284,7 +284,7 @@ TEST(FindingsOfAComparison, NameTheLawThatTheDataPreferOrSayThatTheyDoNot) {
                                .weight = first ? 0.9975 : 0.0025});
     }
     auto text = findings(result);
-    EXPECT_EQ(text[0], "In \"base\" AICc prefers uzan: next best is k-theta, 12.00 higher.");
+    EXPECT_EQ(text[0], "In \"base\" the data prefer uzan: the AICc of the next best, k-theta, is 12.00 higher.");
     EXPECT_TRUE(says(text, "Within the stated noise fit: uzan."));
 
     result.laws[0].weight = 0.6;
@@ -319,9 +319,10 @@ TEST(FindingsOfASample, BeginWithTheRangesAndSayWhatABoundCutsOff) {
                          {.q025 = 0.0, .q50 = 0.004, .q975 = 0.8},
                          {.q025 = -1.95, .q50 = -1.0, .q975 = -0.05}};
     const auto text = findings(result);
-    EXPECT_EQ(text[0],
-              "With a probability of 95 % each lies in its range: base.k1 1500 to 2400 (median 1900), base.k2 0 to "
-              "0.8000 (median 0.004000), base.k3 -1.950 to -0.05000 (median -1.000).");
+    EXPECT_EQ(
+        text[0],
+        "The readings determine base.k1; of base.k2, base.k3 half of what the study allows or more lies in the 95 % "
+        "ranges.");
     EXPECT_TRUE(says(text, "base.k2 is cut off at its lower bound 0: 52 % of the draws lie within 2 % of the range"));
     EXPECT_TRUE(says(text, "The data hardly constrain base.k3 alone"));
     EXPECT_FALSE(says(text, "base.k1 is cut off"));

@@ -40,16 +40,18 @@ def place():
         share = (1.0, 1.03, 0.98, 1.01, 1.4, 0.97, 1.02)[i]
         lines += [f"S{i:02},{25 * i},1,150,600," + ",".join(f"{d * share:.0f}" for d in bowl)]
     (folder / "road.csv").write_text("\n".join(lines) + "\n")
+    text = (folder / "section.toml").read_text()
+    (folder / "road.toml").write_text(text.replace('name = "asphalt.modulus_MPa"\n', 'name = "asphalt.modulus_MPa"\nlevel = "shared"\n'))
     made = run("new", folder / "one.toml", "--from", folder / "road.csv", "--station", "S01", "--linear", "--layers", "asphalt 90, base 280, subgrade")
     assert made.returncode == 0, made.stderr
     return folder
 
 
 def call(place, command):
-    return [command, place / "road.csv", "--study", place / "section.toml"] if command == "survey" else [command, place / "one.toml"]
+    return [command, place / "road.csv", "--study", place / ("road.toml" if command == "road" else "section.toml")] if command in ("survey", "road") else [command, place / "one.toml"]
 
 
-@pytest.mark.parametrize("command, most", [("fit", 25), ("unique", 25), ("survey", 30)])
+@pytest.mark.parametrize("command, most", [("fit", 25), ("unique", 25), ("diagnose", 30), ("survey", 30), ("road", 30)])
 def test_an_answer_is_short_and_begins_with_its_verdict(place, command, most):
     arguments = [*call(place, command), "--threads", 1, "--out", place / command]
     brief, full, quiet = (run(*arguments, *more) for more in ([], ["--verbose"], ["--quiet"]))
@@ -95,6 +97,14 @@ def test_every_other_answer_begins_with_its_verdict_too(place, command):
         assert max(map(len, lines)) <= 80, f"{command}: a line of {max(map(len, lines))} columns:\n{shown.stdout}"
     assert len(brief.stdout.splitlines()) <= most, brief.stdout
     assert len(quiet.stdout.splitlines()) <= 5 and len(full.stdout) > len(brief.stdout) / 2 > len(quiet.stdout) / 2
+
+
+def test_what_is_not_measured_has_no_empty_columns(place):
+    text = (place / "section.toml").read_text()
+    (place / "outputs.toml").write_text(text[:text.index("[data]")] + '[[outputs]]\nname = "D900"\nload = "fwd"\nquantity = "deflection"\nx_mm = 900\n')
+    shown = run("forward", place / "outputs.toml").stdout
+    header, row = (line.split() for line in shown.splitlines()[3:5])
+    assert header == ["model", "unit"] and row[0] == "D900" and row[2:] == ["mm"] and float(row[1]) > 0, shown
 
 
 def test_merge_and_rerun_say_their_verdict_first(place):
@@ -143,6 +153,19 @@ def test_a_complaint_takes_the_width_of_its_terminal_and_one_line_elsewhere(plac
     assert shown.startswith("pavescape: ") and max(map(len, shown.splitlines())) <= 60 < len(shown), shown
     told = run(*arguments, cwd=place).stderr
     assert told.count("\n") == 1 and " ".join(shown.split()) == " ".join(told.split()), told
+
+
+def test_help_takes_the_width_of_its_terminal(place):
+    whole = run("--help").stdout
+    commands = re.findall(r"^  ([a-z]+) ", whole.partition("Subcommands:")[2], re.M)
+    assert len(commands) > 20, whole
+    for arguments in (["--help"], *([command, "--help"] for command in commands)):
+        lines = run(*arguments).stdout.splitlines()
+        long = [line for line in lines if len(line) > 80 and " pavescape " not in line]  # what is pasted stands in one line
+        assert not long, f"{arguments}: {long}"
+    narrow = on_a_terminal(50, "fit", "--help", cwd=place)
+    assert max(len(line) for line in narrow.splitlines() if " pavescape " not in line and "{" not in line) <= 50, narrow
+    assert re.search(r"--starts N +local searches \(default: 12,", " ".join(run("fit", "--help").stdout.split())), "range and default stand behind what it does"
 
 
 def test_a_survey_names_its_weak_station_first(place):

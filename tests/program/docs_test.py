@@ -147,3 +147,18 @@ def test_every_page_is_reached_from_the_index():
     pages = {page for page in (ROOT / "docs").rglob("*.md") if page.name != "README.md"}
     assert pages <= linked, f"not in docs/README.md: {sorted(page.name for page in pages - linked)}"
     assert (ROOT / "docs" / "README.md") in {target for target, _ in links(ROOT / "README.md")}
+
+
+def test_every_page_of_evidence_says_which_program_its_numbers_are_of():
+    rows = [line for line in (ROOT / "docs" / "README.md").read_text().splitlines() if "](evidence/" in line]
+    for page in (ROOT / "docs" / "evidence").glob("*.md"):
+        of = [row.split("|")[3] for row in rows if f"](evidence/{page.name})" in row]
+        assert len(of) == 1 and re.search(r"\b[0-9a-f]{7}\b", of[0]), f"{page.name}: {of}"
+
+
+def test_every_figure_is_in_the_gallery():
+    listed = re.search(r"FIGURE +(.*?)\(default", " ".join(run("plot", "--help").stdout.split()))[1]
+    drawn = [picture.stem for picture in (ROOT / "docs" / "guide" / "gallery").glob("*.svg")]
+    rare = {"corrections"}  # where a diagnosis finds no effect, but a place
+    for figure in set(name.strip() for name in listed.split(",")) - rare:
+        assert any(name.endswith(f"-{figure}") for name in drawn), f"{figure}: {sorted(drawn)}"

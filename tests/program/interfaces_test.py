@@ -2,6 +2,7 @@
 import json
 import os
 import re
+import shutil
 
 import pytest
 
@@ -73,14 +74,50 @@ def test_manual_pages(prefix):
         assert f'.TH {name.upper()} "1"' in text and f"\n{name} - " in text and '"Pavescape ' in text, f"{page} has its title"
 
 
-def test_completion(prefix):
-    completion = prefix / "share" / "bash-completion" / "completions" / "pavescape"
-    ask = ('source {0}; COMP_WORDS=({1} {2}); COMP_CWORD={3}; _pavescape; printf "%s\\n" "${{COMPREPLY[@]}}"')
-    for words, place, *wanted in (("dia", 1, "diagnose"), ("fit --sta", 2, "--start", "--starts"), ("fit --model a", 3, "auto"), ("plot run --format p", 4, "pdf", "png"),
-                                 ("plot run res", 3, "residuals"), ("plot run back", 3, "back-calculation"), ("fit --starts 3", 3), ("slab f --foundation li", 4, "liquid"),
-                                 ("noise CMakeLists.t", 2, "CMakeLists.txt"), ("slab CMakeLists.t", 2, "CMakeLists.txt"), ("forward s --points CMakeLists.t", 4, "CMakeLists.txt")):
-        offered = command("bash", "-c", ask.format(completion, PROGRAM, words, place), cwd=ROOT).split()
-        assert sorted(offered) == wanted, f"completion of '{words}': {offered}"
+COMPLETED = [("dia", "diagnose"), ("fit --sta", "--start", "--starts"), ("fit --model a", "auto"), ("plot run --format p", "pdf", "png"), ("plot run res", "residuals"),
+             ("plot run back", "back-calculation"), ("fit --starts 3",), ("slab f --foundation li", "liquid"), ("noise CMakeLists.t", "CMakeLists.txt"),
+             ("slab CMakeLists.t", "CMakeLists.txt"), ("forward s --points CMakeLists.t", "CMakeLists.txt"), ("survey f --study CMakeLists.t", "CMakeLists.txt"),
+             ("fit --quiet grids/captif-p1-fwd.t", "grids/captif-p1-fwd.toml"), ("report doc", "docs")]
+
+
+SCRIPTS = ROOT / "cmake" / "completion"  # they need no installation
+
+
+def offered_by_bash(words):
+    ask = 'source {0}; COMP_WORDS=({1} {2}); COMP_CWORD={3}; _pavescape; printf "%s\\n" "${{COMPREPLY[@]}}"'
+    return command("bash", "-c", ask.format(SCRIPTS / "pavescape.bash", PROGRAM, words, len(words.split())), cwd=ROOT).split()
+
+
+def offered_by_fish(words):
+    ask = f"source {SCRIPTS}/pavescape.fish; complete -C 'pavescape {words}'"
+    environment = {**os.environ, "PATH": f"{pathlib.Path(PROGRAM).parent}:{os.environ['PATH']}", "HOME": str(folder)}
+    lines = command("fish", "--private", "-c", ask, cwd=ROOT, env=environment).splitlines()
+    return [line.split("\t")[0].rstrip("/") for line in lines if words.startswith("plot") or line.split("\t")[0].startswith(words.split()[-1])]
+
+
+def offered_by_zsh(words):
+    """What it hands to zsh: words to describe, or the pattern of files."""
+    ask = f"""_files() {{ print files $* }}; _describe() {{ local list=$@[-1]; print -l -- ${{${{(P)list}}%%:*}} }}
+complete() {{ local -a words=({PROGRAM} {words}); local CURRENT=$#words; source {SCRIPTS}/_pavescape }}; complete; true"""
+    return command("zsh", "-f", "-c", ask, cwd=ROOT).splitlines()
+
+
+@pytest.mark.parametrize("words, wanted", [(words, wanted) for words, *wanted in COMPLETED])
+def test_completion_in_bash(words, wanted):
+    assert sorted(offered_by_bash(words)) == wanted
+
+
+@pytest.mark.skipif(not shutil.which("fish"), reason="fish is not installed")
+@pytest.mark.parametrize("words, wanted", [(words, wanted) for words, *wanted in COMPLETED])
+def test_completion_in_fish(words, wanted):
+    assert sorted(offered_by_fish(words)) == wanted
+
+
+@pytest.mark.skipif(not shutil.which("zsh"), reason="zsh is not installed")
+@pytest.mark.parametrize("words, wanted", [(words, wanted) for words, *wanted in COMPLETED if wanted and "." not in words and words != "report doc"] +
+                         [("fit --quiet grids/c", ["files -g *.toml"]), ("noise CMa", ["files"]), ("report doc", ["files -/"]), ("fit --starts 3", [])])
+def test_completion_in_zsh(words, wanted):
+    assert sorted(offered_by_zsh(words)) == wanted
 
 
 def test_the_debian_package():
@@ -88,7 +125,7 @@ def test_the_debian_package():
     packages = list((folder / "package").glob("*.deb"))
     assert len(packages) == 1, f"one package: {packages}"
     contents = command("dpkg-deb", "--contents", packages[0])
-    for path in ("./usr/bin/pavescape\n", "./usr/share/man/man1/pavescape.1", "completions/pavescape\n", "dist-packages/pavescape",
+    for path in ("./usr/bin/pavescape\n", "./usr/share/man/man1/pavescape.1", "completions/pavescape\n", "zsh/vendor-completions/_pavescape\n", "fish/vendor_completions.d/pavescape.fish\n", "dist-packages/pavescape",
                  "doc/pavescape/docs/reference/commands.md", "share/pavescape/grids/captif-p1-fwd.toml"):
         assert path in contents, f"the package holds {path.strip()}"
     assert "libtbb" in command("dpkg-deb", "--field", packages[0], "Depends"), "the package names what it needs"

@@ -27,9 +27,9 @@ RUNS = {
     "design": ("design", lives, "--explore", 32, "--verify", 4),
     "survey": ("survey", ROOT / "grids" / "road-example.csv"),
 }
-# What stands out of the page or of its own box. The text of a study may scroll, and on a screen what a road has of its stations and a design of its criteria.
+# What stands out of the page or of its own box. The text of a study may scroll, and on a screen what a road has of its stations.
 CLIPPED = """[...document.querySelectorAll("main *")].filter((e) => !e.closest(".chart, pre, script, noscript") && !["MAIN", "OPTION"].includes(e.tagName)).filter((e) => {
-    const road = document.querySelector("[data-chart=strip], [data-chart=lives]") !== null && matchMedia("screen").matches;
+    const road = document.querySelector("[data-chart=strip]") !== null && matchMedia("screen").matches;
     if (road && e.closest(".wide")) return false;
     return (e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0 && getComputedStyle(e).display !== "inline" && !["TBODY", "THEAD", "TR"].includes(e.tagName))
         || e.getBoundingClientRect().right > document.documentElement.clientWidth + 1;
@@ -119,6 +119,16 @@ def test_the_page_of_sample(browser):
 
 
 STATIONS, GAP, WEAK = 400, 250, (36, 201, 330)
+LAYERS = (("asphalt", 170, 1200), ("base", 575, 200), ("subgrade", 4255, 60))
+
+
+def layered(layers):
+    """A study of linear layers under a plate, whose moduli are sought."""
+    text = 'schema = 1\n[section]\nbottom = "half-space"\n'
+    for name, thickness, modulus in layers:
+        text += (f'[[layers]]\nname = "{name}"\nthickness_mm = {thickness}\ndensity_kg_m3 = 2000\nk0 = 0.5\nlaw = "linear"\n'
+                 f'modulus_MPa = {modulus}\npoisson = 0.4\n[[parameters]]\nname = "{name}.modulus_MPa"\nmin = {modulus / 6}\nmax = {modulus * 6}\nscale = "log"\n')
+    return text + '[[loads]]\nname = "fwd"\ntype = "plate"\nradius_mm = 150\npressure_kPa = 566\n[data]\nmisfit = "relative"\n'
 
 
 @pytest.fixture(scope="module")
@@ -128,12 +138,7 @@ def long_road():
     survey = folder / "long.csv"
     survey.write_text("station,lane,chainage_m,radius_mm,load_kN,D0_um,D300_um,D600_um,D900_um,D1200_um,D1500_um,D1800_um,latitude,longitude,asphalt_C\n" +
                       "".join(f"L{k},L,{25 * k},150,40,{bowls[k % 2]},52.1,5.3,{18 + k}\n" for k in range(8)))
-    text = 'schema = 1\n[section]\nbottom = "half-space"\n'
-    for name, thickness, modulus in (("asphalt", 170, 1200), ("base", 575, 200), ("subgrade", 4255, 60)):
-        text += (f'[[layers]]\nname = "{name}"\nthickness_mm = {thickness}\ndensity_kg_m3 = 2000\nk0 = 0.5\nlaw = "linear"\n'
-                 f'modulus_MPa = {modulus}\npoisson = 0.4\n[[parameters]]\nname = "{name}.modulus_MPa"\nmin = {modulus / 6}\nmax = {modulus * 6}\nscale = "log"\n')
-    text += '[[loads]]\nname = "fwd"\ntype = "plate"\nradius_mm = 150\npressure_kPa = 566\n[data]\nmisfit = "relative"\n'
-    (folder / "long.toml").write_text(text)
+    (folder / "long.toml").write_text(layered(LAYERS))
     out = folder / "long"
     assert run("survey", survey, "--study", folder / "long.toml", "--reference-temperature", 20, "--out", out).returncode == 0, "survey"
     result = json.loads((out / "survey.json").read_text())
@@ -145,6 +150,7 @@ def long_road():
         s["D0_um_at_common_pressure"] *= 2.5 if i in WEAK else 1
         result["stations"].append(s)
     result["counts"]["stations"] = result["counts"]["fitted"] = STATIONS
+    result["weak"] = [{"index": i, "station": f"P{i:03}", "D0_ratio": 2.5, "parameter": None, "parameter_ratio": None} for i in WEAK]
     result["sections"] = [{**p, "from_m": 0.0, "to_m": 1e6} for p in result["sections"][:1]]
     (out / "survey.json").write_text(json.dumps(result))
     assert run("report", out).returncode == 0, "report"
@@ -198,7 +204,38 @@ def test_the_page_of_design(browser):
 
 
 def test_what_is_drawn_first_is_not_folded_away(browser):
-    for name, chart in (("sensitivity", "curves"), ("map", "pair"), ("compare", "measured")):
+    for name, chart in (("sensitivity", "curves"), ("map", "pair"), ("compare", "measured"), ("sample", "corner")):
         browser.open((reported(name) / "report.html").as_uri())
         assert browser.wait(f"document.querySelector('[data-chart={chart}] svg.main-svg') !== null", 60), name
-        assert browser.evaluate(f"document.querySelector('[data-chart={chart}]').closest('details').open"), f"{name}: its {chart} stand open"
+        assert browser.evaluate(f"[null, true].includes(((document.querySelector('[data-chart={chart}]').closest('details')) || {{ open: null }}).open)"), f"{name}: its {chart} stand open"
+
+
+def test_studies_are_compared_by_short_names(browser):
+    other = folder / "the-same-but-rigid.toml"
+    other.write_text(linear.read_text().replace('bottom = "half-space"', 'bottom = "rigid"').replace('name = "subgrade"\n', 'name = "subgrade"\nthickness_mm = 3000\n', 1))
+    out = folder / "studies"
+    done = run("compare", linear, other, "--explore", 16, "--verify", 3, "--out", out)
+    assert done.returncode == 0 and run("report", out).returncode == 0, done.stderr
+    browser.resize(420, 900)
+    browser.open((out / "report.html").as_uri())
+    assert browser.wait("document.querySelector('#summary [data-chart=measured] svg.main-svg') !== null", 60), "measured and modelled stand beside the verdict"
+    # Wide enough for a telephone, for no path stands in a table.
+    assert browser.evaluate("[...document.querySelectorAll('th')].map((h) => h.textContent)").count("the-same-but-rigid") >= 1
+    assert browser.evaluate("[...document.querySelectorAll('.wide')].filter((t) => t.scrollWidth > t.clientWidth + 1).length") == 0
+
+
+def test_the_page_of_a_road_as_one_experiment(browser):
+    out = folder / "together"
+    study = folder / "together.toml"
+    study.write_text(re.sub(r'name = "asphalt.modulus_MPa"\n', 'name = "asphalt.modulus_MPa"\nlevel = "shared"\n', layered(LAYERS)))
+    done = run("road", ROOT / "grids" / "road-example.csv", "--study", study, "--out", out)
+    assert done.returncode == 0 and run("report", out).returncode == 0, done.stderr
+    road = json.loads((out / "road.json").read_text())
+    browser.resize(1400, 900)
+    browser.open((out / "report.html").as_uri())
+    assert browser.wait("document.querySelector('#summary [data-chart=strip] svg.main-svg') !== null", 60)
+    assert "as one experiment" in road["answer"] and "as one experiment" in browser.evaluate("document.querySelector('#summary .verdict').textContent")
+    rows = browser.evaluate("[...document.querySelectorAll('#summary tbody tr')].map((r) => r.children[0].textContent)")
+    assert rows == ["asphalt modulus"], f"what the stations have in common: {rows}"
+    titles = browser.evaluate("[...document.querySelectorAll('[data-chart=strip]')].map((c) => c.layout.yaxis.title.text)")
+    assert "base modulus [MPa]" in titles and "asphalt modulus [MPa]" not in titles, f"no strip of what is alike everywhere: {titles}"

@@ -214,6 +214,18 @@ def test_a_road_in_numbers(runs):
                 f"{s['station']} {name}: {row}"
 
 
+def test_a_weak_station_has_a_colour_of_its_own():
+    bowls = ["500,390,320,230,170,100", "510,398,326,233,172,101", "490,383,314,226,168,99", "900,700,560,400,290,160", "505,394,322,231,171,100", "495,387,318,229,169,99"]
+    header = "station,chainage_m,drop,radius_mm,pressure_kPa,D0_um,D200_um,D300_um,D450_um,D600_um,D900_um"
+    (folder / "one-weak.csv").write_text("\n".join([header, *(f"S{i},{50 * i},1,150,600,{bowl}" for i, bowl in enumerate(bowls))]) + "\n")
+    done = run("survey", folder / "one-weak.csv", "--json", "--out", folder / "one-weak")
+    assert [(w["index"], w["station"], round(w["D0_ratio"], 1)) for w in json.loads(done.stdout)["weak"]] == [(3, "S3", 1.8)], done.stderr
+    assert run("plot", folder / "one-weak", "deflections").returncode == 0
+    assert [(r["station"], r["kind"]) for r in numbers("one-weak", "warnings") if r["kind"] == "weak"] == [("S3", "weak")]
+    script = (folder / "one-weak" / "figures" / "data" / "deflections.gnuplot").read_text()
+    assert "'#D55E00'" in script and re.search(r"^150 900$", script, re.M), "its mark stands by itself"
+
+
 def test_one_pair_and_its_surface(pair):
     i, j = len(pair["x_values"]) // 3, len(pair["y_values"]) // 3
     pair_folder = folder / "pair"

@@ -40,10 +40,11 @@ std::vector<std::string> findings(const CompareResult& result) {
             }
         }
         if (alive.size() == 1) {
-            text.push_back(fmt::format(
-                "{}AICc prefers {}{}.", result.is_of_studies() ? "" : fmt::format("In \"{}\" ", layer), alive[0],
-                out.empty() ? ""
-                            : fmt::format(": next best is {}, {} higher", out[0], figure(laws[1].aicc - first.aicc))));
+            text.push_back(fmt::format("{} data prefer {}{}.",
+                                       result.is_of_studies() ? "The" : fmt::format("In \"{}\" the", layer), alive[0],
+                                       out.empty() ? ""
+                                                   : fmt::format(": the AICc of the next best, {}, is {} higher",
+                                                                 out[0], figure(laws[1].aicc - first.aicc))));
         } else {
             text.push_back(fmt::format("The data cannot tell these {}{} apart: {}.{}", kinds, in_layer,
                                        pave::join(alive),

@@ -97,7 +97,7 @@ std::string overlay_words(const DesignResult& result) {
                                : "");
     }
     std::string words =
-        fmt::format("{:.0f} mm more of {} last the design traffic{}", std::ceil(*overlay.reliable), top, reliability);
+        fmt::format("An overlay of {:.0f} mm lasts the design traffic{}", std::ceil(*overlay.reliable), reliability);
     if (sure && overlay.best) {
         words += fmt::format("; {:.0f} mm at the best set, so what the data leave open costs {:.0f} mm",
                              std::max(0.0, std::ceil(*overlay.best)),

@@ -33,14 +33,23 @@ std::vector<double> units_of(const SampleResult& result, std::size_t k) {
 }
 
 std::string answer_words(const SampleResult& result) {
-    std::vector<std::string> ranges;
+    constexpr double half = 0.5; // of what the study allows, on the parameter's scale
+    std::vector<std::string> known;
+    std::vector<std::string> open;
     const auto& axes = result.problem.space.axes;
     for (std::size_t k = 0; k < axes.size(); ++k) {
         const landscape::Marginal& m = result.parameters[k];
-        ranges.push_back(
-            fmt::format("{} {} to {} (median {})", axes[k].name, figure(m.q025), figure(m.q975), figure(m.q50)));
+        (axes[k].unit(m.q975) - axes[k].unit(m.q025) < half ? known : open).push_back(axes[k].name);
     }
-    return fmt::format("With a probability of 95 % each lies in its range: {}.", pave::join(ranges));
+    if (open.empty()) {
+        return fmt::format("The readings determine {}: {} 95 % {} less than half of what the study allows.",
+                           pave::join(known), known.size() == 1 ? "its" : "their",
+                           known.size() == 1 ? "range covers" : "ranges cover");
+    }
+    const std::string rest = fmt::format("of {} half of what the study allows or more lies in the 95 % {}",
+                                         pave::join(open), open.size() == 1 ? "range" : "ranges");
+    return known.empty() ? fmt::format("The readings determine no parameter: {}.", rest)
+                         : fmt::format("The readings determine {}; {}.", pave::join(known), rest);
 }
 
 void say_bounds(const SampleResult& result, std::vector<std::string>& text) {
@@ -242,10 +251,10 @@ std::vector<std::string> findings(const SampleResult& result) {
     say_correlations(result, text);
     if (!result.telling.empty()) {
         const auto& [reading, bits] = result.telling.front();
-        text.push_back(fmt::format("Best next measurement: {} (noise {} {} assumed), {:.1f} bits; the ranges "
-                                   "together would shrink to {:.0f} % of their volume.",
+        text.push_back(fmt::format("Best next measurement: {} (noise {} {} assumed): the ranges together "
+                                   "would shrink to {:.0f} % of their volume ({:.1f} bits).",
                                    reading.words(), figure(reading.in_unit(reading.noise.absolute)), reading.unit.name,
-                                   bits, 100.0 * std::exp2(-bits)));
+                                   100.0 * std::exp2(-bits), bits));
     }
     const auto& posterior = result.posterior;
     if (posterior.answered < 0.999) {

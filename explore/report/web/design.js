@@ -37,16 +37,17 @@ const designs = (() => {
         return chart("lives", [line((c) => c.if_wrong || c, 5, "#c3ccd4", "95 %, if the model may lack something"), line((c) => c, 10, colours[0], "95 %, if the model is right"),
             { type: "scatter", mode: "markers", name: "best", x: rows.map((c) => at(c.remaining_years)), y: names, marker: { size: 11, color: "#fff", line: { color: "#000", width: 2 } },
                 text: rows.map((c) => `${name(c)}: ${years(c.remaining_years)} years, ${range(c.low, c.high, years)}`), hoverinfo: "text" }],
-        { xaxis: axis("years left", { type: "log", range: [Math.log10(shortest), Math.log10(longest)], tickvals: [0.1, 1, 10, 100, longest], ticktext: ["0.1", "1", "10", "100", `${longest} or more`] }),
+        { xaxis: axis("years left", { type: "log", range: [Math.log10(shortest), Math.log10(1.6 * longest)], tickvals: [0.1, 1, 10, longest], ticktext: ["0.1", "1", "10", `> ${longest}`], tickangle: 0 }),
             yaxis: axis("", { automargin: true, autorange: "reversed", type: "category" }), height: 220 + 34 * rows.length, margin: { l: 64, r: 40, t: 24, b: 110 },
             legend: { orientation: "h", y: -90 / (86 + 34 * rows.length) } });
     };
 
     const show = (section, r, opening) => section("Life that is left", opening,
-        part("Criteria", true), table(["criterion", "microstrain", "95 %", "years", "95 %", "if the model lacks something", "ends first", "law"], r.criteria.map((c) => [name(c),
-            figure(c.strain_microstrain), range(c.strain_low, c.strain_high, figure), years(c.remaining_years), range(c.low, c.high, years),
+        part("Criteria", true), table(["criterion", "microstrain (95 %)", "years left (95 %)", "if the model lacks something", "ends first"], r.criteria.map((c) => [name(c),
+            `${figure(c.strain_microstrain)} (${range(c.strain_low, c.strain_high, figure)})`, `${years(c.remaining_years)} (${range(c.low, c.high, years)})`,
             c.if_wrong && (known(c.if_wrong.low) || known(c.if_wrong.high)) ? range(c.if_wrong.low, c.if_wrong.high, years) : "not bounded",
-            known(r.governs[c.name]) ? `${Math.round(100 * r.governs[c.name])} %` : "–", c.formula]), [0, 7]),
+            known(r.governs[c.name]) ? `${Math.round(100 * r.governs[c.name])} %` : "–"]), [0]),
+        make("p", { className: "soft" }, r.criteria.map((c) => `${name(c)}: ${c.formula}`).join("; ") + "."),
         (r.next || []).length ? [part("Further readings and cores, the most telling first"), table(["", "leaves of the range", "saves [mm]"],
             r.next.map((n) => [say(n.what), `${Math.round(100 * n.left)} %`, known(n.overlay_saved_mm) ? n.overlay_saved_mm.toFixed(0) : "–"]), [0])] : [],
         (r.seasons || []).length ? [part("Seasons"), table(["season", "share of the year", "factors on the stiffness"], r.seasons.map((s) => [s.name, figure(s.share),

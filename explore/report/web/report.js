@@ -10,6 +10,7 @@
     const root = document.getElementById("report");
     root.textContent = "";
     wording.readStudies(data.studies);
+    wording.knowPaths(((results.compare || {}).studies || []).map((s) => s.study));
     for (const r of Object.values(results)) {
         const listed = [...(Array.isArray(r.parameters) ? r.parameters : []), ...(r.shared || [])].map((p) => p.name);
         wording.knowParameters([...listed, ...Object.keys((r.baseline || {}).parameters || {}), ...(r.stations || []).slice(0, 20).flatMap((s) => Object.keys(s.parameters || {}))].filter(Boolean));
@@ -334,6 +335,10 @@
         { xaxis: axis("place within what was tried", { range: [-0.03, 1.03], tickvals: [0, 0.5, 1], ticktext: ["lowest", "middle", "highest"] }), yaxis: axis("", { automargin: true, autorange: "reversed", type: "category" }), height: 120 + 34 * rows.length, margin: { l: 64, r: 24, t: 24, b: 50 } },
         "Blue: what the data accept of each (95 %), within the range that was tried. Circle: the best.");
     };
+    // The laws or studies of a comparison, studies by the shortest name that tells them apart; those that have an answer.
+    const comparedIn = (r) => (r.laws || r.studies.map((l) => ({ ...l, law: l.study }))).map((l) => ({ ...l, law: say(l.law) }));
+    const answeredOf = (r) => comparedIn(r).filter((l) => l.status === "converged");
+    const comparedWithMeasured = (r) => againstMeasured(readOf(answeredOf(r)[0]), readOf(answeredOf(r)[0]).map((q) => q.measured), answeredOf(r).map((l) => ({ name: l.law, values: readOf(l).map((q) => q.value) })));
     const pictureOf = (command, r) => {
         const known = new Map(Array.isArray(r.parameters) ? r.parameters.map((p) => [p.name, p]) : []);
         const row = (p, best, low, high) => ({ name: titled(p.name), best, low, high, min: p.min, max: p.max, log: p.scale === "log" });
@@ -342,6 +347,10 @@
         if ((command === "fit" || command === "unique") && readOf(r).length && groupsOf(readOf(r)).size === 1) {
             pictured = r;
             return measuredOf(r);
+        }
+        if (command === "compare" && answeredOf(r).length && groupsOf(readOf(answeredOf(r)[0])).size === 1) {
+            pictured = r;
+            return comparedWithMeasured(r);
         }
         if (command === "diagnose" && (r.hypotheses || []).some((h) => typeof h.probability === "number")) return probabilities(r);
         if (command === "sensitivity" && r.global) return totals(r);
@@ -523,17 +532,17 @@
         const parameters = r.parameters || [];
         const rows = [...parameters.map((p) => [p, ""]), ...(r.outputs || []).map((o) => [o, o.unit])];
         section("The posterior", r.reason ? make("p", {}, r.reason) : null, opening("sample", "What the readings leave of every parameter and output."),
-            rows.length ? table(["", "mean", "sd", "2.5 %", "50 %", "97.5 %", "R-hat", "eff. draws"],
-                rows.map(([q, unit]) => [titled(q.name) + (unit ? ` [${wording.unit(unit)}]` : ""), ...[q.mean, q.sd, q.q025, q.q50, q.q975].map(figure), q.rhat.toFixed(3), q.ess.toFixed(0)]), [0]) : [],
-            (r.draws || []).length && parameters.length ? corner(parameters, r.draws, r.regions || []) : [],
+            rows.length ? [part("Every parameter and output", summary === "sample"), table(["", "mean", "sd", "2.5 %", "50 %", "97.5 %", "R-hat", "eff. draws"],
+                rows.map(([q, unit]) => [titled(q.name) + (unit ? ` [${wording.unit(unit)}]` : ""), ...[q.mean, q.sd, q.q025, q.q50, q.q975].map(figure), q.rhat.toFixed(3), q.ess.toFixed(0)]), [0])] : [],
+            (r.draws || []).length && parameters.length ? [part("Draws of the posterior", summary === "sample"), corner(parameters, r.draws, r.regions || [])] : [],
             r.correlations && parameters.length > 1 ? [part("Correlations of the draws"), table(["", ...parameters.map((p) => titled(p.name))],
                 parameters.map((p, i) => [titled(p.name), ...r.correlations[i].map((v) => v.toFixed(2))]))] : [],
             r.log_evidence === undefined ? [] : make("p", { className: "soft" }, `Log evidence ${figure(r.log_evidence)} ± ${figure(r.log_evidence_error)}: its difference between models of the same readings is their log odds.`));
     };
 
     const showPrior = (r) => section("Before any fit", r.reason ? make("p", {}, r.reason) : null, opening("sample-prior", "What the prior predicts of each reading, with its noise."),
-        (r.readings || []).length ? table(["reading", "measured", "2.5 %", "50 %", "97.5 %", "unit", "below"],
-            r.readings.map((q) => [q.name || `${quantity(q.quantity)} under ${loadWords(q.load)}, ${placeOf(q)}`, ...[q.measured, q.low, q.median, q.high].map(figure), wording.unit(q.unit), q.pit.toFixed(3)]), [0]) : []);
+        (r.readings || []).length ? [part("Reading by reading", true), table(["reading", "measured", "2.5 %", "50 %", "97.5 %", "unit", "below"],
+            r.readings.map((q) => [q.name || `${quantity(q.quantity)} under ${loadWords(q.load)}, ${placeOf(q)}`, ...[q.measured, q.low, q.median, q.high].map(figure), wording.unit(q.unit), q.pit.toFixed(3)]), [0])] : []);
 
     // A correction over its places: the band, and in grey what is not seen. Depths point downwards.
     const correctionChart = (c) => {
@@ -568,7 +577,7 @@
         const alike = [...(r.confounding || [])].sort((a, b) => Math.abs(a.cosine) - Math.abs(b.cosine));
         section("Does the model hold?",
             opening("diagnose"),
-            r.readings ? [part("Measured and modelled, before and after", true), againstMeasured(r.readings, r.responses.measured,
+            r.readings && (extended || !readingsShown) ? [part("Measured and modelled, before and after", true), againstMeasured(r.readings, r.responses.measured,
                 [{ name: "study's model", values: r.responses.baseline },
                     ...(extended ? [{ name: "extended model", values: r.responses.extended }] : [])])] : [],
             residualsPart(r.readings || [], [{ name: "study's model", residuals: r.residuals.baseline }, ...(extended ? [{ name: "extended model", residuals: r.residuals.extended }] : [])]),
@@ -588,7 +597,7 @@
             }], { xaxis: axis("|cosine| of what the parameters cannot reproduce", { range: [0, 1] }), yaxis: axis("", { automargin: true, tickfont: { size: 10 } }),
                 height: 120 + 22 * alike.length },
             "1: the readings cannot tell the two apart at all. In the darker colour: pairs that would be taken for each other in more than 5 % of cases.")] : [],
-            (r.outputs || []).length ? [part("Outputs", true), outputsTable(r.outputs, (o) => o.after ?? o.before, r.verdict === "adequate"),
+            (r.outputs || []).length ? [part("Outputs", summary === "diagnose" || r.verdict !== "adequate"), outputsTable(r.outputs, (o) => o.after ?? o.before, r.verdict === "adequate"),
                 extended ? make("p", { className: "soft" }, r.outputs.map((o) => `${o.name}: ${figure(o.before)} by the study's model, ${figure(o.after)} by the extended one.`).join(" ")) : null] : [],
             part("Gain"), table(["", "study's model", "extended model"], [
                 ["misfit", r.baseline.misfit, r.extended ? r.extended.misfit : null], ["χ²", r.baseline.chi2, r.extended ? r.extended.chi2 : null],
@@ -600,8 +609,8 @@
     };
 
     const showCompare = (r) => {
-        const all = r.laws || r.studies.map((l) => ({ ...l, law: l.study }));
-        const good = all.filter((l) => l.status === "converged");
+        const all = comparedIn(r);
+        const good = answeredOf(r);
         const row = (name, of) => [name, ...good.map(of)];
         section(`Which ${r.laws ? "law" : "study"} do the data prefer?`, opening("compare", r.laws ? `Laws of “${r.layer}”.` : "Studies of the same readings."),
             part("Side by side", true), good.length ? turned(good.map((l) => l.law), [row("misfit", (l) => figure(l.misfit)), row("χ²", (l) => figure(l.chi2)), row("degrees of freedom", (l) => l.dof), row("p", (l) => figure(l.p_value)),
@@ -609,8 +618,7 @@
                 row("held out", (l) => figure(l.study_held_out_rms)), row("answer", (l) => l.verdict)]) : null,
             words(all.filter((l) => l.status !== "converged").map((l) => `${l.law}: ${l.reason}`)),
             make("p", { className: "soft" }, "Left out: error of readings predicted place by place by fits without them; held out: of those that the study holds out."),
-            good.length ? [part("Measured and modelled", true), againstMeasured(good[0].responses.filter((q) => q.measured !== undefined),
-                good[0].responses.map((q) => q.measured), good.map((l) => ({ name: l.law, values: l.responses.map((q) => q.value) })))] : [],
+            good.length && pictured !== r ? [part("Measured and modelled", true), comparedWithMeasured(r)] : [],
             good.map((l) => [part(l.law), make("p", { className: "soft" }, say(l.summary || "")), table(["", "best", "low", "high"],
                 [...Object.entries(l.parameters).map(([n, v]) => [titled(n), ...[v.value, v.low, v.high].map(figure)]), ...l.outputs.map((o) => [`${o.name} [${wording.unit(o.unit)}]`, ...[o.best, widest(o).low, widest(o).high].map(figure)])])]));
     };

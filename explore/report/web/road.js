@@ -20,40 +20,21 @@ const roads = (() => {
         const sorted = [...values].sort((a, b) => a - b);
         return sorted.length % 2 ? sorted[(sorted.length - 1) / 2] : (sorted[sorted.length / 2 - 1] + sorted[sorted.length / 2]) / 2;
     };
-    const robust = (values) => {
-        const middle = medianOf(values);
-        return { middle, spread: 1.4826 * medianOf(values.map((v) => Math.abs(v - middle))) };
-    };
-    // Stations worth a visit: {station, kind: "weak" or "fails" or "none", why, share}, the worst first. Weak: a deflection half as much again as the median
-    // of its section or more, or a modulus of at most two thirds, and beyond three robust deviations of the section's logarithms.
+    // Stations worth a visit: {station, kind: "weak" or "fails" or "none", why, share}, the worst first.
     const notable = (r) => {
         const found = new Map();
         const add = (s, kind, why, share) => {
             const old = found.get(s);
             found.set(s, old ? { ...old, why: [...old.why, why], share: Math.max(old.share, share), kind: old.kind === "none" ? old.kind : old.kind === "weak" ? "weak" : kind } : { station: s, kind, why: [why], share });
         };
-        const sections = (r.sections || []).length ? r.sections : [null];
-        for (const p of sections) {
-            const inside = r.stations.filter((s) => s.D0_um !== undefined && (!p || ((p.profile || "") === (s.profile || "") && (p.lane || "") === (s.lane || "") && s.chainage_m >= p.from_m && s.chainage_m <= p.to_m)));
-            const compare = (valueOf, least, sayIt) => {
-                const list = inside.map((s) => [s, valueOf(s)]).filter(([, v]) => typeof v === "number" && v > 0);
-                if (list.length < 5) return;
-                const { middle, spread } = robust(list.map(([, v]) => Math.log(v)));
-                for (const [s, v] of list) {
-                    const rise = least * (Math.log(v) - middle);
-                    if (rise > Math.max(Math.log(1.5), 3 * spread)) add(s, "weak", sayIt(v, Math.exp(Math.abs(rise)), Math.exp(middle)), rise);
-                }
-            };
-            compare((s) => s.D0_um_at_common_pressure, 1, (v, times) => `deflection ${figure(v)} µm, ${times.toFixed(1)} times the median of its section`);
-            const names = [...new Set(inside.flatMap((s) => Object.keys(s.parameters || {})))].filter((n) => n.endsWith("_MPa") || n.endsWith(".k1"));
-            for (const n of names) {
-                compare((s) => (s.parameters && s.parameters[n] && s.parameters[n].determined ? s.parameters[n].value : null), -1,
-                    (v, _, middle) => `${wording.parameter(n).name} ${figure(v)}${wording.parameter(n).unit ? ` ${wording.parameter(n).unit}` : ""} (median ${figure(middle)})`);
-            }
+        for (const w of r.weak || []) {
+            const s = r.stations[w.index];
+            add(s, "weak", `deflection ${figure(s.D0_um_at_common_pressure)} µm, ${w.D0_ratio.toFixed(1)} times the median of its section`, w.D0_ratio);
+            if (w.parameter) add(s, "weak", `${wording.parameter(w.parameter).name} ${figure(s.parameters[w.parameter].value)} ${wording.parameter(w.parameter).unit}, ${Math.round(100 * (1 - w.parameter_ratio))} % below it`, 0);
         }
         for (const s of r.stations) {
             if (s.D0_um === undefined || (s.status !== "ok" && s.reason)) add(s, "none", s.reason || "no result", 0);
-            else if (s.pass === false) add(s, "fails", `deflection ratio ${figure(s.deflection_ratio)}, below ${figure(r.deflection_ratio.limit)}`, 0.01);
+            else if (s.pass === false) add(s, "fails", `deflection ratio ${figure(s.deflection_ratio)}, below ${plain(r.deflection_ratio.limit)}`, 0.01);
         }
         const order = { weak: 0, fails: 1, none: 2 };
         return [...found.values()].sort((a, b) => order[a.kind] - order[b.kind] || b.share - a.share);
@@ -90,10 +71,16 @@ const roads = (() => {
         const spread = (name, values, of) => (values.length ? [{ name, value: figure(medianOf(values)), range: `${figure(share(values, 0.15))} to ${figure(share(values, 0.85))}`, unit: of }] : []);
         const names = [...new Set(good.flatMap((s) => Object.keys(s.parameters || {})))];
         const least = names.filter((n) => n.endsWith("_MPa")).reverse().slice(0, 2); // the lowest layers
-        const numbers = [...spread(`deflection at ${figure(r.common_pressure_kPa)} kPa`, good.map((s) => s.D0_um_at_common_pressure).filter((v) => typeof v === "number"), "µm"),
+        const numbers = [...spread(`deflection at ${plain(r.common_pressure_kPa)} kPa`, good.map((s) => s.D0_um_at_common_pressure).filter((v) => typeof v === "number"), "µm"),
             ...least.flatMap((n) => spread(wording.parameter(n).name, good.map((s) => s.parameters && s.parameters[n] && s.parameters[n].determined ? s.parameters[n].value : null).filter((v) => v !== null), wording.parameter(n).unit))];
         const action = weak.length ? `Look at ${named(weak[0])} first: drain, core or drop again there${weak.length > 1 ? `, then at the other ${weak.length - 1} below` : ""}; elsewhere use the percentiles of the sections.`
             : fails.length ? `Look at ${named(fails[0])} first.` : "Use the percentiles of the sections.";
+        if (r.shared) { // a road as one experiment
+            const outliers = r.outliers || [];
+            return { verdict: say(r.answer), named: null, value: "value", numbers: [...r.shared, ...r.section_parameters].map((p) => ({ name: wording.parameter(p.name).name + (p.level === "section" ? `, section ${p.section + 1}` : ""),
+                value: figure(p.value), range: p.determined ? `${figure(p.low)} to ${figure(p.high)}` : "not determined", unit: wording.parameter(p.name).unit })),
+            action: outliers.length && weak.length === 0 ? `Look at ${outliers.slice(0, 3).map((o) => o.station).join(", ")}${outliers.length > 3 ? ` and ${outliers.length - 3} more` : ""}: ${say(outliers[0].reason)}.` : action };
+        }
         const list = weak.length > 1 ? weak : weak.length === 0 && fails.length <= mostNamed ? fails : [];
         const more = list.length > mostNamed ? ` and ${list.length - mostNamed} more below` : "";
         return { verdict, named: list.length ? [list === weak ? "Weak: " : "Fails the ratio: ", `${list.slice(0, mostNamed).map(named).join(", ")}${more}.`] : null, numbers, action, range: "15 to 85 % of the stations", value: "median" };
@@ -145,7 +132,7 @@ const roads = (() => {
     };
     const deflections = (r) => {
         const notables = notable(r);
-        return strip(r, r.stations.filter((s) => s.D0_um !== undefined), `D0 at ${figure(r.common_pressure_kPa)} kPa [µm]`, (s) => s.D0_um_at_common_pressure,
+        return strip(r, r.stations.filter((s) => s.D0_um !== undefined), `D0 at ${plain(r.common_pressure_kPa)} kPa [µm]`, (s) => s.D0_um_at_common_pressure,
             { more: { rangemode: "tozero" }, colourOf: markOf(notables), onClick: bowlOf(r), caption: ((r.sections || []).length ? "Level lines: the medians of homogeneous sections. " : "") +
                 (notables.some((n) => n.kind === "weak") ? "Red: weak. " : "") + (notables.some((n) => n.kind === "fails") ? "Amber: fails the deflection ratio. " : "") + "A click on a station shows its bowl." });
     };
@@ -179,7 +166,8 @@ const roads = (() => {
     const showSurvey = (section, r, said) => {
         const good = r.stations.filter((s) => s.D0_um !== undefined);
         const fitted = good.filter((s) => s.fit);
-        const names = fitted.length ? Object.keys(fitted[0].fit.parameters) : [];
+        const common = new Set((r.shared || []).map((p) => p.name)); // alike at all stations
+        const names = fitted.length ? Object.keys(fitted[0].fit.parameters).filter((n) => !common.has(n)) : [];
         const outputs = [...new Set(fitted.flatMap((s) => Object.keys(s.outputs || {})))];
         const known = (s, n) => !s.parameters || !s.parameters[n] || s.parameters[n].determined;
         const withRange = (p) => (!p ? null : p.determined ? `${figure(p.value)} (${figure(p.low)} to ${figure(p.high)})` : `${figure(p.value)} (?)`);
@@ -233,7 +221,7 @@ const roads = (() => {
             ["deflection ratio", (s) => s.deflection_ratio], ["verdict", (s) => (s.pass === null || s.pass === undefined ? s.deflection_ratio_reason : s.pass ? "pass" : "fail")]], ["verdict"]),
         list("Parameters", fitted, [...names.map((n) => [titled(n), (s) => withRange((s.parameters || {})[n]) || figure(s.fit.parameters[n])]), ["rms [%]", (s) => s.fit.rms_percent]]),
         list("Outputs", outputs.length ? fitted : [], outputs.map((n) => [`${n} [${unit(outputUnit(fitted, n))}]`, (s) => withRange((s.outputs || {})[n])])),
-        list(`Indices${good.length && good[0].normalised ? ` at ${figure(good[0].normalised.pressure_kPa)} kPa` : ""}`, good.filter((s) => s.normalised), [
+        list(`Indices${good.length && good[0].normalised ? ` at ${plain(good[0].normalised.pressure_kPa)} kPa` : ""}`, good.filter((s) => s.normalised), [
             ["D0 [µm]", (s) => s.normalised.D0_um], ["SCI [µm]", (s) => s.normalised.SCI_um], ["BDI [µm]", (s) => s.normalised.BDI_um], ["BCI [µm]", (s) => s.normalised.BCI_um],
             ["AREA [mm]", (s) => s.normalised.AREA_mm], ["radius of curvature [m]", (s) => s.normalised.curvature_radius_m],
             ["E0 [MPa]", (s) => (s.normalised.surface_moduli[0] || {}).modulus_MPa], ["asphalt [°C]", (s) => s.asphalt_C], ...atReference(r),
@@ -270,7 +258,7 @@ const roads = (() => {
     };
 
     const showRoad = (section, r, said) => {
-        section("The road as one experiment", table(["", "value", "from", "to", "% of its box", "median station alone [%]", "stations"],
+        section("The road as one experiment", table(["", "value", "from", "to", "share of the allowed range [%]", "the same, median station alone [%]", "stations"],
             [...r.shared, ...r.section_parameters].map((p) => [p.level === "section" ? `${titled(p.name)}, section ${p.section + 1}` : titled(p.name), p.value, p.low,
                 p.high, 100 * p.width, 100 * p.median_width_alone, p.stations])),
         said.length ? [part("Findings"), words(said.map(say))] : [],

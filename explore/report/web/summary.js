@@ -65,7 +65,7 @@ const summaries = (() => {
             const good = (r.laws || r.studies || []).filter((l) => l.status === "converged");
             const top = [...good].sort((a, b) => (b.weight || 0) - (a.weight || 0))[0];
             return { numbers: top ? [...top.outputs.map((o) => outputNumber(o, o.best)), ...Object.entries(top.parameters).map(([n, p]) => parameterNumber(n, p.value, p.low, p.high))] : [],
-                action: top ? `Go on with ${top.law || top.study}${good.some((l) => l !== top && (l.weight || 0) > 0.1) ? ", and give the ranges of the others beside it: their weights are not small" : ""}.` : "" };
+                action: top ? `Go on with ${say(top.law || top.study)}${good.some((l) => l !== top && (l.weight || 0) > 0.1) ? ", and give the ranges of the others beside it: their weights are not small" : ""}.` : "" };
         },
         sensitivity: () => ({ numbers: [], action: "Measure where the curves of two parameters differ; leave out a parameter whose curves stay level." }),
         map: (r) => ({ numbers: [], action: `The lowest points are starts, not answers: pavescape fit ${(r.study || {}).file || "STUDY"} goes on from such.` }),

@@ -48,9 +48,16 @@ const wording = (() => {
     // Within a sentence of the program; names: of parameters.
     let names = [];
     const knowParameters = (list) => { names = [...new Set([...names, ...list])].sort((a, b) => b.length - a.length); };
+    // Of files, which the last part of their paths tells apart.
+    let short = [];
+    const knowPaths = (list) => {
+        const last = (path) => path.split("/").pop().replace(/\.toml$/, "");
+        short = list.filter((path) => list.filter((other) => last(other) === last(path)).length === 1).map((path) => [path, last(path)]).sort((a, b) => b[0].length - a[0].length);
+    };
     const escaped = (text) => text.replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
     const say = (sentence) => {
         let text = String(sentence);
+        for (const [path, name] of short) text = text.replaceAll(path, name);
         // The unit goes behind the value, "base modulus = 300 MPa"; without a value there is none.
         for (const name of names.filter((n) => n.includes("."))) {
             const { name: words, unit: of } = parameter(name);
@@ -66,5 +73,5 @@ const wording = (() => {
         return text.replace(/\bchi2\b/g, "χ²");
     };
 
-    return { unit, quantity, parameter, titled, load, readStudies, readingWords, knowParameters, say };
+    return { unit, quantity, parameter, titled, load, readStudies, readingWords, knowParameters, knowPaths, say };
 })();
