@@ -1,6 +1,7 @@
 #include "report/survey.h"
 
 #include "analysis/survey/survey_findings.h"
+#include "analysis/survey/weak_stations.h"
 #include "base/units.h"
 #include "data/csv.h"
 #include "report/condition.h"
@@ -258,6 +259,21 @@ std::string in_one_cell(const std::vector<int>& numbers) {
     return text;
 }
 
+Json weak_json(const SurveyResult& result) {
+    const auto weak = analysis::weak_stations(result);
+    if (!weak) {
+        return nullptr;
+    }
+    Json json = Json::array();
+    for (const auto& w : *weak) {
+        json.push_back({{"station", w.station},
+                        {"times_median", w.d0_ratio},
+                        {"parameter", w.parameter ? Json(result.parameter_names()[*w.parameter]) : Json(nullptr)},
+                        {"parameter_times_median", w.parameter ? Json(w.parameter_ratio) : Json(nullptr)}});
+    }
+    return json;
+}
+
 } // namespace
 
 Json survey_json(const SurveyResult& result) {
@@ -287,6 +303,7 @@ Json survey_json(const SurveyResult& result) {
     for (const StationResult& s : result.stations) {
         json["stations"].push_back(station_json(result, s));
     }
+    json["weak_stations"] = weak_json(result);
     json["suspect_sensor"] = nullptr;
     if (result.suspect) {
         const auto& s = *result.suspect;
