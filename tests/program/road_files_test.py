@@ -114,10 +114,12 @@ def test_a_road_whose_sensors_stand_elsewhere_is_told_so_before_long():
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     road = answer("road", written(folder / "moved.csv", [moved.get(name, name) for name in names], rows), shared, folder, "--diagnose")
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    best = road["diagnosis"]["candidates"][0]
-    assert best["effect"] == "sensor-position" and best["on"] == "sensors at 0, 200, 300, 450, 600, 900, 1200, 1500, 1800 mm", road["diagnosis"]["candidates"][:3]
-    assert best["p_familywise"] < 0.001 and best["chi2"] < 0.1 * road["diagnosis"]["chi2"], best
-    assert any("0, 200.0, 300.0, 450.0, 600.0, 900.0, 1200, 1500, 1800 mm" in words for words in road["findings"]), road["findings"]
+    # That of inches is 3 to 29 mm away, and the stations' asphalt is not quite alike: both may come first.
+    usual = ("sensors at 0, 200, 300, 450, 600, 900, 1200, 1500, 1800 mm", "sensors at 0, 203, 305, 457, 610, 914, 1219, 1524, 1829 mm")
+    first = road["diagnosis"]["candidates"][:2]
+    assert {c["on"] for c in first} == set(usual) and all(c["effect"] == "sensor-position" for c in first), first
+    assert all(c["p_familywise"] < 0.001 and c["chi2"] < 0.1 * road["diagnosis"]["chi2"] for c in first), first
+    assert any("the sensors stand at 0, 20" in words and "with p < 1e-6" in words for words in road["findings"]), road["findings"]
     seconds = after.ru_utime - before.ru_utime
     assert seconds < 60, f"one nonlinear effect must not make all slow: {seconds} s of a processor"
 
