@@ -156,10 +156,10 @@ def test_the_page_takes_the_weak_stations_from_the_program(place):
     weak = found["weak_stations"]
     assert [found["stations"][w["station"]]["station"] for w in weak] == [WEAK], weak
     assert abs(weak[0]["times_median"] - 1.4 / 1.01) < 0.01, "D0 over the median of the others"
-    few = place / "few.csv"
+    few = place / "only-four.csv"
     few.write_text("\n".join((place / "road.csv").read_text().splitlines()[:5]) + "\n")
-    done = run("survey", few, "--threads", 1, "--out", place / "few")
-    assert json.loads((place / "few" / "survey.json").read_text())["weak_stations"] is None, "four are too few to judge"
+    done = run("survey", few, "--threads", 1, "--out", place / "only-four")
+    assert json.loads((place / "only-four" / "survey.json").read_text())["weak_stations"] is None, "four are too few to judge"
     assert "weak" not in done.stdout, done.stdout
 
 
