@@ -33,6 +33,9 @@ void add_slab(CLI::App& app, Action& action) {
     analysis::SlabOptions& options = arguments->options;
     command->add_option("FILE", arguments->files, "measured FWD files")->required();
     command->add_option("--thickness", options.thickness_mm, "of the slab, mm")->required()->check(within(50, 1000));
+    command->add_option("--length", options.length_mm, "of the slabs between joints, mm (with --width; else infinite)")
+        ->check(within(1000, 20000));
+    command->add_option("--width", options.width_mm, "of the slabs, mm")->check(within(1000, 20000));
     command->add_option("--foundation", options.foundation, "what it lies on: a dense liquid (k) or an elastic solid")
         ->transform(CLI::CheckedTransformer(std::map<std::string, Foundation>{{"liquid", Foundation::dense_liquid},
                                                                               {"solid", Foundation::elastic_solid}}))

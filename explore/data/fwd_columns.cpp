@@ -216,6 +216,31 @@ double offset_unit_mm(const std::vector<std::string>& row) {
 constexpr std::string_view columns_hint =
     "--columns \"D0_um = D1, D200_um = D2\", or a second row of the header with the offsets in mm";
 
+// Rows in even steps of at most ten milliseconds are one drop over time, not the peaks of a road's drops.
+bool is_over_time(const FwdHeader& header, const std::vector<std::vector<std::string>>& rows) {
+    const FwdColumn* time = header.find(Meaning::time);
+    constexpr std::size_t least_rows = 6;
+    if (time == nullptr || time->constant || header.find(Meaning::chainage) != nullptr || rows.size() < least_rows) {
+        return false;
+    }
+    std::vector<double> times;
+    for (std::size_t i = 1; i < least_rows; ++i) {
+        const auto value = measured(cell_of(rows[i], time->at));
+        if (!value) {
+            return false;
+        }
+        times.push_back(*value);
+    }
+    constexpr double longest = 10.0; // ms
+    const double step = times[1] - times[0];
+    for (std::size_t i = 1; i < times.size(); ++i) {
+        if (!(step > 0.0 && step <= longest && std::abs(times[i] - times[i - 1] - step) < 1e-3 * step)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 } // namespace
 
 std::optional<double> deflection_unit(std::string_view word) {
@@ -357,6 +382,12 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
     const std::string unknown = not_known.empty() ? "" : "columns not known: " + pave::join(not_known);
     if (deflections.empty()) {
         throw pave::Error(place, "there is no column of deflections", unknown, known_columns());
+    }
+    if (is_over_time(header, rows)) {
+        throw pave::Error(place, "this is one drop over time, not the peaks of a road's drops",
+                          "rows that follow each other in milliseconds",
+                          "one row a drop; an F25 file with time histories (new --from FILE --station S --pulses); or "
+                          "a study of your own with a history and readings that have a time_ms");
     }
     bool numbered = are_numbered(deflections);
     // Further rows of the header: no load in them, and all deflections numbers (offsets) or units.

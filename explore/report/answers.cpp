@@ -1,5 +1,4 @@
 // The answer of each command, out of what it keeps.
-#include "analysis/survey/survey.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "report/answer.h"
@@ -223,9 +222,9 @@ void add_station_rows(const Json& json, Answer& answer) {
     }
 }
 
-// Of a road without a weak station: too few are not judged.
-std::string judged_words(std::size_t stations) {
-    return stations < analysis::section_stations ? "" : "No station is far weaker than the others. ";
+// Of a road without a weak station.
+std::string judged_words(const Json& json) {
+    return at(json, "weak_stations").is_null() ? "" : "No station is far weaker than the others. ";
 }
 
 Answer survey_answer(const Json& json) {
@@ -243,7 +242,7 @@ Answer survey_answer(const Json& json) {
         count("pass"), count("fail"), without > 0 ? fmt::format("{} have none, ", without) : "", count("rejected"));
     answer.verdict = !answer.notes.empty() && answer.notes[0].starts_with("Weak station")
                          ? take_first(answer.notes) + " "
-                         : judged_words(at(json, "stations").size());
+                         : judged_words(json);
     answer.verdict += counted_words + ".";
     // A section or sensors that are wrong come before how drops repeat.
     std::stable_partition(answer.notes.begin(), answer.notes.end(), [](const std::string& s) {
@@ -276,7 +275,7 @@ Answer road_answer(const Json& json) {
                           outliers.size() <= named ? pave::join(outliers) : std::to_string(outliers.size()),
                           outliers.size() == 1 ? "an outlier" : "outliers");
     answer.verdict =
-        (is_weak ? take_first(answer.notes) + " " : judged_words(at(json, "stations").size())) +
+        (is_weak ? take_first(answer.notes) + " " : judged_words(json)) +
         fmt::format("{} as one experiment, {}.", counted(at(json, "stations").size(), "station", "stations"), left_out);
     answer.heading = "What the stations have in common (95 %; ?: not determined)";
     answer.header = {"", "value", "from", "to", "times narrower"};

@@ -65,9 +65,14 @@ struct Road {
             found->stations.push_back(i);
         }
     }
+    // null: too few stations to say.
+    Json weak_stations() const {
+        const auto found = survey.find("weak_stations");
+        return found != survey.end() && found->is_array() ? *found : Json::array();
+    }
     bool is_weak(std::size_t i) const {
-        const Json weak = survey.value("weak", Json::array());
-        return std::any_of(weak.begin(), weak.end(), [&](const Json& w) { return w.at("index") == i; });
+        const Json weak = weak_stations();
+        return std::any_of(weak.begin(), weak.end(), [&](const Json& w) { return w.at("station") == i; });
     }
     std::vector<std::string> place(std::size_t i) const {
         const Json& s = stations[i];
@@ -345,7 +350,7 @@ Figure strips_figure(const std::string& name, const Road& road, const std::vecto
     if (!sections.rows.empty()) {
         key.line(paler(okabe_ito[0]), false, 3.0, "median of a homogeneous section");
     }
-    if (!road.survey.value("weak", Json::array()).empty()) {
+    if (!road.weak_stations().empty()) {
         key.mark({.colour = okabe_ito[1], .marker = Marker::circle, .marker_size = 1.3}, "weak");
     }
     if (limits) {

@@ -30,6 +30,7 @@ Json slab_json(const analysis::SlabResult& result) {
     Json json = {{"foundation", is_liquid(result) ? "liquid" : "solid"},
                  {"thickness_mm", result.options.thickness_mm},
                  {"poisson", result.options.poisson},
+                 {"size_mm", result.options.length_mm > 0.0 ? Json(slab_size_mm(result.options)) : Json(nullptr)},
                  {"bending", optional_json(result.bending)},
                  {"stations", Json::array()},
                  {"remarks", result.remarks},
@@ -51,7 +52,9 @@ Json slab_json(const analysis::SlabResult& result) {
             one["rms_percent"] = s.fit->rms_percent;
         }
         if (s.area_stiffness_mm) {
-            one["by_area"] = {{"stiffness_radius_mm", *s.area_stiffness_mm}, {foundation, *s.area_foundation}};
+            one["by_area"] = {{"stiffness_radius_mm", *s.area_stiffness_mm},
+                              {foundation, *s.area_foundation},
+                              {"slab_MPa", *s.area_slab_MPa}};
         }
         json["stations"].push_back(std::move(one));
     }

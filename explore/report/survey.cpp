@@ -259,6 +259,21 @@ std::string in_one_cell(const std::vector<int>& numbers) {
     return text;
 }
 
+Json weak_json(const SurveyResult& result) {
+    const auto weak = analysis::weak_stations(result);
+    if (!weak) {
+        return nullptr;
+    }
+    Json json = Json::array();
+    for (const auto& w : *weak) {
+        json.push_back({{"station", w.station},
+                        {"times_median", w.d0_ratio},
+                        {"parameter", w.parameter ? Json(result.parameter_names()[*w.parameter]) : Json(nullptr)},
+                        {"parameter_times_median", w.parameter ? Json(w.parameter_ratio) : Json(nullptr)}});
+    }
+    return json;
+}
+
 } // namespace
 
 Json survey_json(const SurveyResult& result) {
@@ -288,14 +303,7 @@ Json survey_json(const SurveyResult& result) {
     for (const StationResult& s : result.stations) {
         json["stations"].push_back(station_json(result, s));
     }
-    json["weak"] = Json::array();
-    for (const analysis::WeakStation& w : analysis::weak_stations(result)) {
-        json["weak"].push_back({{"index", w.station},
-                                {"station", result.stations[w.station].station.name},
-                                {"D0_ratio", w.d0_ratio},
-                                {"parameter", w.parameter ? Json(result.parameter_names()[*w.parameter]) : Json()},
-                                {"parameter_ratio", w.parameter ? Json(w.parameter_ratio) : Json()}});
-    }
+    json["weak_stations"] = weak_json(result);
     json["suspect_sensor"] = nullptr;
     if (result.suspect) {
         const auto& s = *result.suspect;

@@ -173,6 +173,19 @@ def test_a_survey_names_its_weak_station_first(place):
     assert first.startswith(f"Weak station: {WEAK} at 100 m (D0 40 %" ) or first.startswith(f"Weak station: {WEAK} at 100 m (D0 39 %"), first
 
 
+def test_the_page_takes_the_weak_stations_from_the_program(place):
+    assert run(*call(place, "survey"), "--threads", 1, "--out", place / "weak").returncode == 0
+    found = json.loads((place / "weak" / "survey.json").read_text())
+    weak = found["weak_stations"]
+    assert [found["stations"][w["station"]]["station"] for w in weak] == [WEAK], weak
+    assert abs(weak[0]["times_median"] - 1.4 / 1.01) < 0.01, "D0 over the median of the others"
+    few = place / "only-four.csv"
+    few.write_text("\n".join((place / "road.csv").read_text().splitlines()[:5]) + "\n")
+    done = run("survey", few, "--threads", 1, "--out", place / "only-four")
+    assert json.loads((place / "only-four" / "survey.json").read_text())["weak_stations"] is None, "four are too few to judge"
+    assert "weak" not in done.stdout, done.stdout
+
+
 def test_a_mistyped_command_or_option_gets_a_suggestion(place):
     for arguments, meant in ((["unik", place / "one.toml"], "unique"), (["fit", place / "one.toml", "--strats", 3], "--starts")):
         told = run(*arguments)

@@ -150,7 +150,7 @@ def long_road():
         s["D0_um_at_common_pressure"] *= 2.5 if i in WEAK else 1
         result["stations"].append(s)
     result["counts"]["stations"] = result["counts"]["fitted"] = STATIONS
-    result["weak"] = [{"index": i, "station": f"P{i:03}", "D0_ratio": 2.5, "parameter": None, "parameter_ratio": None} for i in WEAK]
+    result["weak_stations"] = [{"station": i, "times_median": 2.5, "parameter": None, "parameter_times_median": None} for i in WEAK]
     result["sections"] = [{**p, "from_m": 0.0, "to_m": 1e6} for p in result["sections"][:1]]
     (out / "survey.json").write_text(json.dumps(result))
     assert run("report", out).returncode == 0, "report"
@@ -187,6 +187,9 @@ def test_strips_and_bowls_of_a_long_road(browser, long_road):
     assert at[900] != at[875] and len({at[900], at[5025], at[13250]}) == 1, "weak stations have a colour of their own"
     titles = browser.evaluate("[...document.querySelectorAll('[data-chart=strip]')].map((c) => c.layout.yaxis.title.text)")
     assert {"asphalt [°C]", "SCI [µm]", "BDI [µm]"} <= set(titles), f"strips of temperature and indices: {titles}"
+    rows = browser.evaluate("[...document.querySelectorAll('details')].find((d) => d.textContent.startsWith('Residuals of the sensors')).querySelector('table').rows.length")
+    assert rows == 1 + 7, f"a row of residuals for every sensor: {rows}"
+    assert browser.evaluate("['residual-strip', 'surface-modulus'].map((c) => document.querySelectorAll(`[data-chart=${c}]`).length)") == [1, 1], "residuals and surface modulus"
     browser.evaluate("document.querySelector('[data-chart=map]').emit('plotly_click', { points: [{ customdata: 201 }] })")
     assert browser.wait("document.querySelector('[data-chart=bowl] svg.main-svg') !== null", 20), "a click on a station shows its bowl"
     assert "P201" in browser.evaluate("document.querySelector('[data-chart=bowl]').layout.title.text")

@@ -4,6 +4,7 @@ import json
 import math
 import pathlib
 import re
+import resource
 import subprocess
 
 from support import PROGRAM, run, workspace
@@ -104,6 +105,25 @@ def test_a_sensor_or_the_section_or_the_layout_is_named():
     assert sound["suspect_sensor"] is None and not sound["section_is_suspect"] and sound["better_layout"] is None
 
 
+def test_a_road_whose_sensors_stand_elsewhere_is_told_so_before_long():
+    folder = workspace()
+    rows, names, study, _ = made(folder, 9, 0, 8)
+    moved = {"D300_um": "D400_um", "D450_um": "D650_um", "D600_um": "D850_um", "D900_um": "D1080_um"}
+    shared = folder / "shared.toml"
+    shared.write_text(re.sub(r'(name = "[a-z]+\.modulus_MPa"\n)', r'\1level = "shared"\n', study.read_text(), count=1))
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    road = answer("road", written(folder / "moved.csv", [moved.get(name, name) for name in names], rows), shared, folder, "--diagnose")
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    # That of inches is 3 to 29 mm away, and the stations' asphalt is not quite alike: both may come first.
+    usual = ("sensors at 0, 200, 300, 450, 600, 900, 1200, 1500, 1800 mm", "sensors at 0, 203, 305, 457, 610, 914, 1219, 1524, 1829 mm")
+    first = road["diagnosis"]["candidates"][:2]
+    assert {c["on"] for c in first} == set(usual) and all(c["effect"] == "sensor-position" for c in first), first
+    assert all(c["p_familywise"] < 0.001 and c["chi2"] < 0.1 * road["diagnosis"]["chi2"] for c in first), first
+    assert any("the sensors stand at 0, 20" in words and "with p < 1e-6" in words for words in road["findings"]), road["findings"]
+    seconds = after.ru_utime - before.ru_utime
+    assert seconds < 60, f"one nonlinear effect must not make all slow: {seconds} s of a processor"
+
+
 def test_a_withheld_level_tells_of_load_only_what_the_fit_does_not_leave_over_anyway():
     folder = workspace()
     rows, names, study, _ = made(folder, 10, 0, 13)
@@ -151,3 +171,10 @@ def test_deflections_at_depth_are_read():
     # The strain half way between is what the displacements differ by: mm over 20 mm, in microstrain.
     strain = 1e6 * (values[1] - values[2]) / 20
     assert abs(strain / (700 * truths[0]["strain_per_kPa"]) - 1) < 0.002, (strain, truths)
+
+
+def test_a_drop_over_time_is_not_taken_for_a_road():
+    path = workspace() / "pulse.csv"
+    path.write_text("Time,Force,D1,D2\n" + "".join(f"{0.0002 * i:.4f},{i},{i},{i}\n" for i in range(40)))
+    done = run("survey", path)
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and "one drop over time" in done.stderr and "--pulses" in done.stderr, done.stderr

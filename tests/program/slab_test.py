@@ -84,7 +84,42 @@ def test_a_void_shows_in_the_line_through_the_levels():
     assert any(f.startswith("A void is suspected under V1:") for f in found["findings"]), found["findings"]
 
 
-@pytest.mark.parametrize("options, said", [(("--joints", "J9"), "no station has this name"), (("--thickness", "3"), "--thickness"),
+# By hand, for a bowl whose l by AREA is 900 mm: a slab of 4.5 by 3.6 m has L = 4025 mm, L/l = 4.472, and
+# l 900 (1 - 0.89434 exp(-0.61662 4.472^1.04831)) = 900 (1 - 0.89434 exp(-2.9645)) = 900 (1 - 0.04613) = 858.5 mm,
+# D0 times 1 - 1.15085 exp(-0.71878 4.472^0.80151) = 1 - 1.15085 exp(-2.3878) = 0.8943. One of 9 by 3.6 m counts as 7.2.
+def test_a_slab_that_ends_is_stiffer_than_it_looks():
+    k = RIGIDITY / 0.9 ** 4
+    path = write("finite", [("S1", [(PRESSURE, bowl("liquid", k))])])
+    plain = slab(path)["stations"][0]["by_area"]
+    found = slab(path, "--length", 4500, "--width", 3600)
+    by_area = found["stations"][0]["by_area"]
+    assert math.isclose(found["size_mm"], 4025, abs_tol=1), found
+    assert math.isclose(plain["stiffness_radius_mm"], 900, abs_tol=1) and math.isclose(by_area["stiffness_radius_mm"], 858.5, abs_tol=1), by_area
+    at_l = deflection("liquid", RIGIDITY / 0.8585 ** 4, 0) * RIGIDITY / 0.8585 ** 4  # D0 k of an infinite slab of that l
+    assert math.isclose(by_area["k_MPa_per_m"], at_l / (0.8943 * deflection("liquid", k, 0)) / 1e6, rel_tol=2e-3), by_area
+    assert math.isclose(by_area["slab_MPa"], by_area["k_MPa_per_m"] * 0.8585 ** 4 / (RIGIDITY / CONCRETE), rel_tol=5e-3), by_area
+    assert any(f.startswith("As slabs of 4.5 by 3.6 m, by AREA: k") for f in found["findings"]), found["findings"]
+    assert math.isclose(slab(path, "--length", 9000, "--width", 3600)["size_mm"], math.sqrt(7.2 * 3.6) * 1e3, rel_tol=1e-6)
+
+
+# Deflections of square plates with free edges, by finite elements (w k / pressure; l = 900 mm, side 4 l and 5 l).
+FREE_EDGES = {4: (0.0124959, 0.0121062, 0.0117012, 0.0101142, 0.0083159, 0.0065273, 0.0048361),
+              5: (0.0119377, 0.0115515, 0.0111509, 0.0095865, 0.0078231, 0.0060801, 0.0044476)}
+
+
+@pytest.mark.parametrize("side", FREE_EDGES)
+def test_a_plate_with_free_edges_has_its_own_k_back(side):
+    k = RIGIDITY / 0.9 ** 4
+    path = write(f"free{side}", [("S1", [(PRESSURE, [1e6 * w * PRESSURE / k for w in FREE_EDGES[side]])])])
+    infinite = slab(path)["stations"][0]["by_area"]
+    finite = slab(path, "--length", 900 * side, "--width", 900 * side)["stations"][0]["by_area"]
+    assert math.isclose(finite["stiffness_radius_mm"], 900, rel_tol=0.03), (infinite, finite)
+    assert math.isclose(finite["k_MPa_per_m"], k / 1e6, rel_tol=0.06), (infinite, finite)
+    assert abs(infinite["stiffness_radius_mm"] / 900 - 1) > abs(finite["stiffness_radius_mm"] / 900 - 1), (infinite, finite)
+
+
+@pytest.mark.parametrize("options, said", [(("--length", "4500"), "--length"), (("--length", "4500", "--width", "3600", "--foundation", "solid"), "dense liquid"),
+                                           (("--joints", "J9"), "no station has this name"), (("--thickness", "3"), "--thickness"),
                                            (("--foundation", "sand"), "--foundation")])
 def test_bad_input_is_met_with_one_message(options, said):
     path = write("bad", [("S1", [(PRESSURE, bowl("liquid", 60e6))])])

@@ -66,6 +66,7 @@ def test_without_a_study_ratios_alone(made):
     assert list(stations) == ["A", "nonsense", "B", "C"], "stations stand along the road"
     assert result["counts"] == {"stations": 4, "rejected": 1, "pass": 2, "fail": 1, "no_ratio": 0, "fitted": 0, "doubtful": 0, "no_fit": 0, "failed": 0}, f"counts: {result['counts']}"
     assert stations["nonsense"]["status"] == "rejected" and "rises from 200 um at 300 mm" in stations["nonsense"]["reason"], "nonsense has its reason"
+    assert any(f.startswith("1 station is rejected. nonsense: ") for f in result["findings"]), f"and is named with it: {result['findings']}"
     for row in rows[:3]:
         s = stations[row[0]]
         interpolated = (row[6] * row[7]) ** 0.5  # half way between 200 and 300 mm on a logarithmic scale

@@ -1,12 +1,10 @@
 #include "analysis/road/road_diagnosis.h"
 
 #include "analysis/road/road_decision.h"
-#include "base/text.h"
-#include "base/units.h"
+#include "analysis/road/road_lacks.h"
 #include "diagnose/screening.h"
 #include "inference/quantiles.h"
 #include "pavement/effects/effect.h"
-#include "study/variants.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -27,46 +25,6 @@ constexpr double moves = 1.0;   // standard deviations that crossing the box mus
 constexpr double behind = 10.0; // fall of chi2 below the most promising candidate's, of those that are fitted
 constexpr std::size_t most_fits = 5;
 constexpr int fit_number = 3000;
-// Each run of it is a march in time.
-const std::vector<std::string> without = {"inertia"};
-
-// Something that the road may lack.
-struct Lack {
-    std::optional<study::Variant> variant{}; // at the first station that has it; none: the scale of a sensor
-    std::optional<double> offset_mm{};       // of the sensor that it concerns
-    int sense = 0;                           // of its sizes: 1 above the null, -1 below, 0 both
-    std::vector<VectorXd> change;            // of every member's residuals by its size, unit coordinate or share
-};
-
-double x_mm(const study::Study& study, int reading) {
-    return study.readings[static_cast<std::size_t>(reading)].x_mm;
-}
-
-std::string key_of(const study::Variant& variant, const study::Study& study) {
-    std::string key(variant.applied.effect->name);
-    if (variant.applied.reading) {
-        key += fmt::format(" {}", x_mm(study, *variant.applied.reading));
-    }
-    return variant.applied.offsets.empty() ? key : key + " " + variant.on;
-}
-
-// Effects that all stations can lack alike: on every load, or at the place of a sensor.
-bool is_of_the_road(const study::Variant& variant) {
-    const auto& applied = variant.applied;
-    return !applied.load && !applied.quantity && !applied.effect->is_error_of_reading;
-}
-
-// The task with effects of free size.
-StationTask with_effects(const StationTask& task, const std::vector<study::Variant>& variants,
-                         const ProblemOfStation& problem_of) {
-    StationTask extended = task;
-    extended.study = study::with_free_effects(task.study, variants);
-    for (std::size_t k = task.study.space.axes.size(); k < extended.study.space.axes.size(); ++k) {
-        extended.study.space.axes[k].level = problem::Level::shared;
-    }
-    extended.problem = problem_of(extended.study);
-    return extended;
-}
 
 class Diagnoser {
 public:
@@ -82,10 +40,11 @@ public:
     }
 
     std::optional<RoadDiagnosis> run() {
-        if (!differentiate() || !move_sensors()) {
+        auto lacks = lacks_of_road(session_, state_, problem_of_);
+        if (!lacks) {
             return std::nullopt;
         }
-        add_sensors();
+        lacks_ = std::move(*lacks);
         score();
         const bool is_chance = result_.effects.empty() || result_.effects[0].p_familywise >= road_familywise;
         if (!is_chance && !fit_promising()) {
@@ -97,159 +56,6 @@ public:
 
 private:
     std::size_t members() const { return state_.members.size(); }
-
-    // Of the residuals of every member by the size of every effect, at none. False: interrupted.
-    bool differentiate() {
-        std::vector<StationTask> tasks;
-        std::vector<int> runs;
-        std::vector<std::vector<study::Variant>> of_member;
-        std::map<std::string, std::size_t> places;
-        for (const std::size_t i : state_.members) {
-            std::vector<study::Variant> mine;
-            for (study::Variant& variant : study::variants(state_.tasks[i].study, without)) {
-                if (is_of_the_road(variant) && !variant.applied.reading) {
-                    mine.push_back(std::move(variant));
-                }
-            }
-            tasks.push_back(with_effects(state_.tasks[i], mine, problem_of_));
-            runs.push_back(session_.begin(tasks.back().study, "road-effects", tasks.back().words()));
-            for (const study::Variant& variant : mine) {
-                const std::string key = key_of(variant, state_.tasks[i].study);
-                const auto [at, is_new] = places.try_emplace(key, lacks_.size());
-                if (is_new) {
-                    const auto& effect = *variant.applied.effect;
-                    Lack lack{.variant = variant,
-                              .sense = effect.null <= effect.low    ? 1
-                                       : effect.null >= effect.high ? -1
-                                                                    : 0,
-                              .change = std::vector<VectorXd>(members())};
-                    lacks_.push_back(std::move(lack));
-                }
-            }
-            of_member.push_back(std::move(mine));
-        }
-        const RoadLayout layout; // nothing is searched
-        RoadStations stations(session_, tasks, runs, layout);
-        return stations.for_each(members(), [&](std::size_t m) {
-            const RoadPoint& point = state_.points[state_.members[m]];
-            const auto d = static_cast<Index>(point.unit.size());
-            std::vector<double> unit = point.unit;
-            for (const study::Variant& variant : of_member[m]) {
-                unit.push_back(study::size_axis(*variant.applied.effect).unit(variant.applied.effect->null));
-            }
-            const auto here = stations.search(m, unit, {}, 0);
-            if (!here || !here->evaluation.converged()) {
-                return;
-            }
-            const problem::Problem& problem = tasks[m].problem;
-            const MatrixXd slopes = problem.residual_jacobian(here->evaluation);
-            const VectorXd residuals = problem.residuals(here->evaluation);
-            for (std::size_t v = 0; v < of_member[m].size(); ++v) {
-                const auto& effect = *of_member[m][v].applied.effect;
-                const std::size_t at = unit.size() - of_member[m].size() + v;
-                VectorXd change = slopes.col(d + static_cast<Index>(v));
-                constexpr double nothing = 1e-9; // no slope at none: the size counts by its square, or by its step
-                if (change.allFinite() && change.norm() < nothing) {
-                    std::vector<double> there = unit;
-                    there[at] = study::size_axis(effect).unit(of_member[m][v].typical.value_or(effect.typical));
-                    const auto away = stations.search(m, there, {}, 1 + static_cast<int>(v));
-                    if (away && away->evaluation.converged()) {
-                        change = (problem.residuals(away->evaluation) - residuals) / (there[at] - unit[at]);
-                    }
-                }
-                if (change.allFinite()) {
-                    lacks_[places.at(key_of(of_member[m][v], state_.tasks[state_.members[m]].study))].change[m] =
-                        change;
-                }
-            }
-        });
-    }
-
-    // Of the residuals by the places of sensors: all stand a little farther out, which changes nothing but what each
-    // reads itself. False: interrupted.
-    bool move_sensors() {
-        constexpr double step_mm = 1.0;
-        std::vector<StationTask> tasks;
-        std::vector<int> runs;
-        std::vector<std::map<double, Lack>> found(members());
-        for (const std::size_t i : state_.members) {
-            tasks.push_back(state_.tasks[i]);
-            StationTask& moved = tasks.back();
-            for (auto& sensor : moved.study.model.sensors) {
-                sensor.x += step_mm * pave::unit::mm;
-            }
-            moved.study.hash += " sensors moved";
-            moved.problem = problem_of_(moved.study);
-            runs.push_back(session_.begin(moved.study, "road-sensors", moved.words()));
-        }
-        const RoadLayout layout; // nothing is searched
-        RoadStations stations(session_, tasks, runs, layout);
-        const bool finished = stations.for_each(members(), [&](std::size_t m) {
-            const StationTask& task = state_.tasks[state_.members[m]];
-            const RoadPoint& point = state_.points[state_.members[m]];
-            const auto there = stations.search(m, point.unit, {}, 0);
-            if (!there || !there->evaluation.converged()) {
-                return;
-            }
-            const VectorXd by_step =
-                task.problem.standard_residuals(there->evaluation) - task.problem.standard_residuals(point.evaluation);
-            for (const study::Variant& variant : study::variants(task.study, without)) {
-                if (!is_of_the_road(variant) || !variant.applied.reading) {
-                    continue;
-                }
-                const auto& effect = *variant.applied.effect;
-                const double offset = x_mm(task.study, *variant.applied.reading);
-                Lack& lack = found[m][offset];
-                lack.variant = variant;
-                lack.offset_mm = offset;
-                VectorXd change = VectorXd::Zero(static_cast<Index>(task.problem.rows()));
-                for (std::size_t row = 0; row < task.problem.readings(); ++row) {
-                    if (x_mm(task.study, static_cast<int>(task.problem.response_of(row))) == offset) {
-                        change += by_step[static_cast<Index>(row)] / step_mm * (effect.high - effect.low) *
-                                  task.problem.change_by(row);
-                    }
-                }
-                lack.change = {std::move(change)};
-            }
-        });
-        std::map<double, Lack> all;
-        for (std::size_t m = 0; m < members(); ++m) {
-            for (auto& [offset, lack] : found[m]) {
-                VectorXd change = std::move(lack.change[0]);
-                Lack& of_road = all.try_emplace(offset, std::move(lack)).first->second;
-                of_road.change.resize(members());
-                of_road.change[m] = std::move(change);
-            }
-        }
-        for (auto& [offset, lack] : all) {
-            lacks_.push_back(std::move(lack));
-        }
-        return finished;
-    }
-
-    // A sensor that reads a share too much everywhere.
-    void add_sensors() {
-        std::map<double, Lack> sensors;
-        for (std::size_t m = 0; m < members(); ++m) {
-            const StationTask& task = state_.tasks[state_.members[m]];
-            std::size_t row = 0; // readings stand in the order of the bowls
-            for (const auto* bowl : task.bowls()) {
-                for (const auto& reading : bowl->readings) {
-                    Lack& lack = sensors[reading.offset_mm];
-                    lack.offset_mm = reading.offset_mm;
-                    lack.change.resize(members());
-                    VectorXd& change = lack.change[m];
-                    const VectorXd by_reading =
-                        task.problem.change_by_gain(row, state_.points[state_.members[m]].evaluation);
-                    change = change.size() > 0 ? VectorXd(change + by_reading) : by_reading;
-                    ++row;
-                }
-            }
-        }
-        for (auto& [offset, lack] : sensors) {
-            lacks_.push_back(std::move(lack));
-        }
-    }
 
     void score() {
         const auto n = static_cast<Index>(lacks_.size());
@@ -425,8 +231,8 @@ private:
         layout.common.push_back({state_.tasks[0].study.space.axes.size(), {}});
         const double towards = effect.score > 0.0 ? 1.0 : 0.0;
         for (const std::size_t i : state_.members) {
-            for (const study::Variant& variant : study::variants(state_.tasks[i].study, without)) {
-                if (is_of_the_road(variant) && key_of(variant, state_.tasks[i].study) == key) {
+            for (const study::Variant& variant : effects_of_road(state_.tasks[i].study)) {
+                if (key_of(variant, state_.tasks[i].study) == key) {
                     tasks.push_back(with_effects(state_.tasks[i], {variant}, problem_of_));
                     runs.push_back(session_.begin(tasks.back().study, "road-effect", tasks.back().words()));
                     points.push_back(state_.points[i]);

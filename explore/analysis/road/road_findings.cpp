@@ -145,8 +145,9 @@ std::string diagnosis_words(const RoadDiagnosis& d) {
     }
     return fmt::format(
         "UNEXPLAINED: all stations lack something ({}), and no effect of the catalogue leaves noise only; what "
-        "comes nearest is {}.",
-        before, words(d.effects[0]));
+        "comes nearest is {}. Noise alone would show as much of some effect with p {}.",
+        before, words(d.effects[0]),
+        d.effects[0].p_familywise < 1e-6 ? "< 1e-6" : fmt::format("= {:.2g}", d.effects[0].p_familywise));
 }
 
 } // namespace

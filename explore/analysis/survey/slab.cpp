@@ -156,11 +156,18 @@ void set_area(const SlabOptions& options, DeflectionBowl bowl, SlabStation& stat
         const double middle = std::sqrt(low * high);
         (area_at(middle) < *station.area_mm ? low : high) = middle;
     }
-    const double l = std::sqrt(low * high);
+    double l = std::sqrt(low * high);
+    double d0 = bowl.d0_um() * 1e-6;
+    if (options.length_mm > 0.0) {
+        const double size = slab_size_mm(options) * pave::unit::mm / l;
+        l *= 1.0 - 0.89434 * std::exp(-0.61662 * std::pow(size, 1.04831));
+        d0 *= 1.0 - 1.15085 * std::exp(-0.71878 * std::pow(size, 0.80151));
+    }
     station.area_stiffness_mm = l / pave::unit::mm;
     const double under_load = plate_deflection(options.foundation, bowl.radius_mm * pave::unit::mm, 0.0, l) *
                               bowl.pressure_kPa * pave::unit::kPa;
-    station.area_foundation = foundation_of(options, bowl.d0_um() * 1e-6 / under_load);
+    station.area_foundation = foundation_of(options, d0 / under_load);
+    station.area_slab_MPa = slab_modulus_of(options, d0 / under_load, l);
 }
 
 // Of the line through pressure and D0 of the levels, by least squares [um].
@@ -212,7 +219,20 @@ bool is_poor(const SlabStation& s) {
 
 } // namespace
 
+double slab_size_mm(const SlabOptions& options) {
+    const double shorter = std::min(options.length_mm, options.width_mm);
+    return std::sqrt(shorter * std::min(std::max(options.length_mm, options.width_mm), 2.0 * shorter));
+}
+
 SlabResult slabs(const std::vector<data::FwdFile>& files, const SlabOptions& options) {
+    if ((options.length_mm > 0.0) != (options.width_mm > 0.0)) {
+        throw pave::Error({.key = options.length_mm > 0.0 ? "--length" : "--width"}, "a slab has a length and a width",
+                          "this one alone", "both, or neither for an infinite slab");
+    }
+    if (options.length_mm > 0.0 && options.foundation != Foundation::dense_liquid) {
+        throw pave::Error({.key = "--length"}, "the size of slabs is known to count on a dense liquid alone",
+                          "--foundation solid", "--foundation liquid, or no --length and --width");
+    }
     SlabResult result{.options = options, .stations = {}, .bending = {}, .remarks = {}};
     std::vector<std::string> unknown = options.joints;
     std::vector<double> bending;
@@ -299,6 +319,19 @@ std::vector<std::string> findings(const SlabResult& result) {
                                    words(foundation, is_liquid ? "MPa/m" : "MPa"),
                                    words(of([](const SlabFit& f) { return f.slab_MPa.value; }), "MPa"),
                                    words(of([](const SlabFit& f) { return f.stiffness_mm.value; }), "mm")));
+        if (result.options.length_mm > 0.0) {
+            const auto by_area = [&](const auto& of_station) {
+                return values_of(result, [&](const SlabStation& s) { return good(s) ? of_station(s) : std::nullopt; });
+            };
+            if (const auto k = by_area([](const SlabStation& s) { return s.area_foundation; }); !k.empty()) {
+                text.push_back(fmt::format(
+                    "As slabs of {:g} by {:g} m, by AREA: k {}; modulus of the concrete {}; radius of relative "
+                    "stiffness {}. The values before are those of infinite slabs.",
+                    result.options.length_mm * pave::unit::mm, result.options.width_mm * pave::unit::mm,
+                    words(k, "MPa/m"), words(by_area([](const SlabStation& s) { return s.area_slab_MPa; }), "MPa"),
+                    words(by_area([](const SlabStation& s) { return s.area_stiffness_mm; }), "mm")));
+            }
+        }
         if (is_liquid) {
             text.emplace_back("k is that of a falling weight; design by static k takes about half of it.");
         }

@@ -371,6 +371,15 @@ void add_lives(const SurveyResult& result, std::vector<std::string>& words) {
         c.criterion.name, needing, with, usual_reliability_percent));
 }
 
+void add_rejected(const SurveyResult& result, std::vector<std::string>& words) {
+    const auto rejected = [](const StationResult& s) { return !s.has_bowl(); };
+    if (const auto count = result.count(rejected); count > 0) {
+        const auto& first = *std::find_if(result.stations.begin(), result.stations.end(), rejected);
+        words.push_back(fmt::format("{} {} rejected. {}: {}", count, count == 1 ? "station is" : "stations are",
+                                    first.station.name, first.reason));
+    }
+}
+
 } // namespace
 
 std::vector<std::string> findings_of(const SurveyResult& result) {
@@ -379,6 +388,7 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
         words.push_back(std::move(weak));
     }
     add_lives(result, words);
+    add_rejected(result, words);
     words.insert(words.end(), result.remarks.begin(), result.remarks.end());
     const auto stations = result.stations.size();
     const auto without_place = result.count([](const StationResult& s) { return !s.station.chainage_m; });

@@ -226,16 +226,18 @@ std::vector<SectionTrial> section_trials(const SurveyResult& result) {
 
 std::string trial_words(const SurveyResult& result) {
     std::vector<std::string> helps;
+    std::vector<std::string> some;
     std::vector<std::string> little;
     std::vector<std::string> worse;
+    constexpr double clearly_better = 0.9;
     constexpr double clearly_worse = 1.1;
     for (const SectionTrial& t : result.trials) {
         if (t.misfit_ratio < worth_saying) {
             helps.push_back(fmt::format("{}: {:.1f} % instead of {:.1f} % (squared misfit {:.2g} times)", t.words,
                                         t.rms_percent, t.rms_percent_of_study, t.misfit_ratio));
         } else {
-            (t.misfit_ratio < clearly_worse ? little : worse)
-                .push_back(fmt::format("{} ({:.2g} times)", t.words, t.misfit_ratio));
+            auto& list = t.misfit_ratio < clearly_better ? some : t.misfit_ratio < clearly_worse ? little : worse;
+            list.push_back(fmt::format("{} (squared misfit {:.2g} times)", t.words, t.misfit_ratio));
         }
     }
     if (result.trials.empty()) {
@@ -246,11 +248,12 @@ std::string trial_words(const SurveyResult& result) {
     if (!helps.empty()) {
         parts.push_back("another section misses the bowls by less (median RMS): " + pave::join(helps, "; "));
     }
-    if (!little.empty()) {
-        parts.push_back("this changes little in the squared misfit: " + pave::join(little, "; "));
-    }
-    if (!worse.empty()) {
-        parts.push_back("this fits worse: " + pave::join(worse, "; "));
+    const std::pair<const char*, const std::vector<std::string>&> tiers[] = {
+        {"this helps a little: ", some}, {"this changes next to nothing: ", little}, {"this fits worse: ", worse}};
+    for (const auto& [words, list] : tiers) {
+        if (!list.empty()) {
+            parts.push_back(words + pave::join(list, "; "));
+        }
     }
     const std::string text = fmt::format("Tried at {} stations, {}.", stations, pave::join(parts, "; and "));
     return text;

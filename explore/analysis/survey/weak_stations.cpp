@@ -57,7 +57,7 @@ void add_parameter(const SurveyResult& result, const std::vector<std::size_t>& g
 
 } // namespace
 
-std::vector<WeakStation> weak_stations(const SurveyResult& result) {
+std::optional<std::vector<WeakStation>> weak_stations(const SurveyResult& result) {
     std::vector<std::vector<std::size_t>> groups;
     const auto add = [&](std::size_t begin, std::size_t end) {
         groups.emplace_back();
@@ -74,11 +74,12 @@ std::vector<WeakStation> weak_stations(const SurveyResult& result) {
          begin = result.end_of_lane(begin)) {
         add(begin, result.end_of_lane(begin));
     }
+    std::erase_if(groups, [](const auto& group) { return group.size() < section_stations; });
+    if (groups.empty()) {
+        return std::nullopt;
+    }
     std::vector<WeakStation> weak;
     for (const auto& group : groups) {
-        if (group.size() < section_stations) {
-            continue;
-        }
         std::vector<double> d0;
         std::transform(group.begin(), group.end(), std::back_inserter(d0),
                        [&](std::size_t i) { return std::log(result.d0_at_common(result.stations[i])); });
@@ -96,7 +97,7 @@ std::vector<WeakStation> weak_stations(const SurveyResult& result) {
 }
 
 std::string weak_words(const SurveyResult& result) {
-    const auto weak = weak_stations(result);
+    const auto weak = weak_stations(result).value_or(std::vector<WeakStation>());
     constexpr std::size_t named = 3;
     std::vector<std::string> words;
     for (std::size_t i = 0; i < std::min(named, weak.size()); ++i) {

@@ -17,10 +17,10 @@ struct WeakStation {
 inline constexpr double weak_deviations = 3.5; // Iglewicz and Hoaglin (1993)
 inline constexpr double weak_scatter = 0.05;   // stations of a uniform road differ by that
 
-// Worst first.
-std::vector<WeakStation> weak_stations(const SurveyResult& result);
+// Worst first; nothing: there are too few stations to judge any.
+std::optional<std::vector<WeakStation>> weak_stations(const SurveyResult& result);
 
-// In a sentence; "": there is none.
+// In a sentence; "": there is none, or none is judged.
 std::string weak_words(const SurveyResult& result);
 
 } // namespace explore::analysis

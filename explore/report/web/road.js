@@ -16,28 +16,25 @@ const roads = (() => {
         }
         return [...lanes].map(([name, list]) => ({ name: name || "the road", stations: list }));
     };
-    const medianOf = (values) => {
+    const quantileOf = (values, q) => {
         const sorted = [...values].sort((a, b) => a - b);
-        return sorted.length % 2 ? sorted[(sorted.length - 1) / 2] : (sorted[sorted.length / 2 - 1] + sorted[sorted.length / 2]) / 2;
+        const at = q * (sorted.length - 1);
+        return sorted[Math.floor(at)] + (at % 1) * (sorted[Math.ceil(at)] - sorted[Math.floor(at)]);
     };
-    // Stations worth a visit: {station, kind: "weak" or "fails" or "none", why, share}, the worst first.
+    const medianOf = (values) => quantileOf(values, 0.5);
+    // Stations worth a visit: {station, kind: "weak", "fails" or "none", why}, the worst first. The program says which are weak.
     const notable = (r) => {
-        const found = new Map();
-        const add = (s, kind, why, share) => {
-            const old = found.get(s);
-            found.set(s, old ? { ...old, why: [...old.why, why], share: Math.max(old.share, share), kind: old.kind === "none" ? old.kind : old.kind === "weak" ? "weak" : kind } : { station: s, kind, why: [why], share });
-        };
-        for (const w of r.weak || []) {
-            const s = r.stations[w.index];
-            add(s, "weak", `deflection ${figure(s.D0_um_at_common_pressure)} µm, ${w.D0_ratio.toFixed(1)} times the median of its section`, w.D0_ratio);
-            if (w.parameter) add(s, "weak", `${wording.parameter(w.parameter).name} ${figure(s.parameters[w.parameter].value)} ${wording.parameter(w.parameter).unit}, ${Math.round(100 * (1 - w.parameter_ratio))} % below it`, 0);
-        }
-        for (const s of r.stations) {
-            if (s.D0_um === undefined || (s.status !== "ok" && s.reason)) add(s, "none", s.reason || "no result", 0);
-            else if (s.pass === false) add(s, "fails", `deflection ratio ${figure(s.deflection_ratio)}, below ${plain(r.deflection_ratio.limit)}`, 0.01);
-        }
-        const order = { weak: 0, fails: 1, none: 2 };
-        return [...found.values()].sort((a, b) => order[a.kind] - order[b.kind] || b.share - a.share);
+        const times = (v) => `${v.toFixed(v < 1 ? 2 : 1)} times the median`;
+        const weak = (r.weak_stations || []).map((w) => {
+            const station = r.stations[w.station];
+            const name = w.parameter ? `${wording.parameter(w.parameter).name} ` : "";
+            return { station, kind: "weak", why: [`deflection ${figure(station.D0_um_at_common_pressure)} µm, ${times(w.times_median)} of its section`, ...(w.parameter ? [`${name}${times(w.parameter_times_median)}`] : [])] };
+        });
+        const others = r.stations.filter((s) => !weak.some((w) => w.station === s));
+        const none = (s) => s.D0_um === undefined || (s.status !== "ok" && s.reason);
+        return [...weak,
+            ...others.filter((s) => !none(s) && s.pass === false).map((station) => ({ station, kind: "fails", why: [`deflection ratio ${figure(station.deflection_ratio)}, below ${plain(r.deflection_ratio.limit)}`] })),
+            ...others.filter(none).map((station) => ({ station, kind: "none", why: [station.reason || "no result"] }))];
     };
     // Where a station is; within one lane of one road the chainage says it.
     const chainageOf = (s) => (typeof s.chainage_m === "number" ? `${plain(s.chainage_m)} m` : "");
@@ -46,7 +43,7 @@ const roads = (() => {
         const place = lanesOf(r.stations).length > 1 ? placeOf : chainageOf;
         return (n) => `${n.station.station}${place(n.station) ? ` (${place(n.station).replace(/ m$/, "\u00a0m")})` : ""}`;
     };
-    const kinds = { weak: "weak", fails: "fails", none: "no result" };
+    const kinds = { weak: "weak", fails: "fails", none: "not to be trusted" };
     const markOf = (notables) => {
         const of = new Map(notables.map((n) => [n.station, n.kind]));
         return (s, colour) => ({ weak: red, fails: amber, none: "#777" }[of.get(s)] || colour);
@@ -58,17 +55,17 @@ const roads = (() => {
         const of = (kind) => found.filter((n) => n.kind === kind);
         const [weak, fails, none] = [of("weak"), of("fails"), of("none")];
         const count = (list, one, many) => (list.length ? `${list.length} ${list.length === 1 ? one : many}` : "");
-        const rest = [count(fails, "station fails the deflection ratio", "stations fail the deflection ratio"), count(none, "station has no result or a doubtful one", "stations have no result or a doubtful one")].filter(Boolean).join("; ");
-        const verdict = (weak.length === 0 ? `No station of ${r.counts.stations} is weak beside its section`
+        const outliers = (r.outliers || []).map((o) => `${o.station}${typeof o.chainage_m === "number" ? ` (${plain(o.chainage_m)}\u00a0m)` : ""}`);
+        const doubts = r.better_layout ? "sensors may stand elsewhere than the file says" : r.suspect_sensor ? `the sensor at ${plain(r.suspect_sensor.offset_mm)} mm is in question`
+            : r.section_is_suspect ? "the model is off with one sign along the road: the section is in question" : "";
+        const rest = [doubts, outliers.length > 3 ? `${outliers.length} stations do not belong to the road` : outliers.length ? `${outliers.join(", ")} ${outliers.length === 1 ? "does" : "do"} not belong to the road` : "",
+            count(fails, "station fails the deflection ratio", "stations fail the deflection ratio"), count(none, "station has no result or a doubtful one", "stations have no result or a doubtful one")].filter(Boolean).join("; ");
+        const verdict = (!r.weak_stations ? `${r.counts.stations} ${r.counts.stations === 1 ? "station" : "stations"}, too few to say which are weak`
+            : weak.length === 0 ? `No station of ${r.counts.stations} is weak beside its section`
             : weak.length === 1 ? `${named(weak[0])} is weak: ${weak[0].why.join("; ")}`
             : `${weak.length} of ${r.counts.stations} stations are weak, most of all ${named(weak[0])}: ${weak[0].why[0]}`) + (rest ? `. ${rest[0].toUpperCase()}${rest.slice(1)}.` : ".");
         const good = r.stations.filter((s) => s.D0_um !== undefined);
-        const share = (values, q) => {
-            const sorted = [...values].sort((a, b) => a - b);
-            const at = q * (sorted.length - 1);
-            return sorted[Math.floor(at)] + (at % 1) * (sorted[Math.ceil(at)] - sorted[Math.floor(at)]);
-        };
-        const spread = (name, values, of) => (values.length ? [{ name, value: figure(medianOf(values)), range: `${figure(share(values, 0.15))} to ${figure(share(values, 0.85))}`, unit: of }] : []);
+        const spread = (name, values, of) => (values.length ? [{ name, value: figure(medianOf(values)), range: `${figure(quantileOf(values, 0.15))} to ${figure(quantileOf(values, 0.85))}`, unit: of }] : []);
         const names = [...new Set(good.flatMap((s) => Object.keys(s.parameters || {})))];
         const least = names.filter((n) => n.endsWith("_MPa")).reverse().slice(0, 2); // the lowest layers
         const numbers = [...spread(`deflection at ${plain(r.common_pressure_kPa)} kPa`, good.map((s) => s.D0_um_at_common_pressure).filter((v) => typeof v === "number"), "µm"),
@@ -156,11 +153,50 @@ const roads = (() => {
         const few = weak.length <= 6;
         return chart("map", [
             at(good, { name: "stations", showlegend: false, marker: { size: 7, color: values, colorscale: "Cividis", reversescale: true, colorbar: { title: { text: "deflection<br>[µm]" }, thickness: 10 } } }),
-            at(marked("none"), { name: "no result", marker: { size: 9, symbol: "x", color: "#777" } }),
+            at(marked("none"), { name: kinds.none, marker: { size: 9, symbol: "x", color: "#777" } }),
             at(failing, { name: "fails the ratio", marker: { size: failing.length > good.length / 3 ? 7 : 12, symbol: "square-open", color: amber, line: { width: failing.length > good.length / 3 ? 1 : 3 } } }),
-            { ...at(weak, { name: "weak", marker: { size: 15, symbol: "circle-open", color: red, line: { width: 3 } } }), ...(few ? { mode: "markers+text", texttemplate: weak.map((s) => s.station), textposition: "top center", textfont: { color: red } } : {}) },
+            { ...at(weak, { name: "weak", marker: { size: 15, symbol: "circle-open", color: red, line: { width: 3 } } }), ...(few ? { mode: "markers+text", texttemplate: weak.map((s) => s.station), textposition: weak.map((s) => (weak.filter((w) => east(w) < east(s)).length % 2 ? "bottom center" : "top center")), textfont: { color: red } } : {}) },
         ].filter((t) => t.x.length), { xaxis: axis("east [km]"), yaxis: axis("north [km]", { scaleanchor: "x", scaleratio: 1 }), height: 380, margin: { l: 56, r: 8, t: 30, b: 80 }, legend: { orientation: "h", y: -0.22 } },
         "The stations where they lie, from their positions; north is up.", onClick);
+    };
+
+    // Residuals of every sensor: over all stations, and along the road.
+    const residualsPart = (r, fitted) => {
+        const signed = (v) => `${v > 0 ? "+" : ""}${v.toFixed(1)}`;
+        const rows = (list, place) => list.map((q) => [place(q), signed(q.model_percent), q.scatter_percent.toFixed(1), `${q.above} of ${q.stations}${q.one_sign ? ", one sign" : ""}`]);
+        const heads = (first) => [first, "model over reading [%]", "scatter [%]", "model above at"];
+        const sensors = r.sensor_residuals || [];
+        const loads = r.load_residuals || [];
+        if (!sensors.length) return [];
+        const lanes = lanesOf(fitted);
+        const traces = sensors.map(({ offset_mm: offset }, k) => {
+            const share = (s) => {
+                const q = s && (s.readings || []).find((one) => one.offset_mm === offset);
+                return q && q.model_um > 0 && q.measured_um > 0 ? Number((100 * (q.model_um / q.measured_um - 1)).toFixed(2)) : null;
+            };
+            const way = lanes.flatMap(({ stations }, i) => [...(i ? [{ x: null, y: null }] : []), ...brokenWay(stations, share)]);
+            return { type: "scatter", mode: "lines", name: `${plain(offset)} mm`, x: way.map((w) => w.x), y: way.map((w) => w.y), connectgaps: false, line: { width: 1, color: colours[k % colours.length], dash: k < colours.length ? "solid" : "dot" } };
+        });
+        return [part("Residuals of the sensors"), make("p", { className: "soft" }, "Medians over the stations. A wave over all sensors is the section's; one sensor with a sign of its own is the sensor's."),
+            table(heads("sensor [mm]"), rows(sensors, (q) => q.offset_mm), [3]),
+            chart("residual-strip", traces, { xaxis: axis("chainage [m]"), yaxis: axis("model over reading [%]"), height: 340 }),
+            loads.length > 1 ? table(heads("load [kPa]"), rows(loads, (q) => q.pressure_kPa), [3]) : []];
+    };
+    // The modulus that a half-space would have by each sensor: it looks as deep as the sensor is far away.
+    const surfaceModuli = (good) => {
+        const some = good.filter((s) => s.normalised && s.normalised.surface_moduli.length > 1);
+        if (!some.length) return [];
+        const offsets = some[0].normalised.surface_moduli.map((m) => m.offset_mm);
+        const at = (o) => some.map((s) => s.normalised.surface_moduli.find((m) => m.offset_mm === o)).filter(Boolean).map((m) => m.modulus_MPa);
+        const line = (q, name, style) => ({ type: "scatter", mode: "lines+markers", name, x: offsets.map((o) => quantileOf(at(o), q)), y: offsets, line: { color: colours[0], ...style } });
+        return [part("Surface modulus over depth"), chart("surface-modulus", [line(0.15, "15 %", { dash: "dot", width: 1 }), line(0.5, "median", { width: 2 }), line(0.85, "85 %", { dash: "dot", width: 1 })],
+            { xaxis: axis("surface modulus [MPa]"), yaxis: axis("depth [mm]", { autorange: "reversed" }), height: 340 }, "Depth: the distance of the sensor, which looks about as deep. A subgrade that stiffens with depth, or under less stress, bends the line to the right at its lower end.")];
+    };
+    // The worst class of a station for one kind of base.
+    const classes = ["sound", "warning", "severe"];
+    const worstOf = (s, kind) => {
+        const found = Object.values((s.condition || {})[kind] || {}).map((c) => classes.indexOf(c)).filter((c) => c >= 0);
+        return found.length ? classes[Math.max(...found)] : null;
     };
 
     const showSurvey = (section, r, said) => {
@@ -212,11 +248,13 @@ const roads = (() => {
         headed("Temperatures along the road", [["surface [°C]", (s) => s.surface_C], ["air [°C]", (s) => s.air_C], ["asphalt [°C]", (s) => s.asphalt_C]]),
         headed("Indices along the road", [["SCI [µm]", "SCI_um"], ["BDI [µm]", "BDI_um"], ["BCI [µm]", "BCI_um"], ["AREA [mm]", "AREA_mm"]].map(([title, key]) => [title, (s) => (s.normalised ? s.normalised[key] : null)])),
         typeof r.reference_C === "number" ? headed(`Deflections and indices at ${plain(r.reference_C)} °C`, atReference(r)) : [],
+        residualsPart(r, fitted),
+        surfaceModuli(good),
         said.length ? [part("Findings"), words(said.map(say))] : [],
         notables.length > mostNamed ? [part(`The other ${notables.length - mostNamed} stations to look at`), notableTable(notables.slice(mostNamed))] : [],
         (r.sections || []).length && r.sections[0].D0_um ? [part("Homogeneous sections"), make("p", { className: "soft" }, "Cumulative differences of ln D0; 15 / 50 / 85 % of the stations do not exceed; of a parameter, of those that determine it."),
             sectionTable(r.sections, [["profile", (p) => p.profile], ["lane", (p) => p.lane], ["from [m]", (p) => p.from_m], ["to [m]", (p) => p.to_m], ["stations", (p) => p.stations],
-                ["D0 [µm]", (p) => percentiles(p.D0_um)], ...names.map((n) => [titled(n), (p) => determinedOnly((p.parameters || {})[n], p.fitted)])])] : [],
+                ["D0 [µm]", (p) => percentiles(p.D0_um)], ["characteristic D0 [µm]", (p) => (p.characteristic ? p.characteristic.D0_um : null)], ...names.map((n) => [titled(n), (p) => determinedOnly((p.parameters || {})[n], p.fitted)])])] : [],
         list("Stations", good, [["drops", (s) => (s.drops_used || []).join(" ")], ["pressure [kPa]", (s) => s.pressure_kPa], ["D0 [µm]", (s) => s.D0_um],
             ["deflection ratio", (s) => s.deflection_ratio], ["verdict", (s) => (s.pass === null || s.pass === undefined ? s.deflection_ratio_reason : s.pass ? "pass" : "fail")]], ["verdict"]),
         list("Parameters", fitted, [...names.map((n) => [titled(n), (s) => withRange((s.parameters || {})[n]) || figure(s.fit.parameters[n])]), ["rms [%]", (s) => s.fit.rms_percent]]),
@@ -226,6 +264,8 @@ const roads = (() => {
             ["AREA [mm]", (s) => s.normalised.AREA_mm], ["radius of curvature [m]", (s) => s.normalised.curvature_radius_m],
             ["E0 [MPa]", (s) => (s.normalised.surface_moduli[0] || {}).modulus_MPa], ["asphalt [°C]", (s) => s.asphalt_C], ...atReference(r),
             ["asphalt at reference [MPa]", (s) => s.asphalt_modulus_at_reference_MPa]]),
+        list("Condition", good.filter((s) => s.structural_number || s.condition), [["SN_eff", (s) => (s.structural_number || {}).SN_eff], ["design subgrade [MPa]", (s) => (s.structural_number || {}).design_subgrade_MPa],
+            ...["granular", "bituminous", "cemented"].map((kind) => [`${kind} base`, (s) => worstOf(s, kind)])], ["granular base", "bituminous base", "cemented base"]),
         list("When and where", r.stations, [["date", (s) => s.date], ["time", (s) => s.time], ["air [°C]", (s) => s.air_C], ["surface [°C]", (s) => s.surface_C],
             ["latitude", (s) => place(s.latitude)], ["longitude", (s) => place(s.longitude)], ["operator", (s) => s.comment], ["source", source]], ["operator", "source"]),
         list("Remarks", remarked, [["remarks", (s) => s.remarks.join("; ")]], ["remarks"]));
