@@ -1,4 +1,4 @@
-// Runs another program to its end.
+// Another program run to its end.
 #pragma once
 
 #include <string>

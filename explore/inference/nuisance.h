@@ -1,4 +1,4 @@
-// The part of residuals that free parameters cannot absorb: they are a nuisance where something else is judged.
+// Residuals beyond all that the free parameters can follow: they are a nuisance where something else is judged.
 #pragma once
 
 #include <Eigen/Dense>

@@ -5,9 +5,9 @@
 
 namespace explore::analysis {
 
-// The levels of one station near a load, taken out of the fit.
+// Of one station, its levels near a load, taken out of what is fitted.
 struct WithheldBowls {
-    std::size_t station = 0; // its number in the survey
+    std::size_t station = 0; // of the survey's
     std::vector<data::DeflectionBowl> bowls;
 };
 
