@@ -16,7 +16,7 @@ data::FwdFile read_again(const std::string& text) {
 }
 
 data::FwdStation station(double chainage, double radius, std::vector<data::FwdReading> readings) {
-    data::FwdStation s{.name = "anything", .lane = "R1", .chainage_m = chainage, .date = "2024-05-06"};
+    data::FwdStation s{.name = "anything", .lane = "R1", .chainage_m = chainage, .date = "2024-05-06", .file = {}};
     s.drops.push_back({.number = 2, .radius_mm = radius, .pressure_kPa = 566.1, .readings = readings});
     s.drops.push_back({.number = 3, .radius_mm = radius, .pressure_kPa = 708.25, .readings = readings});
     return s;
