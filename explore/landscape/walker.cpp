@@ -172,7 +172,18 @@ std::optional<ProfilePoint> Walker::lowest(const std::vector<double>& start, con
         return std::nullopt;
     }
     ProfilePoint lowest_point = point(found.unit, std::move(best), quantity);
-    lowest_point.slope = -2.0 * weight * held(lowest_point.value) / acceptance_.variance; // it is stationary
+    const VectorXd gradient = quantity.gradient(lowest_point.unit, lowest_point.evaluation);
+    bool is_free = true;
+    for (std::size_t k = 0; k < lowest_point.unit.size(); ++k) {
+        is_free = is_free && (gradient[static_cast<Index>(k)] == 0.0 || !is_at_bound(lowest_point.unit[k]));
+    }
+    if (is_free) { // it is stationary
+        lowest_point.slope = -2.0 * weight * held(lowest_point.value) / acceptance_.variance;
+    } else { // a bound bears a part of the pull
+        const VectorXd of_chi2 = problem_.residual_jacobian(lowest_point.evaluation).transpose() *
+                                 problem_.residuals(lowest_point.evaluation);
+        lowest_point.slope = 2.0 / acceptance_.variance * gradient.dot(of_chi2) / gradient.squaredNorm();
+    }
     return lowest_point;
 }
 
@@ -190,7 +201,8 @@ void Walker::cross(ProfilePoint inside, ProfilePoint outside, const Quantity& qu
     if (is_end(beyond[0])) {
         inside = beyond[0];
     }
-    double width = 1.0; // of the bracket, a few points ago
+    double width = 1.0;  // of the bracket, a few points ago
+    bool strays = false; // the last point does not lie between
     constexpr int most_points = 16;
     for (int tried = 0; tried < most_points && !is_end(inside); ++tried) {
         const ProfilePoint& out = beyond.back();
@@ -198,8 +210,8 @@ void Walker::cross(ProfilePoint inside, ProfilePoint outside, const Quantity& qu
         const Cubic rise{inside.rise, inside.slope * between, out.rise, out.slope * between};
         double share = rise.share_at(threshold);
         constexpr int patience = 2;
-        if (tried % patience == patience - 1) { // a curve that is none of a cubic: halve
-            share = between / whole > 0.5 * width ? 0.5 : share;
+        if (strays || tried % patience == patience - 1) { // a curve that is none of a cubic: halve
+            share = strays || between / whole > 0.5 * width ? 0.5 : share;
             width = between / whole;
         }
         if (hole) {
@@ -224,8 +236,13 @@ void Walker::cross(ProfilePoint inside, ProfilePoint outside, const Quantity& qu
         }
         const double reached = (next->value - inside.value) / between;
         if (!(reached > 0.0 && reached < 1.0)) {
-            break; // the quantity does not follow any more
+            if (strays) {
+                break; // the quantity does not follow any more
+            }
+            strays = true;
+            continue;
         }
+        strays = false;
         if (next->rise < threshold || is_end(*next)) {
             inside = std::move(*next);
             branch.points.push_back(inside);

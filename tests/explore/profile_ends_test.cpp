@@ -83,6 +83,27 @@ TEST(EndOfAProfile, IsComputedAndNamesNoBoundThatIsMetBeyondIt) {
     EXPECT_NEAR(p0.high_set[1], 1.4 - 2.0 * expected, 5e-3);
 }
 
+// The last step asks for more than the box has, and another reading is so precise that what pulls at the quantity there
+// is many times as steep as the profile.
+TEST(EndOfAProfile, CloseToABoundIsStillWhereTheRiseIsTheThreshold) {
+    for (const double end : {0.9, 0.95, 0.97, 0.98, 0.99}) {
+        for (const double precise : {3.0, 10.0, 30.0, 100.0, 300.0, 1000.0}) {
+            const double slope = std::sqrt(threshold) / (end - 0.3);
+            const auto model = [&](const VectorXd& x, VectorXd& r, MatrixXd& j) {
+                r.resize(3);
+                j = MatrixXd::Zero(3, 2);
+                r << slope * (x[0] - 0.3), precise * (x[1] - 0.5 * x[0]), 0.0;
+                j(0, 0) = slope;
+                j(1, 0) = -0.5 * precise;
+                j(1, 1) = precise;
+            };
+            const auto u = analyse(problem_of(2, Formula(model), {0.0, 0.0, 0.0}, sigma));
+            EXPECT_NEAR(u.parameters[0].high, end, 2e-4) << precise;
+            EXPECT_EQ(u.parameters[0].high_end, WalkEnd::threshold) << precise;
+        }
+    }
+}
+
 TEST(EndOfAProfile, OfAnOutputIsComputedToo) {
     // exp(3 p0) as an output of the same landscape: its end is that of p0.
     const auto model = [](const VectorXd& x, VectorXd& r, MatrixXd& j) {
