@@ -237,7 +237,8 @@ private:
                 if (!used_.contains(other.str()) && !expected_.contains(other.str()) &&
                     pave::nearest_name(other.str(), {std::string(key)}) == key) {
                     throw pave::Error(place(other.str()), fmt::format("unknown key, did you mean \"{}\"?", key),
-                                      "\"" + std::string(other.str()) + "\"", allowed);
+                                      "\"" + std::string(other.str()) + "\"",
+                                      allowed.empty() ? std::string(key) : fmt::format("{} = {}", key, allowed));
                 }
             }
             throw pave::Error(place(key), "this key is missing", {}, allowed);
