@@ -146,7 +146,7 @@ Workbench::Counted::~Counted() {
 bool Workbench::chain(const Members& members, int start,
                       const std::function<void(const problem::Problem&, run::Chain&)>& body, Mesh mesh) {
     return use(members, mesh, [&](const problem::Problem& problem, run::Engine& engine) {
-        return engine.chains("", start, 1, [&](std::size_t, run::Chain& chain) { body(problem, chain); });
+        return engine.chain("", start, [&](run::Chain& chain) { body(problem, chain); });
     });
 }
 

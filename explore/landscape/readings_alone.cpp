@@ -14,7 +14,7 @@ bool find_alone(run::Engine& engine, const problem::Problem& problem, Minimum& m
     const problem::Problem alone = problem.of_readings();
     problem::Evaluation at = minimum.evaluation;
     at.misfit = alone.misfit(at);
-    const bool finished = engine.chains("readings alone", first, 1, [&](std::size_t, run::Chain& chain) {
+    const bool finished = engine.chain("readings alone", first, [&](run::Chain& chain) {
         const optimise::Objective objective = [&](std::span<const double> unit, optimise::Sample& sample) {
             problem::Evaluation e = chain.at(unit);
             if (!e.converged()) {

@@ -235,19 +235,24 @@ private:
 
 bool Engine::chains(const std::string& what, int first, std::size_t count,
                     const std::function<void(std::size_t i, Chain& chain)>& body) {
-    return chains(
-        what, [&](std::size_t i) { return first + static_cast<int>(i); }, count, body);
+    return follow(
+        what, [&](std::size_t i) { return first + static_cast<int>(i); }, count, true, body);
 }
 
-bool Engine::chains(const std::string& what, const std::function<int(std::size_t)>& start, std::size_t count,
-                    const std::function<void(std::size_t i, Chain& chain)>& body) {
+bool Engine::chain(const std::string& what, int number, const std::function<void(Chain& chain)>& body) {
+    return follow(
+        what, [&](std::size_t) { return number; }, 1, false, [&](std::size_t, Chain& chain) { body(chain); });
+}
+
+bool Engine::follow(const std::string& what, const std::function<int(std::size_t)>& start, std::size_t count,
+                    bool in_step, const std::function<void(std::size_t i, Chain& chain)>& body) {
     Implementation& m = *implementation_;
     const auto begin = Clock::now();
     std::atomic<std::size_t> finished{0};
     std::atomic<std::int64_t> kept{0};
     {
         Progress progress(what, m.settings.show_progress ? 0 : -1);
-        const auto follow = [&](std::size_t i, const KeptChain::Compute& compute) {
+        const auto follow_one = [&](std::size_t i, const KeptChain::Compute& compute) {
             KeptChain chain(m.problem, m.store, m.run, start(i), compute, progress);
             try {
                 body(i, chain);
@@ -257,21 +262,18 @@ bool Engine::chains(const std::string& what, const std::function<int(std::size_t
             kept += chain.kept;
             progress.note(fmt::format("{} of {}", ++finished, count));
         };
-        // Few chains are as fast one by one. Whether they go in step depends on their number alone, for it shows in
-        // the last bits.
-        constexpr std::size_t few = 3;
-        if (const std::size_t lanes = m.problem.function->lanes(); lanes > 1 && count > few) {
-            InStep in_step([&](std::span<const std::vector<double>> units, bool with_jacobian) {
+        if (const std::size_t lanes = m.problem.function->lanes(); lanes > 1 && in_step) {
+            InStep together([&](std::span<const std::vector<double>> units, bool with_jacobian) {
                 return m.evaluate_all(units, with_jacobian);
             });
-            in_step.run(count, lanes * m.threads, [&](std::size_t i) {
-                follow(i, [&](std::span<const double> unit, bool with_jacobian) {
-                    return in_step.at(unit, with_jacobian);
+            together.run(count, lanes * m.threads, [&](std::size_t i) {
+                follow_one(i, [&](std::span<const double> unit, bool with_jacobian) {
+                    return together.at(unit, with_jacobian);
                 });
             });
         } else {
             for_each_index(m.arena, count, [&](std::size_t i) {
-                follow(i, [&](std::span<const double> unit, bool with_jacobian) {
+                follow_one(i, [&](std::span<const double> unit, bool with_jacobian) {
                     return m.evaluate(unit, with_jacobian);
                 });
             });
@@ -290,9 +292,9 @@ std::optional<std::vector<Endpoint>> Engine::search(const std::vector<std::vecto
                                                     const std::vector<int>& kept_as) {
     Implementation& m = *implementation_;
     std::vector<Endpoint> ends(starts.size());
-    const bool finished = chains(
+    const bool finished = follow(
         "search", [&](std::size_t s) { return kept_as.empty() ? first + static_cast<int>(s) : kept_as[s]; },
-        starts.size(),
+        starts.size(), true,
         [&](std::size_t s, Chain& chain) {
             Endpoint& end = ends[s];
             end.start = first + static_cast<int>(s);

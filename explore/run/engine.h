@@ -60,10 +60,13 @@ public:
                                                 const optimise::SearchSettings& settings, int first = 0,
                                                 const std::vector<int>& kept_as = {});
 
-    // body(i, chain) for i in [0, count), in parallel; what chain i asks for is kept as start first + i. False:
-    // interrupted.
+    // body(i, chain) for i in [0, count), in parallel; what chain i asks for is kept as start first + i. They go in
+    // step (run/in_step.h), however many they are. False: interrupted.
     bool chains(const std::string& what, int first, std::size_t count,
                 const std::function<void(std::size_t i, Chain& chain)>& body);
+
+    // The same of one that is always by itself: its points are computed one by one.
+    bool chain(const std::string& what, int number, const std::function<void(Chain& chain)>& body);
 
     // One evaluation with derivatives, not kept.
     problem::Evaluation evaluate_one(std::span<const double> unit);
@@ -72,7 +75,7 @@ public:
 
 private:
     struct Implementation;
-    bool chains(const std::string& what, const std::function<int(std::size_t)>& start, std::size_t count,
+    bool follow(const std::string& what, const std::function<int(std::size_t)>& start, std::size_t count, bool in_step,
                 const std::function<void(std::size_t i, Chain& chain)>& body);
 
     std::unique_ptr<Implementation> implementation_;

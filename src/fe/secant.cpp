@@ -410,7 +410,7 @@ private:
         }
     }
 
-    // What the rates of the displacement add.
+    // Adds the rates of the displacement.
     void add_stress_rates(Solution<Element>& solution) const {
         for (std::size_t a = 0; a < w_.active.size(); ++a) {
             const int e = w_.active[a];

@@ -1,4 +1,4 @@
-// What a run leaves: stresses, readings, statistics.
+// Results of a run: stresses, readings, statistics.
 #include "fe/solver_work.h"
 
 namespace pave::fe {

@@ -403,11 +403,13 @@ TEST(Engine, ComputesWhatChainsAskForTogether) {
     EXPECT_EQ(misfits, misfits_of_chains(wider, 7));
 }
 
-TEST(Engine, LeavesFewChainsByThemselves) {
+TEST(Engine, ComputesAChainThatIsAlwaysByItselfPointByPoint) {
     const auto function = std::make_shared<FourAtOnce>();
     run::Engine engine(four_at_once(function), nullptr, 0, {.threads = 1, .show_progress = false});
-    misfits_of_chains(engine, 3);
+    EXPECT_TRUE(engine.chain("", 0, [](run::Chain& chain) { chain.at(std::vector{0.1, 0.2}); }));
     EXPECT_TRUE(function->sizes().empty());
+    misfits_of_chains(engine, 1); // that others might have gone with
+    EXPECT_EQ(function->sizes(), std::vector<std::size_t>{1});
 }
 
 TEST(Engine, ChainsInStepEndWithWhatOneOfThemThrows) {

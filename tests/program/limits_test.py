@@ -125,9 +125,10 @@ def test_a_wrong_limit_is_named_and_nothing_else():
     cells = [round(float(v), 4) for v in bowl]
     cells[3] = f"<{round(cells[3] - 12 * SIGMA, 4)}"
     found = answer("diagnose", made("wrong", cells), "--explore", 16, "--starts", 2)
-    assert found["causes"] and found["causes"][0]["effect"] == "outlier" and "450" in json.dumps(found["causes"][0]), found["causes"]
+    assert found["verdict"] == "cause-named" and found["causes"] == ["outlier"], (found["verdict"], found["causes"])
+    assert found["extended"]["effects"] == [{"effect": "outlier", "on": "reading 4: deflection at 450 mm under fwd"}], found["extended"]
     # Its size: from where the limit adds what one number may to chi2, -2 ln Phi(-z) = 3.84, to the end of the range.
-    e, limit = found["extended"]["parameters"]["subgrade.modulus_MPa"], float(cells[3][1:])
+    e, limit = found["extended"]["parameters"]["subgrade.modulus_MPa"]["value"], float(cells[3][1:])
     end = (limit - SIGMA * stats.norm.ppf(math.exp(-0.5 * 1.959964**2))) * e / FLEXIBILITY[3] - 1
-    size = found["causes"][0]
-    assert abs(size["high"] - end) < 0.002 and size["low"] <= -0.9 and size["low"] < size["size"] < size["high"], (size, end)
+    size = found["extended"]["parameters"]["outlier.size"]
+    assert abs(size["high"] - end) < 0.002 and size["low"] <= -0.9 and size["low"] < size["value"] < size["high"], (size, end)

@@ -95,3 +95,9 @@ def test_a_command_that_is_proposed_can_be_pasted(command, options):
     words = shlex.split(proposed[1])
     assert str(out) in words, proposed[1]
     assert run(*words).returncode == 0, words
+
+
+def test_a_slip_in_a_key_that_must_be_there_says_which_key_and_which_values():
+    study = write_study(workspace(), WHOLE.replace("thickness_mm", "thicknes_mm", 1))
+    done = run("forward", study)
+    assert done.returncode == 2 and 'did you mean "thickness_mm"?' in done.stderr and "allowed: thickness_mm = 0 < value" in done.stderr, done.stderr

@@ -53,7 +53,7 @@ std::optional<RoadPoint> RoadStations::search(std::size_t i, const std::vector<d
     settings.show_progress = false;
     run::Engine engine(problem, session_.store(), runs_[i], settings);
     RoadPoint end{from, {}};
-    const bool finished = engine.chains("road", number, 1, [&](std::size_t, run::Chain& chain) {
+    const bool finished = engine.chain("road", number, [&](run::Chain& chain) {
         end.evaluation = chain.at(from);
         if (axes.empty() || !end.evaluation.converged()) {
             return;
