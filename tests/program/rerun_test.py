@@ -35,7 +35,7 @@ def test_one_bit_or_one_evaluation_is_found(out):
     out = copied(out, "one-bit")
     database = sqlite3.connect(out / "run.sqlite")
     fits = "run = (SELECT id FROM run WHERE command = 'fit')"
-    search, = database.execute(f"SELECT max(start) FROM evaluation WHERE {fits}").fetchone()
+    search, = database.execute(f"SELECT max(start) FROM evaluation WHERE {fits} AND number = 2").fetchone()
     where = f"{fits} AND start = {search} AND number = 2"
     responses, = database.execute(f"SELECT responses FROM evaluation WHERE {where}").fetchone()
     values = list(struct.unpack(f"{len(responses) // 8}d", responses))
