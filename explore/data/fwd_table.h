@@ -1,5 +1,4 @@
-// A spreadsheet's table as cells: where its header stands, what parts its cells, what parts the decimals of its
-// numbers.
+// A spreadsheet's table as cells: its header, its separator and its decimal sign.
 #pragma once
 
 #include "data/fwd.h"
@@ -28,7 +27,7 @@ bool has_fwd_table(std::string_view text, const ColumnMap& columns);
 // Letters, digits and signs of full width as those of ASCII, a minus sign as a hyphen.
 std::string with_plain_letters(std::string_view text);
 
-// Which sign parts the whole from the rest in the numbers of a file.
+// The decimal sign of the numbers in a file.
 class Decimals {
 public:
     // separator: a file separated by semicolons or tabs comes from where the comma is the decimal sign.

@@ -1,4 +1,4 @@
-// Residuals beyond all that the free parameters can follow: they are a nuisance where something else is judged.
+// The part of residuals that free parameters cannot absorb: they are a nuisance where something else is judged.
 #pragma once
 
 #include <Eigen/Dense>

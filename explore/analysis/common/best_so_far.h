@@ -6,17 +6,17 @@
 namespace explore::analysis {
 
 struct BestSoFar {
-    std::int64_t evaluations = 0;            // kept of the study's own model, by this command
-    std::int64_t answered = 0;               // of them
-    bool is_explored = false;                // none yet: by its reduced model, a coarser mesh or with mended data
-    std::optional<problem::Evaluation> best; // of the lowest misfit that the command compares; nothing: none
-    // Of the best point's readings by their stated noise; nothing: it is not stated, or the point is explored.
+    std::int64_t evaluations = 0; // runs of the study's own model that this command kept
+    std::int64_t answered = 0;    // those that have an answer
+    bool is_explored = false;     // no such run yet: these are of its reduced model, a coarser mesh or mended data
+    std::optional<problem::Evaluation> best; // the one with the lowest misfit, if there is one
+    // Of the best point, with the stated noise; none where no noise is stated or the point is of another model.
     std::optional<double> chi2;
     int degrees_of_freedom = 0; // readings less parameters
 };
 
-// Of the points that the session's folder keeps of the command with this name: those of the study's own model, or
-// where it has none yet those of what explores in its place. Points that break a constraint are none.
+// The best point that the session's folder keeps of the command with this name: of the study's own model or, while
+// there is none, of the model that explores in its place. Points that break a constraint do not count.
 BestSoFar best_so_far(Session& session, const study::Study& study, std::string_view command);
 
 } // namespace explore::analysis

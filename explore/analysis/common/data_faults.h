@@ -1,5 +1,5 @@
-// Faults of the readings of a study, found without a model: check, fit and diagnose say them, diagnose goes
-// on with what it can mend.
+// Faults in the readings of a study, found without a model: check, fit and diagnose report them, and diagnose goes on
+// with those mended that it can mend.
 #pragma once
 
 #include "data/bowl_faults.h"
@@ -7,13 +7,13 @@
 
 namespace explore::analysis {
 
-// Of the deflections under single circles; readings in time by the largest of each sensor.
+// Faults of deflections under single circles; of a history the largest value of each sensor is checked.
 std::vector<data::BowlFault> data_faults(const study::Study& study);
 
-// The study with its readings as they were meant, where a fault says how: at their places, in their unit.
+// The study with its readings corrected where a fault shows how: at their true places, in their true unit.
 study::Study mended(study::Study study, const std::vector<data::BowlFault>& faults);
 
-// Readings in steps whose rounding their stated noise does not hold.
+// Readings in steps so large that the stated noise does not cover the rounding.
 struct Rounding {
     pave::pavement::Quantity quantity{};
     double step = 0.0; // SI
@@ -23,7 +23,7 @@ std::vector<Rounding> roundings(const study::Study& study);
 // The study with the variance of these steps, step^2 / 12, added to that of the readings.
 study::Study with_rounding(study::Study study, const std::vector<Rounding>& roundings);
 
-// One sentence a fault.
+// One sentence for each fault.
 std::vector<std::string> fault_words(const std::vector<data::BowlFault>& faults);
 
 } // namespace explore::analysis

@@ -5,8 +5,8 @@
 
 namespace explore::analysis {
 
-// Of the constraints that read no output. Throws pave::Error, naming those that contradict each other or the bounds,
-// when searches from many points of the box end with some of them not met.
+// Checks the constraints that use no output. Throws pave::Error, naming those that contradict each other or the
+// bounds, when every search from many points of the box ends with a constraint violated.
 void refuse_contradictions(const study::Study& study);
 
 } // namespace explore::analysis

@@ -1,4 +1,4 @@
-// The data groups of a fit: how well each is met, and what fitting one of them alone predicts for the others.
+// The data groups of a fit: how well each is fitted, and what a fit of one alone predicts for the others.
 #pragma once
 
 #include "analysis/common/session.h"
@@ -6,7 +6,7 @@
 
 namespace explore::analysis {
 
-// Responses that a fit leaves out at every point and a report needs at a few: loads held out or without readings.
+// Computes the responses that a fit skips and a report needs: those of loads held out or without readings.
 class Predictor {
 public:
     explicit Predictor(const study::Study& study);
@@ -33,7 +33,7 @@ GroupFit group_fit(const study::Study& study, const Predictor& predictor, std::s
 std::vector<double> group_rms(const study::Study& study, const problem::Evaluation& evaluation);
 
 // Fits each group that is not held out alone, from the points explored for all of them and from the joint answer.
-// Empty when there are fewer than two. Nothing: interrupted.
+// Empty where there are fewer than two; none if interrupted.
 std::optional<std::vector<GroupFit>> fit_alone(Session& session, const study::Study& study, const Predictor& predictor,
                                                const search::Design& design, const landscape::MultistartResult& joint,
                                                const std::string& settings, landscape::MultistartSettings multistart);

@@ -11,7 +11,7 @@ namespace explore::analysis {
 // "0.6 +- 0.1"; of a logarithmic axis "500, times or divided by 1.22"
 std::string prior_words(const problem::Axis& axis);
 
-// Conflict first, then what is known by the priors alone, then the shares of information.
+// Conflicts first, then what only the priors determine, then the share of information that each prior contributes.
 std::vector<std::string> prior_findings(const problem::Problem& problem, const landscape::PriorInfluence& influence);
 
 // Which constraints hold the answer back; "": none.

@@ -22,11 +22,11 @@ std::string weights_words(const study::Study& study);
 // Which of the study's keys of noise take effect where readings state a sigma of their own; "": nothing to say.
 std::string noise_key_words(const study::Study& study);
 
-// Why fit and unique differ where noise is stated and the misfit is none of it; "": they do not.
+// Why fit and unique differ where noise is stated but the misfit ignores it; "" where they agree.
 std::string misfit_words(const study::Study& study);
 
 // Root mean square of the residuals of the readings that the study holds out, in standard deviations of their stated
-// noise; nothing where there are none or none is stated. responses: all of them.
+// noise; none where nothing is held out or no noise is stated. responses: of all readings.
 std::optional<double> held_out_rms(const study::Study& study, const std::vector<double>& responses);
 
 // The question of uniqueness for a study: the ranges of its outputs, and whether its groups agree. All but the study

@@ -1,4 +1,4 @@
-// In how many steps load paths are followed: what the steps leave of error in every reading, beside its noise.
+// The number of steps of a load path, and the error that they leave in each reading compared with its noise.
 #pragma once
 
 #include "analysis/common/session.h"
@@ -8,13 +8,13 @@
 
 namespace explore::analysis {
 
-// At one point, by the difference to a path of twice as many steps.
+// Estimated at one point from a path with twice as many steps.
 struct PathError {
     int steps = 0;
-    std::size_t reading = 0; // of the study: whose error is the largest share of its noise
+    std::size_t reading = 0; // the reading whose error is the largest share of its noise
     double change = 0.0;     // relative error of that reading
     double share = 0.0;      // |error| over the standard deviation of its noise
-    int enough() const;      // steps that leave a tenth of the noise at most, as their number to the power -3 says
+    int enough() const;      // steps that leave at most a tenth of the noise; the error falls with their third power
     bool shows() const;      // more than a tenth
 };
 

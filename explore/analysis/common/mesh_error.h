@@ -10,22 +10,22 @@ namespace explore::analysis {
 struct MeshError {
     struct Moved {
         std::string parameter;
-        double standard_errors = 0.0; // 0 on a bound and where the data do not determine it
+        double standard_errors = 0.0; // that it moves by; 0 on a bound and where it is not determined
     };
     double refine = 0.0;      // of the finer mesh
-    double beyond = 0.0;      // length of what the parameters cannot follow of the change of the residuals, in standard
+    double beyond = 0.0;      // norm of the change of the residuals that no parameter can absorb, in standard
                               // deviations of the noise
     double chi2 = 0.0;        // of the answer
     double chi2_finer = 0.0;  // of the fit on the finer mesh, to first order
     std::vector<Moved> moved; // every parameter, to first order
     std::size_t reading = 0;  // of the study: the one that changes most in standard deviations
-    double change = 0.0;      // of it, relative
+    double change = 0.0;      // relative change of that reading
     struct Output {
         std::size_t reading = 0; // of the study
-        double change = 0.0;     // relative, by what the mesh leaves of error
-        double deviations = 0.0; // the same in standard deviations that the noise leaves
+        double change = 0.0;     // relative change by the error of the mesh
+        double deviations = 0.0; // the same in the standard deviations that the noise leaves
     };
-    std::vector<Output> outputs{}; // where whoever asks knows them
+    std::vector<Output> outputs{}; // set by callers that know the outputs
     bool shows() const;            // beside the noise
 };
 

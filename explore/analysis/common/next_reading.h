@@ -9,10 +9,11 @@ namespace explore::analysis {
 
 struct NextReading {
     std::vector<data::Reading> candidates; // their value: at the best minimum; their noise: assumed
-    std::vector<double> separation;        // of the valley's ends by each, in its standard deviations; or none
+    std::vector<double>
+        separation; // of the ends of the valley by each candidate, in its standard deviations; may be empty
     std::vector<landscape::CandidateEffect> effects; // best first
     double forward_cpu_seconds = 0.0;
-    std::string failed; // why there are none
+    std::string failed; // why there are no candidates; empty: there are
 };
 
 // u: of the study's fitted problem, with a best minimum that is accepted.

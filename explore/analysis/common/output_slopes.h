@@ -1,4 +1,4 @@
-// Outputs to first order around points of a model, and what they may be if it is right.
+// The outputs to first order around points of a model, and their ranges if the model is right.
 #pragma once
 
 #include "diagnose/model_average.h"
@@ -8,8 +8,8 @@
 
 namespace explore::analysis {
 
-// Of the outputs at a point. e: of the problem there, with jacobian; outputs: which responses they are; noise: standard
-// deviation of a residual. Nothing: no answer there.
+// Slopes of the outputs at a point. e: the evaluation there, with jacobian; outputs: which responses they are; noise:
+// standard deviation of a residual. None where the point has no answer.
 std::optional<diagnose::Slopes> slopes_of(const problem::Problem& problem, const Eigen::VectorXd& at,
                                           const problem::Evaluation& e, const std::vector<std::size_t>& outputs,
                                           double noise);

@@ -1,4 +1,4 @@
-// Where a range that was walked differs from what the best point promises to first order, and why.
+// Where a walked range differs from the first-order range around the best point, and why.
 #pragma once
 
 #include "landscape/uniqueness.h"
@@ -23,7 +23,7 @@ std::string skew_words(double below, double above);
 // units of their noise, where that is stated.
 std::vector<std::optional<RangeShape>> range_shapes(const problem::Problem& problem, const landscape::Uniqueness& u);
 
-// Which ranges differ so, in a sentence; "": none.
+// The ranges that differ, in a sentence; "" if none do.
 std::string shape_words(const problem::Problem& problem, const landscape::Uniqueness& u);
 
 } // namespace explore::analysis

@@ -7,7 +7,7 @@
 
 namespace explore::analysis {
 
-// "": no two do.
+// The rows that agree, in a sentence; "" if no two do.
 std::string repeated_rows_words(const study::Study& study);
 
 } // namespace explore::analysis

@@ -1,4 +1,4 @@
-// The cost of a run of a study, known before the first.
+// The cost of a run of a study, estimated before any run is made.
 #pragma once
 
 #include "pavement/forward.h"
@@ -6,8 +6,8 @@
 
 namespace explore::analysis {
 
-// Of one run on one thread (ForwardModel::cost). Throws pave::Error where runs on so many threads at once need more
-// memory than this process may have.
+// The cost of one run on one thread (ForwardModel::cost). Throws pave::Error where runs on so many threads at once need
+// more memory than this process may have.
 pave::pavement::ForwardModel::Cost affordable_cost(const study::Study& study, int threads);
 
 } // namespace explore::analysis

@@ -1,4 +1,4 @@
-// Where searches may begin: values that a user gives, points of an earlier run or of a file.
+// Starting points of searches: values given by the user, points of an earlier run or of a file.
 #pragma once
 
 #include "study/study.h"
@@ -9,9 +9,9 @@ namespace explore::analysis {
 // for a name that is no parameter of the study and for a value out of its bounds.
 std::vector<double> start_of(const study::Study& study, const std::string& text);
 
-// The lowest points of a run's folder or of a file of parameter sets that lie within the study's bounds and apart from
-// each other, at most so many; where no misfits are stated, spread over the list. Throws pave::Error where there is
-// none.
+// At most so many points of a run's folder or of a file of parameter sets: the lowest that lie within the study's
+// bounds and apart from each other; where no misfits are stated, points spread over the list. Throws pave::Error where
+// there are none.
 std::vector<std::vector<double>> starts_from(const study::Study& study, const std::string& folder_or_file,
                                              std::size_t most);
 

@@ -1,4 +1,4 @@
-// The life that a criterion allows, and the overlay that all of them need: what a decision is made of.
+// The life that a criterion allows, and the overlay that all of them need: the basis of a decision.
 #pragma once
 
 #include "study/criteria.h"
@@ -45,7 +45,7 @@ struct CriterionLife {
 const CriterionLife& ends_first(const std::vector<CriterionLife>& lives);
 
 struct Overlay {
-    // Added to the top layer [mm], below 0: what may be milled off. Nothing: no thickness of those tried is enough, or
+    // Thickness added to the top layer [mm]; below 0: it may be milled off. None where no thickness tried is enough or
     // there is no answer.
     std::optional<double> best, low, high; // of the best set, and over the sets at the ends of the ranges
     std::optional<double> reliable;        // at the stated reliability: to be built

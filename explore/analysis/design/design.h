@@ -1,5 +1,5 @@
-// Life by the answer of a fit: how many repetitions are left, and how thick an overlay, each over every
-// parameter set that the data accept.
+// Life by the answer of a fit: the repetitions that are left and the overlay that is needed, each with its range over
+// the parameter sets that the data accept.
 #pragma once
 
 #include "analysis/common/output_ranges.h"
@@ -24,12 +24,12 @@ struct DesignResult {
     std::vector<CriterionLife> criteria;
     std::optional<Overlay> overlay{};
     std::vector<NarrowingStep> next{}; // what narrows the life that ends first most, best first
-    // Runs under the axles that the walks took strains from between (analysis/design/design_walks.h), and how far
-    // ln(life) at an end was from what was expected there.
+    // Runs under the axles between which the walks interpolated strains (analysis/design/design_walks.h), and the
+    // largest error of the interpolation in ln(life) at an end.
     std::size_t runs_between = 0;
     double off_between = 0.0;
-    std::string no_range{}; // why no range is said; "": it is
-    std::string failure{};  // why nothing is said
+    std::string no_range{}; // why no range is given; "" where it is
+    std::string failure{};  // why there is no answer
     std::int64_t computed = 0, kept = 0;
     double seconds = 0.0;
 

@@ -1,4 +1,4 @@
-// The next thing to find out, where a life decides: a further reading, or a core.
+// The best next step towards a narrower life: a further reading, or a core.
 #pragma once
 
 #include "landscape/uniqueness.h"

@@ -14,9 +14,9 @@ inline constexpr double thinnest_top = 20.0; // that milling leaves
 std::vector<double> lives_with_overlay(const CriticalPlaces& places, const std::vector<Life>& lives,
                                        const std::vector<double>& parameters, double added_mm);
 
-// Of each of several demands, that differ in what is required, at one set: the thinnest that lasts together with all
-// thicker ones up to it that were tried; below 0: what may be milled off. Nothing: none does, or no answer. required:
-// repetitions that each life must allow, a list a demand.
+// For each of several demands at one parameter set: the thinnest overlay such that it and all thicker ones that were
+// tried last; below 0: that much may be milled off. None where no thickness lasts or there is no answer. required: the
+// repetitions that each life must allow, one list for each demand.
 std::vector<std::optional<double>> overlays_needed(const CriticalPlaces& places, const std::vector<Life>& lives,
                                                    const std::vector<std::vector<double>>& required,
                                                    const std::vector<double>& parameters);

@@ -1,9 +1,9 @@
 // Walks over the sets that the data accept, to the shortest and the longest life of each criterion.
 //
 // A step needs the misfit and the strains under the axle, whose run may cost a thousand times that of the readings. So
-// strains are taken from between a few runs of everything (study/kriging.h, with slopes): at the minima and at the ends
-// of the parameters' ranges first, then at the ends that walks find, until these runs give the lives that were expected
-// there. An end that is reported is a run of everything.
+// strains are interpolated between a few complete runs (study/kriging.h, with slopes): first at the minima and at the
+// ends of the parameters' ranges, then at the ends that walks find, until these runs confirm the lives that were
+// expected. An end that is reported comes from a complete run.
 #pragma once
 
 #include "analysis/common/session.h"
@@ -25,8 +25,8 @@ struct LifeEnd {
 
 struct LifeWalks {
     std::vector<LifeEnd> shortest, longest; // of each life
-    std::size_t between = 0;                // runs of everything that strains were taken from between
-    double off = 0.0;                       // largest difference of ln(life) at an end from what was expected there
+    std::size_t between = 0;                // complete runs between which strains were interpolated
+    double off = 0.0;                       // largest error of the interpolation in ln(life) at an end
     std::int64_t computed = 0, kept = 0;    // by engines of its own
 };
 

@@ -6,7 +6,7 @@
 namespace explore::analysis {
 
 inline constexpr const char* version = PAVESCAPE_VERSION;
-// The libraries that decide digits, with their versions, and the compiler.
+// The libraries on which the digits of results depend, with their versions, and the compiler.
 std::string library_words();
 // All of it: processes of one job compare it.
 std::string build_words();

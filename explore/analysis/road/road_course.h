@@ -1,4 +1,4 @@
-// The smooth course along a road of what every station has for itself.
+// The smooth course along a road of a parameter that each station has for itself.
 #pragma once
 
 #include <span>
@@ -10,8 +10,8 @@ namespace explore::analysis {
 // covariance sd^2 exp(-distance / length).
 struct Course {
     double mean = 0.0, sd = 0.0, length = 0.0; // length: of the places
-    // That neighbours are no more alike than any two (length 0): of twice the difference of the logarithms of the
-    // likelihoods, half of a chi2 variable with one degree of freedom (Self and Liang 1987,
+    // p of the hypothesis that neighbours are no more alike than any two stations (length 0): twice the difference of
+    // the log likelihoods is then half of a chi2 variable with one degree of freedom (Self and Liang 1987,
     // doi 10.1080/01621459.1987.10478472).
     double p_none = 1.0;
     std::vector<double> value, variance; // of mean + f at the places, in their order

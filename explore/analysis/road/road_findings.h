@@ -5,14 +5,14 @@
 
 namespace explore::analysis {
 
-// Of a common parameter: its name, and of a section's from where to where.
+// The name of a common parameter; of a section also from where to where it lies.
 std::string common_name(const RoadResult& result, const CommonParameter& parameter);
 
 // Why a station does not belong.
 std::string outlier_words(const RoadResult& result, const RoadOutlier& outlier);
 
-// Over what distance stations are similar, by the length of a course along a stretch; beyond the stretch nothing tells
-// it.
+// The distance over which stations are similar, by the length of a course along a stretch; a length beyond that of the
+// stretch cannot be known.
 std::string course_length_words(double length_m, double stretch_m);
 
 // Most important first; without what a survey says of files, drops and sensors (survey_findings.h).

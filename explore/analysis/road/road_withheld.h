@@ -5,9 +5,9 @@
 
 namespace explore::analysis {
 
-// Of one station, its levels near a load, taken out of what is fitted.
+// The levels of one station near a load, taken out of the fit.
 struct WithheldBowls {
-    std::size_t station = 0; // of the survey's
+    std::size_t station = 0; // its number in the survey
     std::vector<data::DeflectionBowl> bowls;
 };
 

@@ -23,7 +23,7 @@ struct DrawnOutputs {
 std::vector<std::size_t> outputs_besides(const study::Study& study);
 
 // At every draw (unit coordinates, a row each, with weights) by a polynomial of second degree through few runs, where
-// what it is off at other draws is small beside how far the output spreads over the draws; else by runs at `most` of
+// its error at other draws is small compared with the spread of the output over the draws; else by runs at `most` of
 // the draws. settings: what the draws depend on. Nothing: interrupted.
 std::optional<DrawnOutputs> outputs_at_draws(Session& session, const study::Study& study, const Eigen::MatrixXd& units,
                                              const std::vector<double>& weights, std::size_t most,
