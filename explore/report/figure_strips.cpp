@@ -65,11 +65,7 @@ struct Road {
             found->stations.push_back(i);
         }
     }
-    // null: too few stations to say.
-    Json weak_stations() const {
-        const auto found = survey.find("weak_stations");
-        return found != survey.end() && found->is_array() ? *found : Json::array();
-    }
+    Json weak_stations() const { return survey.value("weak_stations", Json()); } // null: too few to say
     bool is_weak(std::size_t i) const {
         const Json weak = weak_stations();
         return std::any_of(weak.begin(), weak.end(), [&](const Json& w) { return w.at("station") == i; });
@@ -81,7 +77,6 @@ struct Road {
     }
 };
 
-// Marks of a lane: a colour and a shape.
 Line style_of(std::size_t lane) {
     static constexpr Marker markers[] = {Marker::circle, Marker::square, Marker::triangle, Marker::diamond};
     return {.colour = okabe_ito[lane % std::size(okabe_ito)],

@@ -272,14 +272,6 @@ void Solver<Element>::Work::subtract_linear_rate(int k, const Eigen::VectorXd& u
 }
 
 template <class Element>
-void Solver<Element>::Work::subtract_linear_rates(const Eigen::VectorXd& u, Eigen::MatrixXd& right) const {
-    const std::vector<const Eigen::VectorXd*> felt(prepared.size(), &u);
-    for (int k = 0; k < count(); ++k) {
-        subtract_linear_rate(k, u, felt, right.col(k).data());
-    }
-}
-
-template <class Element>
 void Solver<Element>::Work::subtract_linear_motion(const Motion<Element>& motion,
                                                    const std::vector<const Eigen::VectorXd*>& felt,
                                                    double* right) const {
@@ -491,31 +483,6 @@ void Solver<Element>::Work::subtract_force_motion(int k, const Stresses& stress,
         }
         model->scatter_add(e, own, right);
     }
-}
-
-template <class Element>
-void Solver<Element>::Work::set_load_rates(const Eigen::VectorXd& load, Eigen::MatrixXd& right) const {
-    right.setZero(load.size(), count());
-    for (int k = 0; k < count(); ++k) {
-        const Variation& v = (*variations)[k];
-        if (v.kind == Variation::Kind::load_factor) {
-            right.col(k) = load;
-        } else if (v.kind == Variation::Kind::pressure_shape) {
-            right.col(k) = v.load_rate;
-        } else if (const Motion<Element>* motion = motion_of(k)) {
-            right.col(k) = motion->load;
-        }
-    }
-}
-
-template <class Element>
-double Solver<Element>::Work::explicit_modulus_rate(const LayerMaterial& layer, int layer_index,
-                                                    mechanics::Invariants at, const material::Modulus& here,
-                                                    int k) const {
-    const Variation& v = (*variations)[k];
-    return v.kind == Variation::Kind::law_parameter && v.layer == layer_index
-               ? layer.law->modulus_derivative(layer.parameters, at, here, v.index)
-               : 0.0;
 }
 
 template struct Solver<AxisymmetricQ8>::Work;

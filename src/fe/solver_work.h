@@ -218,7 +218,12 @@ struct Solver<Element>::Work {
     void subtract_linear_rate(int k, const Eigen::VectorXd& u, const std::vector<const Eigen::VectorXd*>& felt,
                               double* right) const;
     // The same of every variation, right(:, k), where no layer relaxes.
-    void subtract_linear_rates(const Eigen::VectorXd& u, Eigen::MatrixXd& right) const;
+    void subtract_linear_rates(const Eigen::VectorXd& u, Eigen::MatrixXd& right) const {
+        const std::vector<const Eigen::VectorXd*> felt(prepared.size(), &u);
+        for (int k = 0; k < count(); ++k) {
+            subtract_linear_rate(k, u, felt, right.col(k).data());
+        }
+    }
     Felt felt_by_all(const Eigen::VectorXd& u, const Eigen::MatrixXd& du) const {
         return {std::vector<const Eigen::VectorXd*>(prepared.size(), &u),
                 std::vector<const Eigen::MatrixXd*>(prepared.size(), &du)};
@@ -286,11 +291,28 @@ struct Solver<Element>::Work {
               Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> rates) const;
 
     // right(:, k) = d(load)/dp_k.
-    void set_load_rates(const Eigen::VectorXd& load, Eigen::MatrixXd& right) const;
+    void set_load_rates(const Eigen::VectorXd& load, Eigen::MatrixXd& right) const {
+        right.setZero(load.size(), count());
+        for (int k = 0; k < count(); ++k) {
+            const Variation& v = (*variations)[k];
+            if (v.kind == Variation::Kind::load_factor) {
+                right.col(k) = load;
+            } else if (v.kind == Variation::Kind::pressure_shape) {
+                right.col(k) = v.load_rate;
+            } else if (const Motion<Element>* motion = motion_of(k)) {
+                right.col(k) = motion->load;
+            }
+        }
+    }
 
     // dE/dp_k explicitly (parameters of the law) at a point of an active element.
     double explicit_modulus_rate(const LayerMaterial& layer, int layer_index, mechanics::Invariants at,
-                                 const material::Modulus& here, int k) const;
+                                 const material::Modulus& here, int k) const {
+        const Variation& v = (*variations)[k];
+        return v.kind == Variation::Kind::law_parameter && v.layer == layer_index
+                   ? layer.law->modulus_derivative(layer.parameters, at, here, v.index)
+                   : 0.0;
+    }
 };
 
 } // namespace pave::fe
