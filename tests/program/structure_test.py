@@ -58,7 +58,6 @@ LONGER = {
     "explore/report/web/report.js": "one page: its sections share the building blocks at the top, and one script is what a page embeds",
     "explore/run/cluster.cpp": "both ends of one protocol stand side by side",
     "src/pavement/load_model.cpp": "one template: the finite element model of a load, at rest, over time and with its derivatives",
-    "src/fe/solver_work.h": "what the integrations share for both kinds of element, in one template",
 }
 
 
