@@ -32,6 +32,8 @@ struct DiagnosisTask {
     std::vector<char> limits{};
     // Faults seen in the readings before any model, and mended in them.
     std::vector<hypotheses::Hypothesis> premises{};
+
+    bool is_limit(std::size_t term) const { return term < limits.size() && limits[term] != 0; }
 };
 
 struct DiagnosisSettings {

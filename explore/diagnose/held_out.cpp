@@ -129,8 +129,7 @@ std::optional<HeldOut> predict_left_out(const LeftOutTask& asked, const std::vec
         const auto before = left_out.before(own);
         const auto after = before ? left_out.after(*before, own) : std::nullopt;
         for (const std::size_t i : after ? folds[f].terms : std::vector<std::size_t>()) {
-            const bool is_limit = i < task.limits.size() && task.limits[i] != 0;
-            if (!wrong.contains(i) && !is_limit) {
+            if (!wrong.contains(i) && !task.is_limit(i)) {
                 const auto row = static_cast<Eigen::Index>(i);
                 squares[f].before += std::pow(before->residuals[row], 2) / d.variance;
                 squares[f].after += std::pow(after->residuals[row], 2) / d.variance;

@@ -93,10 +93,6 @@ private:
         return !run::interrupted();
     }
 
-    bool is_limit(Eigen::Index i) const {
-        const auto term = static_cast<std::size_t>(i);
-        return term < task_.limits.size() && task_.limits[term] != 0;
-    }
     // That a reading is the limit that it is, by what that adds to chi2: -2 ln of it.
     double probability_of(double residual) const { return std::exp(-0.5 * residual * residual / d_.variance); }
 
@@ -111,7 +107,7 @@ private:
         target.offset = -d_.baseline.model.residuals;
         for (Eigen::Index i = 0; i < target.offset.size(); ++i) {
             const auto number = static_cast<std::uint64_t>(i);
-            if (is_limit(i) && kept.uniform(number) < probability_of(target.offset[i])) {
+            if (task_.is_limit(static_cast<std::size_t>(i)) && kept.uniform(number) < probability_of(target.offset[i])) {
                 target.offset[i] = 0.0; // the limit that it is
             } else {                    // what the instrument reads is no limit, and drawn like any other
                 target.offset[i] += noise * random.normal(number);

@@ -149,9 +149,7 @@ Branch trace_valley(run::Chain& chain, const problem::Problem& problem, const Ac
         if (rejected) {
             ProfilePoint inside = here;
             inside.value = before;
-            inside.slope = 2.0 / acceptance.variance *
-                           heading.dot(problem.residual_jacobian(here.evaluation).transpose() *
-                                       problem.residuals(here.evaluation));
+            inside.slope = walker.slope(here.evaluation, heading);
             const std::size_t known = branch.points.size();
             walker.cross(std::move(inside), std::move(*found), across, branch);
             const std::vector<double> last = here.unit;

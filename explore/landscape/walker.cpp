@@ -131,6 +131,10 @@ ProfilePoint Walker::point(std::vector<double> unit, problem::Evaluation evaluat
     return p;
 }
 
+double Walker::slope(const problem::Evaluation& at, const VectorXd& along) const {
+    return 2.0 / acceptance_.variance * along.dot(problem_.residual_jacobian(at).transpose() * problem_.residuals(at));
+}
+
 std::optional<ProfilePoint> Walker::lowest(const std::vector<double>& start, const Quantity& quantity, const Aim& aim) {
     double weight = 0.0; // set at the first point: stiffer than the data by a factor
     const auto held = [&](double value) {
@@ -180,9 +184,7 @@ std::optional<ProfilePoint> Walker::lowest(const std::vector<double>& start, con
     if (is_free) { // it is stationary
         lowest_point.slope = -2.0 * weight * held(lowest_point.value) / acceptance_.variance;
     } else { // a bound bears a part of the pull
-        const VectorXd of_chi2 = problem_.residual_jacobian(lowest_point.evaluation).transpose() *
-                                 problem_.residuals(lowest_point.evaluation);
-        lowest_point.slope = 2.0 / acceptance_.variance * gradient.dot(of_chi2) / gradient.squaredNorm();
+        lowest_point.slope = slope(lowest_point.evaluation, gradient.normalized()) / gradient.norm();
     }
     return lowest_point;
 }

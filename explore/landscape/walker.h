@@ -38,6 +38,8 @@ public:
           best_misfit_(best_misfit) {}
 
     ProfilePoint point(std::vector<double> unit, problem::Evaluation evaluation, const Quantity& quantity) const;
+    // Of chi2 along a unit vector, by unit coordinates.
+    double slope(const problem::Evaluation& at, const Eigen::VectorXd& along) const;
 
     // slope: of the lowest rise by the quantity, as it is expected there. The penalty leaves the target by as much as
     // it holds against that slope: one that is known beforehand is taken off, so that the target itself is met.

@@ -126,7 +126,7 @@ void Investigation::record_noise() {
     std::vector<Index> drawn;
     std::vector<data::NoisePlace> places;
     for (std::size_t i = 0; i < task_.noise_places.size(); ++i) {
-        if (i >= task_.limits.size() || task_.limits[i] == 0) {
+        if (!task_.is_limit(i)) {
             drawn.push_back(static_cast<Index>(i));
             places.push_back(task_.noise_places[i]);
         }
