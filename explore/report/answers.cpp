@@ -160,6 +160,9 @@ Answer unique_answer(const Json& json) {
         return s.starts_with("The data accept ") || s.find(" lies between ") != std::string::npos;
     });
     answer.next = take_next(answer.notes);
+    if (is_contradicted) { // what a further reading narrows is of a model that is wrong
+        answer.next = "pavescape diagnose " + shell(at(at(json, "study"), "file"));
+    }
     answer.next += (answer.next.empty() ? "" : "\nPicture: ") + page_of(json);
     return answer;
 }

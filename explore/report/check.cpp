@@ -36,8 +36,8 @@ Answer check_answer(const CheckedStudy& checked) {
                                          counted(study.outputs().size(), "output", "outputs"));
     answer.verdict =
         (readings == 0
-             ? fmt::format("The study can be run, but has no readings to be fitted: {}.", rest)
-             : fmt::format("The study can be run: {}, their noise {}, {}.", counted(readings, "reading", "readings"),
+             ? fmt::format("The study is well formed, but has no readings to be fitted: {}.", rest)
+             : fmt::format("The study is well formed: {}, their noise {}, {}.", counted(readings, "reading", "readings"),
                            study.noise == study::NoiseSource::stated ? study.noise_name()
                                                                      : "to be estimated from the fit",
                            rest)) +
@@ -68,8 +68,9 @@ Answer check_answer(const CheckedStudy& checked) {
         }
     }
     const std::string file = run::shell_word(study.file);
-    answer.next = readings == 0              ? "pavescape forward " + file
-                  : study.parameters.empty() ? "state [[parameters]], what is to be fitted"
+    // Whether a model of one's own answers is not known before it ran.
+    answer.next = readings == 0 || checked.commands.empty() ? "pavescape forward " + file
+                  : study.parameters.empty()                ? "state [[parameters]], what is to be fitted"
                                              : "pavescape fit " + file;
     return answer;
 }

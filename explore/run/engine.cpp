@@ -19,6 +19,8 @@ namespace {
 using problem::Evaluation;
 using Clock = std::chrono::steady_clock;
 
+constexpr int told_without = 10; // points without an answer, and none with one: said, for the rest may be in vain
+
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -138,6 +140,11 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
     {
         Progress progress("explore", m.settings.show_progress ? static_cast<std::int64_t>(n) : -1);
         progress.add(static_cast<std::int64_t>(n - missing.size()), false);
+        std::atomic<bool> has_answer = false; // of those that are computed here, or was kept
+        for (std::size_t i = 0; i < n; ++i) {
+            has_answer = has_answer || (done[i] != 0 && evaluations[i].converged());
+        }
+        std::atomic<int> without{0};
         const std::size_t at_once = m.at_once(missing.size());
         for_each_index(m.arena, (missing.size() + at_once - 1) / at_once, [&](std::size_t k) {
             const std::span<const std::size_t> numbers =
@@ -154,6 +161,12 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
             }
             for (std::size_t j = 0; j < numbers.size(); ++j) {
                 m.keep({-1, number(numbers[j])}, computed[j]);
+                if (computed[j].converged()) {
+                    has_answer = true;
+                } else if (!has_answer && ++without == told_without) {
+                    progress.say(fmt::format("no answer at the first {} points; one says: {}", told_without,
+                                             computed[j].reason));
+                }
                 evaluations[numbers[j]] = std::move(computed[j]);
                 progress.add(1, true);
             }

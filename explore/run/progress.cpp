@@ -62,6 +62,13 @@ void Progress::note(std::string note) {
     note_ = std::move(note);
 }
 
+void Progress::say(std::string_view line) {
+    const std::scoped_lock lock(mutex_);
+    if (visible_) {
+        message("{}{}: {}\n", on_terminal_ ? "\r\x1b[K" : "", what_, line);
+    }
+}
+
 std::string Progress::figures(double seconds, bool last) const {
     std::string line = total_ > 0 ? fmt::format("{}/{}", done_, total_) : fmt::format("{}", done_);
     const double rate = seconds > 0.0 ? static_cast<double>(computed_) / seconds : 0.0;

@@ -71,7 +71,7 @@ def test_an_answer_is_short_and_begins_with_its_verdict(place, command, most):
 
 
 OTHERS = {  # command: its arguments, what its verdict says, most lines
-    "check": (["one.toml"], "The study can be run: 6 readings", 30),
+    "check": (["one.toml"], "The study is well formed: 6 readings", 30),
     "forward": (["one.toml"], "At the study's own values the model is", 20),
     "map": (["one.toml", "--design", "sobol", "--points", 32], "The lowest misfit of 32 points", 25),
     "sensitivity": (["one.toml", "--samples", 64, "--points", 3], "Over the box ", 25),

@@ -85,6 +85,7 @@ std::optional<ReducedProblem> stand_in(Session& session, const problem::Problem&
     auto engine = session.engine(full, session.begin(study, "stand-in", settings));
     std::vector<study::KnownPoint> known;
     std::vector<std::vector<double>> holes;
+    std::string why; // a point has no answer
     std::vector<Surprise> surprises;
     std::shared_ptr<study::StandIn> now;
     for (bool sure = false; !sure;) {
@@ -97,6 +98,7 @@ std::optional<ReducedProblem> stand_in(Session& session, const problem::Problem&
         for (const problem::Evaluation& evaluation : *evaluations) {
             if (!evaluation.converged()) {
                 holes.push_back(study.space.unit(evaluation.parameters));
+                why = why.empty() ? evaluation.reason : why;
                 continue;
             }
             known.push_back(study::known_point(study, evaluation));
@@ -110,9 +112,10 @@ std::optional<ReducedProblem> stand_in(Session& session, const problem::Problem&
             }
         }
         if (known.size() < 1 + dimension) {
-            throw std::runtime_error(fmt::format("the model has {} at {} points: too few for a stand-in",
+            throw std::runtime_error(fmt::format("the model has {} at {} points, too few for a stand-in{}",
                                                  pave::counted(known.size(), "answer", "answers"),
-                                                 design.points.size()));
+                                                 design.points.size(),
+                                                 why.empty() ? "" : "; where it has none it says: " + why));
         }
         if (!newest.empty()) {
             surprises = std::move(newest);
