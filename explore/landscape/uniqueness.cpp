@@ -4,6 +4,7 @@
 #include "landscape/accepted_ends.h"
 #include "landscape/confirmation.h"
 #include "landscape/multistart.h"
+#include "landscape/output_walks.h"
 #include "landscape/readings_alone.h"
 
 #include <algorithm>
@@ -311,12 +312,9 @@ private:
                 complete.push_back(std::move(minimum));
             }
             if (std::all_of(complete.begin(), complete.end(), [](const auto& m) { return m.evaluation.converged(); })) {
-                auto ranges = walk_all(task_.everything_engine, task_.everything, predicted, "outputs",
-                                       first_of(predictions, round), &complete);
-                if (!ranges) {
+                if (!walk_to_outputs(complete, predicted, first_of(predictions, round))) {
                     return false;
                 }
-                result_.outputs = std::move(*ranges);
                 result_.minima[0].evaluation = complete[0].evaluation;
             } else {
                 result_.missing.emplace_back("the outputs: the model of a load that is only predicted has no answer at "
@@ -398,8 +396,39 @@ private:
             })) {
             return std::nullopt;
         }
-        std::vector<Range> ranges(quantities.size());
-        for (std::size_t q = 0; q < quantities.size(); ++q) {
+        return ranges_of(problem.space, std::move(branches), quantities.size());
+    }
+
+    // The ends of the outputs. complete: the alternatives, evaluated as everything. False: interrupted.
+    bool walk_to_outputs(const std::vector<Minimum>& complete, const std::vector<Quantity>& predicted, int first) {
+        if (task_.outputs_cost_more) {
+            std::vector<Minimum> from;
+            std::transform(result_.alternative_of.begin(), result_.alternative_of.end(), std::back_inserter(from),
+                           [&](std::size_t m) { return result_.minima[m]; });
+            auto walks = walk_outputs(task_, *result_.acceptance, from, complete, first);
+            if (!walks) {
+                return false;
+            }
+            if (!walks->branches.empty()) {
+                result_.outputs = ranges_of(task_.fitted.space, std::move(walks->branches), predicted.size());
+                return true;
+            }
+        }
+        constexpr int behind_the_others = chain_range - 10'000;
+        auto ranges = walk_all(task_.everything_engine, task_.everything, predicted, "outputs",
+                               first + (task_.outputs_cost_more ? behind_the_others : 0), &complete);
+        if (ranges) {
+            result_.outputs = std::move(*ranges);
+        }
+        return ranges.has_value();
+    }
+
+    // branches: down and up from each alternative for each quantity.
+    std::vector<Range> ranges_of(const problem::ParameterSpace& space, std::vector<Branch> branches,
+                                 std::size_t quantities) const {
+        const std::size_t alternatives = result_.alternative_of.size();
+        std::vector<Range> ranges(quantities);
+        for (std::size_t q = 0; q < quantities; ++q) {
             Range& range = ranges[q];
             range.low = std::numeric_limits<double>::infinity();
             range.high = -range.low;
@@ -411,14 +440,14 @@ private:
                         range.low_end = branch.end;
                         range.low_bounds = branch.on_bound;
                         range.low_limits = branch.on_limit;
-                        range.low_set = problem.space.physical(branch.limit_unit);
+                        range.low_set = space.physical(branch.limit_unit);
                     }
                     if (side == 1 && branch.limit > range.high) {
                         range.high = branch.limit;
                         range.high_end = branch.end;
                         range.high_bounds = branch.on_bound;
                         range.high_limits = branch.on_limit;
-                        range.high_set = problem.space.physical(branch.limit_unit);
+                        range.high_set = space.physical(branch.limit_unit);
                     }
                     range.branches.push_back(std::move(branch));
                 }

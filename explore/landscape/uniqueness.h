@@ -26,6 +26,7 @@ struct UniquenessTask {
     // Of a quicker model of what is fitted: the sample and the searches are its, then searches by fitted_engine begin
     // at what it found. nullptr: all are fitted_engine's.
     run::Engine* explorer = nullptr;
+    bool outputs_cost_more = false; // a run of everything costs far more than one of what is fitted
 };
 
 struct UniquenessSettings {

@@ -247,14 +247,14 @@ Answer sensitivity_answer(const SensitivityResult& s, const analysis::RunOptions
         answer.rows.push_back(std::move(row));
     }
     const auto first = static_cast<std::size_t>(std::max_element(leads.begin(), leads.end()) - leads.begin());
-    const std::string over = is_global ? "Over the box" : "Near the study's own values";
-    answer.verdict = varying == 0 ? over + " no parameter moves any of these responses."
+    const std::string over = is_global ? "within the ranges of the study" : "near the study's own values";
+    answer.verdict = varying == 0 ? "No parameter moves any of these responses " + over + "."
                      : axes.size() == 1
-                         ? fmt::format("{} {} moves {} of {}.", over, axes[0].name, varying,
-                                       pave::counted(s.responses.size(), "response", "responses"))
-                         : fmt::format("{} {} matters most to {} of {}.", over, axes[first].name, leads[first],
-                                       pave::counted(s.responses.size(), "response", "responses"));
-    answer.heading = is_global ? "Share of the variance over the box, with interactions"
+                         ? fmt::format("{} moves {} of {} {}.", axes[0].name, varying,
+                                       pave::counted(s.responses.size(), "response", "responses"), over)
+                         : fmt::format("{} has the largest influence on {} of {} {}.", axes[first].name, leads[first],
+                                       pave::counted(s.responses.size(), "response", "responses"), over);
+    answer.heading = is_global ? "Share of the variance over these ranges, with interactions"
                                : "% of the response for 1 % of the parameter";
     std::vector<std::string> idle;
     constexpr double little = 0.05;

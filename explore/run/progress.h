@@ -25,7 +25,7 @@ public:
 
     // n more are done; computed: by this process just now (they make the rate), else they were known already.
     void add(std::int64_t n, bool computed);
-    void note(std::string note); // shown behind the figures
+    void note(std::string note);     // shown behind the figures
     void say(std::string_view line); // above the figures, at once
 
 private:

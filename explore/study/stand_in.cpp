@@ -43,7 +43,8 @@ std::vector<AllowedError> allowed_errors(const Study& study, const Eigen::Vector
     return list;
 }
 
-double share_of_allowed(const std::vector<AllowedError>& allowed, double factor, const Kriging::Answer& answer) {
+double share_of_allowed(const std::vector<AllowedError>& allowed, double factor,
+                        const inference::Kriging::Answer& answer) {
     double largest = 0.0;
     for (std::size_t i = 0; i < allowed.size(); ++i) {
         const auto own = static_cast<Index>(i);
@@ -72,7 +73,7 @@ public:
         const std::vector<double> unit = space_.unit(values);
         problem::Prediction prediction;
         if (!near_hole(unit)) {
-            const Kriging::Answer answer = stand_in_->between.at(unit, with_jacobian);
+            const inference::Kriging::Answer answer = stand_in_->between.at(unit, with_jacobian);
             if (answer.values.allFinite() && share_of_allowed(allowed_, stand_in_->factor, answer) <= 1.0) {
                 prediction.responses.assign(answer.values.begin(), answer.values.end());
                 prediction.jacobian = answer.slopes;
@@ -94,14 +95,15 @@ public:
 
 private:
     bool near_hole(std::span<const double> unit) const {
-        const Kriging& between = stand_in_->between;
+        const inference::Kriging& between = stand_in_->between;
         double hole = std::numeric_limits<double>::infinity();
         for (const auto& point : stand_in_->holes) {
             hole = std::min(hole, between.squared_distance(unit, point));
         }
         return std::isfinite(hole) &&
-               std::none_of(between.known().begin(), between.known().end(),
-                            [&](const KnownPoint& known) { return between.squared_distance(unit, known.unit) < hole; });
+               std::none_of(between.known().begin(), between.known().end(), [&](const inference::KnownPoint& known) {
+                   return between.squared_distance(unit, known.unit) < hole;
+               });
     }
 
     std::shared_ptr<const problem::ForwardFunction> full_;
@@ -112,10 +114,10 @@ private:
 
 } // namespace
 
-KnownPoint known_point(const Study& study, const problem::Evaluation& evaluation) {
-    KnownPoint point{.unit = study.space.unit(evaluation.parameters),
-                     .values = Eigen::Map<const Eigen::VectorXd>(evaluation.responses.data(),
-                                                                 static_cast<Index>(evaluation.responses.size()))};
+inference::KnownPoint known_point(const Study& study, const problem::Evaluation& evaluation) {
+    inference::KnownPoint point{.unit = study.space.unit(evaluation.parameters),
+                                .values = Eigen::Map<const Eigen::VectorXd>(
+                                    evaluation.responses.data(), static_cast<Index>(evaluation.responses.size()))};
     point.slopes = evaluation.jacobian;
     for (Index k = 0; k < point.slopes.cols(); ++k) {
         const auto own = static_cast<std::size_t>(k);
@@ -124,7 +126,8 @@ KnownPoint known_point(const Study& study, const problem::Evaluation& evaluation
     return point;
 }
 
-double error_of_allowed(const Study& study, const StandIn& stand_in, double limit, const Kriging::Answer& answer) {
+double error_of_allowed(const Study& study, const StandIn& stand_in, double limit,
+                        const inference::Kriging::Answer& answer) {
     return share_of_allowed(allowed_errors(study, stand_in.between.ranges(), limit), stand_in.factor, answer);
 }
 

@@ -1,12 +1,12 @@
 // The function between known points: exact where theory says so, elsewhere about as wrong as it says.
-#include "study/kriging.h"
+#include "inference/kriging.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
 
 namespace {
 
-using namespace explore::study;
+using namespace explore::inference;
 
 struct Known {
     Eigen::VectorXd values;

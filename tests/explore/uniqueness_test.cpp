@@ -5,6 +5,7 @@
 
 #include "base/random.h"
 
+#include <atomic>
 #include <cmath>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -363,6 +364,63 @@ TEST(Profile, OfALinearModelIsTheEllipsoidsShadow) {
     }
     const double error = std::sqrt(a.row(0) * covariance * a.row(0).transpose());
     EXPECT_NEAR(u.outputs[0].high - measured[0], quantile * error, 0.02 * error);
+}
+
+// Readings that are linear in the parameters accept an ellipsoid: an output exp(a'x) lies between exp(a'x0 -+ s), with
+// s the root of the threshold times the standard error of a'x. Where outputs cost more than the readings, few runs of
+// everything find these ends.
+TEST(Uniqueness, EndsOfOutputsThatCostMoreAreThoseOfTheFormula) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        Draw draw(seed);
+        constexpr int d = 3;
+        constexpr double sigma = 0.01;
+        const MatrixXd a = MatrixXd::NullaryExpr(6, d, [&] { return draw.between(-1.0, 1.0); });
+        const MatrixXd b = MatrixXd::NullaryExpr(2, d, [&] { return draw.between(-6.0, 6.0); });
+        const VectorXd x0 = VectorXd::NullaryExpr(d, [&] { return draw.between(0.4, 0.6); });
+        const VectorXd measured = a * x0;
+        std::atomic<int> runs = 0;
+        const auto model = [&](bool with_outputs) {
+            return Formula([&, with_outputs](const VectorXd& x, VectorXd& responses, MatrixXd& jacobian) {
+                responses.resize(with_outputs ? 8 : 6);
+                responses.head(6) = a * x;
+                jacobian.resize(responses.size(), d);
+                jacobian.topRows(6) = a;
+                if (with_outputs) {
+                    ++runs;
+                    responses.tail(2) = (b * x).array().exp();
+                    jacobian.bottomRows(2) = responses.tail(2).asDiagonal() * b;
+                }
+            });
+        };
+        const std::vector<double> readings(measured.begin(), measured.end());
+        const problem::Problem fitted = problem_of(d, model(false), readings, sigma);
+        const problem::Problem everything = problem_of(d, model(true), readings, sigma);
+        const run::EngineSettings quiet{.threads = 0, .show_progress = false};
+        run::Engine engine(fitted, nullptr, 0, quiet);
+        run::Engine everything_engine(everything, nullptr, 0, quiet);
+        const auto u = landscape::uniqueness({.fitted = fitted,
+                                              .everything = everything,
+                                              .fitted_engine = engine,
+                                              .everything_engine = everything_engine,
+                                              .outputs = {6, 7},
+                                              .groups = {},
+                                              .seed = seed,
+                                              .explorer = nullptr,
+                                              .outputs_cost_more = true},
+                                             {.explore = 32, .verify = 4});
+        ASSERT_TRUE(u && u->outputs.size() == 2);
+        const MatrixXd covariance = sigma * sigma * (a.transpose() * a).inverse();
+        for (Index o = 0; o < 2; ++o) {
+            const VectorXd direction = b.row(o);
+            const double half = std::sqrt(u->acceptance->threshold * direction.dot(covariance * direction));
+            const double middle = direction.dot(x0);
+            const auto& range = u->outputs[static_cast<std::size_t>(o)];
+            const double allowed = 0.002 * (std::exp(middle + half) - std::exp(middle - half));
+            EXPECT_NEAR(range.low, std::exp(middle - half), allowed) << seed;
+            EXPECT_NEAR(range.high, std::exp(middle + half), allowed) << seed;
+        }
+        EXPECT_LE(runs, 30) << "of four ends";
+    }
 }
 
 TEST(Profile, SaysWhichOtherBoundStopsIt) {

@@ -74,7 +74,7 @@ OTHERS = {  # command: its arguments, what its verdict says, most lines
     "check": (["one.toml"], "The study is well formed: 6 readings", 30),
     "forward": (["one.toml"], "At the study's own values the model is", 20),
     "map": (["one.toml", "--design", "sobol", "--points", 32], "The lowest misfit of 32 points", 25),
-    "sensitivity": (["one.toml", "--samples", 64, "--points", 3], "Over the box ", 25),
+    "sensitivity": (["one.toml", "--samples", 64, "--points", 3], "within the ranges of the study.", 25),
     "compare": (["one.toml", "other.toml"], "The data cannot tell these studies apart", 25),
     "sample": (["one.toml", "--samples", 2000], "", 25),
     "noise": ([ROOT / "grids/road-north.f25"], "Repeated drops agree within", 35),

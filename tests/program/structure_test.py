@@ -5,7 +5,7 @@ import re
 from support import *
 
 SRC = ["base", "mechanics", "material", "layered", "mesh", "fe", "pavement", "reduced"]
-EXPLORE = ["data", "problem", "external", "study", "search", "optimise", "inference", "run", "landscape", "hypotheses", "diagnose", "analysis", "report", "cli"]
+EXPLORE = ["data", "inference", "problem", "external", "study", "search", "optimise", "run", "landscape", "hypotheses", "diagnose", "analysis", "report", "cli"]
 # Above the forward model's own base/, these may include src/.
 KNOWS_PAVEMENTS = {"study", "analysis", "report", "cli"}
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text()

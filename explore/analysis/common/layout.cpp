@@ -1,6 +1,8 @@
 #include "analysis/common/layout.h"
 
 #include "base/text.h"
+#include "pavement/forward.h"
+#include "study/problems.h"
 
 #include <algorithm>
 #include <cmath>
@@ -135,6 +137,26 @@ std::optional<double> held_out_rms(const study::Study& study, const std::vector<
     return count > 0 ? std::optional(std::sqrt(squares / static_cast<double>(count))) : std::nullopt;
 }
 
+namespace {
+
+// Whether an output is of a load with far more unknowns than those that a problem of what is fitted computes.
+bool outputs_cost_more(const study::Study& study) {
+    if (study.has_own_model || study.outputs().empty()) {
+        return false;
+    }
+    const std::vector<int> unknowns = pave::pavement::ForwardModel(study.model).unknowns();
+    const std::vector<bool> computed = study::computed_loads(study);
+    int most = 0;
+    int most_computed = 1;
+    for (std::size_t load = 0; load < unknowns.size(); ++load) {
+        (computed[load] ? most_computed : most) = std::max(computed[load] ? most_computed : most, unknowns[load]);
+    }
+    constexpr int far_more = 4;
+    return most > far_more * most_computed;
+}
+
+} // namespace
+
 landscape::UniquenessTask uniqueness_task(const study::Study& study, const problem::Problem& fitted,
                                           const problem::Problem& everything, run::Engine& fitted_engine,
                                           run::Engine& everything_engine, std::uint64_t seed) {
@@ -144,7 +166,9 @@ landscape::UniquenessTask uniqueness_task(const study::Study& study, const probl
                                    .everything_engine = everything_engine,
                                    .outputs = study.outputs(),
                                    .groups = {},
-                                   .seed = seed};
+                                   .seed = seed,
+                                   .explorer = nullptr,
+                                   .outputs_cost_more = outputs_cost_more(study)};
     std::size_t term = 0;
     for (const auto& group : study.groups) {
         if (!group.held_out) {

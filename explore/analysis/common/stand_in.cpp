@@ -13,7 +13,7 @@
 namespace explore::analysis {
 namespace {
 
-using study::Kriging;
+using inference::Kriging;
 
 constexpr int candidate_points = 1024;
 constexpr std::uint64_t candidate_seed = 0x57a4d14;
@@ -83,7 +83,7 @@ std::optional<ReducedProblem> stand_in(Session& session, const problem::Problem&
     const problem::Problem full = study::make_prediction_problem(study, {});
     const std::string settings = fmt::format("stand-in of {} %", model.limit_percent);
     auto engine = session.engine(full, session.begin(study, "stand-in", settings));
-    std::vector<study::KnownPoint> known;
+    std::vector<inference::KnownPoint> known;
     std::vector<std::vector<double>> holes;
     std::string why; // a point has no answer
     std::vector<Surprise> surprises;
@@ -113,8 +113,7 @@ std::optional<ReducedProblem> stand_in(Session& session, const problem::Problem&
         }
         if (known.size() < 1 + dimension) {
             throw std::runtime_error(fmt::format("the model has {} at {} points, too few for a stand-in{}",
-                                                 pave::counted(known.size(), "answer", "answers"),
-                                                 design.points.size(),
+                                                 pave::counted(known.size(), "answer", "answers"), design.points.size(),
                                                  why.empty() ? "" : "; where it has none it says: " + why));
         }
         if (!newest.empty()) {

@@ -1,7 +1,7 @@
 #include "analysis/design/design_walks.h"
 
 #include "data/hash.h"
-#include "study/kriging.h"
+#include "inference/kriging.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ constexpr int most_rounds = 8;
 // A problem of its own for the fit; the strains at the critical places are interpolated between runs of everything.
 class BetweenRuns final : public problem::ForwardFunction {
 public:
-    BetweenRuns(const problem::Problem& fitted, std::size_t first, std::shared_ptr<const study::Kriging> strains)
+    BetweenRuns(const problem::Problem& fitted, std::size_t first, std::shared_ptr<const inference::Kriging> strains)
         : fitted_(fitted.function),
           space_(fitted.space),
           first_(first),
@@ -36,7 +36,7 @@ public:
         }
         problem::Prediction all = std::move(outcome).value();
         const std::vector<double> unit = space_.unit(parameters);
-        const study::Kriging::Answer there = strains_->at(unit, with_jacobian);
+        const inference::Kriging::Answer there = strains_->at(unit, with_jacobian);
         all.responses.resize(first_);
         all.responses.insert(all.responses.end(), there.values.begin(), there.values.end());
         if (with_jacobian) {
@@ -53,12 +53,13 @@ private:
     std::shared_ptr<const problem::ForwardFunction> fitted_;
     problem::ParameterSpace space_;
     std::size_t first_; // of the critical places, which follow all others
-    std::shared_ptr<const study::Kriging> strains_;
+    std::shared_ptr<const inference::Kriging> strains_;
 };
 
 // A run of everything, as a point to interpolate between.
-study::KnownPoint known_point(const problem::ParameterSpace& space, std::size_t first, const problem::Evaluation& e) {
-    study::KnownPoint point{.unit = space.unit(e.parameters), .values = {}, .slopes = {}};
+inference::KnownPoint known_point(const problem::ParameterSpace& space, std::size_t first,
+                                  const problem::Evaluation& e) {
+    inference::KnownPoint point{.unit = space.unit(e.parameters), .values = {}, .slopes = {}};
     const auto count = static_cast<Index>(e.responses.size() - first);
     point.values = Eigen::Map<const VectorXd>(e.responses.data() + first, count);
     point.slopes = e.jacobian.bottomRows(count);
@@ -116,15 +117,15 @@ private:
             if (round > 0 && (!(found_.off > close_enough) || round == most_rounds)) {
                 return true;
             }
-            std::vector<study::KnownPoint> known;
+            std::vector<inference::KnownPoint> known;
             for (const problem::Evaluation& e : there) {
                 if (e.converged()) {
                     known.push_back(known_point(space, task_.places.first, e));
                 }
             }
             problem::Problem walked = task_.fitted;
-            walked.function = std::make_shared<BetweenRuns>(task_.fitted, task_.places.first,
-                                                            std::make_shared<const study::Kriging>(std::move(known)));
+            walked.function = std::make_shared<BetweenRuns>(
+                task_.fitted, task_.places.first, std::make_shared<const inference::Kriging>(std::move(known)));
             auto engine = task_.session.engine(walked, task_.session.begin(task_.places.study, "design-walks",
                                                                            settings_at("from between runs", points)));
             if (!walk_of_round(walked, engine)) {

@@ -78,7 +78,7 @@ std::vector<std::string> findings(const MapResult& result) {
     for (std::size_t k = 0; k < lowest.parameters.size(); ++k) {
         at.push_back(fmt::format("{} = {}", result.study.space.axes[k].name, pave::figure(lowest.parameters[k])));
     }
-    return {fmt::format("The lowest misfit of {} is {}, at {}. Between the points it may be lower: fit searches there.",
+    return {fmt::format("The lowest misfit of {} is {}, at {}. It may be lower between them: fit searches for that.",
                         pave::counted(result.evaluations.size(), "point", "points"), pave::figure(lowest.misfit),
                         pave::join(at))};
 }

@@ -71,7 +71,7 @@ const blocks = (() => {
     // The layout shared by all charts.
     const dressed = (layout) => ({
         font: { family: "system-ui, sans-serif", size: 12, color: "#1b1f24" },
-        margin: { l: 64, r: 16, t: 40, b: 56 },
+        margin: { l: 64, r: 16, t: 40, b: 62 },
         height: 360, colorway: colours, hovermode: "closest",
         legend: { orientation: "h", y: -0.3 }, paper_bgcolor: "#fff", plot_bgcolor: "#fff",
         ...layout,

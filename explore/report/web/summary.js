@@ -68,7 +68,7 @@ const summaries = (() => {
                 action: top ? `Go on with ${say(top.law || top.study)}${good.some((l) => l !== top && (l.weight || 0) > 0.1) ? ", and give the ranges of the others beside it: their weights are not small" : ""}.` : "" };
         },
         sensitivity: () => ({ numbers: [], action: "Measure where the curves of two parameters differ; leave out a parameter whose curves stay level." }),
-        map: (r) => ({ numbers: [], action: `The lowest points are starts, not answers: pavescape fit ${(r.study || {}).file || "STUDY"} goes on from such.` }),
+        map: (r) => ({ numbers: [], action: `A point of a map is no best fit yet: pavescape fit ${(r.study || {}).file || "STUDY"} searches for that.` }),
     };
 
     // The sentence that the terminal begins with, and the findings beside it.

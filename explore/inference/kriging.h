@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace explore::study {
+namespace explore::inference {
 
 struct KnownPoint {
     std::vector<double> unit; // in the unit cube
@@ -52,4 +52,4 @@ private:
     double likelihood_ = 0.0;
 };
 
-} // namespace explore::study
+} // namespace explore::inference

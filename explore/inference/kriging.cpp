@@ -1,10 +1,10 @@
-#include "study/kriging.h"
+#include "inference/kriging.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace explore::study {
+namespace explore::inference {
 namespace {
 
 using Eigen::Index;
@@ -201,4 +201,4 @@ double Kriging::squared_distance(std::span<const double> a, std::span<const doub
     return sum;
 }
 
-} // namespace explore::study
+} // namespace explore::inference
