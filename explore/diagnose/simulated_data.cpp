@@ -107,7 +107,8 @@ private:
         target.offset = -d_.baseline.model.residuals;
         for (Eigen::Index i = 0; i < target.offset.size(); ++i) {
             const auto number = static_cast<std::uint64_t>(i);
-            if (task_.is_limit(static_cast<std::size_t>(i)) && kept.uniform(number) < probability_of(target.offset[i])) {
+            if (task_.is_limit(static_cast<std::size_t>(i)) &&
+                kept.uniform(number) < probability_of(target.offset[i])) {
                 target.offset[i] = 0.0; // the limit that it is
             } else {                    // what the instrument reads is no limit, and drawn like any other
                 target.offset[i] += noise * random.normal(number);

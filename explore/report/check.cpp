@@ -68,7 +68,7 @@ Answer check_answer(const CheckedStudy& checked) {
         }
     }
     const std::string file = run::shell_word(study.file);
-    // Whether a model of one's own answers is not known before it ran.
+    // Whether your own model answers is not known before it ran.
     answer.next = readings == 0 || checked.commands.empty() ? "pavescape forward " + file
                   : study.parameters.empty()                ? "state [[parameters]], what is to be fitted"
                                                             : "pavescape fit " + file;

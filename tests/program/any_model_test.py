@@ -112,11 +112,11 @@ def test_a_run_without_an_answer_says_why(script, keys, words):
 def test_a_model_that_never_answers_is_said_at_once():
     folder = workspace()
     study = rosenbrock(folder, script="import sys\nsys.exit('no licence')")
-    done = run("fit", study, "--explore", 24)
+    done = run("fit", study, "--explore", 24, "--out", folder / "out")
     first, last = done.stderr.strip().splitlines()
     assert done.returncode == 1 and "no answer at the first 10 points; one says: " in first and "no licence" in first, done.stderr
     assert "not one explored point has an answer" in last, done.stderr
-    done = run("unique", study, "--model", "auto")
+    done = run("unique", study, "--model", "auto", "--out", folder / "auto")
     assert done.returncode == 1 and "too few for a stand-in" in done.stderr.splitlines()[-1] and "no licence" in done.stderr.splitlines()[-1], done.stderr
 
 

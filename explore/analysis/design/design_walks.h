@@ -1,8 +1,8 @@
 // Walks over the sets that the data accept, to the shortest and the longest life of each criterion.
 //
 // A step needs the misfit and the strains under the axle, whose run may cost a thousand times that of the readings. So
-// strains are interpolated between a few complete runs (inference/kriging.h, with slopes): first at the minima and at the
-// ends of the parameters' ranges, then at the ends that walks find, until these runs confirm the lives that were
+// strains are interpolated between a few complete runs (inference/kriging.h, with slopes): first at the minima and at
+// the ends of the parameters' ranges, then at the ends that walks find, until these runs confirm the lives that were
 // expected. An end that is reported comes from a complete run.
 #pragma once
 
