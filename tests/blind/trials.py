@@ -141,7 +141,7 @@ def rates(results):
 
     def names_fault(r):
         """Whether what happened to the file is the first hypothesis."""
-        spoilt, first = r["truth"]["spoilt"], (r["hypotheses"] or [{"name": "", "kind": ""}])[0]
+        spoilt, first = r["truth"]["spoilt"], (r.get("hypotheses") or [{"name": "", "kind": ""}])[0]
         words = {"exchanged": "exchanged", "counted from the far end": "counted from the far end", "another unit": "another unit"}[spoilt["fault"]]
         return first["kind"] == "layout" and words in first["name"] and all(f"{at:g} " in first["name"] for at in spoilt.get("at_mm", []))
 
@@ -152,6 +152,7 @@ def rates(results):
         return first["kind"] == "layout" and named is not None and \
             all(abs(float(at) - true) <= 30 for at, true in zip(named[1].split(", "), r["truth"]["sensors_mm"]))
 
+    told = [r for r in named if None not in r["held_out"]]  # with places to leave out
     few = of["few"]
     amiss = {
         **{f"{kind}: a name or a place where nothing is wrong": (sum(r["verdict"] in ("cause-named", "ambiguous", "located") for r in of[kind]), len(of[kind]))
@@ -179,7 +180,7 @@ def rates(results):
         "both of two effects named": (sum(set(r["names"]) <= set(r["causes"]) for r in of["two"]), len(of["two"])),
         "size of a named effect within its 95 % interval":
             (sum(map(holds, sized)), len(sized)),
-        "held-out data gain from a named effect": (sum(r["held_out"][1] < r["held_out"][0] for r in named), len(named)),
+        "held-out data gain from a named effect": (sum(r["held_out"][1] < r["held_out"][0] for r in told), len(told)),
         **outside,
         **amiss,
     }
