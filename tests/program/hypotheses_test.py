@@ -58,6 +58,7 @@ def test_two_wrong_readings_are_both_named_and_can_be_fitted():
     assert found["causes"] == ["outlier"], found["findings"][0]
     assert sorted(int(e["on"].split()[1].rstrip(":")) for e in found["explanations"][0]["effects"]) == [4, 10]
     assert found["hypotheses"][0]["kind"] == "readings"
+    assert "may as well stand elsewhere" not in " ".join(found["findings"]), "each sensor reads right under another load"
     # The extended study has both, and runs.
     done = run("forward", found["extended"]["study"], "--json")
     assert done.returncode == 0, done.stderr

@@ -127,6 +127,7 @@ def test_a_wrong_limit_is_named_and_nothing_else():
     found = answer("diagnose", made("wrong", cells), "--explore", 16, "--starts", 2)
     assert found["verdict"] == "cause-named" and found["causes"] == ["outlier"], (found["verdict"], found["causes"])
     assert found["extended"]["effects"] == [{"effect": "outlier", "on": "reading 4: deflection at 450 mm under fwd"}], found["extended"]
+    assert "(deflection at 450 mm) may as well stand elsewhere" in " ".join(found["findings"]), "under one load these are one"
     # Its size: from where the limit adds what one number may to chi2, -2 ln Phi(-z) = 3.84, to the end of the range.
     e, limit = found["extended"]["parameters"]["subgrade.modulus_MPa"]["value"], float(cells[3][1:])
     end = (limit - SIGMA * stats.norm.ppf(math.exp(-0.5 * 1.959964**2))) * e / FLEXIBILITY[3] - 1

@@ -91,6 +91,24 @@ private:
                            pave::join(others, " or "));
     }
 
+    // Other causes of a wrong deflection whose sensor reads once.
+    std::string instrument_words(const pave::pavement::AppliedEffect& applied) const {
+        if (!applied.effect->is_error_of_reading || !applied.reading || study.has_own_model) {
+            return "";
+        }
+        const auto reading = static_cast<std::size_t>(*applied.reading);
+        const pave::pavement::Sensor& sensor = study.model.sensors[reading];
+        const std::string place = study.readings[reading].place_words();
+        const bool reads_once = std::none_of(layout.rows.begin(), layout.rows.end(), [&](std::size_t row) {
+            return row != reading && study.readings[row].place_words() == place;
+        });
+        return sensor.quantity == pave::pavement::Quantity::deflection && sensor.depth == 0.0 && reads_once
+                   ? fmt::format("Its sensor ({}) may as well stand elsewhere or have another gain: readings under one "
+                                 "load do not tell. Check where it stood.",
+                                 place)
+                   : "";
+    }
+
     void verdict(std::vector<std::string>& text) const {
         switch (d.verdict()) {
         case Verdict::adequate:
@@ -124,6 +142,11 @@ private:
             text.push_back("CAUSE NAMED: the model lacks " + pave::join(found, " and ") + ".");
             if (std::string words = alike_words(); !words.empty()) {
                 text.push_back(std::move(words));
+            }
+            for (const std::size_t c : d.extended->model.members) {
+                if (std::string words = instrument_words(variants[c].applied); !words.empty()) {
+                    text.push_back(std::move(words));
+                }
             }
             for (const std::size_t c : d.extended->model.members) {
                 const std::string mechanism(variants[c].applied.effect->mechanism);
