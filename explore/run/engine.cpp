@@ -19,7 +19,7 @@ namespace {
 using problem::Evaluation;
 using Clock = std::chrono::steady_clock;
 
-constexpr int told_without = 10; // points without an answer, and none with one: said, for the rest may be in vain
+constexpr std::size_t told_without = 10; // points without an answer, and none with one: said where as many are left
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -144,7 +144,8 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
         for (std::size_t i = 0; i < n; ++i) {
             has_answer = has_answer || (done[i] != 0 && evaluations[i].converged());
         }
-        std::atomic<int> without{0};
+        std::atomic<std::size_t> without{0};
+        const bool is_long = missing.size() >= 2 * told_without; // what ends anyway is not announced
         const std::size_t at_once = m.at_once(missing.size());
         for_each_index(m.arena, (missing.size() + at_once - 1) / at_once, [&](std::size_t k) {
             const std::span<const std::size_t> numbers =
@@ -163,7 +164,7 @@ std::optional<std::vector<Evaluation>> Engine::evaluate(const search::Design& de
                 m.keep({-1, number(numbers[j])}, computed[j]);
                 if (computed[j].converged()) {
                     has_answer = true;
-                } else if (!has_answer && ++without == told_without) {
+                } else if (is_long && !has_answer && ++without == told_without) {
                     progress.say(fmt::format("no answer at the first {} points; one says: {}", told_without,
                                              computed[j].reason));
                 }

@@ -37,7 +37,8 @@ bool Investigation::locate() {
     if (d_.location) {
         record_location();
     }
-    if (now.verdict == Verdict::cause_named && !(d_.location && d_.location->fit.aicc < named->aicc + margin)) {
+    if (named != nullptr && now.verdict == Verdict::cause_named &&
+        !(d_.location && d_.location->fit.aicc < named->aicc + margin)) {
         std::vector<double> p;
         if (!test_beside(task_, d_, named->model, p)) {
             return false;
