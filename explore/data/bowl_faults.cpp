@@ -132,6 +132,32 @@ double roughness(const std::vector<Bowl>& bowls) {
     return sum / std::max(1.0, count);
 }
 
+struct Expected {
+    double log = 0.0;       // of the reading
+    double deviation = 0.0; // of the logarithm, by those it is worked out from
+};
+
+// What the sensors beside number i of a bowl say that it reads: between them, or by the next two of an end; none: they
+// do not say.
+std::optional<Expected> expected_reading(const Bowl& bowl, std::size_t i) {
+    const std::size_t n = bowl.size();
+    if (n < 3) {
+        return std::nullopt;
+    }
+    const BowlPoint& a = bowl[i == 0 ? 1 : i - 1];
+    const BowlPoint& b = bowl[i == 0 ? 2 : i == n - 1 ? n - 3 : i + 1];
+    const auto x = [](const BowlPoint& r) { return std::sqrt(0.04 + r.offset * r.offset); };
+    if (!(a.value > 0.0) || !(b.value > 0.0) || std::abs(x(b) - x(a)) < 1e-6) {
+        return std::nullopt;
+    }
+    const double t = (x(bowl[i]) - x(a)) / (x(b) - x(a));
+    return Expected{(1.0 - t) * std::log(a.value) + t * std::log(b.value),
+                    std::hypot((1.0 - t) * a.deviation / a.value, t * b.deviation / b.value)};
+}
+
+// Of the logarithm. Bowls are steeper near the load and flatter far from it than the next two say.
+constexpr double near_expected = 0.75;
+
 struct Mended {
     BowlFault fault;
     std::vector<Bowl> bowls;
@@ -180,6 +206,44 @@ Mended rescaled(std::vector<Bowl> bowls, double offset, double factor, std::opti
     return {std::move(fault), std::move(bowls)};
 }
 
+// Whether what is mended reads about what its neighbours say, where these say it well enough, and about the same share
+// of what it reads under another load as its neighbours do.
+bool is_as_expected(const Mended& mended) {
+    constexpr double vague = 0.3; // deviation of the logarithm
+    constexpr double share = 0.5; // of the logarithm
+    const auto is_mended = [&](const BowlPoint& r) {
+        return std::find(mended.fault.rows.begin(), mended.fault.rows.end(), r.row) != mended.fault.rows.end();
+    };
+    double variance = 0.0;
+    double count = 0.0;
+    for (const Bowl& bowl : mended.bowls) {
+        for (std::size_t i = 0; i < bowl.size(); ++i) {
+            const auto expected = expected_reading(bowl, i);
+            if (!is_mended(bowl[i]) || !expected) {
+                continue;
+            }
+            if (!(bowl[i].value > 0.0) || std::abs(std::log(bowl[i].value) - expected->log) > near_expected) {
+                return false;
+            }
+            variance += expected->deviation * expected->deviation;
+            count += 1.0;
+            for (const Bowl& other : mended.bowls) {
+                const BowlPoint* there = at(other, bowl[i].offset);
+                const auto expected_there =
+                    there == nullptr ? std::nullopt
+                                     : expected_reading(other, static_cast<std::size_t>(there - other.data()));
+                if (expected_there && !is_mended(*there) && there->value > 0.0) {
+                    const double excess = std::log(bowl[i].value) - expected->log;
+                    if (std::abs(excess - std::log(there->value) + expected_there->log) > share) {
+                        return false;
+                    }
+                }
+            }
+        }
+    }
+    return count == 0.0 || std::sqrt(variance) / count < vague;
+}
+
 // The least roughness that is left without one of the sensors: what a wrong reading would leave.
 double roughness_without_one(const std::vector<Bowl>& bowls) {
     double least = INFINITY;
@@ -202,7 +266,7 @@ std::optional<Mended> mended(const std::vector<Bowl>& bowls) {
     const std::vector<double> offsets = offsets_of(bowls);
     std::vector<Mended> options;
     const auto offer = [&](Mended option) {
-        if (all_fall(option.bowls)) {
+        if (all_fall(option.bowls) && (option.fault.kind != BowlFault::Kind::factor || is_as_expected(option))) {
             options.push_back(std::move(option));
         }
     };
@@ -254,23 +318,15 @@ std::optional<Mended> factor_at_end(const std::vector<Bowl>& bowls) {
         for (Bowl bowl : bowls) {
             const std::size_t n = bowl.size();
             BowlPoint* reading = at(bowl, own);
-            const std::size_t next = is_first ? 1 : n - 2;
-            const std::size_t after = is_first ? 2 : n - 3;
             constexpr double clear = 8.0; // standard deviations
-            if (n < least || reading == nullptr || !(reading->value > clear * reading->deviation) ||
-                !(bowl[next].value > 0.0) || !(bowl[after].value > 0.0)) {
+            const auto expected = expected_reading(bowl, is_first ? 0 : n - 1);
+            if (n < least || reading == nullptr || !(reading->value > clear * reading->deviation) || !expected) {
                 return std::nullopt;
             }
-            const auto x = [](const BowlPoint& r) { return std::sqrt(0.04 + r.offset * r.offset); };
-            const double slope =
-                std::log(bowl[after].value / bowl[next].value) / std::max(1e-6, x(bowl[after]) - x(bowl[next]));
-            const double expected = std::log(bowl[next].value) + slope * (x(*reading) - x(bowl[next]));
-            excess.push_back(std::log(reading->value) - expected);
+            excess.push_back(std::log(reading->value) - expected->log);
         }
-        // Bowls are steeper near the load and flatter far from it than the next two say.
-        constexpr double near = 0.75;
         std::optional<Mended> best;
-        double nearest = near;
+        double nearest = near_expected;
         for (const double factor : unit_factors) {
             for (const double size : {factor, 1.0 / factor}) {
                 std::optional<std::size_t> only; // the load of which it is
@@ -279,12 +335,12 @@ std::optional<Mended> factor_at_end(const std::vector<Bowl>& bowls) {
                 bool are_plain = true; // the others
                 for (std::size_t b = 0; b < excess.size(); ++b) {
                     const double distance = std::abs(excess[b] - std::log(size));
-                    if (distance < near) {
+                    if (distance < near_expected) {
                         ++count;
                         only = b;
                         away = std::max(away, distance);
                     } else {
-                        are_plain = are_plain && std::abs(excess[b]) < near;
+                        are_plain = are_plain && std::abs(excess[b]) < near_expected;
                     }
                 }
                 const bool is_whole = count == excess.size();
@@ -293,7 +349,7 @@ std::optional<Mended> factor_at_end(const std::vector<Bowl>& bowls) {
                     continue;
                 }
                 Mended option = rescaled(bowls, own, size, is_whole ? std::nullopt : only);
-                if (all_fall(option.bowls)) {
+                if (all_fall(option.bowls) && is_as_expected(option)) {
                     nearest = away;
                     best = std::move(option);
                 }

@@ -343,15 +343,16 @@ private:
         return chance < level_evidence ? Reason::none : Reason::weak_evidence;
     }
 
-    // A correction that is about as probable, or, by Akaike's criterion, explains as much for what it takes, knows a
-    // place, and says something else.
+    // A correction that is about as probable or, by Akaike's criterion, explains as much for what it takes and is not
+    // far less probable, knows a place, and says something else.
     bool is_rival(const Row& first) const {
         if (!correction_) {
             return false;
         }
         const Row& own = row(*correction_);
         const auto akaike = [](const Row& of) { return of.fit.chi2 + 2.0 * of.fit.numbers; };
-        const bool is_near = behind(own, first) < margin || akaike(own) - akaike(first) < margin;
+        const double distance = behind(own, first);
+        const bool is_near = distance < margin || (distance < 2.0 * margin && akaike(own) - akaike(first) < margin);
         return is_near && !is_outdone(own) && !is_rejected(own) && !says_the_same(own, first) &&
                ledger_.says(own.hypothesis.key()) == Says::at_places;
     }

@@ -129,8 +129,8 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
                 // A variant on one place under one load alone could as well be an error of that reading.
                 if (effect->is_error_of_reading || first_of_place(i)) {
                     add({.reading = static_cast<int>(i)},
-                        effect->takes_quantity ? "every " + study.readings[i].place_words()
-                                               : fmt::format("reading {}: {}", i + 1, study.readings[i].words()));
+                        effect->is_error_of_reading ? fmt::format("reading {}: {}", i + 1, study.readings[i].words())
+                                                    : "every " + study.readings[i].place_words());
                 }
             }
         }

@@ -16,8 +16,8 @@ namespace {
 
 const std::vector<double> offsets{0.0, 0.2, 0.3, 0.45, 0.6, 0.9, 1.2, 1.5};
 
-// D0 / (1 + (r / length)^1.5) under so many loads, 1 % and 1 um of noise.
-std::vector<BowlPoint> bowls(std::uint64_t seed, int loads = 2) {
+// D0 / (1 + (r / length)^1.5) under so many loads, 1 % and 1 um of noise, or more.
+std::vector<BowlPoint> bowls(std::uint64_t seed, int loads = 2, double share = 0.01, double least = 1e-6) {
     const pave::RandomStream random(seed, 0);
     std::uint64_t next = 0;
     const double length = 0.2 + 0.4 * random.uniform(next++);
@@ -25,7 +25,7 @@ std::vector<BowlPoint> bowls(std::uint64_t seed, int loads = 2) {
     for (int load = 0; load < loads; ++load) {
         for (const double r : offsets) {
             const double value = 0.4e-3 * (1.0 + 0.8 * load) / (1.0 + std::pow(r / length, 1.5));
-            const double deviation = std::hypot(0.01 * value, 1e-6);
+            const double deviation = std::hypot(share * value, least);
             list.push_back({list.size(), load, r, value + deviation * random.normal(next++), deviation});
         }
     }
@@ -166,6 +166,20 @@ TEST(BowlFaults, AWrongReadingIsNoExchange) {
         list[5].value *= 1.6; // under one load
         for (const auto& fault : data::bowl_faults(list)) {
             taken += fault.kind == BowlFault::Kind::exchanged || fault.kind == BowlFault::Kind::reversed;
+        }
+    }
+    EXPECT_LE(taken, 2);
+}
+
+// Nor a unit, where what it would read in the other one is far from what its neighbours say.
+TEST(BowlFaults, AWrongReadingIsNoUnit) {
+    int taken = 0;
+    constexpr int trials = 100;
+    for (std::uint64_t seed = 0; seed < trials; ++seed) {
+        auto list = bowls(seed, 2, 0.05, 10e-6);
+        list[offsets.size() - 1].value *= 3.5; // under one load
+        for (const auto& fault : data::bowl_faults(list)) {
+            taken += fault.kind == BowlFault::Kind::factor;
         }
     }
     EXPECT_LE(taken, 2);

@@ -470,6 +470,15 @@ std::vector<Case> table() {
          {bad, far, effect("a", 38, -10), correction(45, -14)},
          Verdict::cause_named,
          {"a"}});
+    add({"less probable, but it explains as much for what it takes",
+         {bad, far, effect("a", 38, -10), correction(34, -15)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::correction});
+    add({"far less probable, whatever it explains",
+         {bad, far, effect("a", 38, -10), correction(34, -18)},
+         Verdict::cause_named,
+         {"a"}});
     add({"a correction finds more beside the name",
          {bad, far, effect("a", 38, -10, "base")},
          Verdict::ambiguous,

@@ -257,16 +257,20 @@ def test_a_reading_that_stands_out_is_left_out_as_the_finding_says():
     assert helped.stdout.startswith("The model fits the 7 readings within their noise"), helped.stdout + helped.stderr
 
 
-def bowl(folder, name, noise=0.01, sought=("asphalt", "base", "subgrade"), changes=(), bounds={}, more=""):
-    """A study of a linear section on a half-space, whose readings have 1 % of scatter that is stated as `noise`; `changes` [(from, to)] of its text."""
+def bowl(folder, name, noise=0.01, sought=("asphalt", "base", "subgrade"), changes=(), bounds={}, more="", hidden=(), moved={}):
+    """A study of a linear section on a half-space, whose readings have 1 % of scatter that is stated as `noise`; `changes` [(from, to)] of its text, `hidden` of
+    the road's; moved {place: where its sensor stood}."""
     text = 'schema = 1\ntitle = "A bowl"\n[section]\nbottom = "half-space"\n'
     for layer, thickness, modulus in LAYERS:
         text += f'[[layers]]\nname = "{layer}"\nlaw = "linear"\nmodulus_MPa = {modulus}\npoisson = 0.4\ndensity_kg_m3 = 2000\nk0 = 0.5\n'
         text += f"thickness_mm = {thickness}\n" if thickness else ""
     text += '[[loads]]\nname = "fwd"\ntype = "plate"\nradius_mm = 150\npressure_kPa = 600\n'
     places = (0, 200, 300, 450, 600, 900, 1200, 1500)
-    outputs = "".join(f'[[outputs]]\nname = "o{x}"\nload = "fwd"\nquantity = "deflection"\nx_mm = {x}\n' for x in places)
-    (folder / "truth.toml").write_text(text + outputs)
+    road = text + "".join(f'[[outputs]]\nname = "o{x}"\nload = "fwd"\nquantity = "deflection"\nx_mm = {moved.get(x, x)}\n' for x in places)
+    for before, after in hidden:
+        assert before in road
+        road = road.replace(before, after)
+    (folder / "truth.toml").write_text(road)
     truth = [r["value"] for r in json.loads(run("forward", folder / "truth.toml", "--json").stdout)["responses"]]
     sigma = [f",{noise * value}" if noise else "," for value in truth]
     (folder / f"{name}.csv").write_text("load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\n" + "".join(
@@ -336,3 +340,35 @@ def test_noise_of_another_size_is_stated_as_the_diagnosis_says():
     _, before = fitted(path)
     _, after = fitted(bowl(folder, "louder", noise=0.01))
     assert before["noise"]["p_value"] < 0.01 < 0.05 < after["noise"]["p_value"]
+
+
+RIGID = [('bottom = "half-space"', 'bottom = "rigid"')]
+AFTER_SUBGRADE = 'poisson = 0.4\ndensity_kg_m3 = 2000\nk0 = 0.5\n[[loads]]'
+
+
+def test_a_floor_that_is_sought_as_the_diagnosis_says_is_found():
+    folder = workspace()
+    floor = RIGID + [(AFTER_SUBGRADE, AFTER_SUBGRADE.replace("[[loads]]", "thickness_mm = 1800\n[[loads]]"))]
+    path = bowl(folder, "endless", hidden=floor)
+    told = " ".join(run("diagnose", path, "--threads", 1, "--verbose", "--out", folder / "diagnose").stdout.split())
+    assert 'bottom = "rigid" under [section], with subgrade.thickness_mm as a parameter' in told, told
+    _, before = fitted(path)
+    sought = '[[parameters]]\nname = "subgrade.thickness_mm"\nmin = 500\nmax = 10000\nscale = "log"\n'
+    start = RIGID + [(AFTER_SUBGRADE, AFTER_SUBGRADE.replace("[[loads]]", "thickness_mm = 4000\n[[loads]]"))]
+    path = bowl(folder, "floored", hidden=floor, changes=start)
+    path.write_text(path.read_text() + sought)
+    _, after = fitted(path)
+    assert before["noise"]["p_value"] < 0.001 and after["noise"]["p_value"] > 0.05, (before["noise"], after["noise"])
+    assert abs(after["best"]["parameters"]["subgrade.thickness_mm"] / 1800 - 1) < 0.15, after["best"]
+
+
+def test_a_sensor_whose_place_is_stated_as_the_diagnosis_asks_fits():
+    folder = workspace()
+    path = bowl(folder, "stated", moved={600: 700})
+    told = " ".join(run("diagnose", path, "--threads", 1, "--verbose", "--out", folder / "diagnose").stdout.split())
+    assert "deflection at 600 mm" in told and "Check where it stood" in told, told
+    _, before = fitted(path)
+    table = path.with_suffix(".csv")
+    table.write_text(table.read_text().replace("fwd,deflection,600,", "fwd,deflection,700,"))
+    _, after = fitted(path)
+    assert before["noise"]["p_value"] < 0.01 < 0.05 < after["noise"]["p_value"], (before["noise"], after["noise"])

@@ -137,6 +137,12 @@ private:
         }
         if (!next.empty()) {
             const SeparatingReading& best = next[0];
+            if (constexpr double worth_it = 0.01; best.power - best.rate_now < worth_it) {
+                return fmt::format(
+                    "No further reading of the kinds that the study has tells the closest two apart: with "
+                    "the best of them the right decision is made in {} of cases, as it is now.",
+                    percent(best.rate_now));
+            }
             return fmt::format("Best next measurement: {} (to {} {}). It would raise the rate of the right decision "
                                "between the closest two from {} to {}.",
                                best.words(), figure(best.reading.in_unit(best.reading.noise.absolute)),
@@ -144,6 +150,10 @@ private:
         }
         if (!telling.empty()) {
             const auto& [reading, bits] = telling.front();
+            if (constexpr double worth_it = 0.05; bits < worth_it) {
+                return fmt::format("No further reading of the kinds that the study has says more of {}.",
+                                   d.is_located() ? "where the model errs" : "how large it is");
+            }
             return fmt::format("Best next measurement for {}: {} (noise {} {} assumed), {:.1f} bits.",
                                d.is_located() ? "where the model errs" : "how large it is", reading.words(),
                                figure(reading.in_unit(reading.noise.absolute)), reading.unit.name, bits);

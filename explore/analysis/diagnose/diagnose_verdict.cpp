@@ -109,6 +109,21 @@ private:
                    : "";
     }
 
+    // What a subgrade that stiffens with depth may be in a study that has nothing below it.
+    std::string floor_words() const {
+        const auto& members = d.extended->model.members;
+        for (std::size_t m = 0; m < members.size(); ++m) {
+            if (study.model.half_space && variants[members[m]].applied.effect->name == "subgrade-depth-gradient" &&
+                after->parameters[study.space.axes.size() + m].value > 0.0) {
+                return fmt::format("In this study the last layer goes on for ever; rock or anything stiff below looks "
+                                   "alike: bottom = \"rigid\" under [section], with {}.thickness_mm as a parameter, "
+                                   "tells whether that fits better.",
+                                   study.model.layers.back().name);
+            }
+        }
+        return "";
+    }
+
     void verdict(std::vector<std::string>& text) const {
         switch (d.verdict()) {
         case Verdict::adequate:
@@ -139,16 +154,27 @@ private:
             for (std::size_t m = 0; m < d.extended->model.members.size(); ++m) {
                 found.push_back(effect_words(m));
             }
-            text.push_back("CAUSE NAMED: the model lacks " + pave::join(found, " and ") + ".");
+            const auto& members = d.extended->model.members;
+            const bool are_readings = std::all_of(members.begin(), members.end(), [&](std::size_t c) {
+                return variants[c].applied.effect->is_error_of_reading;
+            });
+            text.push_back(fmt::format("CAUSE NAMED: {}{}.",
+                                       !are_readings      ? "the model lacks "
+                                       : found.size() > 1 ? "wrong readings, "
+                                                          : "a wrong reading, ",
+                                       pave::join(found, " and ")));
             if (std::string words = alike_words(); !words.empty()) {
                 text.push_back(std::move(words));
             }
-            for (const std::size_t c : d.extended->model.members) {
+            for (const std::size_t c : members) {
                 if (std::string words = instrument_words(variants[c].applied); !words.empty()) {
                     text.push_back(std::move(words));
                 }
             }
-            for (const std::size_t c : d.extended->model.members) {
+            if (std::string words = floor_words(); !words.empty()) {
+                text.push_back(std::move(words));
+            }
+            for (const std::size_t c : members) {
                 const std::string mechanism(variants[c].applied.effect->mechanism);
                 if (std::find(text.begin(), text.end(), mechanism) == text.end()) {
                     text.push_back(mechanism);
@@ -164,6 +190,9 @@ private:
             text.push_back(ambiguous_words(sets));
             for (std::size_t m = 0; m < d.extended->model.members.size(); ++m) {
                 text.push_back("Best of them: " + effect_words(m) + ".");
+            }
+            if (std::string words = floor_words(); !words.empty()) {
+                text.push_back(std::move(words));
             }
             break;
         }
