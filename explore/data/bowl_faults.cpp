@@ -137,7 +137,7 @@ struct Expected {
     double deviation = 0.0; // of the logarithm, by those it is worked out from
 };
 
-// What the sensors beside number i of a bowl say that it reads: between them, or by the next two of an end; none: they
+// The reading of number i of a bowl by the sensors beside it: between them, or by the next two of an end; none: they
 // do not say.
 std::optional<Expected> expected_reading(const Bowl& bowl, std::size_t i) {
     const std::size_t n = bowl.size();

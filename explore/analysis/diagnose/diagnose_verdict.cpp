@@ -109,7 +109,7 @@ private:
                    : "";
     }
 
-    // What a subgrade that stiffens with depth may be in a study that has nothing below it.
+    // The other meaning of a subgrade that stiffens with depth, in a study that has nothing below it.
     std::string floor_words() const {
         const auto& members = d.extended->model.members;
         for (std::size_t m = 0; m < members.size(); ++m) {
