@@ -72,7 +72,7 @@ std::string floor_words(const study::Study& study, const landscape::Minimum& min
     if (constexpr double accepted = inference::chi2_95;
         rise > accepted * local.noise * local.noise && local.noise > 0.0) { // chi2 of one degree, 95 %
         return fmt::format("Fitted without the floor at {} m the model fits worse (misfit {} instead of {}): "
-                           "they speak for something stiff there.",
+                           "these readings speak for something stiff there.",
                            stands(), pave::figure(without.misfit), pave::figure(fitted.misfit));
     }
     constexpr double clear = 0.1;

@@ -99,7 +99,7 @@ private:
                 fmt::format("The study's model leaves chi2 = {} with {}: {}.", figure(d.baseline.chi2),
                             counted(static_cast<std::size_t>(std::max(0, d.baseline.dof)), "degree of freedom",
                                     "degrees of freedom"),
-                            d.baseline.p_value < 0.01
+                            d.baseline.p_value < diagnose::level_noise
                                 ? fmt::format("the stated noise explains so much with probability {}",
                                               chance_words(d.baseline.p_value))
                                 : fmt::format("the stated noise explains that (p = {:.2g})", d.baseline.p_value)));
