@@ -603,9 +603,7 @@
                 ["misfit", r.baseline.misfit, r.extended ? r.extended.misfit : null], ["χ²", r.baseline.chi2, r.extended ? r.extended.chi2 : null],
                 ["degrees of freedom", r.baseline.dof, r.extended ? r.extended.dof : null], ["p", r.baseline.p_value, r.extended ? r.extended.p_value : null],
                 ["error of readings left out [sigma]", r.gain ? r.gain.held_out_rmse_before : null, r.gain ? r.gain.held_out_rmse_after : null]]),
-            r.next_measurement && r.next_measurement.reading ? make("p", {}, r.next_measurement.bits === undefined
-                ? `The reading that would decide: ${say(r.next_measurement.reading)} (right with a rate of ${figure(100 * r.next_measurement.power)} %).`
-                : `Best next measurement: ${say(r.next_measurement.reading)} (${figure(r.next_measurement.bits)} bits).`) : null);
+            words((r.findings || []).filter((finding) => /^(Best next measurement|What would settle|No further reading)/.test(finding))));
     };
 
     const showCompare = (r) => {
