@@ -292,6 +292,14 @@ std::vector<std::string> next_lines(const std::string& next, std::size_t columns
 
 } // namespace
 
+void Answer::verdict_and_notes(std::vector<std::string> sentences) {
+    notes = std::move(sentences);
+    if (!notes.empty()) {
+        verdict = std::move(notes.front());
+        notes.erase(notes.begin());
+    }
+}
+
 std::vector<std::string> wrapped(const std::string& text, std::size_t columns, std::size_t indent) {
     const std::string margin(indent, ' ');
     std::vector<std::string> lines;

@@ -19,6 +19,9 @@ struct Answer {
     std::string next;               // what to do, a line a step; a command ends its line
     std::string block;              // lines to paste into a file, shown as they are
     std::size_t lines = 25;         // of a brief answer, at most
+
+    // The first sentence, and the others.
+    void verdict_and_notes(std::vector<std::string> sentences);
 };
 
 inline constexpr std::size_t terminal_columns = 80;

@@ -133,8 +133,7 @@ std::vector<std::string> output_range(const Json& output, bool is_contradicted) 
 
 Answer unique_answer(const Json& json) {
     Answer answer;
-    answer.notes = list(at(json, "findings"));
-    answer.verdict = take_first(answer.notes);
+    answer.verdict_and_notes(list(at(json, "findings")));
     answer.heading = "What the data accept (95 %)";
     answer.header = {"", "best", "low", "high", "unit", ""};
     for (const Json& p : at(json, "profiles")) {
@@ -170,8 +169,7 @@ Answer unique_answer(const Json& json) {
 Answer diagnose_answer(const Json& json) {
     Answer answer;
     answer.lines = 30;
-    answer.notes = list(at(json, "findings"));
-    answer.verdict = take_first(answer.notes);
+    answer.verdict_and_notes(list(at(json, "findings")));
     const bool is_extended = words(at(at(json, "extended"), "study")) != words(at(at(json, "baseline"), "study"));
     answer.heading = is_extended ? "Before and after (95 %)" : "Values (95 %)";
     answer.header = {"", "before", "after", "from", "to", "unit"};
@@ -298,8 +296,7 @@ Answer road_answer(const Json& json) {
 
 Answer sample_answer(const Json& json) {
     Answer answer;
-    answer.notes = list(at(json, "findings"));
-    answer.verdict = take_first(answer.notes);
+    answer.verdict_and_notes(list(at(json, "findings")));
     answer.heading = "Posterior";
     answer.header = {"", "mean", "sd", "2.5 %", "97.5 %", "unit"};
     for (const char* kind : {"parameters", "outputs"}) {

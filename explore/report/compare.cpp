@@ -166,9 +166,7 @@ Json compare_json(const CompareResult& result, const analysis::RunOptions& run) 
 
 Answer compare_answer(const CompareResult& result, const analysis::RunOptions& run) {
     Answer answer;
-    answer.notes = findings(result);
-    answer.verdict = answer.notes[0];
-    answer.notes.erase(answer.notes.begin());
+    answer.verdict_and_notes(findings(result));
     if (result.failed()) {
         answer.next = "pavescape forward " + run::shell_word(result.study.file);
         return answer;

@@ -173,9 +173,7 @@ Json design_json(const DesignResult& result, const analysis::RunOptions& run) {
 
 Answer design_answer(const DesignResult& result, const analysis::RunOptions& run) {
     Answer answer;
-    answer.notes = findings(result);
-    answer.verdict = answer.notes[0];
-    answer.notes.erase(answer.notes.begin());
+    answer.verdict_and_notes(findings(result));
     answer.heading = "Lives (95 %): repetitions of the axle, years left, which criterion ends first";
     const auto table = table_of(result);
     answer.header = table.front();

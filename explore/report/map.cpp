@@ -115,9 +115,7 @@ Answer map_answer(const MapResult& map, const analysis::RunOptions& run) {
         answer.next = "pavescape forward " + run::shell_word(map.study.file);
         return answer;
     }
-    answer.notes = findings(map);
-    answer.verdict = answer.notes[0];
-    answer.notes.erase(answer.notes.begin());
+    answer.verdict_and_notes(findings(map));
     if (map.options.model.alone()) {
         answer.verdict += " By the reduced model alone: --model auto refines it with the full one.";
     }

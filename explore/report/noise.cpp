@@ -62,9 +62,7 @@ Json noise_json(const analysis::NoiseResult& result) {
 Answer noise_answer(const analysis::NoiseResult& result) {
     Answer answer;
     answer.lines = 30;
-    answer.notes = findings(result);
-    answer.verdict = answer.notes[0];
-    answer.notes.erase(answer.notes.begin());
+    answer.verdict_and_notes(findings(result));
     answer.heading = "Noise of one drop (95 %)";
     answer.header = {"part", "value", "from", "to", "unit"};
     for (const auto& [part, key, unit] : words) {

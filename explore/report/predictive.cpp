@@ -63,9 +63,7 @@ Json prior_check_json(const analysis::PriorCheck& check, const analysis::RunOpti
 
 Answer prior_check_answer(const analysis::PriorCheck& check, const analysis::RunOptions& run) {
     Answer answer;
-    answer.notes = analysis::findings(check);
-    answer.verdict = answer.notes[0];
-    answer.notes.erase(answer.notes.begin());
+    answer.verdict_and_notes(analysis::findings(check));
     answer.heading = "Readings as the prior predicts them, with their noise";
     answer.header = {"reading", "measured", "2.5 %", "50 %", "97.5 %", "unit", ""};
     for (const PredictedReading& p : check.readings) {

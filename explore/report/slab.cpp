@@ -113,9 +113,7 @@ std::string step_of(std::vector<std::string>& notes) {
 Answer slab_answer(const analysis::SlabResult& result) {
     Answer answer;
     answer.lines = 30;
-    answer.notes = findings(result);
-    answer.verdict = answer.notes[0];
-    answer.notes.erase(answer.notes.begin());
+    answer.verdict_and_notes(findings(result));
     answer.heading = "Stations";
     answer.header = header_of(result);
     std::transform(result.stations.begin(), result.stations.end(), std::back_inserter(answer.rows), row_of);
