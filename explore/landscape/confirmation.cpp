@@ -149,8 +149,8 @@ std::string confirmation_words(const std::vector<Minimum>& minima) {
                                : fmt::format("each of the {} lowest of {} minima", asked.size(), minima.size());
     const auto open = std::find_if(asked.begin(), asked.end(), [](const Minimum* m) { return !m->second->has_ended; });
     if (moved.empty() && open != asked.end()) {
-        return fmt::format("A second method confirms nothing here: started at {}, {} found nothing lower, but had not "
-                           "ended by a criterion of its own ({}).",
+        return fmt::format("The check by a second method is unfinished: started at {}, {} had found nothing lower when "
+                           "it was stopped ({}).",
                            of, method, (*open)->second->ended);
     }
     if (moved.empty()) {

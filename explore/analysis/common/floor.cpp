@@ -71,8 +71,8 @@ std::string floor_words(const study::Study& study, const landscape::Minimum& min
     const double rise = std::pow(without.misfit, 2) - std::pow(fitted.misfit, 2);
     if (constexpr double accepted = inference::chi2_95;
         rise > accepted * local.noise * local.noise && local.noise > 0.0) { // chi2 of one degree, 95 %
-        return fmt::format("Fitted without the floor at {} m the model fits worse (misfit {} instead of {}): "
-                           "these readings speak for something stiff there.",
+        return fmt::format("Without the floor at {} m the model fits worse (misfit {} instead of {}): something stiff "
+                           "there is likely.",
                            stands(), pave::figure(without.misfit), pave::figure(fitted.misfit));
     }
     constexpr double clear = 0.1;

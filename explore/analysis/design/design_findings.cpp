@@ -2,6 +2,7 @@
 #include "base/text.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -17,6 +18,12 @@ std::string spoken(std::string words) {
     } else if (words.starts_with("< ")) {
         words.replace(0, 1, "less than");
     }
+    return words;
+}
+
+std::string sentence_start(std::string words) {
+    words = spoken(std::move(words));
+    words[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words[0])));
     return words;
 }
 
@@ -114,12 +121,12 @@ std::vector<std::string> findings(const DesignResult& result) {
     if (result.no_range.empty()) {
         words.push_back(fmt::format(
             "{} years are left, {} to {} over what the data accept (95 %): \"{}\" ends first{}.",
-            spoken(years_words(first, first.allowable.best)), spoken(years_words(first, first.allowable.low)),
+            sentence_start(years_words(first, first.allowable.best)), spoken(years_words(first, first.allowable.low)),
             spoken(years_words(first, first.allowable.high)), first.criterion.name,
             result.criteria.size() > 1 ? fmt::format(" (probability {:.0f} %)", 100.0 * first.governs) : ""));
     } else {
         words.push_back(fmt::format("{} years are left at the best set: \"{}\" ends first. No range is known: {}.",
-                                    spoken(years_words(first, first.allowable.best)), first.criterion.name,
+                                    sentence_start(years_words(first, first.allowable.best)), first.criterion.name,
                                     result.no_range));
     }
     words.push_back(overlay_words(result));

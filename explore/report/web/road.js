@@ -70,7 +70,7 @@ const roads = (() => {
         const least = names.filter((n) => n.endsWith("_MPa")).reverse().slice(0, 2); // the lowest layers
         const numbers = [...spread(`deflection at ${plain(r.common_pressure_kPa)} kPa`, good.map((s) => s.D0_um_at_common_pressure).filter((v) => typeof v === "number"), "µm"),
             ...least.flatMap((n) => spread(wording.parameter(n).name, good.map((s) => s.parameters && s.parameters[n] && s.parameters[n].determined ? s.parameters[n].value : null).filter((v) => v !== null), wording.parameter(n).unit))];
-        const action = weak.length ? `Look at ${named(weak[0])} first: drain, core or drop again there${weak.length > 1 ? `, then at the other ${weak.length - 1} below` : ""}; elsewhere use the percentiles of the sections.`
+        const action = weak.length ? `Look at ${named(weak[0])} first: repeat the drops there, then core it and look at its drainage${weak.length > 1 ? `, then at the other ${weak.length - 1} below` : ""}; elsewhere use the percentiles of the sections.`
             : fails.length ? `Look at ${named(fails[0])} first.` : "Use the percentiles of the sections.";
         if (r.shared) { // a road as one experiment
             const outliers = r.outliers || [];
