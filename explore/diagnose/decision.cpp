@@ -352,7 +352,7 @@ private:
         const Row& own = row(*correction_);
         const auto akaike = [](const Row& of) { return of.fit.chi2 + 2.0 * of.fit.numbers; };
         const double distance = behind(own, first);
-        const bool is_near = distance < margin || (distance < 2.0 * margin && akaike(own) - akaike(first) < margin);
+        const bool is_near = distance < margin || (distance < 3.0 * margin && akaike(own) - akaike(first) < margin);
         return is_near && !is_outdone(own) && !is_rejected(own) && !says_the_same(own, first) &&
                ledger_.says(own.hypothesis.key()) == Says::at_places;
     }

@@ -476,7 +476,7 @@ std::vector<Case> table() {
          {"a"},
          Reason::correction});
     add({"far less probable, whatever it explains",
-         {bad, far, effect("a", 38, -10), correction(34, -18)},
+         {bad, far, effect("a", 38, -10), correction(34, -20)},
          Verdict::cause_named,
          {"a"}});
     add({"a correction finds more beside the name",
