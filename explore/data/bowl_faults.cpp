@@ -112,6 +112,11 @@ bool all_fall(const std::vector<Bowl>& bowls) {
     return std::none_of(bowls.begin(), bowls.end(), [](const Bowl& bowl) { return first_rise(bowl).has_value(); });
 }
 
+// The distance, so that the logarithm of a bowl is nearly straight in it.
+double stretched(const BowlPoint& reading) {
+    return std::sqrt(0.04 + reading.offset * reading.offset);
+}
+
 // How much the logarithm bends from sensor to sensor, squared, on average.
 double roughness(const std::vector<Bowl>& bowls) {
     double sum = 0.0;
@@ -119,7 +124,7 @@ double roughness(const std::vector<Bowl>& bowls) {
     for (const Bowl& bowl : bowls) {
         const double least = 1e-3 * largest(bowl);
         for (std::size_t i = 1; i + 1 < bowl.size(); ++i) {
-            const auto x = [&](std::size_t k) { return std::sqrt(0.04 + bowl[k].offset * bowl[k].offset); };
+            const auto x = [&](std::size_t k) { return stretched(bowl[k]); };
             const auto y = [&](std::size_t k) { return std::log(std::max(bowl[k].value, least)); };
             if (x(i) - x(i - 1) < 1e-6 || x(i + 1) - x(i) < 1e-6) {
                 continue;
@@ -132,27 +137,28 @@ double roughness(const std::vector<Bowl>& bowls) {
     return sum / std::max(1.0, count);
 }
 
-struct Expected {
-    double log = 0.0;       // of the reading
-    double deviation = 0.0; // of the logarithm, by those it is worked out from
+// The reading over what the sensors beside it say: between them, or by the next two of an end.
+struct Excess {
+    double log = 0.0;       // -infinity: of no positive reading
+    double deviation = 0.0; // by those it is compared with
 };
 
-// The reading of number i of a bowl by the sensors beside it: between them, or by the next two of an end; none: they
-// do not say.
-std::optional<Expected> expected_reading(const Bowl& bowl, std::size_t i) {
+// Of number i of a bowl; none: the others do not say.
+std::optional<Excess> excess_at(const Bowl& bowl, std::size_t i) {
     const std::size_t n = bowl.size();
     if (n < 3) {
         return std::nullopt;
     }
     const BowlPoint& a = bowl[i == 0 ? 1 : i - 1];
     const BowlPoint& b = bowl[i == 0 ? 2 : i == n - 1 ? n - 3 : i + 1];
-    const auto x = [](const BowlPoint& r) { return std::sqrt(0.04 + r.offset * r.offset); };
-    if (!(a.value > 0.0) || !(b.value > 0.0) || std::abs(x(b) - x(a)) < 1e-6) {
+    const double apart = stretched(b) - stretched(a);
+    if (!(a.value > 0.0) || !(b.value > 0.0) || std::abs(apart) < 1e-6) {
         return std::nullopt;
     }
-    const double t = (x(bowl[i]) - x(a)) / (x(b) - x(a));
-    return Expected{(1.0 - t) * std::log(a.value) + t * std::log(b.value),
-                    std::hypot((1.0 - t) * a.deviation / a.value, t * b.deviation / b.value)};
+    const double t = (stretched(bowl[i]) - stretched(a)) / apart;
+    const double expected = (1.0 - t) * std::log(a.value) + t * std::log(b.value);
+    return Excess{bowl[i].value > 0.0 ? std::log(bowl[i].value) - expected : -INFINITY,
+                  std::hypot((1.0 - t) * a.deviation / a.value, t * b.deviation / b.value)};
 }
 
 // Of the logarithm. Bowls are steeper near the load and flatter far from it than the next two say.
@@ -218,25 +224,23 @@ bool is_as_expected(const Mended& mended) {
     double count = 0.0;
     for (const Bowl& bowl : mended.bowls) {
         for (std::size_t i = 0; i < bowl.size(); ++i) {
-            const auto expected = expected_reading(bowl, i);
-            if (!is_mended(bowl[i]) || !expected) {
+            const auto own = is_mended(bowl[i]) ? excess_at(bowl, i) : std::nullopt;
+            if (!own) {
                 continue;
             }
-            if (!(bowl[i].value > 0.0) || std::abs(std::log(bowl[i].value) - expected->log) > near_expected) {
+            if (std::abs(own->log) > near_expected) {
                 return false;
             }
-            variance += expected->deviation * expected->deviation;
+            variance += own->deviation * own->deviation;
             count += 1.0;
             for (const Bowl& other : mended.bowls) {
                 const BowlPoint* there = at(other, bowl[i].offset);
-                const auto expected_there =
-                    there == nullptr ? std::nullopt
-                                     : expected_reading(other, static_cast<std::size_t>(there - other.data()));
-                if (expected_there && !is_mended(*there) && there->value > 0.0) {
-                    const double excess = std::log(bowl[i].value) - expected->log;
-                    if (std::abs(excess - std::log(there->value) + expected_there->log) > share) {
-                        return false;
-                    }
+                if (there == nullptr || is_mended(*there) || !(there->value > 0.0)) {
+                    continue;
+                }
+                const auto theirs = excess_at(other, static_cast<std::size_t>(there - other.data()));
+                if (theirs && std::abs(own->log - theirs->log) > share) {
+                    return false;
                 }
             }
         }
@@ -319,11 +323,11 @@ std::optional<Mended> factor_at_end(const std::vector<Bowl>& bowls) {
             const std::size_t n = bowl.size();
             BowlPoint* reading = at(bowl, own);
             constexpr double clear = 8.0; // standard deviations
-            const auto expected = expected_reading(bowl, is_first ? 0 : n - 1);
-            if (n < least || reading == nullptr || !(reading->value > clear * reading->deviation) || !expected) {
+            const auto found = excess_at(bowl, is_first ? 0 : n - 1);
+            if (n < least || reading == nullptr || !(reading->value > clear * reading->deviation) || !found) {
                 return std::nullopt;
             }
-            excess.push_back(std::log(reading->value) - expected->log);
+            excess.push_back(found->log);
         }
         std::optional<Mended> best;
         double nearest = near_expected;

@@ -342,20 +342,22 @@ def test_noise_of_another_size_is_stated_as_the_diagnosis_says():
     assert before["noise"]["p_value"] < 0.01 < 0.05 < after["noise"]["p_value"]
 
 
-RIGID = [('bottom = "half-space"', 'bottom = "rigid"')]
 AFTER_SUBGRADE = 'poisson = 0.4\ndensity_kg_m3 = 2000\nk0 = 0.5\n[[loads]]'
+
+
+def on_rock(subgrade_mm):
+    """Changes of the text of a study on a half-space."""
+    return [('bottom = "half-space"', 'bottom = "rigid"'), (AFTER_SUBGRADE, AFTER_SUBGRADE.replace("[[loads]]", f"thickness_mm = {subgrade_mm}\n[[loads]]"))]
 
 
 def test_a_floor_that_is_sought_as_the_diagnosis_says_is_found():
     folder = workspace()
-    floor = RIGID + [(AFTER_SUBGRADE, AFTER_SUBGRADE.replace("[[loads]]", "thickness_mm = 1800\n[[loads]]"))]
-    path = bowl(folder, "endless", hidden=floor)
+    path = bowl(folder, "endless", hidden=on_rock(1800))
     told = " ".join(run("diagnose", path, "--threads", 1, "--verbose", "--out", folder / "diagnose").stdout.split())
     assert 'bottom = "rigid" under [section], with subgrade.thickness_mm as a parameter' in told, told
     _, before = fitted(path)
     sought = '[[parameters]]\nname = "subgrade.thickness_mm"\nmin = 500\nmax = 10000\nscale = "log"\n'
-    start = RIGID + [(AFTER_SUBGRADE, AFTER_SUBGRADE.replace("[[loads]]", "thickness_mm = 4000\n[[loads]]"))]
-    path = bowl(folder, "floored", hidden=floor, changes=start)
+    path = bowl(folder, "floored", hidden=on_rock(1800), changes=on_rock(4000))
     path.write_text(path.read_text() + sought)
     _, after = fitted(path)
     assert before["noise"]["p_value"] < 0.001 and after["noise"]["p_value"] > 0.05, (before["noise"], after["noise"])

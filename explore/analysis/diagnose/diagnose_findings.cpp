@@ -150,15 +150,15 @@ private:
         }
         if (!telling.empty()) {
             const auto& [reading, bits] = telling.front();
+            const char* const what = d.is_located() ? "where the model errs" : "how large it is";
             const double narrowed = 1.0 - std::exp2(-bits);
             if (constexpr double worth_it = 0.05; narrowed < worth_it) {
-                return fmt::format("No further reading of the kinds that the study has says more of {}.",
-                                   d.is_located() ? "where the model errs" : "how large it is");
+                return fmt::format("No further reading of the kinds that the study has says more of {}.", what);
             }
             return fmt::format("Best next measurement for {}: {} (noise {} {} assumed). What is possible would shrink "
                                "by {}.",
-                               d.is_located() ? "where the model errs" : "how large it is", reading.words(),
-                               figure(reading.in_unit(reading.noise.absolute)), reading.unit.name, percent(narrowed));
+                               what, reading.words(), figure(reading.in_unit(reading.noise.absolute)),
+                               reading.unit.name, percent(narrowed));
         }
         return "";
     }

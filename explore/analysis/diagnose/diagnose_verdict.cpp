@@ -110,7 +110,7 @@ private:
     }
 
     // The other meaning of a subgrade that stiffens with depth, in a study that has nothing below it.
-    std::string floor_words() const {
+    std::string stiff_below_words() const {
         const auto& members = d.extended->model.members;
         for (std::size_t m = 0; m < members.size(); ++m) {
             if (study.model.half_space && variants[members[m]].applied.effect->name == "subgrade-depth-gradient" &&
@@ -171,7 +171,7 @@ private:
                     text.push_back(std::move(words));
                 }
             }
-            if (std::string words = floor_words(); !words.empty()) {
+            if (std::string words = stiff_below_words(); !words.empty()) {
                 text.push_back(std::move(words));
             }
             for (const std::size_t c : members) {
@@ -191,7 +191,7 @@ private:
             for (std::size_t m = 0; m < d.extended->model.members.size(); ++m) {
                 text.push_back("Best of them: " + effect_words(m) + ".");
             }
-            if (std::string words = floor_words(); !words.empty()) {
+            if (std::string words = stiff_below_words(); !words.empty()) {
                 text.push_back(std::move(words));
             }
             break;
