@@ -12,8 +12,6 @@
 namespace explore::cli {
 namespace {
 
-constexpr double giga = 1e9;
-
 struct CheckArguments {
     CommonOptions common;
     bool time = false; // by runs
@@ -30,7 +28,7 @@ int check_study(const CheckArguments& chosen) {
     }
     const auto cost = analysis::affordable_cost(study, threads);
     if (cost.memory > 0.0) {
-        fmt::print(stderr, "it asks for some {:.1f} GB a thread and {} a run{}\n", cost.memory / giga,
+        fmt::print(stderr, "it asks for some {} a thread and {} a run{}\n", run::memory_words(cost.memory),
                    run::duration_words(cost.seconds), chosen.time ? "; runs are timed ..." : "");
     } else if (chosen.time) {
         fmt::print(stderr, "runs are timed ...\n");

@@ -49,9 +49,9 @@ analysis::RunOptions CommonOptions::run(const study::Study& s) const {
         constexpr double long_seconds = 20.0;
         const auto cost = analysis::affordable_cost(s, run::usable_threads(threads));
         if (cost.seconds > long_seconds) {
-            run::message("a run of this study asks for some {:.1f} GB a thread and takes some {}; check estimates the "
+            run::message("a run of this study asks for some {} a thread and takes some {}; check estimates the "
                          "whole, --threads and [mesh] refine lessen it\n",
-                         1e-9 * cost.memory, run::duration_words(cost.seconds));
+                         run::memory_words(cost.memory), run::duration_words(cost.seconds));
         }
     }
     return run(folder(s));

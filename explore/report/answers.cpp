@@ -209,7 +209,7 @@ void add_station_rows(const Json& json, Answer& answer) {
             }
         }
     }
-    answer.heading = "Stations (D0 in um; ?: not determined)";
+    answer.heading = "Stations (D0 in um as measured; ?: not determined)";
     answer.header = {"station", "chainage m", "status", "D0"};
     answer.header.insert(answer.header.end(), names.begin(), names.end());
     for (const Json& station : at(json, "stations")) {

@@ -16,11 +16,6 @@
 namespace explore::report {
 namespace {
 
-// An error as large as half of what the study allows.
-bool says_nothing(const landscape::LocalAnalysis& local, std::size_t parameter) {
-    return !(local.standard_error[parameter] <= 0.5);
-}
-
 using analysis::FitResult;
 using analysis::GroupFit;
 using landscape::Minimum;
@@ -185,7 +180,7 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
         json["best"]["std_error"][name.get<std::string>()] = nullptr;
     }
     for (std::size_t k = 0; k < space.axes.size(); ++k) {
-        if (says_nothing(local, k)) {
+        if (result.leaves_unknown(k)) {
             json["best"]["std_error"][space.axes[k].name] = nullptr;
         }
     }
@@ -252,7 +247,7 @@ std::string fit_text(const FitResult& result, const analysis::RunOptions& run) {
             {axis.name, figure(best.evaluation.parameters[k]),
              held ? fmt::format("95 %: {} to {}", figure(axis.physical(held->low)), figure(axis.physical(held->high)))
              : landscape::is_at_bound(best.unit[k]) ? "at bound"
-             : says_nothing(local, k)               ? "not determined"
+             : result.leaves_unknown(k)             ? "not determined"
                                                     : figure(error),
              figure(axis.low), figure(axis.high)});
     }

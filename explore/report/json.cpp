@@ -136,6 +136,12 @@ Json minimum_json(const problem::ParameterSpace& space, const landscape::Minimum
     for (const auto& bound : minimum.on_bound) {
         at_bounds.push_back(space.axes[bound.axis].name);
     }
+    Json not_determined = Json::array();
+    for (std::size_t k = 0; k < minimum.unit.size(); ++k) {
+        if (!landscape::is_at_bound(minimum.unit[k]) && !analysis.determines(k)) {
+            not_determined.push_back(space.axes[k].name);
+        }
+    }
     Json json = {{"misfit", minimum.evaluation.misfit},
                  {"parameters", parameters_json(space, minimum.evaluation.parameters)},
                  {"standard_errors", std::move(errors)},
@@ -143,6 +149,7 @@ Json minimum_json(const problem::ParameterSpace& space, const landscape::Minimum
                  {"converged", minimum.converged},
                  {"on_bound", bound_words(space, minimum.on_bound)},
                  {"at_bounds", std::move(at_bounds)},
+                 {"not_determined", std::move(not_determined)},
                  {"lowest", parameters_json(space, minimum.lowest)},
                  {"highest", parameters_json(space, minimum.highest)}};
     if (minimum.second) {

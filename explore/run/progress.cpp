@@ -2,6 +2,7 @@
 
 #include "run/message.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdio>
@@ -34,6 +35,11 @@ std::string duration_words(double seconds) {
     const long whole = std::lround(seconds);
     return whole < 3600 ? fmt::format("{} min {:02} s", whole / 60, whole % 60)
                         : fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+}
+
+std::string memory_words(double bytes) {
+    const double mega = bytes / 1e6;
+    return mega < 999.5 ? fmt::format("{:.0f} MB", std::max(mega, 1.0)) : fmt::format("{:.1f} GB", mega / 1e3);
 }
 
 Progress::Progress(std::string what, std::int64_t total, ProgressRate rate)

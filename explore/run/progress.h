@@ -47,5 +47,7 @@ private:
 
 // "2 min 05 s"
 std::string duration_words(double seconds);
+// "35 MB", "2.1 GB"
+std::string memory_words(double bytes);
 
 } // namespace explore::run

@@ -131,7 +131,10 @@ TEST(LoadSteps, LeaveATenthOfTheNoiseInEveryReading) {
         EXPECT_EQ(given.load_steps, study::LoadSteps::chosen);
         EXPECT_LT(largest_share(given, steps, noise), 0.12); // as an estimate is right
         const bool is_enough = largest_share(given, by_default, noise) < 0.08;
-        EXPECT_EQ(steps == by_default, is_enough);
+        EXPECT_EQ(steps <= by_default, is_enough);
+        // Fewer than the default only where they leave next to nothing, but half of them at least.
+        EXPECT_GE(steps, by_default / 2);
+        EXPECT_TRUE(steps >= by_default || largest_share(given, steps, noise) < 0.024);
         // Once chosen, they stay; and so does what the study states.
         const study::Study again = analysis::with_enough_load_steps(given, session());
         EXPECT_EQ(again.model.settings.solver.load_steps, steps);

@@ -13,13 +13,27 @@ namespace explore::analysis {
 namespace {
 
 constexpr double allowed = 0.1;                   // of the noise
+constexpr double unseen = 0.02;                   // of the noise: fewer than the default leave no more
 constexpr double order = 3.0;                     // of the path in its steps
 constexpr double whole_of_difference = 8.0 / 7.0; // error in n steps, by the difference to 2 n
 constexpr int default_steps = pave::fe::SolverSettings{}.load_steps;
+constexpr int fewest_steps = default_steps / 2;
 constexpr int most_steps = 3 * default_steps;
 
-int enough(int steps, double share) {
-    return std::max(steps, static_cast<int>(std::ceil(steps * std::pow(share / allowed, 1.0 / order))));
+// So many steps or more, such that what leaves this share of the noise leaves the other.
+int enough(int steps, double share, double wanted) {
+    return std::max(steps, static_cast<int>(std::ceil(steps * std::pow(share / wanted, 1.0 / order))));
+}
+
+// The number of steps for a noise. share_in(n, wanted): the largest error in n steps as a share of the noise, scaled so
+// that it is to be `wanted` where an answer is expected and a tenth elsewhere.
+template <class ShareIn>
+int steps_for(ShareIn share_in) {
+    const int few = enough(fewest_steps, share_in(fewest_steps, unseen), unseen);
+    if (few <= default_steps) {
+        return few;
+    }
+    return std::min(enough(default_steps, share_in(default_steps, allowed), allowed), most_steps);
 }
 
 study::Study with_steps(study::Study study, int steps) {
@@ -27,7 +41,7 @@ study::Study with_steps(study::Study study, int steps) {
     return study;
 }
 
-// Points where a fit may end: of a sample of the box those with the smallest misfit, and the end of a search.
+// Points where a fit may end: of a sample of the box those with the smallest misfit, and last the end of a search.
 std::vector<problem::Evaluation> likely_answers(const study::Study& study, const problem::Problem& problem,
                                                 const Session& session) {
     constexpr int sample = 32;
@@ -54,7 +68,7 @@ bool PathError::shows() const {
 }
 
 int PathError::enough() const {
-    return analysis::enough(steps, share);
+    return analysis::enough(steps, share, allowed);
 }
 
 bool follows_load_path(const study::Study& study) {
@@ -104,22 +118,31 @@ study::Study with_enough_load_steps(study::Study study, const Session& session) 
     if (study.load_steps != study::LoadSteps::by_default || study.parameters.empty() || !follows_load_path(study)) {
         return study;
     }
-    const problem::Problem problem = study::make_noise_problem(study, study::Scope::fitted);
+    const study::Study coarse = with_steps(study, fewest_steps);
+    const problem::Problem problem = study::make_noise_problem(coarse, study::Scope::fitted);
     if (!problem.noise_is_stated()) {
         return study;
     }
-    const std::vector<problem::Evaluation> points = likely_answers(study, problem, session);
-    std::vector<int> asked_for(points.size(), default_steps);
+    const std::vector<problem::Evaluation> points = likely_answers(coarse, problem, session);
     tbb::task_arena arena(run::usable_threads(session.options().threads));
-    run::for_each_index(arena, points.size(), [&](std::size_t i) {
-        if (const auto error = path_error(study, problem, points[i], 1.0)) {
-            asked_for[i] = error->enough();
-        }
+    const int steps = steps_for([&](int n, double wanted) {
+        const study::Study followed = with_steps(study, n);
+        const problem::Problem in_n = study::make_noise_problem(followed, study::Scope::fitted);
+        std::vector<double> shares(points.size(), 0.0);
+        run::for_each_index(arena, points.size(), [&](std::size_t i) {
+            const auto outcome = in_n.function->evaluate(points[i].parameters, false, *in_n.function->make_workspace());
+            if (outcome) {
+                problem::Evaluation there = points[i];
+                there.responses = outcome->responses;
+                if (const auto error = path_error(followed, in_n, there, 1.0)) {
+                    shares[i] = error->share * (i + 1 == points.size() ? 1.0 : wanted / allowed);
+                }
+            }
+        });
+        return std::accumulate(shares.begin(), shares.end(), 0.0, [](double a, double b) { return std::max(a, b); });
     });
-    const int steps =
-        std::accumulate(asked_for.begin(), asked_for.end(), default_steps, [](int a, int b) { return std::max(a, b); });
     study.load_steps = study::LoadSteps::chosen;
-    study.model.settings.solver.load_steps = std::min(steps, most_steps);
+    study.model.settings.solver.load_steps = steps;
     return study;
 }
 
@@ -132,15 +155,18 @@ study::Study with_enough_load_steps(study::Study study, double relative_noise) {
         const auto response = model.run(model.nominal(), {}, *model.make_workspace());
         return response ? response->values : std::vector<double>();
     };
-    const std::vector<double> coarse = values_in(default_steps);
-    const std::vector<double> fine = values_in(2 * default_steps);
-    double share = 0.0;
-    for (std::size_t i = 0; i < std::min(coarse.size(), fine.size()) && i < study.measured().size(); ++i) {
-        const double change = whole_of_difference * std::abs(coarse[i] / fine[i] - 1.0);
-        share = std::max(share, std::isfinite(change) ? change / relative_noise : 0.0);
-    }
+    const int steps = steps_for([&](int n, double) {
+        const std::vector<double> coarse = values_in(n);
+        const std::vector<double> fine = values_in(2 * n);
+        double share = 0.0;
+        for (std::size_t i = 0; i < std::min(coarse.size(), fine.size()) && i < study.measured().size(); ++i) {
+            const double change = whole_of_difference * std::abs(coarse[i] / fine[i] - 1.0);
+            share = std::max(share, std::isfinite(change) ? change / relative_noise : 0.0);
+        }
+        return share;
+    });
     study.load_steps = study::LoadSteps::chosen;
-    study.model.settings.solver.load_steps = std::min(enough(default_steps, share), most_steps);
+    study.model.settings.solver.load_steps = steps;
     return study;
 }
 
@@ -153,7 +179,7 @@ std::string path_words(const study::Study& study, const std::optional<PathError>
             error->enough());
     }
     const int steps = study.model.settings.solver.load_steps;
-    if (study.load_steps != study::LoadSteps::chosen || steps == default_steps) {
+    if (study.load_steps != study::LoadSteps::chosen || steps <= default_steps) {
         return "";
     }
     return fmt::format("Load paths are followed in {} steps instead of {}: fewer would leave more than a tenth of the "

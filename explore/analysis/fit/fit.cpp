@@ -47,6 +47,10 @@ std::optional<problem::NoiseScale> FitResult::noise_scale() const {
     return problem::noise_scale_of_fit(local.noise * local.noise * local.degrees_of_freedom, local.degrees_of_freedom);
 }
 
+bool FitResult::leaves_unknown(std::size_t parameter) const {
+    return !landscape::is_at_bound(best().unit[parameter]) && !local.determines(parameter) && !held.of(parameter);
+}
+
 std::optional<FitResult> fit(Session& session, const study::Study& given, const FitOptions& asked) {
     const study::Study study = with_enough_load_steps(given, session);
     const problem::Problem full = study::make_problem(study, study::Scope::fitted);

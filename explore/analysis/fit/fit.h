@@ -56,6 +56,9 @@ struct FitResult {
     std::string reason() const; // of failed()
     // Nothing: it is not sought, or no degrees of freedom tell it.
     std::optional<problem::NoiseScale> noise_scale() const;
+    // Whether the readings leave a parameter of the best minimum about as unknown as it was: within the study's range,
+    // cut by no inequality, and with a 95 % range of half of what the study allows or more.
+    bool leaves_unknown(std::size_t parameter) const;
 };
 
 // Throws pave::Error for a study that cannot be fitted so. Nothing: interrupted.

@@ -90,7 +90,6 @@ bool contradicts_noise(const landscape::LocalAnalysis& local) {
 
 // Parameters that the data do not determine: too few readings, errors as wide as the range.
 void unknown_parameters(const FitResult& result, std::vector<std::string>& text) {
-    const Minimum& best = result.best();
     const problem::ParameterSpace& space = result.problem.space;
     const std::size_t count = space.axes.size();
     if (result.problem.readings() < count) {
@@ -101,7 +100,7 @@ void unknown_parameters(const FitResult& result, std::vector<std::string>& text)
     }
     std::vector<std::string> unseen;
     for (std::size_t k = 0; k < count; ++k) {
-        if (!landscape::is_at_bound(best.unit[k]) && !result.local.determines(k) && !result.held.of(k)) {
+        if (result.leaves_unknown(k)) {
             unseen.push_back(space.axes[k].name);
         }
     }

@@ -152,17 +152,13 @@
     // -- the landscape --------------------------------------------------------------------------------------------
 
     // A standard error that spans half of the study's range or more says nothing.
-    const errorOf = (error, value, p) => {
-        if (error === null || error === undefined) return "";
-        const range = !p ? Infinity : p.scale === "log" ? value * Math.log(p.max / p.min) : p.max - p.min;
-        return error > 0.5 * range ? " (not determined)" : " ± " + figure(error);
-    };
-    const minimaPart = (minima, parameters) => {
+    const minimaPart = (minima) => {
         if (!minima || minima.length === 0) return [];
-        const known = new Map((parameters || []).map((p) => [p.name, p]));
+        const errorOf = (m, n) => ((m.not_determined || []).includes(n) ? " (not determined)"
+            : typeof (m.standard_errors || {})[n] === "number" ? " ± " + figure(m.standard_errors[n]) : "");
         const cell = (m, n) => figure(m.parameters[n]) + ((m.at_bounds || []).includes(n) ? " (at bound)"
             : m.ranges_95 && m.ranges_95[n] ? ` (${m.ranges_95[n].map(figure).join(" to ")})`
-            : errorOf(m.standard_errors ? m.standard_errors[n] : null, m.parameters[n], known.get(n)));
+            : errorOf(m, n));
         const shown = minima.slice(0, 8);
         return [part("Minima"), ...turned(shown.map((_, i) => `minimum ${i + 1}`), [
             ["misfit", ...shown.map((m) => figure(m.misfit))],
@@ -386,7 +382,7 @@
         const others = (r.minima || []).map((m, i) => ({ name: "minimum " + (i + 1), parameters: m.parameters }));
         section("The fit",
             opening("fit", `${r.evaluations} evaluations: ${r.explored}, then ${r.starts} searches by ${r.method}.`),
-            responsesPart(r), minimaPart(r.minima, parameters), waterfall(r), parallel(others, parameters),
+            responsesPart(r), minimaPart(r.minima), waterfall(r), parallel(others, parameters),
             rows && parameters.length > 1 ? [part("Landscape of the misfit"),
                 pairCharts(parameters, rows.rows, r.minima),
                 make("p", { className: "soft" }, "Each point is a computed set of parameters, coloured by its misfit, the lowest on top; the others differ from point to point. No map of the misfit: pavescape unique --landscape computes one. Circles: minima; crosses: no answer." +
@@ -411,17 +407,21 @@
         const line = (name, low, high, width, color) => ({ type: "scatter", mode: "lines", name, hoverinfo: "skip", line: { width, color },
             x: outputs.flatMap((o) => [low(o) / best(o), high(o) / best(o), null]), y: names.flatMap((n) => [n, n, null]) });
         const wider = outputs.some((o) => widest(o).wider);
+        const ends = outputs.flatMap((o) => [widest(o).low / best(o), widest(o).high / best(o)]).filter(Number.isFinite);
+        const [least, most] = [Math.min(1, ...ends), Math.max(1, ...ends)];
+        const margin = 0.3 * (most - least) || 0.1; // bars do not fill the picture
         return chart("outputs", [line(wider ? "also if the model may lack something" : "95 %", (o) => widest(o).low, (o) => widest(o).high, 5, wider ? colours[4] : colours[0]),
             ...(wider && right ? [line("if the model is right", (o) => o.low, (o) => o.high, 10, colours[0])] : []),
             { type: "scatter", mode: "markers", name: "best fit", x: outputs.map(() => 1), y: names, marker: { size: 11, color: "#fff", line: { color: "#000", width: 2 } },
                 text: outputs.map((o) => `best ${figure(best(o))}, ${figure(widest(o).low)} to ${figure(widest(o).high)}`), hoverinfo: "text" }],
-        { xaxis: axis("relative to the best fit"), yaxis: axis("", { automargin: true }), height: 190 + 40 * outputs.length, margin: { l: 64, r: 16, t: 24, b: 90 }, legend: { orientation: "h", y: -70 / (40 * outputs.length + 76) } },
+        { xaxis: axis("relative to the best fit", { range: [least > 0 ? Math.max(0, least - margin) : least - margin, most + margin] }), yaxis: axis("", { automargin: true }), height: 190 + 40 * outputs.length, margin: { l: 64, r: 16, t: 24, b: 90 }, legend: { orientation: "h", y: -70 / (40 * outputs.length + 76) } },
         wider ? "95 % ranges. The wider one is the one to use: it also holds if the model lacks something that these readings cannot show." : "Range of each output over all sets of parameters that the data accept.");
     };
     const outputsTable = (outputs, best, right) => {
         const own = right && outputs.some((o) => widest(o).wider);
         return table(["output", "best", "low", "high", ...(own ? ["if the model is right"] : []), "unit"], outputs.map((o) => outputRow(o, best(o), own)));
     };
+    const extent = { flat: "whole range", bounded: "", "bounded on one side": "to a bound" }; // as in the terminal
     const showUnique = (r) => {
         const sets = [];
         (r.minima || []).forEach((m, i) => { if (m.accepted !== false) sets.push({ name: "minimum " + (i + 1), parameters: m.parameters }); });
@@ -436,7 +436,7 @@
         const accepted = r.profiles || [];
         section("Is the answer unique?", opening("unique"),
             accepted.length ? [part("What the data accept (95 %)", true),
-                table(["parameter", "best", "low", "high", ""], accepted.map((p) => [titled(p.name), figure(p.best), figure(p.low), figure(p.high), p.kind]), [4])] : [],
+                table(["parameter", "best", "low", "high", ""], accepted.map((p) => [titled(p.name), figure(p.best), figure(p.low), figure(p.high), extent[p.kind] ?? p.kind]), [4])] : [],
             (r.outputs || []).length ? [part("What it means for the outputs", true), outputsChart(r.outputs, (o) => o.best, !rejected(r)), outputsTable(r.outputs, (o) => o.best, !rejected(r))] : [],
             responsesPart(r),
             r.landscape && r.landscape.pairs.length > 0 ? landscapePart(r)
@@ -444,7 +444,7 @@
                 ? [part("Landscape of the misfit"), pairCharts(r.parameters, data.evaluations.rows, r.minima),
                     make("p", { className: "soft" }, "Each point is a computed set of parameters, coloured by its misfit, the lowest on top; the others differ from point to point. No map of the misfit: pavescape unique --landscape computes one. Circles: minima; crosses: no answer.")]
                 : [part("Landscape: lowest explored misfit over pairs"), projectionCharts(r)],
-            minimaPart(r.minima, r.parameters), passesPart(r),
+            minimaPart(r.minima), passesPart(r),
             profiles(r.profiles, "Profiles of the parameters", "profile",
                 `The least rise of χ² at each value with everything else fitted again. Dashed: the rise that the data accept, ${allowed}.`, r.parameters, rise),
             profiles(r.outputs, "Profiles of the outputs", "profile", "The same for each output.", [], rise),
@@ -602,8 +602,7 @@
             part("Gain"), table(["", "study's model", "extended model"], [
                 ["misfit", r.baseline.misfit, r.extended ? r.extended.misfit : null], ["χ²", r.baseline.chi2, r.extended ? r.extended.chi2 : null],
                 ["degrees of freedom", r.baseline.dof, r.extended ? r.extended.dof : null], ["p", r.baseline.p_value, r.extended ? r.extended.p_value : null],
-                ["error of readings left out [sigma]", r.gain ? r.gain.held_out_rmse_before : null, r.gain ? r.gain.held_out_rmse_after : null]]),
-            words((r.findings || []).filter((finding) => /^(Best next measurement|What would settle|No further reading)/.test(finding))));
+                ["error of readings left out [sigma]", r.gain ? r.gain.held_out_rmse_before : null, r.gain ? r.gain.held_out_rmse_after : null]]));
     };
 
     const showCompare = (r) => {

@@ -24,11 +24,11 @@ const roads = (() => {
     const medianOf = (values) => quantileOf(values, 0.5);
     // Stations worth a visit: {station, kind: "weak", "fails" or "none", why}, the worst first. The program says which are weak.
     const notable = (r) => {
-        const times = (v) => `${v.toFixed(v < 1 ? 2 : 1)} times the median`;
+        const beside = (v) => `${(100 * Math.abs(v - 1)).toFixed(0)} % ${v < 1 ? "below" : "above"} the median`; // as in the terminal
         const weak = (r.weak_stations || []).map((w) => {
             const station = r.stations[w.station];
             const name = w.parameter ? `${wording.parameter(w.parameter).name} ` : "";
-            return { station, kind: "weak", why: [`deflection ${figure(station.D0_um_at_common_pressure)} µm, ${times(w.times_median)} of its section`, ...(w.parameter ? [`${name}${times(w.parameter_times_median)}`] : [])] };
+            return { station, kind: "weak", why: [`deflection ${figure(station.D0_um_at_common_pressure)} µm, ${beside(w.times_median)} of its section`, ...(w.parameter ? [`${name}${beside(w.parameter_times_median)}`] : [])] };
         });
         const others = r.stations.filter((s) => !weak.some((w) => w.station === s));
         const none = (s) => s.D0_um === undefined || (s.status !== "ok" && s.reason);

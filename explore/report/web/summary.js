@@ -37,14 +37,13 @@ const summaries = (() => {
     const of = {
         fit: (r) => {
             const best = (r.minima || [])[0] || { parameters: {} };
-            const error = (n) => (best.standard_errors || {})[n];
+            const error = (n) => ((r.best || {}).std_error || {})[n]; // none: at a bound, or not determined
             const span = new Map((r.parameters || []).map((p) => [p.name, p]));
             const list = Object.entries(best.parameters).map(([n, v]) => {
                 const range = (best.ranges_95 || {})[n];
                 const p = span.get(n);
-                const loose = p && known(error(n)) && error(n) > 0.5 * (p.scale === "log" ? v * Math.log(p.max / p.min) : p.max - p.min);
                 if (range) return { n, v, low: range[0], high: range[1] };
-                if (!known(error(n)) || loose || (best.at_bounds || []).includes(n)) return { n, v };
+                if (!known(error(n))) return { n, v };
                 const reach = 1.96 * error(n); // on the scale of the parameter, within its bounds
                 const [low, high] = p && p.scale === "log" ? [v * Math.exp(-reach / v), v * Math.exp(reach / v)] : [v - reach, v + reach];
                 return { n, v, low: p ? Math.max(low, p.min) : low, high: p ? Math.min(high, p.max) : high };
