@@ -36,7 +36,7 @@ struct CommonOptions {
     bool json = false;
     bool verbose = false, quiet = false; // of an answer on the terminal
 
-    std::string folder(const study::Study& s) const { return out.empty() ? "output/" + s.stem() : out; }
+    std::string folder(const study::Study& s) const { return out.empty() ? "output/" + s.folder_name() : out; }
     analysis::RunOptions run(std::string folder) const;
     analysis::RunOptions run(const study::Study& s) const; // where a run takes long, says what it takes
 };

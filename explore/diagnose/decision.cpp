@@ -19,6 +19,7 @@ constexpr double least_rate = 0.95;        // of telling two effects apart
 constexpr double most_noise = 2.2;         // times the stated noise: more is no matter of noise
 constexpr double most_of_structure = 1.5;  // the same, beside errors in common or heavy tails
 constexpr double little = 0.05;            // probability that keeps a name from standing alone
+constexpr double impossible = 3.0;         // margins: less probable by a factor of 8,000 than another
 constexpr double doubtful = 0.1; // that errors are larger than stated: chance names something in some of such cases
 
 class Decider {
@@ -160,10 +161,11 @@ private:
         if (distance < margin && (!is_contradicted_itself || !leaves_noise(first) || distance < 0.0)) {
             return true;
         }
-        // Whatever such readings could not tell from the leading one stands beside it, whatever these say; unless they
-        // reject it by themselves and by far.
+        // Whatever such readings could not tell from the leading one stands beside it, whatever these say; unless it is
+        // next to impossible, or they reject it by themselves, more clearly where the leading one leaves noise.
         const double rate = ledger_.rate(own.hypothesis.key(), first.hypothesis.key());
-        if (rate < least_rate && !(is_contradicted_itself && distance > 2.0 * margin)) {
+        const double most = (is_contradicted_itself ? (leaves_noise(first) ? 1.0 : 2.0) : impossible) * margin;
+        if (rate < least_rate && distance <= most) {
             return true;
         }
         return is_first_of_its_size(r);
@@ -352,7 +354,8 @@ private:
         const Row& own = row(*correction_);
         const auto akaike = [](const Row& of) { return of.fit.chi2 + 2.0 * of.fit.numbers; };
         const double distance = behind(own, first);
-        const bool is_near = distance < margin || (distance < 3.0 * margin && akaike(own) - akaike(first) < margin);
+        const bool is_near =
+            distance < margin || (distance < impossible * margin && akaike(own) - akaike(first) < margin);
         return is_near && !is_outdone(own) && !is_rejected(own) && !says_the_same(own, first) &&
                ledger_.says(own.hypothesis.key()) == Says::at_places;
     }

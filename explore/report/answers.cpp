@@ -5,6 +5,7 @@
 #include "run/program.h"
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 
 namespace explore::report {
@@ -118,17 +119,29 @@ Answer fit_answer(const Json& json) {
     return answer;
 }
 
-// low and high of an output: of the two ranges the wider one, where the data contradict the model.
-std::vector<std::string> output_range(const Json& output, bool is_contradicted) {
+// A row with low and high of an output, of its two ranges the wider one, as on the page; unless the data contradict the
+// model, a row below with the other. before: cells left of the ranges.
+void add_output(const Json& output, std::vector<std::string> before, bool is_contradicted, Answer& answer) {
     const Json& low = at(output, "low");
     const Json& high = at(output, "high");
     const Json& wide = at(output, "if_wrong");
-    if (is_contradicted && wide.is_object() && low.is_number() && high.is_number() && at(wide, "low").is_number() &&
-        at(wide, "high").is_number()) {
-        return {number(std::min(low.get<double>(), at(wide, "low").get<double>())),
-                number(std::max(high.get<double>(), at(wide, "high").get<double>()))};
+    std::array<std::string, 2> own{number(low), number(high)};
+    std::array<std::string, 2> shown = own;
+    if (low.is_number() && high.is_number() && at(wide, "low").is_number() && at(wide, "high").is_number()) {
+        shown = {number(std::min(low.get<double>(), at(wide, "low").get<double>())),
+                 number(std::max(high.get<double>(), at(wide, "high").get<double>()))};
     }
-    return {number(low), number(high)};
+    std::vector<std::string> below(before.size());
+    below[0] = "  if the model is right";
+    const auto add = [&](std::vector<std::string> row, const auto& range, const std::string& unit) {
+        row.insert(row.end(), {range[0], range[1], unit});
+        row.resize(answer.header.size());
+        answer.rows.push_back(std::move(row));
+    };
+    add(std::move(before), shown, words(at(output, "unit")));
+    if (shown != own && !is_contradicted) {
+        add(std::move(below), own, "");
+    }
 }
 
 Answer unique_answer(const Json& json) {
@@ -147,9 +160,7 @@ Answer unique_answer(const Json& json) {
     }
     const bool is_contradicted = at(at(json, "acceptance"), "widened") == true;
     for (const Json& o : at(json, "outputs")) {
-        const auto range = output_range(o, is_contradicted);
-        answer.rows.push_back(
-            {words(at(o, "name")), number(at(o, "best")), range[0], range[1], words(at(o, "unit")), ""});
+        add_output(o, {words(at(o, "name")), number(at(o, "best"))}, is_contradicted, answer);
     }
     if (answer.rows.empty()) {
         answer.header.clear();
@@ -179,9 +190,7 @@ Answer diagnose_answer(const Json& json) {
                                number(at(p, "value")), number(at(p, "low")), number(at(p, "high")), ""});
     }
     for (const Json& o : at(json, "outputs")) {
-        const auto range = output_range(o, is_contradicted);
-        answer.rows.push_back({words(at(o, "name")), number(at(o, "before")), number(at(o, "after")), range[0],
-                               range[1], words(at(o, "unit"))});
+        add_output(o, {words(at(o, "name")), number(at(o, "before")), number(at(o, "after"))}, is_contradicted, answer);
     }
     if (!is_extended) { // the same before and after
         const auto drop = [](std::vector<std::string>& row) { row.erase(row.begin() + 1); };

@@ -22,6 +22,12 @@ std::string Study::stem() const {
     return std::filesystem::path(file).stem().string();
 }
 
+std::string Study::folder_name() const {
+    const std::filesystem::path path(file);
+    const std::string folder = path.parent_path().filename().string();
+    return stem() == "extended" && !folder.empty() ? folder + "-extended" : stem();
+}
+
 std::span<const data::Reading> Study::measured() const {
     const auto end = std::find_if(readings.begin(), readings.end(), [](const auto& r) { return !r.is_measured(); });
     return {readings.begin(), end};

@@ -105,6 +105,8 @@ struct Study {
 
     // Name without folder and ending: the default folder of its results.
     std::string stem() const;
+    // Of its results: the stem; of the extended study that a diagnosis writes, also the name of the folder it is in.
+    std::string folder_name() const;
     // "stated", "partly stated" (some are assumed) or "estimated" (from the residuals of the fit).
     std::string_view noise_name() const;
     std::span<const data::Reading> measured() const;

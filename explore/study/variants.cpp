@@ -211,9 +211,13 @@ public:
         const std::size_t begin = at(table.source().begin);
         if (text_[begin] == '{') {
             edits_.push_back({begin + 1, begin + 1, fmt::format(" {} = {},", key, value)});
-        } else {
-            const std::size_t line = text_.find('\n', begin) + 1;
-            edits_.push_back({line, line, fmt::format("{} = {}\n", key, value)});
+        } else if (text_[begin] == '[') {
+            const std::size_t end = std::min(text_.find('\n', begin), text_.size());
+            edits_.push_back({end, end, fmt::format("\n{} = {}", key, value)});
+        } else { // made by dotted keys: a.b = 1
+            const std::size_t line = text_.rfind('\n', begin) + 1;
+            const std::string path = text_.substr(line, text_.find('=', begin) - line);
+            edits_.push_back({line, line, fmt::format("{}{} = {}\n", path.substr(0, path.rfind('.') + 1), key, value)});
         }
     }
     std::string result() {
@@ -301,6 +305,10 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
             editor.insert(*model, "folder", quoted(there));
         }
     }
+    const toml::table* solver = root["solver"].as_table();
+    if (extended.load_steps == LoadSteps::chosen && solver != nullptr) {
+        editor.insert(*solver, "load_steps", fmt::format("{}", extended.model.settings.solver.load_steps));
+    }
     const std::size_t known = values.size() - variants.size();
     for (std::size_t k = 0; k < known; ++k) {
         const std::string& path = extended.parameters[k].path;
@@ -329,6 +337,9 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
         }
     }
     std::string result = editor.result();
+    if (extended.load_steps == LoadSteps::chosen && solver == nullptr) {
+        result += fmt::format("\n[solver]\nload_steps = {}\n", extended.model.settings.solver.load_steps);
+    }
     for (std::size_t v = 0; v < variants.size(); ++v) {
         const AppliedEffect& applied = variants[v].applied;
         const Effect& effect = *applied.effect;

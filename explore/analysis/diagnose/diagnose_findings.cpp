@@ -28,6 +28,10 @@ std::string members_words(const std::vector<diagnose::Candidate>& candidates, co
 }
 
 std::string percent(double share) {
+    constexpr double shown = 5e-5; // what two decimals show
+    if (share > 1.0 - shown && share < 1.0) {
+        return "over 99.99 %";
+    }
     return fmt::format("{:.{}f} %", 100.0 * share,
                        share > 0.999 || share < 0.001 ? 2
                        : share > 0.99 || share < 0.01 ? 1

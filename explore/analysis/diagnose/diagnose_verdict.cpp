@@ -109,15 +109,16 @@ private:
                    : "";
     }
 
-    // The other meaning of a subgrade that stiffens with depth, in a study that has nothing below it.
+    // The other meaning of a subgrade that stiffens with depth or is soft on top, in a study that has nothing below it.
     std::string stiff_below_words() const {
         const auto& members = d.extended->model.members;
         for (std::size_t m = 0; m < members.size(); ++m) {
-            if (study.model.half_space && variants[members[m]].applied.effect->name == "subgrade-depth-gradient" &&
+            const std::string_view name = variants[members[m]].applied.effect->name;
+            if (study.model.half_space && (name == "subgrade-depth-gradient" || name == "weak-subgrade-top") &&
                 after->parameters[study.space.axes.size() + m].value > 0.0) {
                 return fmt::format("In this study the last layer goes on for ever; rock or anything stiff below looks "
                                    "alike: bottom = \"rigid\" under [section], with {}.thickness_mm as a parameter, "
-                                   "tells whether that fits better.",
+                                   "tells whether that fits better (give the layer a thickness_mm to begin with).",
                                    study.model.layers.back().name);
             }
         }
@@ -229,8 +230,8 @@ private:
                                percent(d.decision.of_noise));
         }
         return fmt::format(
-            "ADEQUATE, but for the noise: {}; nothing else is visible (probability {}). State the noise so "
-            "under [data.noise].",
+            "ADEQUATE, but for the noise: {}. Nothing else is needed to explain these data (all kinds of noise "
+            "together: probability {}). State the noise so under [data.noise].",
             row_words(leading), percent(d.decision.of_noise));
     }
 

@@ -216,7 +216,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
         }
         say(fmt::format("At the best minimum the data do not determine {} individually{}",
                         pave::join(names_of(space, u.directions.free)),
-                        fixed.empty() ? "." : ", but they fix " + pave::join(fixed) + "."));
+                        fixed.empty() ? "." : ", but " + pave::join(fixed) + "."));
     }
     if (!u.directions.dead.empty()) {
         say(fmt::format("No reading is sensitive to {} here: crossing the whole range changes none by more than its "

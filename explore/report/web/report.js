@@ -152,9 +152,9 @@
     // -- the landscape --------------------------------------------------------------------------------------------
 
     // A standard error that spans half of the study's range or more says nothing.
-    const minimaPart = (minima) => {
+    const minimaPart = (minima, haveRanges = false) => { // haveRanges: better ones stand elsewhere on the page
         if (!minima || minima.length === 0) return [];
-        const errorOf = (m, n) => ((m.not_determined || []).includes(n) ? " (not determined)"
+        const errorOf = (m, n) => (haveRanges ? "" : (m.not_determined || []).includes(n) ? " (not determined)"
             : typeof (m.standard_errors || {})[n] === "number" ? " ± " + figure(m.standard_errors[n]) : "");
         const cell = (m, n) => figure(m.parameters[n]) + ((m.at_bounds || []).includes(n) ? " (at bound)"
             : m.ranges_95 && m.ranges_95[n] ? ` (${m.ranges_95[n].map(figure).join(" to ")})`
@@ -164,7 +164,7 @@
             ["misfit", ...shown.map((m) => figure(m.misfit))],
             ...Object.keys(minima[0].parameters).map((n) => [titled(n), ...shown.map((m) => cell(m, n))]),
             ["starts", ...shown.map((m) => (m.starts || []).length)]]),
-        make("p", { className: "soft" }, "± one standard error; (a to b): a range of 95 %." + (minima.length > shown.length ? ` ${minima.length - shown.length} higher minima are not shown.` : ""))];
+        make("p", { className: "soft" }, (haveRanges ? "" : "± one standard error; (a to b): a range of 95 %. ") + (minima.length > shown.length ? ` ${minima.length - shown.length} higher minima are not shown.` : ""))];
     };
 
     const waterfall = (result) => {
@@ -312,7 +312,8 @@
     // -- one section a command ------------------------------------------------------------------------------------
 
     // The first sentence of a command stands at the top of the page, or of its section where another command's does.
-    const summary = ["unique", "sample", "diagnose", "compare", "fit", "sensitivity", "design", "road", "survey", "map"].find((c) => results[c] && ((results[c].findings || []).length || c === "survey"));
+    const isDiagnosed = results.diagnose && results.unique && summaries.rejected(results.unique);
+    const summary = [...(isDiagnosed ? ["diagnose"] : []), "unique", "sample", "diagnose", "compare", "fit", "sensitivity", "design", "road", "survey", "map"].find((c) => results[c] && ((results[c].findings || []).length || c === "survey"));
     const opening = (command, about) => {
         const answer = summaries.answerOf(results[command]);
         const said = summaries.detailsOf(results[command]);
@@ -444,7 +445,7 @@
                 ? [part("Landscape of the misfit"), pairCharts(r.parameters, data.evaluations.rows, r.minima),
                     make("p", { className: "soft" }, "Each point is a computed set of parameters, coloured by its misfit, the lowest on top; the others differ from point to point. No map of the misfit: pavescape unique --landscape computes one. Circles: minima; crosses: no answer.")]
                 : [part("Landscape: lowest explored misfit over pairs"), projectionCharts(r)],
-            minimaPart(r.minima), passesPart(r),
+            minimaPart(r.minima, true), passesPart(r),
             profiles(r.profiles, "Profiles of the parameters", "profile",
                 `The least rise of χ² at each value with everything else fitted again. Dashed: the rise that the data accept, ${allowed}.`, r.parameters, rise),
             profiles(r.outputs, "Profiles of the outputs", "profile", "The same for each output.", [], rise),
