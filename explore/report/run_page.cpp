@@ -12,13 +12,13 @@
 namespace explore::report {
 namespace {
 
-// Six digits, more than a page shows; places keep theirs.
+// Eight digits: a page shows four, and what is rounded twice may end elsewhere. Places keep theirs.
 void shorten(Json& json) {
     for (auto& [key, value] : json.items()) {
         if (value.is_structured()) {
             shorten(value);
         } else if (value.is_number_float() && key != "chainage_m" && key != "latitude" && key != "longitude") {
-            value = std::strtod(fmt::format("{:.6g}", value.get<double>()).c_str(), nullptr);
+            value = std::strtod(fmt::format("{:.8g}", value.get<double>()).c_str(), nullptr);
         }
     }
 }

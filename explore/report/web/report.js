@@ -642,8 +642,10 @@
 
     // -- the page -------------------------------------------------------------------------------------------------
 
-    const titles = [...new Set(Object.values(results).map((r) => r.study && r.study.title).filter(Boolean))];
-    if (titles.length === 0 && results.survey) titles.push("Survey of " + results.survey.files.map((f) => f.split("/").pop()).join(", "));
+    // A road's study may be that of one station.
+    const road = results.survey || results.road;
+    const titles = road && road.files ? [`${results.survey ? "Survey" : "Road"} of ` + road.files.map((f) => f.split("/").pop()).join(", ")]
+        : [...new Set(Object.values(results).map((r) => r.study && r.study.title).filter(Boolean))];
     document.title = (titles[0] || data.folder) + " – Pavescape";
     const navigation = make("nav");
     root.append(make("header", {}, make("h1", {}, titles[0] || data.folder),
