@@ -234,7 +234,7 @@ inline constexpr Key solver_load_steps{.table = "[solver]",
                                        .low = 1,
                                        .high = 1000,
                                        .without = "12; an analysis that fits readings of stated noise takes as many as "
-                                                  "that noise asks for",
+                                                  "that noise asks for, 6 at least",
                                        .meaning = "steps of every load path, the same at all points of a search"};
 inline constexpr Key solver_path{.table = "[solver]",
                                  .key = "path_tolerance",
