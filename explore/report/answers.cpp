@@ -199,7 +199,7 @@ Answer diagnose_answer(const Json& json) {
         std::for_each(answer.rows.begin(), answer.rows.end(), drop);
     }
     answer.next = take_next(answer.notes);
-    if (is_extended) {
+    if (is_extended && words(at(json, "verdict")) != "ambiguous") { // one of several is no model to go on with
         answer.next += fmt::format("{}pavescape unique {}",
                                    answer.next.empty() ? "" : "\nThen: ", shell(at(at(json, "extended"), "study")));
     } else if (answer.next.empty()) {
