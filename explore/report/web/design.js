@@ -11,6 +11,7 @@ const designs = (() => {
     const years = (v) => (!known(v) ? "–" : v > longest ? `> ${longest}` : v < 10 ? v.toPrecision(2) : v.toFixed(0));
     const millimetres = (v, most) => (known(v) ? v.toFixed(0) : `> ${most}`);
     const range = (low, high, words) => (words(low) === words(high) ? words(low) : `${words(low)} to ${words(high)}`);
+    const wideRange = (c) => (c.if_wrong && (known(c.if_wrong.low) || known(c.if_wrong.high)) ? range(c.if_wrong.low, c.if_wrong.high, years) : "not bounded");
     const governing = (r) => [...r.criteria].sort((a, b) => (r.governs[b.name] || 0) - (r.governs[a.name] || 0))[0];
 
     const summaryOf = (r) => {
@@ -20,8 +21,8 @@ const designs = (() => {
         const decides = (r.findings || []).find((s) => s.startsWith("What would decide: "));
         return { verdict: say(r.findings[0]), numbers: [
             { name: `years left: ${name(first)}`, value: years(first.remaining_years), range: range(first.low, first.high, years), unit: "years" },
-            { name: `overlay of ${o.layer}`, value: mm(o.value), range: range(o.low, o.high, mm), unit: "mm" },
-            { name: `overlay that lasts with ${o.reliability_percent} %`, value: mm(o.at_reliability), range: "", unit: "mm" }],
+            { name: "the same, if the model lacks something", value: "", range: wideRange(first), unit: "years" },
+            { name: `overlay of ${o.layer}`, value: mm(o.value), range: range(o.low, o.high, mm), unit: "mm" }],
         action: decides ? `Measure next: ${say(decides.slice("What would decide: ".length))}` : say(r.findings[1] || "") };
     };
 
@@ -45,7 +46,7 @@ const designs = (() => {
     const show = (section, r, opening) => section("Life that is left", opening,
         part("Criteria", true), table(["criterion", "microstrain (95 %)", "years left (95 %)", "if the model lacks something", "ends first"], r.criteria.map((c) => [name(c),
             `${figure(c.strain_microstrain)} (${range(c.strain_low, c.strain_high, figure)})`, `${years(c.remaining_years)} (${range(c.low, c.high, years)})`,
-            c.if_wrong && (known(c.if_wrong.low) || known(c.if_wrong.high)) ? range(c.if_wrong.low, c.if_wrong.high, years) : "not bounded",
+            wideRange(c),
             known(r.governs[c.name]) ? `${Math.round(100 * r.governs[c.name])} %` : "–"]), [0]),
         make("p", { className: "soft" }, r.criteria.map((c) => `${name(c)}: ${c.formula}`).join("; ") + "."),
         (r.next || []).length ? [part("Further readings and cores, the most telling first"), table(["", "leaves of the range", "saves [mm]"],
