@@ -5,6 +5,7 @@ import importlib.machinery
 import importlib.util
 import json
 import math
+import re
 import resource
 import time
 
@@ -156,4 +157,4 @@ def test_memory_of_a_run_is_said_before_the_first():
     said = said_until("B a thread", process, 30)
     process.kill()
     process.wait()
-    assert "B a thread" in said, f"memory and time of a run are said before the first: {said!r}"
+    assert re.search(r"asks for some [\d.]+ [MG]B a thread", said), f"memory and time of a run are said before the first: {said!r}"

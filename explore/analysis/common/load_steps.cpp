@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <numeric>
 
 namespace explore::analysis {
 namespace {
@@ -26,14 +25,18 @@ int enough(int steps, double share, double wanted) {
 }
 
 // The number of steps for a noise. share_in(n, wanted): the largest error in n steps as a share of the noise, scaled so
-// that it is to be `wanted` where an answer is expected and a tenth elsewhere.
+// that it is to be `wanted` where an answer is expected and a tenth elsewhere; nothing: it is known nowhere.
 template <class ShareIn>
 int steps_for(ShareIn share_in) {
-    const int few = enough(fewest_steps, share_in(fewest_steps, unseen), unseen);
-    if (few <= default_steps) {
+    const std::optional<double> in_few = share_in(fewest_steps, unseen);
+    if (!in_few) {
+        return default_steps;
+    }
+    if (const int few = enough(fewest_steps, *in_few, unseen); few <= default_steps) {
         return few;
     }
-    return std::min(enough(default_steps, share_in(default_steps, allowed), allowed), most_steps);
+    const std::optional<double> in_default = share_in(default_steps, allowed);
+    return in_default ? std::min(enough(default_steps, *in_default, allowed), most_steps) : default_steps;
 }
 
 study::Study with_steps(study::Study study, int steps) {
@@ -128,7 +131,7 @@ study::Study with_enough_load_steps(study::Study study, const Session& session) 
     const int steps = steps_for([&](int n, double wanted) {
         const study::Study followed = with_steps(study, n);
         const problem::Problem in_n = study::make_noise_problem(followed, study::Scope::fitted);
-        std::vector<double> shares(points.size(), 0.0);
+        std::vector<std::optional<double>> shares(points.size());
         run::for_each_index(arena, points.size(), [&](std::size_t i) {
             const auto outcome = in_n.function->evaluate(points[i].parameters, false, *in_n.function->make_workspace());
             if (outcome) {
@@ -139,7 +142,7 @@ study::Study with_enough_load_steps(study::Study study, const Session& session) 
                 }
             }
         });
-        return std::accumulate(shares.begin(), shares.end(), 0.0, [](double a, double b) { return std::max(a, b); });
+        return shares.empty() ? std::nullopt : *std::max_element(shares.begin(), shares.end()); // nothing is the least
     });
     study.load_steps = study::LoadSteps::chosen;
     study.model.settings.solver.load_steps = steps;
@@ -158,10 +161,10 @@ study::Study with_enough_load_steps(study::Study study, double relative_noise) {
     const int steps = steps_for([&](int n, double) {
         const std::vector<double> coarse = values_in(n);
         const std::vector<double> fine = values_in(2 * n);
-        double share = 0.0;
+        std::optional<double> share;
         for (std::size_t i = 0; i < std::min(coarse.size(), fine.size()) && i < study.measured().size(); ++i) {
             const double change = whole_of_difference * std::abs(coarse[i] / fine[i] - 1.0);
-            share = std::max(share, std::isfinite(change) ? change / relative_noise : 0.0);
+            share = std::max(share, std::isfinite(change) ? std::optional(change / relative_noise) : std::nullopt);
         }
         return share;
     });

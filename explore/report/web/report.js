@@ -151,8 +151,8 @@
 
     // -- the landscape --------------------------------------------------------------------------------------------
 
-    // A standard error that spans half of the study's range or more says nothing.
-    const minimaPart = (minima, haveRanges = false) => { // haveRanges: better ones stand elsewhere on the page
+    // haveRanges: better ones stand elsewhere on the page.
+    const minimaPart = (minima, haveRanges = false) => {
         if (!minima || minima.length === 0) return [];
         const errorOf = (m, n) => (haveRanges ? "" : (m.not_determined || []).includes(n) ? " (not determined)"
             : typeof (m.standard_errors || {})[n] === "number" ? " ± " + figure(m.standard_errors[n]) : "");
