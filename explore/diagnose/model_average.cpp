@@ -23,7 +23,7 @@ Said say(const Slopes& slopes, Index parameters, const VectorXd& none, const Mat
     h << slopes.output_rows.leftCols(n), slopes.output_rows.rightCols(m) * reach;
     now.head(n) = slopes.at.head(n).array() - 0.5;
     if (m > 0) {
-        now.tail(m) = reach.fullPivLu().solve(slopes.at.tail(m) - none);
+        now.tail(m) = reach.fullPivLu().solve(VectorXd(slopes.at.tail(m) - none));
     }
     VectorXd precision = VectorXd::Ones(n + m);
     precision.head(n).setConstant(1.0 / inference::box_variance);

@@ -108,7 +108,7 @@ Kriging::Kriging(std::vector<KnownPoint> known) : known_(std::move(known)) {
     }
     lengths_.setConstant(length_grid[0]);   // those that a part of the points allows, all of them may not
     if (!factorise(known_.size(), rest_)) { // sure of nothing
-        factor_.compute(Eigen::MatrixXd::Identity(rest_.rows(), rest_.rows()));
+        factor_.compute(Eigen::MatrixXd(Eigen::MatrixXd::Identity(rest_.rows(), rest_.rows())));
         weights_ = Eigen::MatrixXd::Zero(rest_.rows(), m);
         scales_ = Eigen::VectorXd::Constant(m, std::numeric_limits<double>::infinity());
     }

@@ -57,7 +57,8 @@ double level_at(std::span<const double> at, std::span<const Neighbours::Neighbou
     if (rows <= d) { // no plane
         return level[near[0].point];
     }
-    const Eigen::VectorXd plane = a.topRows(rows).colPivHouseholderQr().solve(b.head(rows));
+    const Eigen::VectorXd plane =
+        Eigen::MatrixXd(a.topRows(rows)).colPivHouseholderQr().solve(Eigen::VectorXd(b.head(rows)));
     return std::clamp(plane[0], low, high);
 }
 

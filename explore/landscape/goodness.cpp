@@ -56,8 +56,8 @@ struct Linear {
             MatrixXd normal =
                 readings.transpose() * weight.asDiagonal() * readings + MatrixXd(known.transpose() * known);
             normal.diagonal().array() += 1e-9; // where nothing tells of a parameter
-            move = -normal.ldlt().solve(readings.transpose() * weight.cwiseProduct(of_readings) +
-                                        known.transpose() * of_known);
+            move = -normal.ldlt().solve(
+                VectorXd(readings.transpose() * weight.cwiseProduct(of_readings) + known.transpose() * of_known));
             const double before = sum;
             sum = sum_at(of_readings + readings * move, of_known + known * move);
             if (before - sum < 1e-4) {

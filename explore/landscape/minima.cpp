@@ -260,7 +260,7 @@ LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     }
     if (a.noise > 0.0) {
         const Eigen::MatrixXd& u = svd.matrixU();
-        const Eigen::LLT<Eigen::MatrixXd> spread(u.transpose() * noise.cwiseAbs2().asDiagonal() * u);
+        const Eigen::LLT<Eigen::MatrixXd> spread(Eigen::MatrixXd(u.transpose() * noise.cwiseAbs2().asDiagonal() * u));
         a.root = spread.matrixL().solve(Eigen::MatrixXd(
             svd.singularValues().asDiagonal() * svd.matrixV().leftCols(svd.singularValues().size()).transpose()));
         a.rest = spread.matrixL().solve(u.transpose() * residuals);

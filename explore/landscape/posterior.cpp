@@ -77,7 +77,7 @@ struct Local {
     double log_root = 0.0; // logarithm of its determinant
 
     Local(const Particle& p, double power) : x(p.x) {
-        const Eigen::LLT<MatrixXd> precision(power * p.normal + MatrixXd::Identity(x.size(), x.size()));
+        const Eigen::LLT<MatrixXd> precision(MatrixXd(power * p.normal + MatrixXd::Identity(x.size(), x.size())));
         centre = x - precision.solve(power * p.slope + x);
         root = precision.matrixU();
         log_root = root.diagonal().array().log().sum();

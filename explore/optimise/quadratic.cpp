@@ -49,8 +49,8 @@ Quadratic Quadratic::curved(const MatrixXd& curvature) const {
     const Eigen::PartialPivLU<MatrixXd> lu(root);
     const MatrixXd right = lu.transpose().solve(curvature);          // root^-T C
     const MatrixXd scaled = lu.transpose().solve(right.transpose()); // root^-T C root^-1, symmetric
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd::Identity(root.rows(), root.rows()) +
-                                                        0.5 * (scaled + scaled.transpose()));
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(
+        MatrixXd(MatrixXd::Identity(root.rows(), root.rows()) + 0.5 * (scaled + scaled.transpose())));
     constexpr double least = 0.1; // of what the rows alone have there
     const VectorXd values = eigen.eigenvalues().cwiseAbs().cwiseMax(least);
     const MatrixXd convex = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();

@@ -148,7 +148,7 @@ public:
     void set_stress(const Eigen::VectorXd& u, Stresses& stress, Stresses& d_stress, Eigen::MatrixXd& right) const {
         const Eigen::VectorXd strain = strains_ * u;
         for (Eigen::Index s = 0; s < points(); ++s) {
-            stress.col(s) = stiffness(s) * strain.template segment<N>(N * s);
+            stress.col(s) = stress_of(s, strain);
         }
         Eigen::VectorXd weighed(N * cubature_);
         for (int k = 0; k < count(); ++k) {
@@ -159,16 +159,16 @@ public:
             }
             for (Eigen::Index s = 0; s < points(); ++s) {
                 const Point& p = points_[static_cast<std::size_t>(s)];
-                auto d = d_stress.col(s * count() + k);
-                d = w_.modulus_rate[static_cast<Eigen::Index>(p.number) * count() + k] / w_.modulus[p.number] *
-                    stress.col(s);
+                Stress d = stress.col(s);
+                d *= w_.modulus_rate[static_cast<Eigen::Index>(p.number) * count() + k] / w_.modulus[p.number];
                 if (w_.prepared[p.layer].turns[static_cast<std::size_t>(k)]) {
-                    d += w_.modulus[p.number] *
-                         (w_.unit_rate(p.element, p.gauss, k) * strain.template segment<N>(N * s));
+                    const Stress own = strain.template segment<N>(N * s);
+                    d += w_.modulus[p.number] * Stress(w_.unit_rate(p.element, p.gauss, k) * own);
                 }
                 if (moves) {
-                    d += stiffness(s) * turned.template segment<N>(N * s);
+                    d += stress_of(s, turned);
                 }
+                d_stress.col(s * count() + k) = d;
                 if (s < cubature_) {
                     weighed.template segment<N>(N * s) = factors_[p.layer] * p.weight * d;
                 }
@@ -255,8 +255,8 @@ private:
     }
 
     // B of a Gauss point on the modes.
-    Eigen::Matrix<double, N, Eigen::Dynamic> strains(int element, const typename Element::Point& point) const {
-        Eigen::Matrix<double, Element::dofs, Eigen::Dynamic> own(Element::dofs, modes_.cols());
+    Eigen::MatrixXd strains(int element, const typename Element::Point& point) const {
+        Eigen::MatrixXd own(Element::dofs, modes_.cols());
         for (int i = 0; i < Element::dofs; ++i) {
             const int unknown = w_.topology->unknowns[element][i];
             if (unknown >= 0) {
@@ -265,7 +265,7 @@ private:
                 own.row(i).setZero();
             }
         }
-        return Element::strain_operator(point) * own;
+        return Eigen::MatrixXd(Element::strain_operator(point)) * own;
     }
 
     void gather_points(const Subspace& subspace, const std::vector<Functional<Element>>& readings) {
@@ -305,15 +305,15 @@ private:
         }
         for (Eigen::Index s = 0; s < points(); ++s) {
             const Point& p = points_[static_cast<std::size_t>(s)];
-            const auto b = strains(p.element, w_.point(p.element, p.gauss));
-            strains_.template middleRows<N>(N * s) = b;
+            const Eigen::MatrixXd b = strains(p.element, w_.point(p.element, p.gauss));
+            strains_.middleRows(N * s, N) = b;
             if (s < cubature_) {
-                const Eigen::LLT<mechanics::Stiffness<N>> root(w_.unit(p.element, p.gauss));
-                metric_.template middleRows<N>(N * s) = root.matrixU() * b;
+                const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(w_.unit(p.element, p.gauss)));
+                metric_.middleRows(N * s, N) = Eigen::MatrixXd(root.matrixU()) * b;
             }
             for (int k = 0; k < count(); ++k) {
                 if (const auto* motion = w_.motion_of(k)) {
-                    strain_rates_[static_cast<std::size_t>(k)].template middleRows<N>(N * s) =
+                    strain_rates_[static_cast<std::size_t>(k)].middleRows(N * s, N) =
                         strains(p.element, rate_of(*motion, p));
                 }
             }
@@ -326,6 +326,12 @@ private:
     mechanics::Stiffness<N> stiffness(Eigen::Index s) const {
         const Point& p = points_[static_cast<std::size_t>(s)];
         return w_.modulus[p.number] * w_.unit(p.element, p.gauss);
+    }
+
+    // That of strains of all points at one of them.
+    Stress stress_of(Eigen::Index s, const Eigen::VectorXd& strains) const {
+        const Stress own = strains.template segment<N>(N * s);
+        return stiffness(s) * own;
     }
 
     // right -= what moving points add to the force of this stress. factors: of every layer; empty: 1.
@@ -371,28 +377,24 @@ private:
             list.emplace_back(l, projected(rate));
         }
     }
-    using Local = Eigen::Matrix<double, Element::dofs, Element::dofs>;
-    Local stiffness_rate(int e, int k) const {
-        Local sum = Local::Zero();
+    ElementMatrix<Element> stiffness_rate(int e, int k) const {
+        ElementMatrix<Element> sum = ElementMatrix<Element>::Zero();
         for (int g = 0; g < Element::gauss; ++g) {
             const auto& point = w_.point(e, g);
-            const auto b = Element::strain_operator(point);
-            const typename Element::Operator db = point.weight * (w_.linear_stiffness_rate(e, g, k) * b);
-            sum += b.transpose() * db;
+            sum += point_matrix<Element>(point, w_.linear_stiffness_rate(e, g, k), point, point.weight);
         }
         return sum;
     }
-    Local moved_stiffness(int e, const Motion<Element>& motion) const {
-        Local sum = Local::Zero();
+    ElementMatrix<Element> moved_stiffness(int e, const Motion<Element>& motion) const {
+        ElementMatrix<Element> sum = ElementMatrix<Element>::Zero();
         for (int g = 0; g < Element::gauss; ++g) {
             const auto& point = w_.point(e, g);
             const auto& rate = motion.points[static_cast<std::size_t>(e) * Element::gauss + g];
-            const auto b = Element::strain_operator(point);
             const mechanics::Stiffness<N> d = w_.prepared_of(e).modulus * w_.unit(e, g);
-            const typename Element::Operator turned = point.weight * (d * Element::strain_operator(rate));
-            const Local half = b.transpose() * turned;
-            const typename Element::Operator db = rate.weight * (d * b);
-            sum += half + half.transpose() + b.transpose() * db;
+            const ElementMatrix<Element> half = point_matrix<Element>(point, d, rate, point.weight);
+            sum += half;
+            sum += half.transpose();
+            sum += point_matrix<Element>(point, d, point, rate.weight);
         }
         return sum;
     }
@@ -411,17 +413,20 @@ private:
                 continue;
             }
             const auto layer = static_cast<std::size_t>(w_.topology->layer[e]);
-            const auto b = strains(e, w_.point(e, g));
-            const Eigen::Matrix<double, 1, N> across = weight * direction.transpose();
+            const Eigen::MatrixXd b = strains(e, w_.point(e, g));
             const mechanics::Stiffness<N> d = w_.prepared_of(e).modulus * w_.unit(e, g);
+            const auto across = [&](const mechanics::Stiffness<N>& stiffness, const Eigen::MatrixXd& strain) {
+                const Eigen::VectorXd on_strain = weight * (stiffness * direction); // symmetric
+                return Eigen::RowVectorXd(on_strain.transpose() * strain);
+            };
             Eigen::MatrixXd rates(count(), modes_.cols());
             for (int k = 0; k < count(); ++k) {
-                rates.row(k) = across * w_.linear_stiffness_rate(e, g, k) * b;
+                rates.row(k) = across(w_.linear_stiffness_rate(e, g, k), b);
                 if (const Motion<Element>* motion = w_.motion_of(k)) {
-                    rates.row(k) += across * d * strains(e, motion->points[static_cast<std::size_t>(gauss)]);
+                    rates.row(k) += across(d, strains(e, motion->points[static_cast<std::size_t>(gauss)]));
                 }
             }
-            r.on_layers.push_back({layer, across * d * b, std::move(rates)});
+            r.on_layers.push_back({layer, across(d, b), std::move(rates)});
         }
         return r;
     }

@@ -153,16 +153,13 @@ private:
         for (std::size_t a = 0; a < w_.active.size(); ++a) {
             const int e = w_.active[a];
             const Vector xe = w_.model->gather(e, x.data());
-            Eigen::Matrix<double, Element::dofs, Element::dofs> k =
-                Eigen::Matrix<double, Element::dofs, Element::dofs>::Zero();
+            ElementMatrix<Element> k = ElementMatrix<Element>::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
                 const auto& point = state_[static_cast<std::size_t>(a) * Element::gauss + g];
-                const auto b = Element::strain_operator(w_.point(e, g));
-                const Stress s = w_.unit(e, g) * (b * xe);
+                const Stress s = w_.unit(e, g) * Element::strain(w_.point(e, g), xe);
                 const mechanics::Stiffness<Element::voigt> d =
                     point.modulus * (w_.unit(e, g) + s * (point.gradient.transpose() * w_.unit(e, g)) / point.gain);
-                const typename Element::Operator db = w_.point(e, g).weight * (d * b);
-                k.noalias() += b.transpose() * db;
+                k += point_matrix<Element>(w_.point(e, g), d, w_.point(e, g), w_.point(e, g).weight);
             }
             w_.full->add(e, k);
         }

@@ -188,15 +188,13 @@ typename Element::Stress Solver<Element>::Work::subtract_motion(const Motion<Ele
 }
 
 template <class Element>
-Eigen::Matrix<double, Element::dofs, Element::dofs> Solver<Element>::Work::point_stiffness(int e, int g) const {
-    const auto b = Element::strain_operator(point(e, g));
-    const typename Element::Operator cb = point(e, g).weight * (unit(e, g) * b);
-    return b.transpose() * cb;
+ElementMatrix<Element> Solver<Element>::Work::point_stiffness(int e, int g) const {
+    return point_matrix<Element>(point(e, g), unit(e, g), point(e, g), point(e, g).weight);
 }
 
 template <class Element>
 void Solver<Element>::Work::add_element(int e, Held& h) const {
-    Eigen::Matrix<double, Element::dofs, Element::dofs> k = point_stiffness(e, 0);
+    ElementMatrix<Element> k = point_stiffness(e, 0);
     for (int g = 1; g < Element::gauss; ++g) {
         k += point_stiffness(e, g);
     }

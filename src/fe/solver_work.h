@@ -1,6 +1,7 @@
 // Shared by both integrations: the layers prepared for one run, assembly, and the closing figures. Private to fe/.
 #pragma once
 
+#include "fe/element_matrix.h"
 #include "fe/energy_points.h"
 #include "fe/full_matrix.h"
 #include "fe/load_path.h"
@@ -198,7 +199,7 @@ struct Solver<Element>::Work {
                            const mechanics::Stiffness<N>& stiffness, Vector& force, double factor = 1.0) const;
 
     // B^T C B weight
-    Eigen::Matrix<double, Element::dofs, Element::dofs> point_stiffness(int e, int g) const;
+    ElementMatrix<Element> point_stiffness(int e, int g) const;
 
     // The element's stiffness for a modulus of 1, added to the values of its layer.
     void add_element(int e, Held& h) const;

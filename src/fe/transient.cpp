@@ -144,13 +144,10 @@ private:
     }
     template <class ModulusRates>
     void add_stiffness(int e, int k, const ModulusRates& modulus_rate, std::vector<double>& to) const {
-        Eigen::Matrix<double, Element::dofs, Element::dofs> sum;
-        sum.setZero();
+        ElementMatrix<Element> sum = ElementMatrix<Element>::Zero();
         for (int g = 0; g < Element::gauss; ++g) {
-            const auto b = Element::strain_operator(w_.point(e, g));
-            const typename Element::Operator db =
-                w_.point(e, g).weight * (stiffness_rate(e, g, k, modulus_rate[g]) * b);
-            sum += b.transpose() * db;
+            const auto& point = w_.point(e, g);
+            sum += point_matrix<Element>(point, stiffness_rate(e, g, k, modulus_rate[g]), point, point.weight);
         }
         add_to_lower(
             *w_.topology, e, [&](int a, int b) { return sum(a, b); }, to);

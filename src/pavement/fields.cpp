@@ -1,5 +1,7 @@
 #include "pavement/fields.h"
 
+#include "fe/solver.h"
+
 namespace pave::pavement {
 namespace {
 

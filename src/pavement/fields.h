@@ -1,7 +1,18 @@
 // The ground after a forward run: displacement, strain, stress and stiffness all over the mesh of a load.
 #pragma once
 
-#include "fe/solver.h"
+#include <Eigen/Core>
+#include <vector>
+
+namespace pave::fe {
+
+struct LayerMaterial;
+template <class Element>
+struct Model;
+template <class Element>
+struct Solution;
+
+} // namespace pave::fe
 
 namespace pave::pavement {
 

@@ -21,8 +21,19 @@ namespace pave::pavement {
 
 class ForwardModel::Workspace {
 public:
-    std::vector<std::unique_ptr<LoadModel::Workspace>> of_load; // made when first needed
-    LoadModel::Lent lent;
+    explicit Workspace(std::size_t loads) : of_load_(loads) {}
+
+    // That of a load, made when first needed.
+    LoadModel::Workspace& of(std::size_t load, const LoadModel& model) {
+        if (!of_load_[load]) {
+            of_load_[load] = model.make_workspace(lent_);
+        }
+        return *of_load_[load];
+    }
+
+private:
+    std::vector<std::unique_ptr<LoadModel::Workspace>> of_load_;
+    LoadModel::Lent lent_;
 };
 
 void ForwardModel::WorkspaceDeleter::operator()(Workspace* workspace) const {
@@ -30,9 +41,7 @@ void ForwardModel::WorkspaceDeleter::operator()(Workspace* workspace) const {
 }
 
 ForwardModel::WorkspacePointer ForwardModel::make_workspace() const {
-    WorkspacePointer workspace(new Workspace);
-    workspace->of_load.resize(nominal_.loads.size());
-    return workspace;
+    return WorkspacePointer(new Workspace(nominal_.loads.size()));
 }
 
 void check_sensor(const Case& c, const Sensor& s, const Place& place) {
@@ -244,14 +253,6 @@ Outcome<Eigen::VectorXd> ForwardModel::difference_quotient(const Case& values, c
     return Eigen::VectorXd(quotient / step);
 }
 
-LoadModel::Workspace& ForwardModel::workspace_of(std::size_t load, Workspace& workspace) const {
-    auto& own = workspace.of_load[load];
-    if (!own) {
-        own = models_[load]->make_workspace(workspace.lent);
-    }
-    return *own;
-}
-
 Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<Parameter>& parameters,
                                           const std::vector<bool>& loads, const Plan& plan,
                                           Workspace& workspace) const {
@@ -266,7 +267,7 @@ Outcome<Response> ForwardModel::run_exact(const Case& values, const std::vector<
         if (!run) {
             return run.failure();
         }
-        const auto reading = run->read(*models_[l], workspace_of(l, workspace));
+        const auto reading = run->read(*models_[l], workspace.of(l, *models_[l]));
         if (!reading) {
             return run->named(reading.failure());
         }
@@ -321,14 +322,14 @@ std::vector<Outcome<Response>> ForwardModel::run_many(std::span<const Case> valu
                 together.push_back(std::move(run).value());
                 numbers.push_back(i);
             } else {
-                take(i, *run, run->read(*models_[l], workspace_of(l, workspace)));
+                take(i, *run, run->read(*models_[l], workspace.of(l, *models_[l])));
             }
         }
         std::vector<LoadModel::Run> runs;
         for (const LoadRun& run : together) {
             runs.push_back(run.run());
         }
-        const auto readings = models_[l]->run_together(runs, workspace_of(l, workspace));
+        const auto readings = models_[l]->run_together(runs, workspace.of(l, *models_[l]));
         for (std::size_t r = 0; r < runs.size(); ++r) {
             take(numbers[r], together[r], readings[r]);
         }

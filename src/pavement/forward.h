@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/outcome.h"
-#include "pavement/load_model.h"
+#include "fe/statistics.h"
 #include "pavement/parameter.h"
 #include "pavement/section.h"
 
@@ -10,6 +10,9 @@
 #include <span>
 
 namespace pave::pavement {
+
+class LoadModel; // load_model.h
+struct Fields;   // fields.h
 
 struct Response {
     std::vector<double> values; // one a sensor, SI, signs of Quantity; not a number: of a load left out
@@ -77,7 +80,6 @@ private:
     // runs again, where one does not know its derivative.
     struct Plan;
     Plan plan(const Case& values, const std::vector<Parameter>& parameters) const;
-    LoadModel::Workspace& workspace_of(std::size_t load, Workspace& workspace) const;
     // response: at `values`. Of the sensors of these loads; the others' entries mean nothing.
     Outcome<Eigen::VectorXd> difference_quotient(const Case& values, const Response& response,
                                                  const Parameter& parameter, const std::vector<bool>& loads,

@@ -254,8 +254,8 @@ private:
             of -= modes * (modes.transpose() * Eigen::MatrixXd(metric * of));
         };
         leave_out(fields);
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(fields.transpose() *
-                                                                   Eigen::MatrixXd(metric * fields));
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+            Eigen::MatrixXd(fields.transpose() * Eigen::MatrixXd(metric * fields)));
         const Eigen::VectorXd& lack = eigen.eigenvalues(); // increasing
         Eigen::Index duals = 0;
         while (duals < std::min(most_dual_modes(), count) && lack[count - 1 - duals] > mode_tolerance) {

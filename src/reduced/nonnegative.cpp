@@ -27,7 +27,7 @@ Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen:
         passive.push_back(best);
         is_passive[static_cast<std::size_t>(best)] = 1;
         for (;;) {
-            const Eigen::VectorXd free = a(Eigen::all, passive).householderQr().solve(b);
+            const Eigen::VectorXd free = Eigen::MatrixXd(a(Eigen::all, passive)).householderQr().solve(b);
             if (free.minCoeff() > 0.0) {
                 x(passive) = free;
                 break;

@@ -1,6 +1,7 @@
 // The full model's part in reduced models: stiffness, readings as loads, projections on displacement fields.
 #pragma once
 
+#include "fe/element_matrix.h"
 #include "fe/materials.h"
 #include "pavement/effects/effect.h"
 #include "pavement/observation.h"
@@ -45,14 +46,11 @@ Eigen::SparseMatrix<double> energy(const fe::Model<Element>& model, const std::v
         const double own_modulus =
             layer.law->stress_dependent() ? modulus : layer.law->modulus(layer.parameters, {}).value;
         const mechanics::Stiffness<N> d = own_modulus * layer.template unit_stiffness<N>();
-        Eigen::Matrix<double, Element::dofs, Element::dofs> own =
-            Eigen::Matrix<double, Element::dofs, Element::dofs>::Zero();
+        fe::ElementMatrix<Element> own = fe::ElementMatrix<Element>::Zero();
         for (int g = 0; g < Element::gauss; ++g) {
             const auto& point =
                 model.points[static_cast<std::size_t>(e) * Element::gauss + static_cast<std::size_t>(g)];
-            const auto b = Element::strain_operator(point);
-            const typename Element::Operator db = point.weight * d * b;
-            own += b.transpose() * db;
+            own += fe::point_matrix<Element>(point, d, point, point.weight);
         }
         const auto& unknowns = model.topology->unknowns[static_cast<std::size_t>(e)];
         for (int i = 0; i < Element::dofs; ++i) {

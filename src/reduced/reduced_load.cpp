@@ -246,7 +246,7 @@ Outcome<LoadModel::Reading> ReducedLoad<Kind>::run(const Case& values, const std
     own.squares.resize(modes() * (modes() + 1) / 2, cubature);
     std::vector<Eigen::Matrix<double, N, N>> roots(layers.size());
     for (std::size_t l = 0; l < layers.size(); ++l) {
-        roots[l] = Eigen::LLT<Eigen::Matrix<double, N, N>>(units[l]).matrixU();
+        roots[l] = Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd(units[l])).matrixU();
     }
     std::vector<Stress> initial(points_.size());
     std::vector<Stress> initial_rate(points_.size() * variations.size());

@@ -4,6 +4,7 @@
 
 #include "base/random.h"
 #include "pavement/fields.h"
+#include "pavement/load_model.h"
 
 #include <algorithm>
 #include <cmath>

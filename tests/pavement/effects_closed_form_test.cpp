@@ -2,6 +2,8 @@
 #include "reference/multilayer_elastic.h"
 #include "support/effects.h"
 
+#include "pavement/load_model.h"
+
 #include <numbers>
 
 using namespace test;

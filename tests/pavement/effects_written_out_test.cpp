@@ -1,6 +1,8 @@
 // Every effect is another case written out: a section, sensors elsewhere, or a sum of runs.
 #include "support/effects.h"
 
+#include "pavement/load_model.h"
+
 using namespace test;
 
 namespace {

@@ -2,6 +2,8 @@
 #include "support/differences.h"
 #include "support/effects.h"
 
+#include "pavement/load_model.h"
+
 #include <numbers>
 
 using namespace test;

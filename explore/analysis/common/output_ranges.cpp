@@ -236,7 +236,8 @@ Slopes slopes_at_best(const Sloped& sloped, const problem::Problem& problem, con
     for (int step = 0; step < steps; ++step) {
         const MatrixXd reach = hypothesis.strengths[most_said(slopes)] * hypothesis.reach;
         const auto sum = [&](const Slopes& there) {
-            const VectorXd own = reach.fullPivLu().solve(there.at.tail(hypothesis.none.size()) - hypothesis.none);
+            const VectorXd own =
+                reach.fullPivLu().solve(VectorXd(there.at.tail(hypothesis.none.size()) - hypothesis.none));
             return there.residuals.squaredNorm() + own.squaredNorm() +
                    (there.at.head(parameters).array() - 0.5).square().sum() / inference::box_variance;
         };

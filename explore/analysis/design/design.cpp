@@ -56,7 +56,7 @@ MatrixXd correlation(const problem::Problem& everything, const std::vector<Life>
 // either side.
 void weigh(std::vector<CriterionLife>& criteria, const MatrixXd& correlations, std::uint64_t seed) {
     const auto n = static_cast<Index>(criteria.size());
-    const MatrixXd factor = (correlations + 1e-9 * MatrixXd::Identity(n, n)).llt().matrixL();
+    const MatrixXd factor = MatrixXd(correlations + 1e-9 * MatrixXd::Identity(n, n)).llt().matrixL();
     const pave::RandomStream random(seed, 0x11feULL);
     constexpr int draws = 10000;
     std::uint64_t next = 0;

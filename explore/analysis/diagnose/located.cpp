@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "pavement/effects/effect.h"
+#include "pavement/fields.h"
 #include "pavement/forward.h"
 #include "study/pavement_function.h"
 

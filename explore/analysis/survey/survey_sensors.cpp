@@ -110,7 +110,7 @@ VectorXd without(const StationResult& s, const LevelResiduals& here, std::size_t
         all.col(static_cast<Index>(c)) = columns[c];
     }
     const MatrixXd weighted = weight.asDiagonal() * all;
-    const VectorXd step = weighted.colPivHouseholderQr().solve(weight.cwiseProduct(residual));
+    const VectorXd step = weighted.colPivHouseholderQr().solve(VectorXd(weight.cwiseProduct(residual)));
     return residual - all * step;
 }
 

@@ -8,6 +8,7 @@
 // usage: forward_load [--points 20000] [--solid 500] [--lines 100] [--seed 1]
 // exit status 1: a bound is not kept
 #include "base/random.h"
+#include "pavement/fields.h"
 #include "pavement/forward.h"
 #include "run/blas.h"
 #include "run/parallel.h"
