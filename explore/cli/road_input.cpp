@@ -5,6 +5,7 @@
 #include "report/kml.h"
 #include "report/road_run.h"
 #include "run/files.h"
+#include "run/message.h"
 
 #include <filesystem>
 #include <fmt/format.h>
@@ -47,6 +48,7 @@ int run_road(const RoadInput& input, const std::string& name,
     const std::string folder =
         input.common.out.empty() ? "output/" + std::filesystem::path(input.files[0]).stem().string() : input.common.out;
     analysis::refuse_other_road(folder, name, road);
+    const std::string before = analysis::study_of_result(folder, name);
     analysis::RunOptions run = input.common.run(folder);
     run.inputs = std::move(road.inputs);
     analysis::Session session(std::move(run));
@@ -64,6 +66,10 @@ int run_road(const RoadInput& input, const std::string& name,
         written += ", " + name + ".xlsx";
     }
     session.keep(name, report::json_text(json));
+    if (const std::string now = analysis::study_of_result(folder, name); !before.empty() && now != before) {
+        run::message("{}/{}.json was made with {} before. To keep both, name another folder: --out DIR\n", folder, name,
+                     before);
+    }
     if (pages->map) {
         run::write_file(folder, name + ".geojson", report::json_text(*pages->map) + "\n");
         run::write_file(folder, name + ".kml", report::kml_of(*pages->map, name));

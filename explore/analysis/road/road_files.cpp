@@ -29,10 +29,19 @@ RoadFiles read_road(const std::vector<std::string>& names, const std::string& co
     return road;
 }
 
-void refuse_other_road(const std::string& folder, const std::string& name, const RoadFiles& road) {
-    using Json = nlohmann::json;
+namespace {
+
+using Json = nlohmann::json;
+
+Json result_in(const std::string& folder, const std::string& name) {
     std::ifstream stream(std::filesystem::path(folder) / (name + ".json"));
-    const auto before = Json::parse(stream, nullptr, false);
+    return Json::parse(stream, nullptr, false);
+}
+
+} // namespace
+
+void refuse_other_road(const std::string& folder, const std::string& name, const RoadFiles& road) {
+    const Json before = result_in(folder, name);
     if (!before.is_object() || !before.contains("files") || !before["files"].is_array()) {
         return;
     }
@@ -47,6 +56,18 @@ void refuse_other_road(const std::string& folder, const std::string& name, const
                           fmt::format("this folder holds the {} of another road", name == "road" ? "fit" : name),
                           pave::join(names), "another folder: --out DIR");
     }
+}
+
+std::string study_of_result(const std::string& folder, const std::string& name) {
+    const Json result = result_in(folder, name);
+    const Json* file = &result;
+    for (const char* key : {"study", "file"}) {
+        if (!file->is_object() || !file->contains(key)) {
+            return {};
+        }
+        file = &(*file)[key];
+    }
+    return file->is_string() ? file->get<std::string>() : std::string();
 }
 
 } // namespace explore::analysis

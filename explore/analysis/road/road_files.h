@@ -19,4 +19,7 @@ RoadFiles read_road(const std::vector<std::string>& names, const std::string& co
 // A folder holds one road. Throws pave::Error where FOLDER/NAME.json is of other files with other content.
 void refuse_other_road(const std::string& folder, const std::string& name, const RoadFiles& road);
 
+// The study that FOLDER/NAME.json was made with; empty: there is no such file, or it took none.
+std::string study_of_result(const std::string& folder, const std::string& name);
+
 } // namespace explore::analysis
