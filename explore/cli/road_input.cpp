@@ -5,7 +5,6 @@
 #include "report/kml.h"
 #include "report/road_run.h"
 #include "run/files.h"
-#include "run/message.h"
 
 #include <filesystem>
 #include <fmt/format.h>
@@ -66,10 +65,7 @@ int run_road(const RoadInput& input, const std::string& name,
         written += ", " + name + ".xlsx";
     }
     session.keep(name, report::json_text(json));
-    if (const std::string now = analysis::study_of_result(folder, name); !before.empty() && now != before) {
-        run::message("{}/{}.json was made with {} before. To keep both, name another folder: --out DIR\n", folder, name,
-                     before);
-    }
+    analysis::say_what_was_replaced(folder, name, before);
     if (pages->map) {
         run::write_file(folder, name + ".geojson", report::json_text(*pages->map) + "\n");
         run::write_file(folder, name + ".kml", report::kml_of(*pages->map, name));

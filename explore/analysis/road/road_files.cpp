@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "data/csv.h"
 #include "data/hash.h"
+#include "run/message.h"
 
 #include <filesystem>
 #include <fmt/format.h>
@@ -68,6 +69,13 @@ std::string study_of_result(const std::string& folder, const std::string& name) 
         file = &(*file)[key];
     }
     return file->is_string() ? file->get<std::string>() : std::string();
+}
+
+void say_what_was_replaced(const std::string& folder, const std::string& name, const std::string& before) {
+    if (!before.empty() && study_of_result(folder, name) != before) {
+        run::message("{}/{}.json was made with {} before. To keep both, name another folder: --out DIR\n", folder, name,
+                     before);
+    }
 }
 
 } // namespace explore::analysis

@@ -21,5 +21,7 @@ void refuse_other_road(const std::string& folder, const std::string& name, const
 
 // The study that FOLDER/NAME.json was made with; empty: there is no such file, or it took none.
 std::string study_of_result(const std::string& folder, const std::string& name);
+// A line on standard error where the result that stands there now was made with another study than the one before.
+void say_what_was_replaced(const std::string& folder, const std::string& name, const std::string& before);
 
 } // namespace explore::analysis
