@@ -46,8 +46,7 @@ int run_road(const RoadInput& input, const std::string& name,
     analysis::RoadFiles road = analysis::read_road(input.files, input.columns, input.options.layers);
     const std::string folder =
         input.common.out.empty() ? "output/" + std::filesystem::path(input.files[0]).stem().string() : input.common.out;
-    analysis::refuse_other_road(folder, name, road);
-    const std::string before = analysis::study_of_result(folder, name);
+    const std::string before = analysis::earlier_study(folder, name, road);
     analysis::RunOptions run = input.common.run(folder);
     run.inputs = std::move(road.inputs);
     analysis::Session session(std::move(run));
@@ -65,7 +64,7 @@ int run_road(const RoadInput& input, const std::string& name,
         written += ", " + name + ".xlsx";
     }
     session.keep(name, report::json_text(json));
-    analysis::say_what_was_replaced(folder, name, before);
+    analysis::say_what_was_replaced(folder, name, before, input.common.study);
     if (pages->map) {
         run::write_file(folder, name + ".geojson", report::json_text(*pages->map) + "\n");
         run::write_file(folder, name + ".kml", report::kml_of(*pages->map, name));

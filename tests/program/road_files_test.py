@@ -178,3 +178,13 @@ def test_a_drop_over_time_is_not_taken_for_a_road():
     path.write_text("Time,Force,D1,D2\n" + "".join(f"{0.0002 * i:.4f},{i},{i},{i}\n" for i in range(40)))
     done = run("survey", path)
     assert done.returncode == 2 and done.stderr.count("\n") == 1 and "one drop over time" in done.stderr and "--pulses" in done.stderr, done.stderr
+
+
+def test_another_study_in_the_place_of_the_one_before_is_said():
+    folder = workspace()
+    rows, names, study, _ = made(folder, 1, 1, 3)
+    road, other = written(folder / "drops.csv", names, rows), folder / "other.toml"
+    other.write_text(study.read_text())
+    said = [run("survey", road, "--study", s, "--out", folder / "survey").stderr for s in (study, other, other)]
+    assert "before" not in said[0] and "before" not in said[2], f"nothing else was there: {said}"
+    assert f"was made with {study} before" in said[1] and "--out DIR" in said[1], f"the survey with the first study is replaced: {said[1]}"

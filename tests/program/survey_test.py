@@ -227,13 +227,6 @@ def endless():
     return call(folder / "endless.csv", "--study", layered("half-space"), "--out", folder / "endless")
 
 
-def test_another_study_in_the_place_of_the_one_before_is_said():
-    on_floor, half_space = layered("rigid"), layered("half-space")
-    said = [run("survey", folder / "endless.csv", "--study", study, "--out", folder / "two-studies").stderr for study in (on_floor, half_space, half_space)]
-    assert "before" not in said[0] and "before" not in said[2], f"nothing else was there: {said}"
-    assert f"was made with {on_floor} before" in said[1] and "--out DIR" in said[1], f"the survey with the floor is replaced: {said[1]}"
-
-
 def test_moduli_of_a_half_space_come_out(endless):
     for name, modulus in (("asphalt", 1214), ("base", 197.4), ("subgrade", 70.8)):
         found = endless["stations"][0]["parameters"][f"{name}.modulus_MPa"]["value"]

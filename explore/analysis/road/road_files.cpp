@@ -30,21 +30,12 @@ RoadFiles read_road(const std::vector<std::string>& names, const std::string& co
     return road;
 }
 
-namespace {
-
-using Json = nlohmann::json;
-
-Json result_in(const std::string& folder, const std::string& name) {
+std::string earlier_study(const std::string& folder, const std::string& name, const RoadFiles& road) {
+    using Json = nlohmann::json;
     std::ifstream stream(std::filesystem::path(folder) / (name + ".json"));
-    return Json::parse(stream, nullptr, false);
-}
-
-} // namespace
-
-void refuse_other_road(const std::string& folder, const std::string& name, const RoadFiles& road) {
-    const Json before = result_in(folder, name);
+    const auto before = Json::parse(stream, nullptr, false);
     if (!before.is_object() || !before.contains("files") || !before["files"].is_array()) {
-        return;
+        return {};
     }
     const bool same_names = before["files"] == Json(road.names);
     const bool same_content = before.value("content", Json()) == Json(road.content);
@@ -57,22 +48,14 @@ void refuse_other_road(const std::string& folder, const std::string& name, const
                           fmt::format("this folder holds the {} of another road", name == "road" ? "fit" : name),
                           pave::join(names), "another folder: --out DIR");
     }
+    const Json study = before.value("study", Json());
+    const Json file = study.is_object() ? study.value("file", Json()) : Json();
+    return file.is_string() ? file.get<std::string>() : std::string();
 }
 
-std::string study_of_result(const std::string& folder, const std::string& name) {
-    const Json result = result_in(folder, name);
-    const Json* file = &result;
-    for (const char* key : {"study", "file"}) {
-        if (!file->is_object() || !file->contains(key)) {
-            return {};
-        }
-        file = &(*file)[key];
-    }
-    return file->is_string() ? file->get<std::string>() : std::string();
-}
-
-void say_what_was_replaced(const std::string& folder, const std::string& name, const std::string& before) {
-    if (!before.empty() && study_of_result(folder, name) != before) {
+void say_what_was_replaced(const std::string& folder, const std::string& name, const std::string& before,
+                           const std::string& now) {
+    if (!before.empty() && now != before) {
         run::message("{}/{}.json was made with {} before. To keep both, name another folder: --out DIR\n", folder, name,
                      before);
     }

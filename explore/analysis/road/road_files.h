@@ -16,12 +16,11 @@ struct RoadFiles {
 // Throws pave::Error.
 RoadFiles read_road(const std::vector<std::string>& names, const std::string& columns, const std::string& layers);
 
-// A folder holds one road. Throws pave::Error where FOLDER/NAME.json is of other files with other content.
-void refuse_other_road(const std::string& folder, const std::string& name, const RoadFiles& road);
-
-// The study that FOLDER/NAME.json was made with; empty: there is no such file, or it took none.
-std::string study_of_result(const std::string& folder, const std::string& name);
-// A line on standard error where the result that stands there now was made with another study than the one before.
-void say_what_was_replaced(const std::string& folder, const std::string& name, const std::string& before);
+// The study that FOLDER/NAME.json was made with; empty: there is no such file, or it took none. A folder holds one
+// road: throws pave::Error where that file is of other files with other content.
+std::string earlier_study(const std::string& folder, const std::string& name, const RoadFiles& road);
+// A line on standard error where a result with the study `now` has taken the place of one with another.
+void say_what_was_replaced(const std::string& folder, const std::string& name, const std::string& before,
+                           const std::string& now);
 
 } // namespace explore::analysis
