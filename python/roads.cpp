@@ -16,16 +16,16 @@ namespace {
 namespace analysis = explore::analysis;
 namespace report = explore::report;
 
-// analyse(session, files): the JSON of the command `name`, or nothing where it was interrupted.
+// analyse(session, files): the JSON of the command `name` with this study, or nothing where it was interrupted.
 template <class Analyse>
 std::string analysed_road(const std::vector<std::string>& files, const std::string& columns, const std::string& layers,
-                          const char* name, analysis::RunOptions run, const Analyse& analyse) {
+                          const std::string& study, const char* name, analysis::RunOptions run,
+                          const Analyse& analyse) {
     std::string text;
     call([&] {
         analysis::RoadFiles road = analysis::read_road(files, columns, layers);
-        if (!run.folder.empty()) {
-            analysis::refuse_other_road(run.folder, name, road);
-        }
+        const std::string folder = run.folder;
+        const std::string before = folder.empty() ? std::string() : analysis::earlier_study(folder, name, road);
         run.inputs = std::move(road.inputs);
         analysis::Session session(std::move(run));
         std::optional<report::Json> json = analyse(session, std::move(road.files));
@@ -35,6 +35,7 @@ std::string analysed_road(const std::vector<std::string>& files, const std::stri
         report::add_run(*json, road, session.options());
         text = report::json_text(*json);
         session.keep(name, text);
+        analysis::say_what_was_replaced(folder, name, before, study);
         return true;
     });
     return text;
@@ -60,7 +61,7 @@ std::string survey(const std::vector<std::string>& files, const std::string& stu
                    const py::object& seed) {
     const analysis::SurveyOptions options{.layers = layers};
     const auto run = run_options(out, threads, seed);
-    return analysed_road(files, columns, layers, "survey", run, [&](auto& session, auto read) {
+    return analysed_road(files, columns, layers, study, "survey", run, [&](auto& session, auto read) {
         std::optional<explore::study::Study> of;
         if (!study.empty()) {
             of = explore::study::load_survey_study(study);
@@ -75,7 +76,7 @@ std::string road(const std::vector<std::string>& files, const std::string& study
     const analysis::RoadOptions options{
         .survey = {.layers = layers}, .withhold = load_of(withhold, "withhold"), .diagnose = diagnose};
     const auto run = run_options(out, threads, seed);
-    return analysed_road(files, columns, layers, "road", run, [&](auto& session, auto read) {
+    return analysed_road(files, columns, layers, study, "road", run, [&](auto& session, auto read) {
         return json_of(analysis::road(session, std::move(read), explore::study::load_survey_study(study), options),
                        report::road_json);
     });

@@ -298,11 +298,12 @@ private:
     }
 
     // side: -1 behind the plate, for words.
-    void take_out(std::map<double, BowlReading>& readings, double offset, double side) {
+    void take_out(std::map<double, BowlReading>& readings, double offset, double side, const char* why) {
         const BowlReading& r = readings.at(offset);
-        remark(fmt::format("the sensor at {:g} mm reads {:.1f} um{} and is left out",
+        remark(fmt::format("the sensor at {:g} mm reads {:.1f} um{}, {}, and is left out",
                            offset == 0.0 ? 0.0 : side * offset, r.deflection_um,
-                           r.scatter.value_or(0.0) > drops_contradict ? ", in drops that contradict each other," : ""));
+                           r.scatter.value_or(0.0) > drops_contradict ? ", in drops that contradict each other" : "",
+                           why));
         readings.erase(offset);
     }
 
@@ -314,10 +315,10 @@ private:
             }
         }
         for (const double offset : dead) {
-            take_out(readings, offset, side);
+            take_out(readings, offset, side, "next to nothing");
         }
         while (const auto culprit = most_contradicted(readings)) {
-            take_out(readings, *culprit, side);
+            take_out(readings, *culprit, side, "which the sensors beside it contradict");
         }
     }
 

@@ -56,9 +56,8 @@ private:
     // A search that is given up where it leads to nothing lower.
     FitSettings below(const std::optional<Model>& found) const {
         constexpr double lower = 0.1; // chi2
-        FitSettings search = for_residuals(nullptr, d_.variance);
-        search.worth = found ? found->sum - lower * d_.variance : INFINITY;
-        return search;
+        // Derivatives at the start; afterwards only where a step without them fails.
+        return {.secant_below = INFINITY, .worth = found ? found->sum - lower * d_.variance : INFINITY};
     }
     // Results of the coarse mesh, as the study's own has them; where the two part, fitted on from there on that
     // one by the derivatives of what is known with all readings.

@@ -131,7 +131,7 @@ private:
     bool differentiate() {
         changes_.assign(task_.channels.size(), MatrixXd::Zero(model_.residuals.size(), 0));
         std::vector<std::vector<std::size_t>> batches; // of few coefficients each: runs side by side
-        constexpr std::size_t most = 12;
+        constexpr std::size_t most = 24;
         std::size_t taken = most;
         for (std::size_t c = 0; c < task_.channels.size(); ++c) {
             const std::size_t count = task_.channels[c].count;

@@ -13,8 +13,8 @@ constexpr double two_effects = 0.05;
 constexpr double bad_readings = 0.1;
 constexpr double corrections = 0.05;
 constexpr double layouts = 0.05;
-constexpr double tails = 0.02;
-constexpr double tied = 0.05; // of what an effect has: errors in common that nobody states are rarer than a wrong load
+constexpr double tails = 0.05; // as often as one wrong reading
+constexpr double tied = 0.05;  // of what an effect has: errors in common that nobody states are rarer than a wrong load
 
 double share(std::size_t count) {
     return 1.0 / static_cast<double>(std::max<std::size_t>(1, count));

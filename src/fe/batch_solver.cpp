@@ -16,7 +16,7 @@ using Kind = Variation::Kind;
 using Element = AxisymmetricQ8;
 
 constexpr std::size_t most_variations = 64;
-constexpr std::size_t most_lanes = lanes::alignment / sizeof(double);
+constexpr std::size_t most_lanes = lanes::most_lanes;
 
 // The path of all lanes and its rates; rows in the order of elimination.
 struct LanePath {
@@ -372,7 +372,7 @@ bool BatchSolver::serves(const Model<Element>& model, const std::vector<LayerMat
 }
 
 int BatchSolver::lanes() {
-    return lanes::kernels(static_cast<int>(most_lanes)).lanes;
+    return lanes::kernels(lanes::most_lanes).lanes;
 }
 
 bool BatchSolver::rounds_once() {

@@ -5,9 +5,17 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <mutex>
 #include <numbers>
 
 namespace pave::fe {
+
+template <class Element>
+bool Topology<Element>::is_like(const Topology& other) const {
+    return free_unknowns == other.free_unknowns && layers == other.layers && wall_is_open == other.wall_is_open &&
+           bottom_is_open == other.bottom_is_open && linear == other.linear && coupled == other.coupled &&
+           layer == other.layer && endless == other.endless && unknowns == other.unknowns;
+}
 
 template <class Element>
 void Topology<Element>::build_pattern() {
@@ -52,16 +60,31 @@ void Topology<Element>::build_pattern() {
             }
         }
     }
-    std::vector<bool> constant(static_cast<std::size_t>(free_unknowns), true);
-    for (std::size_t e = 0; e < unknowns.size(); ++e) {
-        for (const int i : unknowns[e]) {
-            if (i >= 0 && !linear[layer[e]]) {
-                constant[i] = false;
+    // The unknowns of no layer but linear ones from that one down.
+    const auto constant_below = [this](int first) {
+        std::vector<bool> constant(static_cast<std::size_t>(free_unknowns), true);
+        for (std::size_t e = 0; e < unknowns.size(); ++e) {
+            for (const int i : unknowns[e]) {
+                if (i >= 0 && (!linear[layer[e]] || layer[e] < first)) {
+                    constant[i] = false;
+                }
             }
         }
-    }
+        return constant;
+    };
     // In three dimensions a separator across the layers costs less than one along them.
-    analysis = std::make_shared<const CholeskyAnalysis>(lower, constant, Element::dim == 2);
+    constexpr bool constant_first = Element::dim == 2;
+    analysis = std::make_shared<const CholeskyAnalysis>(lower, constant_below(0), constant_first);
+    const auto changing = std::find(linear.rbegin(), linear.rend(), false);
+    const auto below = static_cast<int>(linear.rend() - changing);
+    const bool has_linear_above = std::find(linear.begin(), changing.base(), true) != changing.base();
+    if (constant_first && has_linear_above && below > 0) {
+        // A thin layer on top, eliminated first, would couple all unknowns of the face below it.
+        auto other = std::make_shared<const CholeskyAnalysis>(lower, constant_below(below), constant_first);
+        if (other->structure().changing_operations() < analysis->structure().changing_operations()) {
+            analysis = std::move(other);
+        }
+    }
 }
 
 namespace {
@@ -330,6 +353,27 @@ typename Element::Point endless_point(const InBox<Element>& box, const typename 
     return point;
 }
 
+// Models of one section, each with something else that may be amiss, have one mesh: what was made of the same before
+// is taken again while another model has it. May be called from many threads.
+template <class Element>
+std::shared_ptr<const Topology<Element>> with_pattern(std::shared_ptr<Topology<Element>> made) {
+    static std::mutex mutex;
+    static std::vector<std::weak_ptr<const Topology<Element>>> known;
+    {
+        const std::scoped_lock lock(mutex);
+        std::erase_if(known, [](const auto& one) { return one.expired(); });
+        for (const auto& one : known) {
+            if (auto kept = one.lock(); kept && kept->is_like(*made)) {
+                return kept;
+            }
+        }
+    }
+    made->build_pattern();
+    const std::scoped_lock lock(mutex);
+    known.push_back(made);
+    return made;
+}
+
 template <class Element, class Mesh>
 std::shared_ptr<const Topology<Element>>
 make_topology(const Mesh& mesh, const std::vector<bool>& linear,
@@ -361,8 +405,7 @@ make_topology(const Mesh& mesh, const std::vector<bool>& linear,
         part_layer(mesh, layer, *topology);
     }
     topology->coupled = coupled_by(mesh, springs, *topology);
-    topology->build_pattern();
-    return topology;
+    return with_pattern<Element>(std::move(topology));
 }
 
 template <class Element, class Mesh>

@@ -35,6 +35,8 @@ struct Topology {
     int elements() const { return static_cast<int>(layer.size()); }
     // Fills lower, scatter and analysis from the rest.
     void build_pattern();
+    // Whether that rest is the same.
+    bool is_like(const Topology& other) const;
 };
 
 // Springs on the unknowns: the lower triangle of the matrix of a stiffness of 1 [Pa/m].

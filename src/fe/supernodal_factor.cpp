@@ -1,5 +1,7 @@
 #include "fe/supernodal_factor.h"
 
+#include "fe/lanes/kernels.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -79,11 +81,21 @@ void transposed_product(const Scalar* a, int rows, int columns, const Scalar* x,
     in_groups<Scalar>(columns, some);
 }
 
+template <class Scalar>
+constexpr bool is_double = std::is_same_v<Scalar, double>;
+
+template <class Scalar>
+void add(Scalar* to, const Scalar* what, int count) {
+    for (int i = 0; i < count; ++i) {
+        to[i] += what[i];
+    }
+}
+
 std::size_t square(int n) {
     return static_cast<std::size_t>(n) * static_cast<std::size_t>(n);
 }
 
-constexpr int panel_width = 64;
+constexpr int panel_width = lanes::most_columns;
 
 } // namespace
 
@@ -101,7 +113,8 @@ FactorStructure::FactorStructure(const Pattern& lower, std::vector<int> order, c
         node.row_start = rows.size();
         rows.insert(rows.end(), rows_of[s].begin(), rows_of[s].end());
         std::fill_n(supernode_of.begin() + node.first_column, node.columns, static_cast<int>(s));
-        largest_front = std::max(largest_front, square(node.front_rows()));
+        largest_front = std::max(largest_front,
+                                 static_cast<std::size_t>(node.stride()) * static_cast<std::size_t>(node.front_rows()));
         node.first_panel = panels.size();
         node.is_constant = true;
         for (int k = node.first_column; k < node.first_column + node.columns; ++k) {
@@ -142,6 +155,19 @@ FactorStructure::FactorStructure(const Pattern& lower, std::vector<int> order, c
             place_in_parent[k] = local(parent, rows[k]);
         }
     }
+    for (std::size_t s = 0; s <= count; ++s) {
+        Supernode& node = supernodes[s];
+        node.first_run = runs.size();
+        const std::size_t below = node.row_start + static_cast<std::size_t>(node.columns);
+        for (int i = 0; i < (node.parent < 0 ? 0 : node.rows_below); ++i) {
+            const int place = place_in_parent[below + static_cast<std::size_t>(i)];
+            if (i > 0 && place == runs.back().place + runs.back().rows) {
+                ++runs.back().rows;
+            } else {
+                runs.push_back({i, 1, place});
+            }
+        }
+    }
     // The entries of K by supernode.
     std::vector<int> inverse(permutation.size());
     for (std::size_t i = 0; i < permutation.size(); ++i) {
@@ -155,7 +181,7 @@ FactorStructure::FactorStructure(const Pattern& lower, std::vector<int> order, c
             const auto [column, row] = std::minmax(inverse[j], inverse[lower.row[k]]);
             owner[k] = supernode_of[column];
             const Supernode& node = supernodes[owner[k]];
-            place[k] = (column - node.first_column) * node.front_rows() + local(node, row);
+            place[k] = static_cast<int>((column - node.first_column) * node.stride()) + local(node, row);
             ++next[owner[k] + 1];
         }
     }
@@ -197,9 +223,27 @@ FactorStructure::FactorStructure(const Pattern& lower, std::vector<int> order, c
     }
 }
 
+double FactorStructure::changing_operations() const {
+    double sum = 0.0;
+    for (const Supernode& node : supernodes) {
+        for (int k = 0; !node.is_constant && k < node.columns; ++k) {
+            const double left = node.front_rows() - k - 1;
+            sum += left * (left + 2.0);
+        }
+    }
+    return sum;
+}
+
+template <class Scalar>
+SupernodalFactor<Scalar>::SupernodalFactor(const Pattern& lower, const FactorStructure& structure,
+                                           const lanes::Kernels* kernels)
+    : lower_(lower),
+      structure_(structure),
+      kernels_(kernels != nullptr ? *kernels : lanes::kernels(lanes::most_lanes)) {}
+
 template <class Scalar>
 bool SupernodalFactor<Scalar>::factorize(std::span<const double> values, bool first) {
-    values_.resize(structure_.values);
+    values_.resize(structure_.values + lanes::right_sides); // a vector at the end may read more
     front_.resize(structure_.largest_front);
     stack_.resize(structure_.largest_stack);
     kept_.resize(structure_.kept);
@@ -222,9 +266,11 @@ bool SupernodalFactor<Scalar>::eliminate(std::span<const double> values, bool co
             continue;
         }
         const std::ptrdiff_t size = node.front_rows();
+        const std::ptrdiff_t stride = node.stride();
         Scalar* front = front_.data();
-        for (std::ptrdiff_t j = 0; j < size; ++j) {
-            std::fill(front + j * size + j, front + (j + 1) * size, Scalar(0));
+        for (std::ptrdiff_t j = 0; j < size; ++j) { // from where the vector with the diagonal begins
+            std::fill(front + j * stride + j / lanes::most_lanes * lanes::most_lanes, front + (j + 1) * stride,
+                      Scalar(0));
         }
         for (std::size_t k = node.entry_start; k < structure_.supernodes[s + 1].entry_start; ++k) {
             front[structure_.entry_place[k]] = static_cast<Scalar>(values[structure_.entry_value[k]]);
@@ -239,11 +285,15 @@ bool SupernodalFactor<Scalar>::eliminate(std::span<const double> values, bool co
             const bool is_kept = child.is_constant != constant;
             const Scalar* from = is_kept ? kept_.data() + child.kept_start : waiting;
             waiting += is_kept ? 0 : square(child.rows_below);
-            const int* place = structure_.place_in_parent.data() + child.row_start + child.columns;
-            for (int j = 0; j < child.rows_below; ++j, from += child.rows_below) {
-                Scalar* to = front + place[j] * size;
-                for (int i = j; i < child.rows_below; ++i) {
-                    to[place[i]] += from[i];
+            const FactorStructure::Run* end = structure_.runs.data() + structure_.supernodes[c + 1].first_run;
+            for (const auto* own = structure_.runs.data() + child.first_run; own != end; ++own) {
+                for (int j = own->first; j < own->first + own->rows; ++j, from += child.rows_below) {
+                    const int column = own->place + j - own->first;
+                    Scalar* to = front + column * stride;
+                    add(to + column, from + j, own->first + own->rows - j);
+                    for (const auto* below = own + 1; below != end; ++below) {
+                        add(to + below->place, from + below->first, below->rows);
+                    }
                 }
             }
         }
@@ -254,7 +304,7 @@ bool SupernodalFactor<Scalar>::eliminate(std::span<const double> values, bool co
         Scalar* to = keep ? kept_.data() + node.kept_start : top;
         top += keep ? 0 : square(node.rows_below);
         for (std::ptrdiff_t j = node.columns; j < size; ++j, to += node.rows_below) {
-            std::copy(front + j * size + j, front + (j + 1) * size, to + (j - node.columns));
+            std::copy(front + j * stride + j, front + j * stride + size, to + (j - node.columns));
         }
         store_panels(node);
     }
@@ -265,7 +315,10 @@ bool SupernodalFactor<Scalar>::eliminate(std::span<const double> values, bool co
 template <class Scalar>
 bool SupernodalFactor<Scalar>::eliminate_front(const FactorStructure::Supernode& node) {
     const int size = node.front_rows();
-    Eigen::Map<Matrix> front(front_.data(), size, size);
+    if constexpr (is_double<Scalar>) {
+        return kernels_.eliminate_dense(front_.data(), size, node.columns, node.stride());
+    }
+    Eigen::Map<Matrix, 0, Eigen::OuterStride<>> front(front_.data(), size, size, Eigen::OuterStride<>(node.stride()));
     auto diagonal = front.topLeftCorner(node.columns, node.columns);
     const Eigen::LLT<Eigen::Ref<Matrix>> llt(diagonal);
     if (llt.info() != Eigen::Success) {
@@ -282,16 +335,21 @@ bool SupernodalFactor<Scalar>::eliminate_front(const FactorStructure::Supernode&
 template <class Scalar>
 void SupernodalFactor<Scalar>::store_panels(const FactorStructure::Supernode& node) {
     const int size = node.front_rows();
-    const Eigen::Map<const Matrix> front(front_.data(), size, size);
+    const Eigen::Map<const Matrix, 0, Eigen::OuterStride<>> front(front_.data(), size, size,
+                                                                  Eigen::OuterStride<>(node.stride()));
     std::size_t number = node.first_panel;
     for (int first = 0; first < node.columns; first += panel_width, ++number) {
         const auto& panel = structure_.panels[number];
         Scalar* to = values_.data() + panel.start;
         Eigen::Map<Matrix> inverse(to, panel.columns, panel.columns);
-        inverse.setIdentity();
-        front.block(first, first, panel.columns, panel.columns)
-            .template triangularView<Eigen::Lower>()
-            .solveInPlace(inverse);
+        if constexpr (is_double<Scalar>) {
+            kernels_.invert_dense(front_.data() + first * (node.stride() + 1), panel.columns, node.stride(), to);
+        } else {
+            inverse.setIdentity();
+            front.block(first, first, panel.columns, panel.columns)
+                .template triangularView<Eigen::Lower>()
+                .solveInPlace(inverse);
+        }
         Eigen::Map<Matrix>(to + inverse.size(), panel.rows_below, panel.columns) =
             front.block(first + panel.columns, first, panel.rows_below, panel.columns);
     }
@@ -303,12 +361,43 @@ void SupernodalFactor<Scalar>::solve(Block<C>& z) {
     const auto& permutation = structure_.permutation;
     const auto n = static_cast<std::ptrdiff_t>(permutation.size());
     x_.resize(static_cast<std::size_t>(n) * C);
-    t_.resize(static_cast<std::size_t>(n) * C);
+    t_.resize(static_cast<std::size_t>(n) * C + lanes::right_sides);
     for (std::ptrdiff_t i = 0; i < n; ++i) {
         for (int c = 0; c < C; ++c) {
             x_[i * C + c] = static_cast<Scalar>(z(permutation[i], c));
         }
     }
+    if constexpr (is_double<Scalar> && C == lanes::right_sides) {
+        in_panels(kernels_.forward_dense, kernels_.backward_dense);
+    } else if constexpr (is_double<Scalar> && C == 1) {
+        in_panels(kernels_.forward_one, kernels_.backward_one, t_.data());
+    } else {
+        substitute<C>();
+    }
+    for (std::ptrdiff_t i = 0; i < n; ++i) {
+        for (int c = 0; c < C; ++c) {
+            z(permutation[i], c) = x_[i * C + c];
+        }
+    }
+}
+
+// x_ := (L L^T)^-1 x_ by functions that take a panel forth and back.
+template <class Scalar>
+void SupernodalFactor<Scalar>::in_panels(const auto& forth, const auto& back, auto... scratch) {
+    for (const auto& s : structure_.panels) {
+        forth(values_.data() + s.start, s.columns, s.rows_below, structure_.rows.data() + s.row_start, s.first_column,
+              x_.data(), scratch...);
+    }
+    for (auto s = structure_.panels.rbegin(); s != structure_.panels.rend(); ++s) {
+        back(values_.data() + s->start, s->columns, s->rows_below, structure_.rows.data() + s->row_start,
+             s->first_column, x_.data(), scratch...);
+    }
+}
+
+// The same by products.
+template <class Scalar>
+template <int C>
+void SupernodalFactor<Scalar>::substitute() {
     Scalar* t = t_.data();
     for (const auto& s : structure_.panels) {
         Scalar* x = x_.data() + static_cast<std::ptrdiff_t>(s.first_column) * C;
@@ -328,7 +417,7 @@ void SupernodalFactor<Scalar>::solve(Block<C>& z) {
             }
         }
     }
-    std::vector<Scalar>& sum = sum_;
+    Numbers& sum = sum_;
     for (auto it = structure_.panels.rbegin(); it != structure_.panels.rend(); ++it) {
         const auto& s = *it;
         Scalar* x = x_.data() + static_cast<std::ptrdiff_t>(s.first_column) * C;
@@ -350,11 +439,6 @@ void SupernodalFactor<Scalar>::solve(Block<C>& z) {
         }
         transposed_product<C>(diagonal, s.columns, s.columns, x, sum.data());
         std::copy(sum.begin(), sum.end(), x);
-    }
-    for (std::ptrdiff_t i = 0; i < n; ++i) {
-        for (int c = 0; c < C; ++c) {
-            z(permutation[i], c) = x_[i * C + c];
-        }
     }
 }
 

@@ -1,6 +1,8 @@
 // Sparse Cholesky factors of matrices of one pattern, by dense blocks.
 #pragma once
 
+#include "fe/aligned.h"
+
 #include <Eigen/Dense>
 #include <span>
 #include <vector>
@@ -33,8 +35,12 @@ struct FactorStructure {
         std::size_t row_start = 0;   // into rows: the columns, then the rows below
         std::size_t entry_start = 0; // into entry_value and entry_place; those of the next one end them
         std::size_t first_panel = 0;
+        std::size_t first_run = 0;
         std::size_t kept_start = 0; // into what is kept of constant fronts with a parent that is not
         int front_rows() const { return columns + rows_below; }
+        // From a column of the front to the next: whole vectors of any processor, an odd number of them, so that
+        // columns do not compete for the same places of its cache.
+        std::ptrdiff_t stride() const { return ((front_rows() + 7) / 8 | 1) * 8; }
     };
     // A few columns of a supernode, as they are stored.
     struct Panel {
@@ -45,6 +51,13 @@ struct FactorStructure {
         std::size_t start = 0;     // into the values: inverse of the diagonal block, then the block below; by columns
     };
 
+    // Neighbouring rows below a supernode that are neighbours in its parent's front, too.
+    struct Run {
+        int first = 0; // of the rows below
+        int rows = 0;
+        int place = 0; // of the first one, in the parent's front
+    };
+
     FactorStructure() = default;
     // The order of elimination (row i of P K P^T is row order[i] of K), the first column of every supernode and one
     // past the last, and the rows of each, its own columns first. Children come before their parent, and next to each
@@ -52,9 +65,13 @@ struct FactorStructure {
     FactorStructure(const Pattern& lower, std::vector<int> order, const std::vector<int>& first_columns,
                     const std::vector<std::vector<int>>& rows_of, const std::vector<bool>& constant);
 
+    // Multiplications and additions that eliminate what is not constant.
+    double changing_operations() const;
+
     std::vector<int> permutation;
-    std::vector<Supernode> supernodes; // and one more, which only ends the last one's entries and panels
+    std::vector<Supernode> supernodes; // and one more, which only ends the last one's entries, panels and runs
     std::vector<Panel> panels;
+    std::vector<Run> runs;
     std::vector<int> rows;
     std::vector<int> entry_value; // number of an entry of K, and its place in the front of its supernode
     std::vector<int> entry_place;
@@ -65,13 +82,17 @@ struct FactorStructure {
     std::size_t kept = 0;             // numbers of the constant fronts that are kept
 };
 
+namespace lanes {
+struct Kernels;
+}
+
 // Multifrontal elimination (Duff and Reid 1983). Scalar: double, or float for a preconditioner: half the memory to pass
-// over, twice the speed to make.
+// over.
 template <class Scalar>
 class SupernodalFactor {
 public:
-    // Both must outlive the object.
-    SupernodalFactor(const Pattern& lower, const FactorStructure& structure) : lower_(lower), structure_(structure) {}
+    // Both must outlive the object. kernels: of a factor in double precision; nullptr: those of the processor.
+    SupernodalFactor(const Pattern& lower, const FactorStructure& structure, const lanes::Kernels* kernels = nullptr);
 
     // Of a matrix with one value for each entry of the pattern. first: of a sequence; the matrices that follow have
     // the same constant columns. False where the matrix is found not to be positive definite, in single precision also
@@ -84,20 +105,25 @@ public:
 
 private:
     using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+    using Numbers = std::vector<Scalar, AlignedAllocator<Scalar>>;
 
     bool eliminate(std::span<const double> values, bool constant);
     bool eliminate_front(const FactorStructure::Supernode& node);
     void store_panels(const FactorStructure::Supernode& node);
+    template <int C>
+    void substitute();
+    void in_panels(const auto& forth, const auto& back, auto... scratch);
 
     const Pattern& lower_;
     const FactorStructure& structure_;
-    std::vector<Scalar> values_;
-    std::vector<Scalar> front_;
-    std::vector<Scalar> stack_;
-    std::vector<Scalar> kept_;
-    std::vector<Scalar> x_;   // permuted right-hand sides
-    std::vector<Scalar> t_;   // of the rows below one panel
-    std::vector<Scalar> sum_; // of the columns of one panel
+    const lanes::Kernels& kernels_;
+    Numbers values_;
+    Numbers front_;
+    Numbers stack_;
+    Numbers kept_;
+    Numbers x_;   // permuted right-hand sides
+    Numbers t_;   // of the rows below one panel
+    Numbers sum_; // of the columns of one panel
 };
 
 } // namespace pave::fe

@@ -56,7 +56,7 @@ void load(const Eigen::Ref<const Eigen::MatrixXd>& from, Eigen::Index first, Eig
 }
 
 // f(lanes of a block, first column, columns) for the blocks of so many columns, until one is false.
-template <class F>
+template <class Scalar, class F>
 bool in_blocks(Eigen::Index columns, const F& f) {
     bool ok = true;
     for (Eigen::Index first = 0; ok && first < columns;) {
@@ -64,7 +64,7 @@ bool in_blocks(Eigen::Index columns, const F& f) {
         if (left == 1) {
             ok = f(std::integral_constant<int, 1>(), first, left);
             first += 1;
-        } else if (left <= 4) {
+        } else if (left <= 4 && std::is_same_v<Scalar, float>) { // in double precision eight take no more time
             ok = f(std::integral_constant<int, 4>(), first, left);
             first += 4;
         } else {
@@ -169,7 +169,7 @@ bool SymmetricSystem<Scalar>::took_steps(int steps) {
 template <class Scalar>
 Eigen::MatrixXd SymmetricSystem<Scalar>::image(const Eigen::MatrixXd& x) const {
     Eigen::MatrixXd y(x.rows(), x.cols());
-    in_blocks(x.cols(), [&](auto lanes, Eigen::Index first, Eigen::Index columns) {
+    in_blocks<Scalar>(x.cols(), [&](auto lanes, Eigen::Index first, Eigen::Index columns) {
         constexpr int C = decltype(lanes)::value;
         Block<C> in;
         Block<C> out;
@@ -214,7 +214,7 @@ bool SymmetricSystem<Scalar>::solve(Eigen::Ref<Eigen::MatrixXd> x,
         start = basis * weights;
         image_of_start = images * weights;
     }
-    return in_blocks(x.cols(), [&](auto lanes, Eigen::Index first, Eigen::Index) {
+    return in_blocks<Scalar>(x.cols(), [&](auto lanes, Eigen::Index first, Eigen::Index) {
         return solve_block<decltype(lanes)::value>(x, first, start, image_of_start);
     });
 }

@@ -2,12 +2,12 @@
 // study.toml and data.csv as an engineer would bring them; the truth goes to standard output as one JSON object, where
 // only the judge reads it.
 //
-// usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated | few | DATA]
+// usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated | few | middle | DATA]
 //   KIND   none, one, two, the name of an effect, or outside: one that is neither in the catalogue nor of the form of a
 //          correction; LEAST MOST: its strength, in standard deviations (8 20); correlated: errors are tied as those of
 //          repeated drops are, and the study says so; independent.toml and its data say that they are not; few: 11
 //          readings instead of 40 to 59, and further.csv says what instruments at other places and a heavier drop
-//          would read
+//          would read; middle: 20 to 40 readings
 //   DATA   what the data have that the study does not state: understated, overstated (errors 1.5 times as large or as
 //          small as stated), heavy (errors of Student's t with four degrees of freedom, of the stated deviation), bad
 //          (two or three readings wrong by 7 to 15 deviations), common (each load's readings share an error of 1 to 3
@@ -152,6 +152,27 @@ void keep_few(Case& c) {
         const bool is_strain = s.load == 1 && s.quantity == Quantity::strain_zz && s.x == 0.0;
         return !(s.load == 0 && s.quantity == Quantity::deflection) && !(is_strain && ++strains <= most);
     });
+}
+
+// The deflections of the plate and so many others that 20 to 40 are left, drawn evenly.
+void keep_middle(Case& c, Draw& draw) {
+    constexpr std::size_t least = 20;
+    constexpr std::size_t most = 40;
+    const std::size_t count = least + draw.below(most - least + 1);
+    std::vector<std::size_t> others;
+    for (std::size_t i = 0; i < c.sensors.size(); ++i) {
+        if (!(c.sensors[i].load == 0 && c.sensors[i].quantity == Quantity::deflection)) {
+            others.push_back(i);
+        }
+    }
+    std::set<std::size_t> dropped;
+    while (c.sensors.size() - dropped.size() > count) {
+        const auto at = others.begin() + static_cast<std::ptrdiff_t>(draw.below(others.size()));
+        dropped.insert(*at);
+        others.erase(at);
+    }
+    std::size_t index = 0;
+    std::erase_if(c.sensors, [&](const Sensor&) { return dropped.contains(index++); });
 }
 
 // Layouts of seven sensors [mm]: two of which one stands in a file where the other was driven.
@@ -825,8 +846,8 @@ Json words(const Case& c, const Hidden& hidden) {
     return json;
 }
 
-constexpr const char* kinds_of_data[] = {"understated", "overstated", "heavy", "bad",
-                                         "common",      "tied",       "fault", "layout"};
+constexpr const char* kinds_of_data[] = {"few", "middle", "understated", "overstated", "heavy",
+                                         "bad", "common", "tied",        "fault",      "layout"};
 
 // The numbers of the errors, in standard deviations, as the study does not state them.
 void unlike_stated(const Case& c, Draw& draw, const std::string& data, VectorXd& numbers) {
@@ -928,12 +949,15 @@ Json spoil(const Case& c, Draw& draw, VectorXd& values, VectorXd& spread) {
 }
 
 int generate(std::uint64_t seed, const std::filesystem::path& folder, const std::string& kind, const Strength& strength,
-             bool correlated, bool few, const std::string& data) {
+             bool correlated, const std::string& data) {
+    const bool few = data == "few";
     for (std::uint64_t attempt = 0;; ++attempt) {
         Draw draw(seed, 1000 + attempt);
         Case c = draw_case(draw);
         if (few) {
             keep_few(c);
+        } else if (data == "middle") {
+            keep_middle(c, draw);
         }
         Json truth = {{"seed", seed}};
         const Case stated = data == "layout" ? lay_out(c, draw, truth) : c;
@@ -1101,20 +1125,19 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
 int main(int argc, char** argv) {
     std::vector<std::string> words(argv + 1, argv + argc);
     const bool correlated = !words.empty() && words.back() == "correlated";
-    const bool few = !words.empty() && words.back() == "few";
     const bool is_data = !words.empty() && std::find(std::begin(kinds_of_data), std::end(kinds_of_data),
                                                      words.back()) != std::end(kinds_of_data);
     const std::string data = is_data ? words.back() : "";
-    if (correlated || few || is_data) {
+    if (correlated || is_data) {
         words.pop_back();
     }
     if (words.size() != 3 && words.size() != 5) {
-        std::cerr << "usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated | few | DATA]\n";
+        std::cerr << "usage: blind_generator SEED FOLDER KIND [LEAST MOST] [correlated | few | middle | DATA]\n";
         return 2;
     }
     Strength strength;
     if (words.size() == 5) {
         strength = {std::stod(words[3]), std::stod(words[4])};
     }
-    return generate(std::stoull(words[0]), words[1], words[2], strength, correlated, few, data);
+    return generate(std::stoull(words[0]), words[1], words[2], strength, correlated, data);
 }

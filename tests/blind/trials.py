@@ -1,14 +1,14 @@
 """Blind trials of `pavescape diagnose`: a generator hides effects in data, the program looks for them, this script judges.
 
 usage: trials.py --program PROGRAM --generator GENERATOR [--one N] [--none N] [--two N] [--removed N] [--power N] [--outside N]
-                 [--understated N] [--overstated N] [--heavy N] [--bad N] [--few N] [--common N] [--tied N] [--fault N] [--layout N] [--first SEED] [--jobs J]
+                 [--understated N] [--overstated N] [--heavy N] [--bad N] [--few N] [--middle N] [--common N] [--tied N] [--fault N] [--layout N] [--first SEED] [--jobs J]
                  [--out FOLDER] [--keep] [--page DOCS] [--correlated [--independent]]
 
 one:     an effect of 8 to 20 standard deviations; none: nothing hidden; two: two effects at once; removed: as `one`, but
          the effect is taken out of the catalogue; power: effects of 2 to 12 standard deviations; outside: physics
          that is neither in the catalogue nor of the form of a correction.
 understated, overstated, heavy, common, tied: nothing hidden, but errors are not as stated: 1.5 times as large or as small, of Student's t, shared by the
-         readings of a load, alike in neighbouring readings; bad: two or three wrong readings; few: as `one`, with 11 readings; fault: of the file; layout: the file states
+         readings of a load, alike in neighbouring readings; bad: two or three wrong readings; few: as `one`, with 11 readings; middle: with 20 to 40; fault: of the file; layout: the file states
          another layout of the sensors than the one that was driven.
 --correlated: errors are tied as those of repeated drops are, and the study says so; --independent: it says that they are not.
 Writes a file a case into the folder (a run that was cut off continues), prints the rates. --page FOLDER: writes tables and pictures of FOLDER/diagnose.md too.
@@ -28,7 +28,7 @@ from svg import svg
 
 AMISS = ("understated", "overstated", "heavy", "common", "tied")  # nothing is wrong but what is stated of the errors
 LIKE = {"compaction-bulge": ["base-sublayer"]}  # of what is outside the catalogue: the same thing with other edges
-KINDS = ("one", "none", "two", "removed", "power", "outside", *AMISS, "bad", "few", "fault", "layout")
+KINDS = ("one", "none", "two", "removed", "power", "outside", *AMISS, "bad", "few", "middle", "fault", "layout")
 CHEAPER = ["--explore", "48", "--starts", "5", "--bootstrap", "10"]  # than the defaults: a landscape of five parameters
 
 
@@ -46,7 +46,7 @@ def judge(options, kind, seed):
     folder = pathlib.Path(options.out) / f"{kind}-{seed}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    what = {"one": ["one"], "none": ["none"], "two": ["two"], "removed": ["one"], "power": ["one", "2", "12"], "outside": ["outside"], "few": ["one", "few"],
+    what = {"one": ["one"], "none": ["none"], "two": ["two"], "removed": ["one"], "power": ["one", "2", "12"], "outside": ["outside"], "few": ["one", "few"], "middle": ["one", "middle"],
             **{data: ["none", data] for data in (*AMISS, "bad", "fault", "layout")}}[kind]
     made = subprocess.run([options.generator, str(seed), folder, *what, *(["correlated"] if options.correlated else [])], capture_output=True, text=True)
     truth = json.loads(made.stdout)
@@ -153,15 +153,22 @@ def rates(results):
             all(abs(float(at) - true) <= 30 for at, true in zip(named[1].split(", "), r["truth"]["sensors_mm"]))
 
     told = [r for r in named if None not in r["held_out"]]  # with places to leave out
-    few = of["few"]
+
+    def names_alone(r):
+        """Whether one name stands alone, and it is the hidden one. A sensor out of its place that reads under one load is one wrong reading: named as such, it is right."""
+        hidden = r["truth"]["hidden"][0]
+        reads = [e["on"] for e in r["explanations"][0]["effects"]] if r["explanations"] else []
+        same = hidden["effect"] == "sensor-position" and r["causes"] == ["outlier"] and len(reads) == 1 and reads[0].startswith(f"reading {hidden['reading']}:")
+        return r["causes"] == r["names"] or same
+
     amiss = {
         **{f"{kind}: a name or a place where nothing is wrong": (sum(r["verdict"] in ("cause-named", "ambiguous", "located") for r in of[kind]), len(of[kind]))
            for kind in AMISS},
         "understated: adequate, and the noise larger": (sum(r["verdict"] == "adequate" and r["noise_factor"] > 1 for r in of["understated"]), len(of["understated"])),
         "two or three wrong readings, all and nothing else": (sum(map(finds_all_bad, of["bad"])), len(of["bad"])),
-        "few readings: truth among the causes": (sum(r["names"][0] in r["causes"] for r in few), len(few)),
-        "few readings: named alone": (sum(r["verdict"] == "cause-named" and r["causes"] == r["names"] for r in few), len(few)),
-        "few readings: wrong name alone": (sum(r["verdict"] == "cause-named" and r["causes"] != r["names"] for r in few), len(few)),
+        **{f"{kind} readings: truth among the causes": (sum(r["names"][0] in r["causes"] or names_alone(r) for r in of[kind]), len(of[kind])) for kind in ("few", "middle")},
+        **{f"{kind} readings: named alone": (sum(r["verdict"] == "cause-named" and names_alone(r) for r in of[kind]), len(of[kind])) for kind in ("few", "middle")},
+        **{f"{kind} readings: wrong name alone": (sum(r["verdict"] == "cause-named" and not names_alone(r) for r in of[kind]), len(of[kind])) for kind in ("few", "middle")},
         "another layout of the sensors: the one that was driven, first": (sum(map(names_layout, of["layout"])), len(of["layout"])),
         "another layout: something else alone": (sum(r["verdict"] == "cause-named" and not names_layout(r) for r in of["layout"]), len(of["layout"])),
         "faults of the file named": (sum(map(names_fault, of["fault"])), len(of["fault"])),

@@ -140,8 +140,13 @@ TEST(DeflectionBowl, WhatCannotBeOfOneSensorCostsThatSensor) {
     using Mm = std::vector<double>;
     FwdStation s = station({{0, 110}, {900, 67}, {1800, 0}});
     EXPECT_EQ(offsets(s), (Mm{0, 900}));
-    EXPECT_EQ(remarks(s), std::vector<std::string>{"the sensor at 1800 mm reads 0.0 um and is left out"});
-    EXPECT_EQ(offsets(station({{0, 110}, {300, 12}, {900, 67}, {1800, 20}})), (Mm{0, 900, 1800})); // 12 < 67 / 4
+    EXPECT_EQ(remarks(s),
+              std::vector<std::string>{"the sensor at 1800 mm reads 0.0 um, next to nothing, and is left out"});
+    s = station({{0, 110}, {300, 12}, {900, 67}, {1800, 20}});
+    EXPECT_EQ(offsets(s), (Mm{0, 900, 1800})); // 12 < 67 / 4
+    EXPECT_EQ(remarks(s),
+              std::vector<std::string>{
+                  "the sensor at 300 mm reads 12.0 um, which the sensors beside it contradict, and is left out"});
     EXPECT_EQ(offsets(station({{0, 500}, {900, -1}})), (Mm{0}));
     // A rise within what two sensors are good to stays: 36.2 to 39.7 um, 2.7 + 2.8 um.
     s = station({{0, 56}, {450, 36.2}, {600, 39.7}, {900, 30}});
@@ -155,7 +160,8 @@ TEST(DeflectionBowl, WhatCannotBeOfOneSensorCostsThatSensor) {
 TEST(DeflectionBowl, TheSidesOfThePlateAreNotAveraged) {
     FwdStation s = station({{-200, 0.1}, {0, 115}, {200, 71}, {300, 57}});
     EXPECT_EQ(main_bowl(s)->at(200), 71.0);
-    EXPECT_EQ(remarks(s), std::vector<std::string>{"the sensor at -200 mm reads 0.1 um and is left out"});
+    EXPECT_EQ(remarks(s),
+              std::vector<std::string>{"the sensor at -200 mm reads 0.1 um, next to nothing, and is left out"});
     s = station({{-200, 90}, {0, 115}, {200, 71}, {300, 57}});
     EXPECT_EQ(main_bowl(s)->at(200), 71.0);
     ASSERT_EQ(remarks(s).size(), 1U);

@@ -403,3 +403,17 @@ TEST(ConvergenceOrder, IsTheSameForAStressDependentSectionUnderTheSecantLaw) {
         last = now;
     }
 }
+
+TEST(Model, ModelsOfOneMeshShareWhatTheirPatternTakesWhileOneOfThemIsThere) {
+    const auto mesh_of = [](double wide) {
+        return mesh::axisymmetric_mesh({0.0, 0.5, wide}, {0.0, 0.5, 1.0}, {0.5, 0.5});
+    };
+    const auto first = fe::make_model(mesh_of(1.0), {true, false});
+    const auto wider = fe::make_model(mesh_of(2.0), {true, false});
+    EXPECT_EQ(first.topology, wider.topology);
+    EXPECT_NE(first.coordinates.back(), wider.coordinates.back());
+    EXPECT_NE(first.topology, fe::make_model(mesh_of(1.0), {false, false}).topology);
+    const auto slipping = fe::make_model(mesh_of(1.0), {true, false}, {.slipping_layers = {0}});
+    EXPECT_NE(first.topology, slipping.topology);
+    EXPECT_GT(slipping.topology->free_unknowns, first.topology->free_unknowns);
+}

@@ -1,10 +1,12 @@
 // The iterative solvers against dense factorisations, and the solid element against a uniform state.
 #include "base/random.h"
 #include "fe/gmres.h"
+#include "fe/lanes/kernels.h"
 #include "fe/symmetric_system.h"
 #include "support/sections.h"
 
 #include <gtest/gtest.h>
+#include <optional>
 
 using namespace test;
 
@@ -184,6 +186,52 @@ TEST(SymmetricSystem, SaysWhenAMatrixIsNotPositiveDefinite) {
     EXPECT_FALSE(system.solve(x, {}));
     system.begin(1e-9, false);
     EXPECT_FALSE(system.set_matrix(negative));
+}
+
+// Fronts of all sizes: supernodes of a chain, and one dense matrix with more columns than a panel has.
+TEST(SupernodalFactor, IsThatOfADenseMatrixWithTheSameBitsInEveryWidth) {
+    const fe::lanes::Kernels* list[8];
+    const std::span all(list, static_cast<std::size_t>(fe::lanes::usable_kernels(list, 8)));
+    for (const int n : {1, 3, 8, 50, 143, 300}) {
+        Springs s = springs(n, 21);
+        if (n == 143) {
+            const Eigen::MatrixXd root = random_matrix(n, n, 22);
+            s.dense = root * root.transpose() + Eigen::MatrixXd::Identity(n, n);
+            s.lower = {.size = n, .column_start = {0}, .row = {}};
+            s.values.clear();
+            for (int j = 0; j < n; ++j) {
+                for (int i = j; i < n; ++i) {
+                    s.lower.row.push_back(i);
+                    s.values.push_back(s.dense(i, j));
+                }
+                s.lower.column_start.push_back(static_cast<int>(s.lower.row.size()));
+            }
+        }
+        const fe::CholeskyAnalysis analysis(s.lower, std::vector<bool>(static_cast<std::size_t>(n), false), false);
+        const fe::Block<fe::lanes::right_sides> b = random_matrix(n, fe::lanes::right_sides, 23);
+        const Eigen::MatrixXd exact = s.dense.llt().solve(b);
+        std::optional<fe::Block<fe::lanes::right_sides>> known[2]; // with fused multiplication, and without
+        for (const fe::lanes::Kernels* kernels : all) {
+            fe::SupernodalFactor<double> factor(s.lower, analysis.structure(), kernels);
+            for (int repeat = 0; repeat < 2; ++repeat) { // what the first one left in the memory is of no account
+                ASSERT_TRUE(factor.factorize(s.values, true));
+            }
+            fe::Block<fe::lanes::right_sides> x = b;
+            factor.solve<fe::lanes::right_sides>(x);
+            EXPECT_LT((x - exact).norm(), 1e-10 * exact.norm()) << n << " unknowns, " << kernels->instructions;
+            auto& same = known[kernels->rounds_once ? 1 : 0];
+            if (same) {
+                EXPECT_TRUE(x == *same) << n << " unknowns, " << kernels->instructions;
+            }
+            same = x;
+            fe::Block<1> one = b.col(3); // by the products that all right-hand sides but eight go through
+            factor.solve<1>(one);
+            EXPECT_LT((one - exact.col(3)).norm(), 1e-10 * exact.col(3).norm()) << n << " unknowns";
+            std::vector<double> indefinite = s.values;
+            indefinite.back() -= 2.0 / s.dense.inverse()(n - 1, n - 1); // what is left of it at last changes its sign
+            EXPECT_FALSE(factor.factorize(indefinite, true));
+        }
+    }
 }
 
 TEST(Gmres, SolvesAnUnsymmetricSystemWithARoughPreconditioner) {

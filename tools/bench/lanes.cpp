@@ -1,7 +1,7 @@
 // The cost of runs in the lanes of vectors beside runs one after the other, for every set of instructions that this
 // processor has: the load path of a study, without derivatives and with five, on its mesh and on finer ones; and the
-// rate of their elimination beside one dense factorisation of the same work. CPU time of one thread, each the median of
-// rounds in which everything is measured once, in turn.
+// rate of their elimination beside one dense factorisation of the same work; and fronts of one matrix, beside Eigen's
+// functions. CPU time of one thread, each the median of rounds in which everything is measured once, in turn.
 // usage: lanes [ROUNDS], from the top of the repository
 #include "fe/batch_solver.h"
 #include "fe/lanes/layout.h"
@@ -221,6 +221,60 @@ void eliminations(const explore::study::Study& study, const std::vector<const Ke
                median(of_dense));
 }
 
+// A front as the factorisation of one matrix eliminates it: its columns, and what they leave.
+void fronts(const std::vector<const Kernels*>& all, int rounds) {
+    fmt::print("\n| one front, rows and columns | Eigen, us |");
+    for (const Kernels* kernels : all) {
+        fmt::print(" {} lanes, {} | of Eigen's time |", kernels->lanes, kernels->instructions);
+    }
+    fmt::print("\n|---|---:|");
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        fmt::print("---:|---:|");
+    }
+    fmt::print("\n");
+    for (const auto& [rows, columns] : {std::pair{30, 12}, {60, 20}, {100, 30}, {150, 50}}) {
+        const Eigen::MatrixXd root = Eigen::MatrixXd::Random(rows, rows);
+        const Eigen::MatrixXd matrix = root * root.transpose() + rows * Eigen::MatrixXd::Identity(rows, rows);
+        const std::ptrdiff_t stride = (rows + 7) / 8 * 8 + 8;
+        Buffer front;
+        front.assign_zero(static_cast<std::size_t>(stride * rows), 1);
+        std::vector<double> by_eigen;
+        std::vector<std::vector<double>> by_all(all.size());
+        constexpr int repeats = 200;
+        for (int round = -1; round < rounds; ++round) {
+            Eigen::MatrixXd a;
+            const double us =
+                1e3 / repeats * milliseconds_of([&] {
+                    for (int i = 0; i < repeats; ++i) {
+                        a = matrix;
+                        auto diagonal = a.topLeftCorner(columns, columns);
+                        const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(diagonal);
+                        auto below = a.bottomLeftCorner(rows - columns, columns);
+                        diagonal.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(below);
+                        a.bottomRightCorner(rows - columns, rows - columns)
+                            .selfadjointView<Eigen::Lower>()
+                            .rankUpdate(below, -1.0);
+                    }
+                });
+            by_eigen.push_back(us);
+            for (std::size_t k = 0; k < all.size(); ++k) {
+                by_all[k].push_back(1e3 / repeats * milliseconds_of([&] {
+                                        for (int i = 0; i < repeats; ++i) {
+                                            Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>(
+                                                front.data(), rows, rows, Eigen::OuterStride<>(stride)) = matrix;
+                                            all[k]->eliminate_dense(front.data(), rows, columns, stride);
+                                        }
+                                    }));
+            }
+        }
+        fmt::print("| {}, {} | {:.2f} |", rows, columns, median(by_eigen));
+        for (const auto& us : by_all) {
+            fmt::print(" {:.2f} | {:.0f} % |", median(us), 100.0 * median(us) / median(by_eigen));
+        }
+        fmt::print("\n");
+    }
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -231,5 +285,6 @@ int main(int argc, char** argv) {
     const auto study = explore::study::load_study("grids/captif-p1-fwd.toml");
     paths(study, all, rounds);
     eliminations(study, all, rounds);
+    fronts(all, rounds);
     return 0;
 }

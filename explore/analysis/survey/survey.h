@@ -152,6 +152,7 @@ struct SuspectSensor {
     double p = 1.0;                   // that chance alone gives so many of one sign, times the number of sensors
     double model_percent = 0.0;       // median of model over measured - 1
     std::optional<double> fits_at_mm; // where the fitted bowls have that deflection (median)
+    bool is_beside_others = false;    // the signs are those of what it is off beyond the sensors on its two sides
 };
 
 // A reduced model that the searches of many stations shared (study/network.h); every answer is the full model's.

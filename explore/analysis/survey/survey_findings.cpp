@@ -444,11 +444,11 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
     if (result.suspect) {
         const SuspectSensor& s = *result.suspect;
         words.push_back(fmt::format(
-            "The sensor at {:g} mm: the model is {:+.0f} % off there, with one sign at {} of {} stations (chance: "
-            "{:.2g}), "
-            "unlike its neighbours. It may stand elsewhere{}, be out of calibration, or the section be wrong.",
-            s.offset_mm, s.model_percent, s.same_sign, s.stations, s.p,
-            s.fits_at_mm ? fmt::format(" (at about {:.0f} mm)", *s.fits_at_mm) : ""));
+            "The sensor at {:g} mm: the model is {:+.0f} % off there{} has one sign at {} of {} stations (chance: "
+            "{:.2g}). It may stand elsewhere{}, be out of calibration, or the section be wrong.",
+            s.offset_mm, s.model_percent,
+            s.is_beside_others ? ". What it is off beyond the sensors on its two sides" : ", which", s.same_sign,
+            s.stations, s.p, s.fits_at_mm ? fmt::format(" (at about {:.0f} mm)", *s.fits_at_mm) : ""));
     }
     const auto fitted = result.count([](const StationResult& s) { return s.is_fitted(); });
     const auto names = result.parameter_names();

@@ -226,7 +226,8 @@ std::optional<SuspectSensor> suspect_sensor(const SurveyResult& result) {
             continue;
         }
         worst_excess = std::abs(middle);
-        worst = SuspectSensor{.offset_mm = offset, .stations = n, .same_sign = same, .p = p, .fits_at_mm = {}};
+        worst = SuspectSensor{
+            .offset_mm = offset, .stations = n, .same_sign = same, .p = p, .fits_at_mm = {}, .is_beside_others = true};
         worst->model_percent = 100.0 * (std::exp(data::median(at.residual)) - 1.0);
         worst->fits_at_mm = at.place_mm.empty() ? std::nullopt : std::optional(data::median(at.place_mm));
     }

@@ -9,6 +9,7 @@
 namespace pave::fe::lanes {
 
 inline constexpr std::size_t alignment = 64;
+inline constexpr int most_lanes = alignment / sizeof(double); // of any processor
 
 // Rows and columns of fronts go in tiles of so many.
 inline constexpr int tile = 4;
@@ -55,6 +56,10 @@ struct Factor {
     double* rows = nullptr;           // of the rows of one front, `tile` columns each
     std::int64_t* definite = nullptr; // of every lane: -1, or 0 where the matrix was found not to be so
 };
+
+// Of the dense blocks of one matrix: columns of the widest panel, and right-hand sides that go together.
+inline constexpr int most_columns = 64;
+inline constexpr int right_sides = 8;
 
 // Elements of a mesh; shared by all lanes.
 struct Elements {
@@ -152,6 +157,24 @@ struct Kernels {
     // to := from + sum of factor_i rate_i over `count` numbers of every lane.
     void (*combine)(double* to, const double* from, int rates, const double* factors, const double* const* rate,
                     std::size_t count);
+
+    // One matrix instead of many, by columns, aligned. Cholesky's factor in the first columns of a front, and what they
+    // leave of the rest; on and below the diagonal, what is above is overwritten. Its columns are `stride` numbers
+    // apart, a multiple of 8, and zero behind its rows. False: the matrix is not positive definite.
+    bool (*eliminate_dense)(double* front, int rows, int columns, std::ptrdiff_t stride);
+    // The inverse of at most most_columns columns of a lower triangle, by columns next to each other; what is above the
+    // diagonal is not touched.
+    void (*invert_dense)(const double* lower, int columns, std::ptrdiff_t stride, double* inverse);
+    // A panel's part of the solution for right_sides right-hand sides, those of a row next to each other: the inverse
+    // of its diagonal block, then the block below, whose rows are `rows` of x; `first`: its first column.
+    void (*forward_dense)(const double* panel, int columns, int rows_below, const int* rows, int first, double* x);
+    void (*backward_dense)(const double* panel, int columns, int rows_below, const int* rows, int first, double* x);
+    // The same for one. Eight numbers behind the panel's may be read; scratch: aligned, eight more than rows_below.
+    void (*forward_one)(const double* panel, int columns, int rows_below, const int* rows, int first, double* x,
+                        double* scratch);
+    void (*backward_one)(const double* panel, int columns, int rows_below, const int* rows, int first, double* x,
+                         double* scratch);
+
     // For tests: ln x, ln(1 + x), exp x of every lane.
     void (*functions)(const double* x, double* log, double* log_1_plus, double* exp);
 };

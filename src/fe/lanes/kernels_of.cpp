@@ -1,4 +1,5 @@
 // The kernels for one set of instructions: compiled once for each, PAVE_LANES its name.
+#include "fe/lanes/dense.h"
 #include "fe/lanes/path.h"
 
 namespace pave::fe::lanes::PAVE_LANES {
@@ -19,6 +20,12 @@ const Kernels table{
     .subtract_stress = subtract_stress,
     .shares = shares,
     .combine = combine,
+    .eliminate_dense = eliminate_dense,
+    .invert_dense = invert_dense,
+    .forward_dense = forward_dense,
+    .backward_dense = backward_dense,
+    .forward_one = forward_one,
+    .backward_one = backward_one,
     .functions = functions,
 };
 

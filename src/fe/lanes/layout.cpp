@@ -101,10 +101,10 @@ Layout::Layout(const Topology<AxisymmetricQ8>& topology) : layer(topology.layer)
     entry_place.resize(s.entry_value.size());
     std::vector<int> place_of_value(s.entry_value.size());
     for (std::size_t n = 0; n < count; ++n) {
-        const int front_rows = nodes[n].columns + nodes[n].rows_below;
+        const auto stride = static_cast<int>(s.supernodes[n].stride());
         for (std::size_t k = nodes[n].entry_start; k < nodes[n + 1].entry_start; ++k) {
-            const int column = s.entry_place[k] / front_rows;
-            entry_place[k] = place_in_columns(nodes[n], s.entry_place[k] % front_rows) + column * tile;
+            const int column = s.entry_place[k] / stride;
+            entry_place[k] = place_in_columns(nodes[n], s.entry_place[k] % stride) + column * tile;
             place_of_value[static_cast<std::size_t>(s.entry_value[k])] = static_cast<int>(k);
         }
     }
