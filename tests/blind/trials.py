@@ -1,14 +1,14 @@
 """Blind trials of `pavescape diagnose`: a generator hides effects in data, the program looks for them, this script judges.
 
 usage: trials.py --program PROGRAM --generator GENERATOR [--one N] [--none N] [--two N] [--removed N] [--power N] [--outside N]
-                 [--understated N] [--overstated N] [--heavy N] [--bad N] [--few N] [--middle N] [--common N] [--tied N] [--fault N] [--layout N] [--first SEED] [--jobs J]
+                 [--understated N] [--overstated N] [--heavy N] [--bad N] [--few N] [--middle N] [--common N] [--tied N] [--one_common N] [--one_tied N] [--fault N] [--layout N] [--first SEED] [--jobs J]
                  [--out FOLDER] [--keep] [--page DOCS] [--correlated [--independent]]
 
 one:     an effect of 8 to 20 standard deviations; none: nothing hidden; two: two effects at once; removed: as `one`, but
          the effect is taken out of the catalogue; power: effects of 2 to 12 standard deviations; outside: physics
          that is neither in the catalogue nor of the form of a correction.
 understated, overstated, heavy, common, tied: nothing hidden, but errors are not as stated: 1.5 times as large or as small, of Student's t, shared by the
-         readings of a load, alike in neighbouring readings; bad: two or three wrong readings; few: as `one`, with 11 readings; middle: with 20 to 40; fault: of the file; layout: the file states
+         readings of a load, alike in neighbouring readings; one_common, one_tied: the same with an effect; bad: two or three wrong readings; few: as `one`, with 11 readings; middle: with 20 to 40; fault: of the file; layout: the file states
          another layout of the sensors than the one that was driven.
 --correlated: errors are tied as those of repeated drops are, and the study says so; --independent: it says that they are not.
 Writes a file a case into the folder (a run that was cut off continues), prints the rates. --page FOLDER: writes tables and pictures of FOLDER/diagnose.md too.
@@ -28,7 +28,8 @@ from svg import svg
 
 AMISS = ("understated", "overstated", "heavy", "common", "tied")  # nothing is wrong but what is stated of the errors
 LIKE = {"compaction-bulge": ["base-sublayer"]}  # of what is outside the catalogue: the same thing with other edges
-KINDS = ("one", "none", "two", "removed", "power", "outside", *AMISS, "bad", "few", "middle", "fault", "layout")
+WITH_EFFECT = ("few", "middle", "one_common", "one_tied")
+KINDS = ("one", "none", "two", "removed", "power", "outside", *AMISS, "bad", *WITH_EFFECT, "fault", "layout")
 CHEAPER = ["--explore", "48", "--starts", "5", "--bootstrap", "10"]  # than the defaults: a landscape of five parameters
 
 
@@ -46,7 +47,8 @@ def judge(options, kind, seed):
     folder = pathlib.Path(options.out) / f"{kind}-{seed}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    what = {"one": ["one"], "none": ["none"], "two": ["two"], "removed": ["one"], "power": ["one", "2", "12"], "outside": ["outside"], "few": ["one", "few"], "middle": ["one", "middle"],
+    what = {"one": ["one"], "none": ["none"], "two": ["two"], "removed": ["one"], "power": ["one", "2", "12"], "outside": ["outside"], 
+            **{kind: ["one", kind.removeprefix("one_")] for kind in WITH_EFFECT},
             **{data: ["none", data] for data in (*AMISS, "bad", "fault", "layout")}}[kind]
     made = subprocess.run([options.generator, str(seed), folder, *what, *(["correlated"] if options.correlated else [])], capture_output=True, text=True)
     truth = json.loads(made.stdout)
@@ -166,9 +168,9 @@ def rates(results):
            for kind in AMISS},
         "understated: adequate, and the noise larger": (sum(r["verdict"] == "adequate" and r["noise_factor"] > 1 for r in of["understated"]), len(of["understated"])),
         "two or three wrong readings, all and nothing else": (sum(map(finds_all_bad, of["bad"])), len(of["bad"])),
-        **{f"{kind} readings: truth among the causes": (sum(r["names"][0] in r["causes"] or names_alone(r) for r in of[kind]), len(of[kind])) for kind in ("few", "middle")},
-        **{f"{kind} readings: named alone": (sum(r["verdict"] == "cause-named" and names_alone(r) for r in of[kind]), len(of[kind])) for kind in ("few", "middle")},
-        **{f"{kind} readings: wrong name alone": (sum(r["verdict"] == "cause-named" and not names_alone(r) for r in of[kind]), len(of[kind])) for kind in ("few", "middle")},
+        **{f"{kind}: truth among the causes": (sum(r["names"][0] in r["causes"] or names_alone(r) for r in of[kind]), len(of[kind])) for kind in WITH_EFFECT},
+        **{f"{kind}: named alone": (sum(r["verdict"] == "cause-named" and names_alone(r) for r in of[kind]), len(of[kind])) for kind in WITH_EFFECT},
+        **{f"{kind}: wrong name alone": (sum(r["verdict"] == "cause-named" and not names_alone(r) for r in of[kind]), len(of[kind])) for kind in WITH_EFFECT},
         "another layout of the sensors: the one that was driven, first": (sum(map(names_layout, of["layout"])), len(of["layout"])),
         "another layout: something else alone": (sum(r["verdict"] == "cause-named" and not names_layout(r) for r in of["layout"]), len(of["layout"])),
         "faults of the file named": (sum(map(names_fault, of["fault"])), len(of["fault"])),
