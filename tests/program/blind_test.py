@@ -47,6 +47,12 @@ def test_another_layout_of_the_sensors_is_named():
     assert trials.rates([found])["another layout of the sensors: the one that was driven, first"] == (1, 1), f"{found['truth']['sensors_mm']}: {found['hypotheses'][:2]}"
 
 
+def test_a_fit_that_ended_in_a_local_minimum_is_tried_from_the_other_side():
+    # A base 48 mm thinner than stated, which a fit from what the screening proposes takes for one 22 mm thicker.
+    found = judged("middle", 60006)
+    assert found["names"][0] in found["causes"], f"{found['names']} is hidden: {found['verdict']} {found['causes']}"
+
+
 @pytest.mark.long
 def test_rates():
     counts = dict.fromkeys(("one", "none", "two", "removed"), COUNT) if COUNT else dict(one=3, none=1, two=1, removed=1)

@@ -13,6 +13,9 @@ namespace explore::diagnose {
 namespace {
 
 constexpr std::size_t scanned_of_singles = 30; // candidates computed at several sizes
+// Few readings are bent far by the parameters: what the screening predicts of an effect is worth little there, and a
+// fit costs little.
+constexpr std::size_t few_readings = 20;
 
 } // namespace
 
@@ -72,10 +75,7 @@ bool Investigation::fit_singles() {
         return false;
     }
     d_.screening = std::move(*screening);
-    // Few readings are bent far by the parameters: what the screening predicts of an effect is worth little there,
-    // and a fit costs little.
-    constexpr std::size_t few = 20;
-    const bool all = rows() <= few;
+    const bool all = rows() <= few_readings;
     constexpr std::size_t leading = 12;
     constexpr std::size_t variants_each = 2;
     const auto chosen = worth_fitting(d_.screening, all ? task_.candidates.size() : leading, variants_each, all);
@@ -217,15 +217,21 @@ void Investigation::set_statistics() {
 
 // Where no effect explains the data clearly better than the next, those that promised nothing are fitted too, as
 // far as they get near those that lead: the baseline's parameters are bent to follow what is missing, and the
-// screening may then not see it. False: interrupted.
+// screening may then not see it, or see it on the wrong side. Where none leaves noise, those that were fitted may have
+// ended in a local minimum. False: interrupted.
 bool Investigation::fit_untried() {
     constexpr double clearly = 6.0; // chi2
     const auto& e = d_.effects;
     const bool is_clear = noise_is_stated_ && !e.empty() && e[0].fit && e[0].fit->p_value >= level_noise &&
                           (e.size() < 2 || !e[1].fit || criterion(*e[1].fit) > criterion(*e[0].fit) + clearly);
+    const bool is_stuck =
+        noise_is_stated_ && rows() > few_readings && !e.empty() && e[0].fit && e[0].fit->p_value < level_noise;
     std::vector<EffectResult*> untried;
     for (EffectResult& effect : d_.effects) {
-        if (!is_clear && !effect.fit && d_.screening.items[effect.candidate].impossible.empty()) {
+        const Candidate& candidate = task_.candidates[effect.candidate];
+        const bool has_sides = !candidate.reading && candidate.scaled.empty();
+        if (!is_clear && (effect.fit ? is_stuck && has_sides && &effect != e.data()
+                                     : d_.screening.items[effect.candidate].impossible.empty())) {
             untried.push_back(&effect);
         }
     }
@@ -241,7 +247,7 @@ bool Investigation::fit_untried() {
         return false;
     }
     for (std::size_t i = 0; i < untried.size(); ++i) {
-        if (models[i]) {
+        if (models[i] && (!untried[i]->fit || models[i]->sum < untried[i]->fit->model.sum)) {
             take_single(*untried[i], std::move(*models[i]));
         }
     }
