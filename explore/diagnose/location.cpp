@@ -131,12 +131,16 @@ private:
     bool differentiate() {
         changes_.assign(task_.channels.size(), MatrixXd::Zero(model_.residuals.size(), 0));
         std::vector<std::vector<std::size_t>> batches; // of few coefficients each: runs side by side
-        constexpr std::size_t most = 24;
+        const std::size_t room = task_.bench.most_numbers() - model_.unit.size();
+        const std::size_t most = std::min<std::size_t>(24, room);
         std::size_t taken = most;
         for (std::size_t c = 0; c < task_.channels.size(); ++c) {
             const std::size_t count = task_.channels[c].count;
             if (is_accepted(c)) {
                 changes_[c] = changes_by(*problem_, model_.members, model_.evaluation, c);
+                continue;
+            }
+            if (count > room) { // no model has as many numbers
                 continue;
             }
             if (taken + count > most) {

@@ -4,6 +4,7 @@
 #include "run/engine.h"
 
 #include <atomic>
+#include <limits>
 #include <map>
 #include <mutex>
 
@@ -103,6 +104,7 @@ public:
         std::function<int(const Members&, Mesh)> run; // of the store, for the evaluations of a model
         run::Store* store = nullptr;
         int threads = 0;
+        std::size_t most_numbers = std::numeric_limits<std::size_t>::max(); // that a problem may have
     };
     explicit Workbench(Making making) : making_(std::move(making)) {}
 
@@ -125,6 +127,7 @@ public:
 
     run::Tally tally() const;
     int threads() const { return making_.threads; }
+    std::size_t most_numbers() const { return making_.most_numbers; }
 
 private:
     using Key = std::pair<Mesh, Members>;

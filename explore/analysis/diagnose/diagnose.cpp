@@ -361,7 +361,8 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
          .run = [&](const Members& members,
                     diagnose::Mesh mesh) { return session.begin(model_on(members, mesh), "diagnose", settings); },
          .store = session.store(),
-         .threads = session.options().threads});
+         .threads = session.options().threads,
+         .most_numbers = study::most_parameters});
     if (study.has_own_model) { // it has no other mesh
         bench.give_up_coarse();
     }
