@@ -47,7 +47,7 @@ def judge(options, kind, seed):
     folder = pathlib.Path(options.out) / f"{kind}-{seed}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    what = {"one": ["one"], "none": ["none"], "two": ["two"], "removed": ["one"], "power": ["one", "2", "12"], "outside": ["outside"], 
+    what = {"one": ["one"], "none": ["none"], "two": ["two"], "removed": ["one"], "power": ["one", "2", "12"], "outside": ["outside"],
             **{kind: ["one", kind.removeprefix("one_")] for kind in WITH_EFFECT},
             **{data: ["none", data] for data in (*AMISS, "bad", "fault", "layout")}}[kind]
     made = subprocess.run([options.generator, str(seed), folder, *what, *(["correlated"] if options.correlated else [])], capture_output=True, text=True)

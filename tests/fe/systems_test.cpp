@@ -224,7 +224,7 @@ TEST(SupernodalFactor, IsThatOfADenseMatrixWithTheSameBitsInEveryWidth) {
                 EXPECT_TRUE(x == *same) << n << " unknowns, " << kernels->instructions;
             }
             same = x;
-            fe::Block<1> one = b.col(3); // by the products that all right-hand sides but eight go through
+            fe::Block<1> one = b.col(3); // which has loops of its own
             factor.solve<1>(one);
             EXPECT_LT((one - exact.col(3)).norm(), 1e-10 * exact.col(3).norm()) << n << " unknowns";
             std::vector<double> indefinite = s.values;

@@ -69,19 +69,6 @@ struct Sections {
     }
 };
 
-// Numbers of operations of the elimination of the part that changes along a load path.
-double operations(const fe::lanes::Layout& layout) {
-    double sum = 0.0;
-    for (std::size_t n = 0; n + 1 < layout.nodes.size(); ++n) {
-        const auto& node = layout.nodes[n];
-        for (int k = 0; !node.is_constant && k < node.columns; ++k) {
-            const double left = node.columns - k - 1 + node.rows_below;
-            sum += left * (left + 2.0);
-        }
-    }
-    return sum;
-}
-
 // The elimination alone of one matrix in every lane.
 struct Elimination {
     const Kernels& kernels;
@@ -192,7 +179,7 @@ void eliminations(const explore::study::Study& study, const std::vector<const Ke
     for (const Kernels* kernels : all) {
         of_all.push_back(std::make_unique<Elimination>(sections.parts, *kernels));
     }
-    const double once = operations(of_all[0]->layout);
+    const double once = sections.parts.model.topology->analysis->structure().changing_operations();
     const int n = static_cast<int>(std::cbrt(3.0 * once * all[0]->lanes));
     const Eigen::MatrixXd dense = Eigen::MatrixXd::Constant(n, n, 0.5) + n * Eigen::MatrixXd::Identity(n, n);
     std::vector<std::vector<double>> rates(all.size());
