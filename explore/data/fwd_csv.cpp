@@ -54,9 +54,9 @@ bool tells_decimals(Meaning meaning) {
     }
 }
 
-class Reader {
+class CsvReader {
 public:
-    Reader(std::string_view text, std::string file, const ColumnMap& map) : file_(std::move(file)) {
+    CsvReader(std::string_view text, std::string file, const ColumnMap& map) : file_(std::move(file)) {
         auto table = fwd_table(text, file_, map);
         if (!table) {
             throw pave::Error({.file = file_}, "the file holds no table", {}, known_columns());
@@ -405,7 +405,7 @@ bool recognises_fwd_csv(std::string_view text, const ColumnMap& columns) {
 }
 
 FwdFile read_fwd_csv(std::string_view text, const std::string& file, const ColumnMap& columns) {
-    return Reader(text, file, columns).read();
+    return CsvReader(text, file, columns).read();
 }
 
 } // namespace explore::data

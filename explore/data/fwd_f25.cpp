@@ -85,7 +85,7 @@ std::optional<double> station_unit(const Line& line) {
     return std::nullopt;
 }
 
-struct Sensor {
+struct DropSensor {
     std::size_t at; // of its deflection in a drop
     double x_mm, y_mm;
 };
@@ -99,9 +99,9 @@ struct HistoryBlock {
     FwdHistory history{};
 };
 
-class Reader {
+class F25Reader {
 public:
-    explicit Reader(std::string file) : file_(std::move(file)) {}
+    explicit F25Reader(std::string file) : file_(std::move(file)) {}
 
     void take(const Line& line) {
         const auto id = line.id();
@@ -125,7 +125,7 @@ public:
         if (*id == plate_and_x) {
             take_plate(line);
         } else if (*id == diameter_and_y) {
-            for (Sensor& sensor : sensors_) {
+            for (DropSensor& sensor : sensors_) {
                 sensor.y_mm = line.reading(sensor.at).value_or(0.0); // what is placed along the road stands on its line
             }
             if (const auto diameter = line.reading(1); diameter && !radius_mm_) {
@@ -181,7 +181,7 @@ private:
     }
 
     std::size_t readings_of(const Line& line) const {
-        return static_cast<std::size_t>(std::count_if(sensors_.begin(), sensors_.end(), [&](const Sensor& sensor) {
+        return static_cast<std::size_t>(std::count_if(sensors_.begin(), sensors_.end(), [&](const DropSensor& sensor) {
             return line.reading(sensor.at).has_value();
         }));
     }
@@ -231,7 +231,7 @@ private:
                                   .samples = static_cast<std::size_t>(samples),
                                   .line = line.number});
             histories_.back().history.step_ms = 1e-3 * step;
-            for (const Sensor& sensor : sensors_) {
+            for (const DropSensor& sensor : sensors_) {
                 histories_.back().history.offsets_mm.push_back(offset_mm(sensor));
             }
         }
@@ -244,7 +244,7 @@ private:
     void take_sample(const Line& line) {
         FwdHistory& history = histories_.back().history;
         history.pressure_kPa.push_back(line.reading(1).value_or(NAN));
-        for (const Sensor& sensor : sensors_) {
+        for (const DropSensor& sensor : sensors_) {
             history.deflection_um.push_back(line.reading(sensor.at).value_or(NAN));
         }
     }
@@ -279,7 +279,7 @@ private:
     }
 
     // Behind the plate is where x is negative.
-    static double offset_mm(const Sensor& sensor) {
+    static double offset_mm(const DropSensor& sensor) {
         return std::copysign(std::hypot(sensor.x_mm, sensor.y_mm), sensor.x_mm);
     }
 
@@ -323,7 +323,7 @@ private:
                      .pressure_kPa = line.reading(1).value_or(NAN),
                      .readings = {}};
         drop.line = line.number;
-        for (const Sensor& sensor : sensors_) {
+        for (const DropSensor& sensor : sensors_) {
             const double offset = offset_mm(sensor);
             if (const auto deflection = line.reading(sensor.at)) {
                 drop.readings.push_back({offset, *deflection});
@@ -351,7 +351,7 @@ private:
         std::size_t among = 0; // the placed ones
         for (std::size_t i = 2; i < line.cells.size(); ++i) {
             const bool is_placed =
-                std::any_of(sensors_.begin(), sensors_.end(), [&](const Sensor& sensor) { return sensor.at == i; });
+                std::any_of(sensors_.begin(), sensors_.end(), [&](const DropSensor& sensor) { return sensor.at == i; });
             without += !is_placed && line.reading(i) ? 1 : 0;
             among += !is_placed && line.reading(i) && i < sensors_.back().at ? 1 : 0;
         }
@@ -366,7 +366,7 @@ private:
 
     std::string file_;
     std::optional<double> radius_mm_;
-    std::vector<Sensor> sensors_;
+    std::vector<DropSensor> sensors_;
     std::pair<std::string, std::string> position_; // of the next station: latitude, longitude
     FwdStation station_;
     bool is_open_ = false;     // there is a station
@@ -388,7 +388,7 @@ bool recognises_fwd_f25(std::string_view text, const ColumnMap& /*columns*/) {
 FwdFile read_fwd_f25(std::string_view text, const std::string& file, const ColumnMap& /*columns*/) {
     constexpr char end_of_file = '\x1a'; // of old systems
     text = text.substr(0, text.find(end_of_file));
-    Reader reader(file);
+    F25Reader reader(file);
     for_each_line(text, [&](std::string_view line, int number) {
         if (!trimmed(line).empty()) {
             reader.take({cells_of(line), file, number});

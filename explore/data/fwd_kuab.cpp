@@ -26,9 +26,9 @@ std::optional<double> receiver_degrees(std::string_view word, std::size_t digits
                                                : std::nullopt;
 }
 
-class Reader {
+class KuabReader {
 public:
-    explicit Reader(std::string file) : file_(std::move(file)) {}
+    explicit KuabReader(std::string file) : file_(std::move(file)) {}
 
     // Before the lines are taken: where the positions, or else the time, stand in most lines of drops.
     void look_at(std::string_view line) {
@@ -259,7 +259,7 @@ bool recognises_fwd_kuab(std::string_view text, const ColumnMap& /*columns*/) {
 }
 
 FwdFile read_fwd_kuab(std::string_view text, const std::string& file, const ColumnMap& /*columns*/) {
-    Reader reader(file);
+    KuabReader reader(file);
     for_each_line(text, [&](std::string_view line, int /*number*/) { reader.look_at(line); });
     for_each_line(text, [&](std::string_view line, int number) { reader.take(line, number); });
     return std::move(reader).file();

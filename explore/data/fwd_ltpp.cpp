@@ -124,14 +124,14 @@ std::string flag_of(const Table& drops, std::size_t r) {
     return rises && *rises != 0.0 ? fmt::format("NON_DECREASING_DEFL {:g}", *rises) : "";
 }
 
-struct Sensor {
+struct NumberedSensor {
     int number = 0;
     double offset_mm = 0.0; // negative: behind the plate
 };
 
 struct Configuration {
     double radius_mm = 0.0;
-    std::vector<Sensor> sensors;
+    std::vector<NumberedSensor> sensors;
 };
 
 std::map<std::string, Configuration> read_configurations(const std::string& file, std::vector<InputFile>& read) {
@@ -216,7 +216,7 @@ FwdFile read_fwd_ltpp(std::string_view text, const std::string& file, const Colu
         }
         if (const Configuration* configuration = configuration_of[at->second]) {
             drop.radius_mm = configuration->radius_mm;
-            for (const Sensor& sensor : configuration->sensors) {
+            for (const NumberedSensor& sensor : configuration->sensors) {
                 if (const auto deflection = drops.reading(r, fmt::format("PEAK_DEFL_{}", sensor.number))) {
                     drop.readings.push_back({sensor.offset_mm, *deflection});
                 } else {

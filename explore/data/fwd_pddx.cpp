@@ -31,9 +31,9 @@ struct Section {
     }
 };
 
-class Reader {
+class PddxReader {
 public:
-    Reader(std::string_view text, std::string file) : file_(std::move(file)) {
+    PddxReader(std::string_view text, std::string file) : file_(std::move(file)) {
         for_each_line(text, [&](std::string_view line, int number) { take(trimmed(line), number); });
     }
 
@@ -421,7 +421,7 @@ bool recognises_fwd_pddx(std::string_view text, const ColumnMap& /*columns*/) {
 }
 
 FwdFile read_fwd_pddx(std::string_view text, const std::string& file, const ColumnMap& /*columns*/) {
-    return Reader(text, file).read();
+    return PddxReader(text, file).read();
 }
 
 } // namespace explore::data

@@ -11,9 +11,9 @@
 namespace explore::data {
 namespace {
 
-class Reader {
+class PrimaxReader {
 public:
-    explicit Reader(std::string file) : file_(std::move(file)) {}
+    explicit PrimaxReader(std::string file) : file_(std::move(file)) {}
 
     void take(std::string_view line, int number) {
         const auto cells = cells_between('\t', line);
@@ -218,7 +218,7 @@ bool recognises_fwd_primax(std::string_view text, const ColumnMap& /*columns*/) 
 }
 
 FwdFile read_fwd_primax(std::string_view text, const std::string& file, const ColumnMap& /*columns*/) {
-    Reader reader(file);
+    PrimaxReader reader(file);
     for_each_line(text, [&](std::string_view line, int number) { reader.take(line, number); });
     return std::move(reader).file();
 }

@@ -43,9 +43,9 @@ std::vector<std::string_view> split_decimals(std::string_view line) {
     }
 }
 
-class Reader {
+class R80Reader {
 public:
-    explicit Reader(std::string file) : file_(std::move(file)) {}
+    explicit R80Reader(std::string file) : file_(std::move(file)) {}
 
     void take(std::string_view line, int number) {
         if (number == offsets_line) {
@@ -186,7 +186,7 @@ bool recognises_fwd_r80(std::string_view text, const ColumnMap& /*columns*/) {
 
 FwdFile read_fwd_r80(std::string_view text, const std::string& file, const ColumnMap& /*columns*/) {
     constexpr char end_of_file = '\x1a'; // of old systems
-    Reader reader(file);
+    R80Reader reader(file);
     for_each_line(text.substr(0, text.find(end_of_file)),
                   [&](std::string_view line, int number) { reader.take(line, number); });
     return std::move(reader).file();

@@ -9,7 +9,7 @@
 namespace explore::data {
 namespace {
 
-constexpr std::string_view wanted = "the columns time_ms and force_kN, or time_ms and pressure_kPa";
+constexpr std::string_view wanted_columns = "the columns time_ms and force_kN, or time_ms and pressure_kPa";
 
 // Where a column stands; none: nowhere. Throws pave::Error where it appears twice.
 std::optional<std::size_t> column(const CsvRow& header, std::string_view name, const std::string& file) {
@@ -18,7 +18,7 @@ std::optional<std::size_t> column(const CsvRow& header, std::string_view name, c
         if (trimmed(header.cells[i]) == name) {
             if (place) {
                 throw pave::Error({.file = file, .line = header.line, .key = std::string(name)},
-                                  "this column appears twice", {}, std::string(wanted));
+                                  "this column appears twice", {}, std::string(wanted_columns));
             }
             place = i;
         }
@@ -33,7 +33,7 @@ History history_of(std::string_view text, const std::string& file) {
     const auto& rows = table.rows;
     if (rows.empty()) {
         throw pave::Error({.file = file}, "the file holds no history", "nothing but comments or blank lines",
-                          "a header with " + std::string(wanted) + ", and at least two rows");
+                          "a header with " + std::string(wanted_columns) + ", and at least two rows");
     }
     const CsvRow& header = rows[0];
     const auto time = column(header, "time_ms", file);
@@ -45,11 +45,11 @@ History history_of(std::string_view text, const std::string& file) {
             found += (found.empty() ? "" : ", ") + std::string(trimmed(cell));
         }
         throw pave::Error({.file = file, .line = header.line, .key = !time ? "time_ms" : "force_kN"}, "column missing",
-                          found, std::string(wanted));
+                          found, std::string(wanted_columns));
     }
     if (force && pressure) {
         throw pave::Error({.file = file, .line = header.line}, "the load appears twice", "force_kN and pressure_kPa",
-                          std::string(wanted));
+                          std::string(wanted_columns));
     }
     History history{.is_force = force.has_value(), .time_ms = {}, .values = {}};
     const std::size_t value = force ? *force : *pressure;

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t least_groups = 5;
 constexpr std::size_t least_of_sensor = 8;
 
-using Stations = std::vector<pave::Outcome<StationBowls>>;
+using StationOutcomes = std::vector<pave::Outcome<StationBowls>>;
 
 // By file.
 using Resolutions = std::map<std::string, double>;
@@ -27,8 +27,9 @@ Resolutions resolutions_of(const std::vector<const FwdStation*>& stations) {
     return resolutions;
 }
 
-Stations made(const std::vector<const FwdStation*>& stations, DropChoice choice, const Resolutions& resolutions) {
-    Stations bowls;
+StationOutcomes made(const std::vector<const FwdStation*>& stations, DropChoice choice,
+                     const Resolutions& resolutions) {
+    StationOutcomes bowls;
     bowls.reserve(stations.size());
     for (const FwdStation* s : stations) {
         choice.resolution_um = resolutions.at(s->file);
@@ -38,7 +39,7 @@ Stations made(const std::vector<const FwdStation*>& stations, DropChoice choice,
 }
 
 // Whether at most of the stations where it can be told the first drop seats the plate.
-bool first_drops_seat(const std::vector<const FwdStation*>& stations, const Stations& bowls) {
+bool first_drops_seat(const std::vector<const FwdStation*>& stations, const StationOutcomes& bowls) {
     std::size_t told = 0;
     std::size_t seating = 0;
     for (std::size_t i = 0; i < bowls.size(); ++i) {
@@ -55,7 +56,7 @@ bool first_drops_seat(const std::vector<const FwdStation*>& stations, const Stat
 
 } // namespace
 
-std::optional<RepeatScatter> scatter_of(const Stations& stations) {
+std::optional<RepeatScatter> scatter_of(const StationOutcomes& stations) {
     std::map<double, std::vector<ScatterSample>> of_sensor;
     std::vector<ScatterSample> all;
     std::size_t groups = 0;
@@ -89,7 +90,7 @@ std::vector<pave::Outcome<StationBowls>> bowls_of_road(const std::vector<const F
                                                        DropChoice choice) {
     choice.keeps_contradicted = true; // what is far off does not rule the middle
     const Resolutions resolutions = resolutions_of(stations);
-    const Stations all = made(stations, choice, resolutions);
+    const StationOutcomes all = made(stations, choice, resolutions);
     choice.keeps_contradicted = false;
     choice.first_of_two_seats = choice.first_of_two_seats || first_drops_seat(stations, all);
     choice.scatter = scatter_of(all);

@@ -9,7 +9,7 @@ namespace explore::data {
 namespace {
 
 // All are multiples, of at least three different ones, to what a decimal file keeps of them.
-bool are_multiples(const std::vector<double>& values, double step) {
+bool are_different_multiples(const std::vector<double>& values, double step) {
     constexpr double tolerance = 2e-3; // of the step
     constexpr std::size_t different = 3;
     std::set<long long> multiples;
@@ -41,7 +41,7 @@ double rounding_step(const std::vector<double>& values) {
         for (const double digit : {5.0, 2.5, 2.0, 1.0}) {
             for (const double unit : {1.0, 25.4}) {
                 const double step = digit * unit * std::pow(10.0, power);
-                if (step > found && are_multiples(values, step)) {
+                if (step > found && are_different_multiples(values, step)) {
                     found = step;
                 }
             }

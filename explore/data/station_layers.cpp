@@ -13,7 +13,7 @@
 namespace explore::data {
 namespace {
 
-constexpr std::string_view wanted = "chainage_m, <layer>_mm such as asphalt_mm, <layer>_sd_mm, lane";
+constexpr std::string_view wanted_layers = "chainage_m, <layer>_mm such as asphalt_mm, <layer>_sd_mm, lane";
 
 struct Cell {
     std::size_t at = 0;
@@ -58,7 +58,7 @@ std::vector<std::string> LayerTable::layers() const {
 LayerTable read_layer_table(const std::string& file) {
     const CsvTable read = parse_table(read_file(file, "table of layers", Encoding::of_instruments), file);
     if (read.rows.empty()) {
-        throw pave::Error({.file = file}, "the file holds no table", {}, std::string(wanted));
+        throw pave::Error({.file = file}, "the file holds no table", {}, std::string(wanted_layers));
     }
     const CsvRow& header = read.rows[0];
     LayerTable table{.file = file, .rows = {}};
@@ -82,7 +82,7 @@ LayerTable read_layer_table(const std::string& file) {
     }
     if (!place || cells.empty()) {
         throw pave::Error({.file = file, .line = header.line, .key = place ? "<layer>_mm" : "chainage_m"},
-                          "column missing", pave::join(header.cells), std::string(wanted));
+                          "column missing", pave::join(header.cells), std::string(wanted_layers));
     }
     std::stable_sort(cells.begin(), cells.end(),
                      [](const Cell& a, const Cell& b) { return a.column.is_error < b.column.is_error; });
@@ -128,7 +128,7 @@ LayerTable read_layer_table(const std::string& file) {
     std::stable_sort(table.rows.begin(), table.rows.end(),
                      [](const auto& a, const auto& b) { return a.chainage_m < b.chainage_m; });
     if (table.layers().empty()) {
-        throw pave::Error({.file = file}, "the table states no thickness", {}, std::string(wanted));
+        throw pave::Error({.file = file}, "the table states no thickness", {}, std::string(wanted_layers));
     }
     return table;
 }

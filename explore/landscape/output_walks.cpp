@@ -13,7 +13,7 @@ using Eigen::VectorXd;
 using inference::KnownPoint;
 using inference::Kriging;
 
-constexpr int most_rounds = 8;
+constexpr int most_walk_rounds = 8;
 constexpr int chains_of_round = 5'000;
 constexpr double close_enough = 0.002; // of the range of an output: how far runs may be from what was expected
 constexpr double same_point = 1e-6;    // in every unit coordinate
@@ -34,7 +34,7 @@ public:
         for (std::size_t i = 0; i < branches_.size(); ++i) {
             open_.push_back(i);
         }
-        for (int round = 0; round < most_rounds; ++round) {
+        for (int round = 0; round < most_walk_rounds; ++round) {
             if (!walk_between(round)) {
                 return std::nullopt;
             }
@@ -112,7 +112,8 @@ private:
             }
         }
         std::vector<problem::Evaluation> runs(wanted.size());
-        if (!task_.everything_engine.chains("outputs", first_ + (most_rounds + round) * chains_of_round, wanted.size(),
+        if (!task_.everything_engine.chains("outputs", first_ + (most_walk_rounds + round) * chains_of_round,
+                                            wanted.size(),
                                             [&](std::size_t i, run::Chain& chain) { runs[i] = chain.at(wanted[i]); })) {
             return std::nullopt;
         }

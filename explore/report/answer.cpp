@@ -10,11 +10,6 @@
 namespace explore::report {
 namespace {
 
-std::size_t width(const std::string& text) {
-    return static_cast<std::size_t>(std::count_if(
-        text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U; }));
-}
-
 // The first `columns` code points.
 std::string head(const std::string& text, std::size_t columns) {
     std::size_t bytes = 0;

@@ -8,9 +8,9 @@
 namespace explore::report {
 namespace {
 
-constexpr std::size_t most_points = 1000; // more are thinned out evenly
-constexpr std::size_t lines = 97;         // of the grid along each side
-constexpr double reach = 5.0;             // of a kernel, in its standard deviations
+constexpr std::size_t most_counted = 1000; // more are thinned out evenly
+constexpr std::size_t lines = 97;          // of the grid along each side
+constexpr double reach = 5.0;              // of a kernel, in its standard deviations
 
 struct Point {
     double x = 0.0, y = 0.0, weight = 0.0;
@@ -99,7 +99,7 @@ std::vector<double> lines_over(const std::vector<Point>& points, double Point::*
 std::vector<Contour> densest_region(std::span<const double> x, std::span<const double> y,
                                     std::span<const double> weight, double share) {
     std::vector<Point> own;
-    const std::size_t count = std::min(most_points, x.size());
+    const std::size_t count = std::min(most_counted, x.size());
     for (std::size_t k = 0; k < count; ++k) {
         const std::size_t i = k * x.size() / count;
         if (weight[i] > 0.0) {

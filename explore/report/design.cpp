@@ -17,22 +17,18 @@ using analysis::DesignResult;
 using analysis::LifeRange;
 using pave::figure;
 
-Json number(double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 // If the model may lack something, no number stands for what the law or the data
 // do not bound.
 Json wide_json(const CriterionLife& c, const LifeRange& range) {
     const auto end = [&](double value, double allowable) {
-        return c.beyond(allowable) == 0 ? number(value) : Json(nullptr);
+        return c.beyond(allowable) == 0 ? finite_json(value) : Json(nullptr);
     };
     return {{"low", end(range.wide_low, c.allowable.wide_low)}, {"high", end(range.wide_high, c.allowable.wide_high)}};
 }
 
 void add_range(Json& json, const std::string& name, const CriterionLife& c, const LifeRange& range) {
-    json[name + "_low"] = number(range.low);
-    json[name + "_high"] = number(range.high);
+    json[name + "_low"] = finite_json(range.low);
+    json[name + "_high"] = finite_json(range.high);
     json[name + "_if_wrong"] = wide_json(c, range);
 }
 
@@ -52,22 +48,22 @@ Json beyond_json(const CriterionLife& c) {
 Json criterion_json(const CriterionLife& c) {
     Json json = {{"name", c.criterion.name},
                  {"law", c.criterion.law},
-                 {"strain_microstrain", number(c.strain.best)},
-                 {"allowable", number(c.allowable.best)},
-                 {"remaining", number(c.remaining.best)},
-                 {"remaining_years", number(c.years.best)},
-                 {"low", number(c.years.low)},
-                 {"high", number(c.years.high)}};
-    json["strain_low"] = number(c.strain.low);
-    json["strain_high"] = number(c.strain.high);
-    json["strain_if_wrong"] = {{"low", number(c.strain.wide_low)}, {"high", number(c.strain.wide_high)}};
+                 {"strain_microstrain", finite_json(c.strain.best)},
+                 {"allowable", finite_json(c.allowable.best)},
+                 {"remaining", finite_json(c.remaining.best)},
+                 {"remaining_years", finite_json(c.years.best)},
+                 {"low", finite_json(c.years.low)},
+                 {"high", finite_json(c.years.high)}};
+    json["strain_low"] = finite_json(c.strain.low);
+    json["strain_high"] = finite_json(c.strain.high);
+    json["strain_if_wrong"] = {{"low", finite_json(c.strain.wide_low)}, {"high", finite_json(c.strain.wide_high)}};
     add_range(json, "allowable", c, c.allowable);
     add_range(json, "remaining", c, c.remaining);
     json["if_wrong"] = wide_json(c, c.years);
     json["if_wrong"]["held_by_data"] = c.short_is_held && c.long_is_held;
     json["distribution"] = Json::array();
     for (const auto& [repetitions, probability] : c.distribution) {
-        json["distribution"].push_back({{"allowable", number(repetitions)}, {"probability", probability}});
+        json["distribution"].push_back({{"allowable", finite_json(repetitions)}, {"probability", probability}});
     }
     json["passed"] = c.criterion.passed;
     json["required"] = c.required;
@@ -120,10 +116,6 @@ std::vector<std::vector<std::string>> table_of(const DesignResult& result) {
                         result.no_range.empty() ? fmt::format("{:.0f} %", 100.0 * c.governs) : "-"});
     }
     return rows;
-}
-
-std::string millimetres(const std::optional<double>& mm, double most) {
-    return mm ? fmt::format("{:.0f}", *mm) : fmt::format("> {:g}", most);
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 #include "analysis/explore/build.h"
 #include "report/curves.h"
 #include "report/figure.h"
+#include "report/json.h"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -12,14 +13,10 @@ namespace {
 
 using analysis::Explorer;
 
-Json number(double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 Json numbers(const std::vector<double>& values) {
     Json list = Json::array();
     for (const double value : values) {
-        list.push_back(number(value));
+        list.push_back(finite_json(value));
     }
     return list;
 }
@@ -109,17 +106,17 @@ Json explore_point_json(Explorer& explorer, const problem::Evaluation& evaluatio
         json["reason"] = evaluation.reason;
         return json;
     }
-    json["chi2"] = number(explorer.chi2(evaluation));
+    json["chi2"] = finite_json(explorer.chi2(evaluation));
     const std::size_t measured = study.measured().size();
     Json values = Json::array();
     for (std::size_t i = 0; i < measured; ++i) {
-        values.push_back(number(study.readings[i].in_unit(evaluation.responses[i])));
+        values.push_back(finite_json(study.readings[i].in_unit(evaluation.responses[i])));
     }
     json["values"] = std::move(values);
     json["residuals"] = numbers(explorer.residuals(evaluation, changes));
     json["outputs"] = Json::array();
     for (const std::size_t i : study.outputs()) {
-        json["outputs"].push_back(number(study.readings[i].in_unit(evaluation.responses[i])));
+        json["outputs"].push_back(finite_json(study.readings[i].in_unit(evaluation.responses[i])));
     }
     json["full"] = !explorer.reduced() || evaluation.in_place_of_reduced;
     json["warnings"] = evaluation.warnings;
@@ -145,7 +142,7 @@ Json explore_landscape_json(const Explorer& explorer, const std::optional<analys
     for (std::size_t j = 0; j < grid->y_values.size(); ++j) {
         Json row = Json::array();
         for (std::size_t i = 0; i < width; ++i) {
-            row.push_back(number(grid->chi2[j * width + i]));
+            row.push_back(finite_json(grid->chi2[j * width + i]));
         }
         rows.push_back(std::move(row));
     }
@@ -155,7 +152,7 @@ Json explore_landscape_json(const Explorer& explorer, const std::optional<analys
             {"x_values", grid->x_values},
             {"y_values", grid->y_values},
             {"chi2", std::move(rows)},
-            {"lowest", number(grid->lowest)},
+            {"lowest", finite_json(grid->lowest)},
             {"fitted", grid->fitted}};
 }
 

@@ -13,6 +13,10 @@ std::string json_text(const Json& json, int indent) {
     return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
+Json finite_json(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
 Json optional_json(const std::optional<double>& value) {
     return value ? Json(*value) : Json(nullptr);
 }

@@ -21,6 +21,8 @@ using Json = nlohmann::ordered_json;
 // replaced.
 std::string json_text(const Json& json, int indent = 2);
 
+// The number, or null where it is none.
+Json finite_json(double value);
 // The number, or null.
 Json optional_json(const std::optional<double>& value);
 

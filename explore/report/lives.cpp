@@ -2,7 +2,7 @@
 
 #include "analysis/survey/survey_lives.h"
 #include "base/text.h"
-#include "report/table.h"
+#include "report/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,20 +20,12 @@ const StationLives* lives_of(const StationResult& s) {
     return s.is_fitted() && s.fit->lives ? &*s.fit->lives : nullptr;
 }
 
-Json number(double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 std::string cell(double value) {
     return std::isfinite(value) ? fmt::format("{}", value) : "";
 }
 
 std::string cell(const std::optional<double>& value) {
     return value ? fmt::format("{}", *value) : "";
-}
-
-std::string millimetres(const std::optional<double>& mm, double most) {
-    return mm ? fmt::format("{:.0f}", *mm) : fmt::format("> {:g}", most);
 }
 
 std::string years_with_range(const CriterionLife& c) {
@@ -60,9 +52,9 @@ std::vector<std::string> criteria_names(const SurveyResult& result) {
 
 Json lives_json(const StationLives& lives) {
     Json json = {{"ends_first", lives.first().criterion.name},
-                 {"years", number(lives.first().years.best)},
-                 {"years_low", number(lives.first().years.low)},
-                 {"years_high", number(lives.first().years.high)},
+                 {"years", finite_json(lives.first().years.best)},
+                 {"years_low", finite_json(lives.first().years.low)},
+                 {"years_high", finite_json(lives.first().years.high)},
                  {"overlay_mm",
                   {{"value", optional_json(lives.overlay.best)},
                    {"low", optional_json(lives.overlay.low)},
@@ -72,13 +64,13 @@ Json lives_json(const StationLives& lives) {
                    {"tried_up_to", lives.overlay.most}}},
                  {"criteria", Json::object()}};
     for (const CriterionLife& c : lives.criteria) {
-        json["criteria"][c.criterion.name] = {{"strain_microstrain", number(c.strain.best)},
-                                              {"allowable", number(c.allowable.best)},
-                                              {"allowable_low", number(c.allowable.low)},
-                                              {"allowable_high", number(c.allowable.high)},
-                                              {"years", number(c.years.best)},
-                                              {"years_low", number(c.years.low)},
-                                              {"years_high", number(c.years.high)},
+        json["criteria"][c.criterion.name] = {{"strain_microstrain", finite_json(c.strain.best)},
+                                              {"allowable", finite_json(c.allowable.best)},
+                                              {"allowable_low", finite_json(c.allowable.low)},
+                                              {"allowable_high", finite_json(c.allowable.high)},
+                                              {"years", finite_json(c.years.best)},
+                                              {"years_low", finite_json(c.years.low)},
+                                              {"years_high", finite_json(c.years.high)},
                                               {"required", c.required},
                                               {"extrapolated", c.extrapolated()},
                                               {"place", place_json(c.place)}};
@@ -90,9 +82,9 @@ Json section_life_json(const SurveyResult& result, const analysis::RoadSection& 
     const auto life = analysis::life_of_section(result, section);
     return !life ? Json(nullptr)
                  : Json{{"stations", life->stations},
-                        {"years", number(life->years)},
-                        {"years_low", number(life->years_low)},
-                        {"years_high", number(life->years_high)},
+                        {"years", finite_json(life->years)},
+                        {"years_low", finite_json(life->years_low)},
+                        {"years_high", finite_json(life->years_high)},
                         {"overlay_mm", optional_json(life->overlay_mm)},
                         {"overlay_mm_at_reliability", optional_json(life->overlay_reliable_mm)}};
 }
@@ -132,9 +124,9 @@ void add_life_properties(const StationResult& station, Json& properties) {
     if (const StationLives* lives = lives_of(station)) {
         const CriterionLife& first = lives->first();
         properties["ends_first"] = first.criterion.name;
-        properties["years"] = number(first.years.best);
-        properties["years low"] = number(first.years.low);
-        properties["years high"] = number(first.years.high);
+        properties["years"] = finite_json(first.years.best);
+        properties["years low"] = finite_json(first.years.low);
+        properties["years high"] = finite_json(first.years.high);
         properties["overlay_mm"] = optional_json(lives->overlay.best);
         properties["overlay_mm low"] = optional_json(lives->overlay.low);
         properties["overlay_mm high"] = optional_json(lives->overlay.high);

@@ -13,7 +13,7 @@ namespace explore::report {
 
 namespace {
 
-constexpr std::size_t most_points = 5000; // of a picture of the landscape
+constexpr std::size_t most_pictured = 5000; // of a picture of the landscape
 
 std::string contents(const std::filesystem::path& path) {
     std::ifstream stream(path, std::ios::binary);
@@ -102,8 +102,8 @@ Json evaluations_in(const run::Store& store) {
             return a.converged() != b.converged() ? a.converged() : a.converged() && a.misfit < b.misfit;
         });
         // The lowest half of what is shown, and evenly of the rest.
-        const std::size_t lowest = std::min(all.size(), most_points / 2);
-        const std::size_t stride = 1 + (all.size() - lowest) / (most_points / 2 + 1);
+        const std::size_t lowest = std::min(all.size(), most_pictured / 2);
+        const std::size_t stride = 1 + (all.size() - lowest) / (most_pictured / 2 + 1);
         Json rows = Json::array();
         for (std::size_t i = 0; i < all.size(); i += i < lowest ? 1 : stride) {
             Json row = {std::string(to_string(all[i].status)), all[i].converged() ? Json(all[i].misfit) : Json()};

@@ -70,7 +70,7 @@ std::vector<std::string> header_of(const analysis::SlabResult& result) {
             "slab MPa", "RMS %", "transfer %"};
 }
 
-std::vector<std::string> row_of(const SlabStation& s) {
+std::vector<std::string> station_row(const SlabStation& s) {
     const auto cell = [](const std::optional<double>& value) { return value ? figure(*value, 3) : std::string(); };
     std::vector<std::string> cells{s.name, s.d0_um > 0.0 ? figure(s.d0_um, 3) : "", cell(s.area_mm)};
     if (s.fit) {
@@ -116,7 +116,7 @@ Answer slab_answer(const analysis::SlabResult& result) {
     answer.verdict_and_notes(findings(result));
     answer.heading = "Stations";
     answer.header = header_of(result);
-    std::transform(result.stations.begin(), result.stations.end(), std::back_inserter(answer.rows), row_of);
+    std::transform(result.stations.begin(), result.stations.end(), std::back_inserter(answer.rows), station_row);
     for (std::string& reason : reasons_of(result)) {
         answer.notes.push_back(std::move(reason));
     }
@@ -127,7 +127,7 @@ Answer slab_answer(const analysis::SlabResult& result) {
 std::string slab_text(const analysis::SlabResult& result) {
     Table table(header_of(result));
     for (const SlabStation& s : result.stations) {
-        table.add(row_of(s));
+        table.add(station_row(s));
     }
     return sentences(findings(result)) + "\n" + table.text() + sentences(reasons_of(result));
 }

@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 
 namespace explore::report {
-namespace {
 
 std::size_t width(const std::string& text) {
     return static_cast<std::size_t>(std::count_if(
         text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U; }));
 }
+namespace {
 
 bool is_numeric(const std::string& text) {
     return !text.empty() && text.find_first_not_of("+-.0123456789e%<>~ inf") == std::string::npos;

@@ -6,6 +6,9 @@
 
 namespace explore::report {
 
+// Code points of a text: the columns that it takes.
+std::size_t width(const std::string& text);
+
 // Columns are as wide as their widest cell (counted in code points); numbers right, words left.
 class Table {
 public:

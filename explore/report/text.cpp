@@ -128,6 +128,10 @@ std::string reduced_words(const analysis::ReducedProblem& reduced) {
     return text;
 }
 
+std::string millimetres(const std::optional<double>& mm, double most) {
+    return mm ? fmt::format("{:.0f}", *mm) : fmt::format("> {:g}", most);
+}
+
 std::string sentences(const std::vector<std::string>& text) {
     std::string lines;
     for (const std::string& sentence : text) {

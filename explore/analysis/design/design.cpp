@@ -26,7 +26,6 @@ using Eigen::VectorXd;
 using pave::pavement::CriticalPlace;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double two_sided = 1.959963984540054; // deviate of 97.5 %
 
 // Of ln(life) by the unit coordinates.
 VectorXd gradient_of(const Life& life, const std::vector<double>& unit, const problem::Evaluation& e) {
@@ -71,7 +70,7 @@ void weigh(std::vector<CriterionLife>& criteria, const MatrixXd& correlations, s
         double soonest = INFINITY;
         for (std::size_t l = 0; l < criteria.size(); ++l) {
             const LifeRange& life = criteria[l].allowable;
-            const double deviate = deviates[static_cast<Index>(l)] / two_sided;
+            const double deviate = deviates[static_cast<Index>(l)] / inference::two_sided_95;
             const double ratio = deviate > 0.0 ? life.high / life.best : life.best / life.low;
             const double repetitions = life.best * std::pow(std::isfinite(ratio) ? ratio : 1.0, deviate);
             const double years = criteria[l].criterion.years_of(repetitions - criteria[l].criterion.passed);
@@ -91,7 +90,7 @@ void weigh(std::vector<CriterionLife>& criteria, const MatrixXd& correlations, s
 std::vector<std::pair<double, double>> distribution_of(const LifeWalks& walks, std::size_t l, double threshold) {
     std::vector<std::pair<double, double>> distribution;
     const auto add = [&](const LifeEnd& end, std::size_t i, double sign) {
-        const double deviate = sign * two_sided * end.way[i].first / std::sqrt(threshold);
+        const double deviate = sign * inference::two_sided_95 * end.way[i].first / std::sqrt(threshold);
         distribution.emplace_back(std::exp(end.log_lives[i]), gsl_cdf_ugaussian_P(deviate));
     };
     for (std::size_t i = walks.shortest[l].way.size(); i > 0; --i) {

@@ -12,7 +12,7 @@ namespace {
 
 using namespace pave::pavement;
 
-constexpr double close_enough = 0.5; // mm
+constexpr double near_enough = 0.5; // mm
 
 // margin: of what is added [mm], ln of the life over what is required, of the criterion that is shortest; the top is
 // so thick [mm].
@@ -52,7 +52,7 @@ std::optional<double> thinnest_that_lasts(const std::function<double(double)>& m
         }
     }
     // Between the two by false position, by halves where that goes slowly; the end that lasts is the answer.
-    for (int i = 0; std::abs(lasts - fails) > close_enough && i < 20; ++i) {
+    for (int i = 0; std::abs(lasts - fails) > near_enough && i < 20; ++i) {
         const double share = i % 3 == 2 || !std::isfinite(of_fails) || !std::isfinite(of_lasts)
                                  ? 0.5
                                  : std::clamp(of_lasts / (of_lasts - of_fails), 0.02, 0.98);

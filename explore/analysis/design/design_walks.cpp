@@ -2,6 +2,7 @@
 
 #include "data/hash.h"
 #include "inference/kriging.h"
+#include "inference/quantiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +14,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double two_sided = 1.959963984540054; // deviate of 97.5 %
-constexpr double close_enough = 0.02;           // of ln(life), between what was expected at an end and the run there
+constexpr double close_enough = 0.02; // of ln(life), between what was expected at an end and the run there
 constexpr int most_rounds = 8;
 
 // A problem of its own for the fit; the strains at the critical places are interpolated between runs of everything.
@@ -294,7 +294,7 @@ private:
 } // namespace
 
 std::vector<double> LifeEnd::at(double deviate, double threshold) const {
-    const double root = std::sqrt(threshold) * deviate / two_sided;
+    const double root = std::sqrt(threshold) * deviate / inference::two_sided_95;
     for (std::size_t i = 1; i < way.size(); ++i) {
         if (root <= way[i].first) {
             const double span = way[i].first - way[i - 1].first;

@@ -1,6 +1,7 @@
 #include "analysis/diagnose/diagnose.h"
 
 #include "analysis/common/groups.h"
+#include "analysis/diagnose/separating.h"
 #include "base/text.h"
 #include "diagnose/evidence.h"
 #include "inference/quantiles.h"
@@ -67,113 +68,6 @@ DiagnosedModel model_of(const DiagnoseResult& result, diagnose::Workbench& bench
     m.held_out_rms = held_out_rms(result.study, m.evaluation.responses);
     m.misfit = study::make_problem(result.study, study::Scope::fitted).misfit(m.evaluation);
     return m;
-}
-
-// The rows of the readings whose own errors are among the first explanations.
-std::vector<std::size_t> suspected_readings(const std::vector<study::Variant>& all, const Diagnosis& d,
-                                            std::size_t most) {
-    std::vector<std::size_t> rows;
-    for (std::size_t e = 0; e < std::min(most, d.to_compare().size()); ++e) {
-        for (const std::size_t member : d.to_compare()[e].fit.model.members) {
-            const auto& applied = all[member].applied;
-            const auto row = applied.reading ? static_cast<std::size_t>(*applied.reading) : 0;
-            if (applied.reading && std::find(rows.begin(), rows.end(), row) == rows.end()) {
-                rows.push_back(row);
-            }
-        }
-    }
-    return rows;
-}
-
-// Every explanation predicts what could be read; the best reading is the one whose least separation from the best
-// explanation is largest, in standard deviations of the reading and of what the fits leave open.
-std::vector<SeparatingReading> separating_readings(const study::Study& study, const std::vector<study::Variant>& all,
-                                                   diagnose::Workbench& bench, const Diagnosis& d) {
-    constexpr std::size_t most = 6;
-    const std::vector<std::size_t> suspected = suspected_readings(all, d, most);
-    const study::Study list = study::candidates(study, suspected);
-    struct Predicted {
-        std::vector<double> values, variances;
-    };
-    std::vector<Predicted> predicted;
-    std::vector<std::size_t> compared;
-    for (std::size_t e = 0; e < std::min(most, d.to_compare().size()); ++e) {
-        const auto& model = d.to_compare()[e].fit.model;
-        // A wrong reading is no property of the next one.
-        std::vector<study::Variant> own;
-        std::vector<double> values = model.evaluation.parameters;
-        std::vector<Eigen::Index> columns;
-        const std::size_t baseline = study.space.axes.size();
-        values.resize(baseline);
-        for (std::size_t k = 0; k < baseline; ++k) {
-            columns.push_back(static_cast<Eigen::Index>(k));
-        }
-        for (std::size_t m = 0; m < model.members.size(); ++m) {
-            const study::Variant& variant = all[model.members[m]];
-            if (!variant.applied.reading && why_impossible(list.model, variant.applied).empty()) {
-                own.push_back(variant);
-                values.push_back(model.evaluation.parameters[baseline + m]);
-                columns.push_back(static_cast<Eigen::Index>(baseline + m));
-            }
-        }
-        const problem::Problem problem = study::make_prediction_problem(study::with_free_effects(list, own));
-        const auto workspace = problem.function->make_workspace();
-        const auto outcome = problem.function->evaluate(values, true, *workspace);
-        if (!outcome) {
-            continue;
-        }
-        const auto fitted = bench.problem(model.members);
-        const Eigen::MatrixXd j = fitted->residual_jacobian(model.evaluation);
-        Eigen::MatrixXd h = j.transpose() * j / d.variance;
-        h.diagonal().array() += 1.0 / inference::box_variance;
-        const Eigen::MatrixXd covariance = h.inverse();
-        Predicted f{outcome->responses, {}};
-        for (std::size_t i = 0; i < list.readings.size(); ++i) {
-            Eigen::VectorXd slope(static_cast<Eigen::Index>(columns.size()));
-            for (std::size_t k = 0; k < columns.size(); ++k) {
-                const auto at = static_cast<std::size_t>(columns[k]);
-                slope[static_cast<Eigen::Index>(k)] =
-                    outcome->jacobian(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) *
-                    fitted->space.axes[at].d_physical(model.unit[at]);
-            }
-            const Eigen::MatrixXd part = covariance(columns, columns);
-            f.variances.push_back(slope.dot(part * slope));
-        }
-        predicted.push_back(std::move(f));
-        compared.push_back(e);
-    }
-    std::vector<SeparatingReading> readings;
-    if (predicted.size() < 2) {
-        return readings;
-    }
-    for (std::size_t i = 0; i < list.readings.size(); ++i) {
-        data::Reading reading = list.readings[i];
-        reading.noise.absolute = study::candidate_noise(list.model.sensors[i].quantity, predicted[0].values[i]);
-        const double noise = reading.noise.absolute;
-        SeparatingReading s{.reading = std::move(reading),
-                            .again = i + suspected.size() >= list.readings.size(),
-                            .explanations = compared,
-                            .values = {},
-                            .power = 1.0,
-                            .rate_now = 1.0};
-        for (std::size_t e = 0; e < predicted.size(); ++e) {
-            s.values.push_back(s.reading.in_unit(predicted[e].values[i]));
-            if (e == 0) {
-                continue;
-            }
-            // Now: the difference of chi2; the new reading adds its own.
-            const double now = std::max(0.0, d.to_compare()[compared[e]].behind);
-            const double more = std::pow(predicted[e].values[i] - predicted[0].values[i], 2) /
-                                (noise * noise + predicted[0].variances[i] + predicted[e].variances[i]);
-            s.power = std::min(s.power, gsl_cdf_ugaussian_P(std::sqrt(now + more) / 2.0));
-            s.rate_now = std::min(s.rate_now, gsl_cdf_ugaussian_P(std::sqrt(now) / 2.0));
-        }
-        readings.push_back(std::move(s));
-    }
-    std::stable_sort(readings.begin(), readings.end(), [](const auto& a, const auto& b) { return a.power > b.power; });
-    std::stable_partition(readings.begin(), readings.end(),
-                          [&](const auto& own) { return is_at_hand(study, own.reading); });
-    return readings;
 }
 
 std::vector<diagnose::Candidate> candidates_of(const study::Study& study, const std::vector<study::Variant>& variants,
@@ -262,6 +156,55 @@ hypotheses::Hypothesis premise_of(const data::BowlFault& fault) {
             .terms = {{effect, "", std::string(hypotheses::of_readings)}}};
 }
 
+std::optional<DiagnoseResult> diagnose_with(Session& session, const study::Study& asked, const DiagnoseOptions& options,
+                                            const std::vector<data::BowlFault>& faults);
+
+// What the run that holds the results is kept under.
+std::string settings_of(const Session& session, const std::optional<ReducedProblem>& reduced) {
+    return fmt::format("seed {}{}", session.options().seed, reduced ? reduced->settings : "");
+}
+
+bool is_exchanged(const data::BowlFault& fault) {
+    return fault.kind == data::BowlFault::Kind::exchanged;
+}
+
+// Of the most probable hypothesis: its probability beforehand and what the data say, the logarithm.
+double most_probable(const DiagnoseResult& result) {
+    double most = -INFINITY;
+    const Diagnosis& d = result.diagnosis;
+    for (const std::size_t r : diagnose::rows_that_count(d.ledger)) {
+        const diagnose::Row& row = d.ledger.rows()[r];
+        most = std::max(most, row.is_tried() ? row.log_weight() : -INFINITY);
+    }
+    return most;
+}
+
+// A wrong reading far from the load makes a bowl rise as two exchanged sensors do. Where the study's model does not fit
+// with them in order, the readings are explained as they stand too: the more probable answer.
+std::optional<DiagnoseResult> weigh_exchange(Session& session, const study::Study& asked, DiagnoseResult in_order) {
+    const Diagnosis& d = in_order.diagnosis;
+    const bool is_doubtful =
+        d.ledger.noise_is_stated() && (in_order.failed() || d.baseline.p_value < diagnose::level_contradicted);
+    if (!is_doubtful || std::none_of(in_order.faults.begin(), in_order.faults.end(), is_exchanged)) {
+        return in_order;
+    }
+    std::vector<data::BowlFault> as_read = in_order.faults;
+    for (data::BowlFault& fault : as_read) {
+        fault.kind = is_exchanged(fault) ? data::BowlFault::Kind::rises : fault.kind;
+    }
+    auto other = diagnose_with(session, asked, in_order.options, as_read);
+    if (!other) {
+        return std::nullopt;
+    }
+    const std::size_t readings = in_order.layout.rows.size();
+    const double log_prior = hypotheses::log_prior(hypotheses::Kind::layout, {}, readings * (readings - 1) / 2, 0);
+    if (!other->failed() && (in_order.failed() || most_probable(*other) > log_prior + most_probable(in_order))) {
+        return other;
+    }
+    session.begin(in_order.study, "diagnose", settings_of(session, in_order.reduced));
+    return in_order;
+}
+
 } // namespace
 
 std::vector<double> residuals_of(const DiagnoseResult& result, const diagnose::Model& model) {
@@ -301,8 +244,16 @@ study::Study as_diagnosed(study::Study study) {
 }
 
 std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& asked, const DiagnoseOptions& options) {
+    auto result = diagnose_with(session, asked, options, data_faults(asked));
+    return result ? weigh_exchange(session, asked, std::move(*result)) : std::nullopt;
+}
+
+namespace {
+
+// The readings mended where these faults show how.
+std::optional<DiagnoseResult> diagnose_with(Session& session, const study::Study& asked, const DiagnoseOptions& options,
+                                            const std::vector<data::BowlFault>& faults) {
     const auto begin = std::chrono::steady_clock::now();
-    const std::vector<data::BowlFault> faults = data_faults(asked);
     const std::vector<Rounding> steps = roundings(asked);
     const study::Study study =
         with_enough_load_steps(with_rounding(mended(as_diagnosed(asked), faults), steps), session);
@@ -340,8 +291,7 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
         return std::nullopt;
     }
     result.candidates = candidates_of(study, result.variants, result.layout);
-    const std::string settings =
-        fmt::format("seed {}{}", session.options().seed, result.reduced ? result.reduced->settings : "");
+    const std::string settings = settings_of(session, result.reduced);
     for (const auto& correction : result.corrections) {
         const std::size_t first = result.channels.empty() ? result.candidates.size()
                                                           : result.channels.back().first + result.channels.back().count;
@@ -467,5 +417,7 @@ std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& ask
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;
 }
+
+} // namespace
 
 } // namespace explore::analysis

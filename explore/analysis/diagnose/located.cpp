@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "base/units.h"
+#include "inference/quantiles.h"
 #include "pavement/effects/effect.h"
 #include "pavement/fields.h"
 #include "pavement/forward.h"
@@ -68,8 +69,6 @@ pave::mechanics::Invariants state_at(const Case& c, const Fields& fields, int lo
     return nearest;
 }
 
-constexpr double two_sided = 1.959963984540054; // standard deviations: 95 %
-
 // slopes: of the logarithms, by what has the covariance.
 std::optional<LocatedContrast> clearest_contrast(const std::vector<double>& logarithms,
                                                  const std::vector<Eigen::VectorXd>& slopes,
@@ -86,8 +85,8 @@ std::optional<LocatedContrast> clearest_contrast(const std::vector<double>& loga
                 clearest = {.place = i,
                             .beside = j,
                             .value = std::exp(difference),
-                            .low = std::exp(difference - two_sided * deviation),
-                            .high = std::exp(difference + two_sided * deviation)};
+                            .low = std::exp(difference - inference::two_sided_95 * deviation),
+                            .high = std::exp(difference + inference::two_sided_95 * deviation)};
             }
         }
     }
@@ -164,8 +163,8 @@ std::vector<LocatedCorrection> located(const study::Study& study, const study::S
             }
             const double variance = slope.dot(location.covariance * slope);
             place.value = std::exp(value);
-            place.low = std::exp(value - two_sided * std::sqrt(variance));
-            place.high = std::exp(value + two_sided * std::sqrt(variance));
+            place.low = std::exp(value - inference::two_sided_95 * std::sqrt(variance));
+            place.high = std::exp(value + inference::two_sided_95 * std::sqrt(variance));
             place.variance_left = variance / (found.strength * found.strength);
             own.places.push_back(place);
             logarithms.push_back(value);

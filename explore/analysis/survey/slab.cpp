@@ -91,7 +91,7 @@ double slab_modulus_of(const SlabOptions& options, double compliance, double sti
            pave::unit::MPa;
 }
 
-SlabRange range_about(double value, double log_deviation, double quantile) {
+SlabRange slab_range(double value, double log_deviation, double quantile) {
     return {value, value * std::exp(-quantile * log_deviation), value * std::exp(quantile * log_deviation)};
 }
 
@@ -116,10 +116,10 @@ SlabFit fit_of(const SlabOptions& options, const DeflectionBowl& bowl) {
     const double quantile = n > 2.0 ? gsl_cdf_tdist_Pinv(0.975, n - 2.0) : 0.0;
     const double power = options.foundation == Foundation::dense_liquid ? 4.0 : 3.0;
     const Eigen::Vector2d of_slab(power, -1.0);
-    fit.stiffness_mm = range_about(stiffness / pave::unit::mm, std::sqrt(covariance(0, 0)), quantile);
-    fit.foundation = range_about(foundation_of(options, best.compliance), std::sqrt(covariance(1, 1)), quantile);
-    fit.slab_MPa = range_about(slab_modulus_of(options, best.compliance, stiffness),
-                               std::sqrt(of_slab.dot(covariance * of_slab)), quantile);
+    fit.stiffness_mm = slab_range(stiffness / pave::unit::mm, std::sqrt(covariance(0, 0)), quantile);
+    fit.foundation = slab_range(foundation_of(options, best.compliance), std::sqrt(covariance(1, 1)), quantile);
+    fit.slab_MPa = slab_range(slab_modulus_of(options, best.compliance, stiffness),
+                              std::sqrt(of_slab.dot(covariance * of_slab)), quantile);
     return fit;
 }
 

@@ -12,9 +12,7 @@
 namespace explore::analysis {
 namespace {
 
-constexpr double tried_percent = 5.0;
-constexpr double worth_saying = 0.5; // of the squared misfit
-constexpr std::size_t least_stations = 3;
+constexpr double worth_naming = 0.5; // of the squared misfit
 
 using Offsets = std::vector<double>; // mm
 
@@ -54,7 +52,7 @@ std::optional<BetterLayout> better_layout(const SurveyResult& result) {
             as_it_is.push_back(fitted_as(result, *s, own));
         }
         std::optional<BetterLayout> best;
-        double least = worth_saying;
+        double least = worth_naming;
         for (const Offsets& offsets : data::usual_layouts()) {
             if (offsets.size() != own.size() || offsets == own) {
                 continue;

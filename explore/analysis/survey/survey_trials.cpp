@@ -16,9 +16,7 @@
 namespace explore::analysis {
 namespace {
 
-constexpr double tried_percent = 5.0;
-constexpr double worth_saying = 0.7; // of the squared misfit
-constexpr std::size_t least_stations = 3;
+constexpr double worth_saying = 0.7;              // of the squared misfit
 constexpr double parted_at_m[] = {0.5, 1.0, 2.0}; // below the top of the last layer
 constexpr double floor_at_m = 3.0;                // the same
 

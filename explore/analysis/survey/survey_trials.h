@@ -6,6 +6,9 @@
 
 namespace explore::analysis {
 
+inline constexpr double tried_percent = 5.0;     // median RMS beyond which something else is tried
+inline constexpr std::size_t least_stations = 3; // by which a trial is judged
+
 struct Trial {
     double misfit = 0.0; // weighted
     double rms_percent = 0.0;
