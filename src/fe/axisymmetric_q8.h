@@ -4,7 +4,6 @@
 #include "mechanics/voigt.h"
 
 #include <array>
-#include <numbers>
 
 namespace pave::fe {
 
@@ -26,37 +25,9 @@ struct AxisymmetricQ8 {
 
     static constexpr int local[nodes][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}};
 
-    static Eigen::Matrix<double, 8, 1> shape(const Position& at) {
-        const double xi = at[0];
-        const double eta = at[1];
-        Eigen::Matrix<double, 8, 1> n;
-        for (int i = 0; i < 4; ++i) {
-            const auto [cx, cy] = local[i];
-            n[i] = (1 + cx * xi) * (1 + cy * eta) * (cx * xi + cy * eta - 1) / 4;
-        }
-        n[4] = (1 - xi * xi) * (1 - eta) / 2;
-        n[5] = (1 + xi) * (1 - eta * eta) / 2;
-        n[6] = (1 - xi * xi) * (1 + eta) / 2;
-        n[7] = (1 - xi) * (1 - eta * eta) / 2;
-        return n;
-    }
-
+    static Eigen::Matrix<double, 8, 1> shape(const Position& at);
     // Rows: d/dxi, d/deta.
-    static Eigen::Matrix<double, 2, 8> shape_gradient(const Position& at) {
-        const double xi = at[0];
-        const double eta = at[1];
-        Eigen::Matrix<double, 2, 8> g;
-        for (int i = 0; i < 4; ++i) {
-            const auto [cx, cy] = local[i];
-            g(0, i) = cx * (1 + cy * eta) * (2 * cx * xi + cy * eta) / 4;
-            g(1, i) = cy * (1 + cx * xi) * (cx * xi + 2 * cy * eta) / 4;
-        }
-        g.col(4) << -xi * (1 - eta), -(1 - xi * xi) / 2;
-        g.col(5) << (1 - eta * eta) / 2, -(1 + xi) * eta;
-        g.col(6) << -xi * (1 + eta), (1 - xi * xi) / 2;
-        g.col(7) << -(1 - eta * eta) / 2, -(1 - xi) * eta;
-        return g;
-    }
+    static Eigen::Matrix<double, 2, 8> shape_gradient(const Position& at);
 
     // A Gauss point: its weight (volume per radian times 2 pi) and the rows dN/dr, dN/dz, N/r.
     struct Point {
@@ -64,25 +35,11 @@ struct AxisymmetricQ8 {
         Eigen::Matrix<double, 3, 8> rows;
     };
 
-    static std::array<Position, gauss> gauss_positions() {
-        constexpr double g = std::numbers::inv_sqrt3;
-        return {Position{-g, -g}, {g, -g}, {g, g}, {-g, g}};
-    }
-
-    static Point point(const Coordinates& x, const Position& position) {
-        const auto n = shape(position);
-        const auto g = shape_gradient(position);
-        const Eigen::Matrix2d jacobian = g * x.transpose(); // rows: derivative by xi, by eta
-        const double r = x.row(0).dot(n);
-        Point p;
-        p.weight = jacobian.determinant() * 2.0 * std::numbers::pi * r;
-        p.rows.topRows<2>() = jacobian.inverse() * g;
-        p.rows.row(2) = n.transpose() / r;
-        return p;
-    }
+    static std::array<Position, gauss> gauss_positions();
+    static Point point(const Coordinates& x, const Position& position);
 
     // Position of every Gauss point's depth, from the coordinates.
-    static double depth(const Coordinates& x, const Position& position) { return x.row(1).dot(shape(position)); }
+    static double depth(const Coordinates& x, const Position& position);
 
     static Stress strain(const Point& p, const Vector& u) {
         const auto ur = Eigen::Map<const Eigen::Matrix<double, 8, 1>, 0, Eigen::InnerStride<2>>(u.data());

@@ -317,19 +317,21 @@ bool SupernodalFactor<Scalar>::eliminate_front(const FactorStructure::Supernode&
     const int size = node.front_rows();
     if constexpr (is_double<Scalar>) {
         return kernels_.eliminate_dense(front_.data(), size, node.columns, node.stride());
+    } else {
+        Eigen::Map<Matrix, 0, Eigen::OuterStride<>> front(front_.data(), size, size,
+                                                          Eigen::OuterStride<>(node.stride()));
+        auto diagonal = front.topLeftCorner(node.columns, node.columns);
+        const Eigen::LLT<Eigen::Ref<Matrix>> llt(diagonal);
+        if (llt.info() != Eigen::Success) {
+            return false;
+        }
+        auto below = front.bottomLeftCorner(node.rows_below, node.columns);
+        diagonal.template triangularView<Eigen::Lower>().transpose().template solveInPlace<Eigen::OnTheRight>(below);
+        front.bottomRightCorner(node.rows_below, node.rows_below)
+            .template selfadjointView<Eigen::Lower>()
+            .rankUpdate(below, Scalar(-1));
+        return true;
     }
-    Eigen::Map<Matrix, 0, Eigen::OuterStride<>> front(front_.data(), size, size, Eigen::OuterStride<>(node.stride()));
-    auto diagonal = front.topLeftCorner(node.columns, node.columns);
-    const Eigen::LLT<Eigen::Ref<Matrix>> llt(diagonal);
-    if (llt.info() != Eigen::Success) {
-        return false;
-    }
-    auto below = front.bottomLeftCorner(node.rows_below, node.columns);
-    diagonal.template triangularView<Eigen::Lower>().transpose().template solveInPlace<Eigen::OnTheRight>(below);
-    front.bottomRightCorner(node.rows_below, node.rows_below)
-        .template selfadjointView<Eigen::Lower>()
-        .rankUpdate(below, Scalar(-1));
-    return true;
 }
 
 template <class Scalar>

@@ -207,10 +207,13 @@ bool SymmetricSystem<Scalar>::solve(Eigen::Ref<Eigen::MatrixXd> x,
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
         const Eigen::ArrayXd values = eigen.eigenvalues().array();
         const Eigen::VectorXd inverse = (values > 1e-12 * values[count - 1]).select(values.inverse(), 0.0);
-        const Eigen::MatrixXd weights =
-            scale.asDiagonal() *
-            (eigen.eigenvectors() * (inverse.asDiagonal() * (eigen.eigenvectors().transpose() *
-                                                             (scale.asDiagonal() * (basis.transpose() * x)))));
+        // One product at a time: nested ones take Eigen long to compile.
+        Eigen::MatrixXd weights = basis.transpose() * x;
+        weights = scale.asDiagonal() * weights;
+        weights = eigen.eigenvectors().transpose() * weights;
+        weights = inverse.asDiagonal() * weights;
+        weights = eigen.eigenvectors() * weights;
+        weights = scale.asDiagonal() * weights;
         start = basis * weights;
         image_of_start = images * weights;
     }
@@ -231,15 +234,29 @@ bool SymmetricSystem<Scalar>::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Ei
         apply_factor<C>(b);
         matrix.middleCols(first, columns) = b.leftCols(columns);
         return b.allFinite();
+    } else {
+        Block<C> x = Block<C>::Zero(n, C);
+        Block<C> image;
+        if (start.cols() > 0) {
+            load<C>(start, first, columns, x);
+            load<C>(image_of_start, first, columns, image);
+        }
+        if (!iterate<C>(b, image, x)) {
+            return false;
+        }
+        matrix.middleCols(first, columns) = x.leftCols(columns);
+        return x.allFinite();
     }
+}
+
+template <class Scalar>
+template <int C>
+bool SymmetricSystem<Scalar>::iterate(const Block<C>& b, const Block<C>& image, Block<C>& x) {
     Block<C> r = b;
-    Block<C> x = Block<C>::Zero(n, C);
     Block<C> z;
     Block<C> q;
-    if (start.cols() > 0) {
-        load<C>(start, first, columns, x);
-        load<C>(image_of_start, first, columns, q);
-        r -= q;
+    if (image.rows() > 0) {
+        r -= image;
     }
     z = r;
     apply_factor<C>(z);
@@ -286,8 +303,7 @@ bool SymmetricSystem<Scalar>::solve_block(Eigen::Ref<Eigen::MatrixXd> matrix, Ei
         active = wanting();
     }
     factor_is_stale_ = steps > many_steps;
-    matrix.middleCols(first, columns) = x.leftCols(columns);
-    return x.allFinite();
+    return true;
 }
 
 template class SymmetricSystem<float>;

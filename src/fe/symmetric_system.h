@@ -56,6 +56,9 @@ private:
     template <int C>
     bool solve_block(Eigen::Ref<Eigen::MatrixXd> x, Eigen::Index first, const Eigen::MatrixXd& start,
                      const Eigen::MatrixXd& image_of_start);
+    // x: where it starts, and the solution; image: its product with K, empty of zero. False: no solution.
+    template <int C>
+    bool iterate(const Block<C>& b, const Block<C>& image, Block<C>& x);
 
     const Pattern& lower_;
     const FactorStructure& structure_;

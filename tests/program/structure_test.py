@@ -37,7 +37,7 @@ def test_layers_never_point_upwards():
             if path.suffix == ".cpp":
                 relative = path.relative_to(ROOT / folder)
                 listed = (ROOT / folder / "CMakeLists.txt").read_text()
-                assert str(relative) in listed or f"{own}/*.cpp" in listed or re.search(rf"set\(layers [^)]*\b{own}\b", listed), f"{path} is not built"
+                assert str(relative) in listed or f"{own}/*.cpp" in listed or re.search(rf"set\((computing|arranging) [^)]*\b{own}\b", listed), f"{path} is not built"
 
 
 def test_the_map_of_contributing_is_true():
@@ -47,6 +47,25 @@ def test_the_map_of_contributing_is_true():
     assert sorted(named) == sorted(folders), f"CONTRIBUTING's map against the folders: {sorted(set(named) ^ set(folders)) or 'named twice'}"
     for layers, top in ((SRC, "src"), (EXPLORE, "explore")):
         assert [name for name in named if name.startswith(top + "/")] == [f"{top}/{layer}" for layer in layers], f"CONTRIBUTING's map lists {top}/ lowest first"
+
+
+def private_names(text):
+    """Types, functions and constants of unnamed namespaces; an alias of the same thing may stand twice."""
+    for part in re.findall(r"^namespace \{\n(.*?)^\} // namespace$", text, re.M | re.S):
+        for line in part.split("\n"):
+            if found := re.match(r"(?:class|struct|enum class) (\w+).*\{|constexpr [\w:<>, ]*?(\w+)(?:\[\])? ?[={]|[\w:][\w:<>,&* ]* [*&]?(\w+\(.*)", line):
+                name = found[1] or found[2] or re.sub(r"\b\w+(?=[,)])", "", found[3])
+                if not line.startswith(("return", "template", "using")):
+                    yield name
+
+
+def test_sources_of_a_folder_have_private_names_of_their_own():
+    # Several of them are compiled as one unit; and what is the same stands in one place.
+    seen = {}
+    for path in sorted((ROOT / "explore").rglob("*.cpp")):
+        for name in set(private_names(path.read_text())):
+            other = seen.setdefault((path.parent, name), path)
+            assert other == path, f"{name} is private to {path.relative_to(ROOT)} and to {other.name}"
 
 
 MOST_LINES = 500

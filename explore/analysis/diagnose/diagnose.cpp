@@ -159,7 +159,7 @@ hypotheses::Hypothesis premise_of(const data::BowlFault& fault) {
 std::optional<DiagnoseResult> diagnose_with(Session& session, const study::Study& asked, const DiagnoseOptions& options,
                                             const std::vector<data::BowlFault>& faults);
 
-// What the run that holds the results is kept under.
+// The settings that the run which holds the results is kept under.
 std::string settings_of(const Session& session, const std::optional<ReducedProblem>& reduced) {
     return fmt::format("seed {}{}", session.options().seed, reduced ? reduced->settings : "");
 }
