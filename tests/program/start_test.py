@@ -1,6 +1,7 @@
 """The first steps of a user: `new` writes a study, `check` says what would run, `fit` runs it."""
 import json
 import math
+import re
 
 import pytest
 
@@ -42,6 +43,14 @@ def test_check_says_what_would_run(new):
     assert {"unique", "diagnose", "compare", "sensitivity"} <= {c["command"] for c in found["commands"]}, f"every command has an estimate: {found['commands']}"
     times = {c["command"]: c["seconds"] for c in found["commands"]}
     assert 0 < times["forward"] < times["map"] and times["forward --jacobian"] < times["fit"], f"times: {times}"
+
+
+def test_outputs_in_three_dimensions_are_counted_where_they_are_computed():
+    # map computes them at its ten lowest points, unique at some eight.
+    found = json.loads(run("check", ROOT / "grids" / "captif-p1-unique-fwd.toml", "--json", "--threads", "1").stdout)
+    times = {c["command"]: c["seconds"] for c in found["commands"]}
+    assert 10 * times["forward"] < times["map"] < 30 * times["forward"], times
+    assert 8 * times["forward --jacobian"] < times["unique"] < 30 * times["forward --jacobian"], times
 
 
 def test_check_runs_the_model_only_where_its_time_is_asked_for():
@@ -93,6 +102,18 @@ def test_every_level_of_a_station_is_a_load():
     for arguments, word in ((("--station", "9"), "7"), ((folder / "x.toml", "--station", "7"), "--from"), ((), "FILE")):
         done = run("new", *(("--from", levels) if word == "7" else ()), *arguments, cwd=folder)
         assert done.returncode == 2 and done.stdout == "" and word in done.stderr, f"new {arguments}: {done.returncode} {done.stderr}"
+
+
+def test_a_floor_below_the_subgrade_leaves_its_modulus_within_the_bounds():
+    # Asphalt of 80 mm and 3000 MPa, base of 250 mm and 200 MPa, subgrade of 1000 mm and 50 MPa on rock, by layered theory (`forward`): surface moduli
+    # of 106, 119, 191 and 456 MPa.
+    road = folder / "rock-bowl.csv"
+    road.write_text("station,drop,radius_mm,pressure_kPa,D0_um,D300_um,D600_um,D900_um,D1200_um\n1,1,150,566,644.8,351.1,156.5,65.1,20.4\n")
+    study = folder / "over-rock.toml"
+    assert run("new", study, "--from", road, "--linear").returncode == 0
+    of_subgrade = study.read_text().split('name = "subgrade.modulus_MPa"')[1]
+    low, high = (float(re.search(rf"^{key} = (\S+)", of_subgrade, re.M)[1]) for key in ("min", "max"))
+    assert low < 40 and high > 400, (low, high)
 
 
 def test_layers_can_be_stated():

@@ -137,9 +137,6 @@ std::optional<double> held_out_rms(const study::Study& study, const std::vector<
     return count > 0 ? std::optional(std::sqrt(squares / static_cast<double>(count))) : std::nullopt;
 }
 
-namespace {
-
-// Whether an output is of a load with far more unknowns than those that a problem of what is fitted computes.
 bool outputs_cost_more(const study::Study& study) {
     if (study.has_own_model || study.outputs().empty()) {
         return false;
@@ -154,8 +151,6 @@ bool outputs_cost_more(const study::Study& study) {
     constexpr int far_more = 4;
     return most > far_more * most_computed;
 }
-
-} // namespace
 
 landscape::UniquenessTask uniqueness_task(const study::Study& study, const problem::Problem& fitted,
                                           const problem::Problem& everything, run::Engine& fitted_engine,

@@ -29,6 +29,9 @@ std::string misfit_words(const study::Study& study);
 // noise; none where nothing is held out or no noise is stated. responses: of all readings.
 std::optional<double> held_out_rms(const study::Study& study, const std::vector<double>& responses);
 
+// Whether an output is of a load with far more unknowns than those that a problem of what is fitted computes.
+bool outputs_cost_more(const study::Study& study);
+
 // The question of uniqueness for a study: the ranges of its outputs, and whether its groups agree. All but the study
 // must outlive the task; problems: study::make_noise_problem of what is fitted and of everything.
 landscape::UniquenessTask uniqueness_task(const study::Study& study, const problem::Problem& fitted,

@@ -8,6 +8,7 @@
 #include "pavement/effects/effect.h"
 #include "study/candidates.h"
 #include "study/corrections.h"
+#include "study/laws.h"
 #include "study/own_effects.h"
 #include "study/readings.h"
 
@@ -269,6 +270,8 @@ std::optional<DiagnoseResult> diagnose_with(Session& session, const study::Study
     DiagnoseResult result{.study = study,
                           .faults = faults,
                           .roundings = steps,
+                          .is_otherwise_layered = !asked.has_own_model && asked.model.settings.layered &&
+                                                  study::stress_dependent_layers(asked).empty(),
                           .options = options,
                           .variants = study::variants(study, options.without),
                           .candidates = {},

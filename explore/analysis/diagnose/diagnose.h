@@ -44,6 +44,7 @@ struct DiagnoseResult {
     study::Study study;                    // with its readings mended
     std::vector<data::BowlFault> faults{}; // seen in them
     std::vector<Rounding> roundings{};     // added to their noise
+    bool is_otherwise_layered = false;     // fit and unique compute it by the layered engine
     DiagnoseOptions options;
     std::vector<study::Variant> variants; // of effects, in the order of the candidates
     std::vector<diagnose::Candidate> candidates;

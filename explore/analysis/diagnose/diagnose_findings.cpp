@@ -75,6 +75,11 @@ public:
         for (std::string& words : output_words(study, outputs)) {
             text.push_back(std::move(words));
         }
+        if (result.is_otherwise_layered) {
+            text.emplace_back(
+                "fit and unique compute this linear section by layered theory, diagnose by finite elements, "
+                "which most effects need: their values differ in the third digit.");
+        }
         if (std::string words = mesh_words(study, mesh); !words.empty()) {
             text.push_back(std::move(words));
         }

@@ -1,8 +1,8 @@
 #include "analysis/studies/check.h"
 
-#include "analysis/common/feasible.h"
-
 #include "analysis/common/data_faults.h"
+#include "analysis/common/feasible.h"
+#include "analysis/common/layout.h"
 #include "analysis/common/mesh_error.h"
 #include "analysis/compare/compare.h"
 #include "analysis/diagnose/diagnose.h"
@@ -181,12 +181,14 @@ std::vector<Estimate> estimates(const study::Study& study, const RunTimes& timin
     const auto grid = search::full_grid_size(study.space);
     const bool is_grid = grid > 0 && grid <= search::most_grid_points;
     const auto points = static_cast<double>(is_grid ? grid : map_points);
+    const std::vector<bool> computed = study::fitted_loads(study);
+    const bool has_more = std::find(computed.begin(), computed.end(), false) != computed.end();
     list.push_back({grid > 0 && !is_grid ? "map --design sobol" : "map",
                     fmt::format("{:.0f}{}", points,
                                 is_grid    ? " (full grid)"
                                 : grid > 0 ? " (the grid has too many points)"
                                            : ""),
-                    shared(points * timing.forward)});
+                    shared(points * timing.fitted_forward + (has_more ? map_lowest * timing.forward : 0.0))});
     // Runs of the searches and walks below were counted on studies of two to five parameters; they vary twofold.
     constexpr int steps = 15; // of a search, on a deflection bowl
     const double with = timing.fitted_with_derivatives;
@@ -198,12 +200,13 @@ std::vector<Estimate> estimates(const study::Study& study, const RunTimes& timin
     const int searches = settings.verify + 2 * count;
     constexpr int walk = 30; // runs from the best fit to one end of a range
     const auto outputs = static_cast<int>(study.outputs().size());
-    const double unique =
-        (settings.explore + steps * searches + 2 * walk * count) * with + 2 * walk * outputs * timing.with_derivatives;
-    list.push_back(
-        {"unique",
-         fmt::format("{} with derivatives", settings.explore + steps * searches + 2 * walk * (count + outputs)),
-         shared(unique)});
+    // Outputs that cost more are interpolated between a few runs while their ranges are walked.
+    constexpr int interpolated = 8;
+    const bool cost_more = outputs_cost_more(study);
+    const int of_outputs = cost_more ? interpolated : 2 * walk * outputs;
+    const int of_fitted = settings.explore + steps * searches + 2 * walk * (count + (cost_more ? outputs : 0));
+    const double unique = of_fitted * with + of_outputs * timing.with_derivatives;
+    list.push_back({"unique", fmt::format("{} with derivatives", of_fitted + of_outputs), shared(unique)});
     const auto candidates = static_cast<int>(study::variants(as_diagnosed(study), {}).size());
     constexpr int screening = 5; // runs of a variant
     constexpr int fitted = 30;   // variants at most, where there are many readings

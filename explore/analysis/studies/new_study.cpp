@@ -217,14 +217,22 @@ constexpr std::string_view layers_of_station =
     "# Layers from the top down. The file does not say what they are: REPLACE thicknesses and laws by "
     "those of your road.\n# depth_mm of the outputs below goes with the thicknesses.";
 
-// By the surface modulus at the farthest sensor.
+// By the surface modulus at the farthest sensor; over a floor, where that rises with distance, by the least of them.
 void set_subgrade(Parts& parts, const data::DeflectionBowl& bowl) {
-    const auto moduli = data::indices_of(bowl, bowl.pressure_kPa).surface_moduli;
-    if (!moduli.empty() && moduli.back().offset_mm > 0.0) {
-        const double modulus = std::clamp(moduli.back().modulus_MPa, 10.0, 1000.0);
-        parts.section.subgrade_MPa = two_digits(modulus);
-        parts.section.subgrade_low_MPa = two_digits(modulus / 4.0);
-        parts.section.subgrade_high_MPa = two_digits(modulus * 4.0);
+    constexpr double softest = 10.0; // MPa
+    constexpr double stiffest = 1000.0;
+    double least = stiffest;
+    std::optional<double> farthest;
+    for (const auto& at : data::indices_of(bowl, bowl.pressure_kPa).surface_moduli) {
+        if (at.offset_mm > 0.0 && at.modulus_MPa > 0.0) {
+            farthest = std::clamp(at.modulus_MPa, softest, stiffest);
+            least = std::min(least, *farthest);
+        }
+    }
+    if (farthest) {
+        parts.section.subgrade_MPa = two_digits(least);
+        parts.section.subgrade_low_MPa = two_digits(least / 4.0);
+        parts.section.subgrade_high_MPa = two_digits(*farthest * 4.0);
     }
 }
 

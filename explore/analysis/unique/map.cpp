@@ -123,7 +123,7 @@ std::optional<MapResult> map(Session& session, const study::Study& study, const 
     }
     result.evaluations = std::move(*evaluations);
     result.tally = engine.tally();
-    for (const std::size_t i : run::distinct_starts(result.design, result.evaluations, 10, 0.0)) {
+    for (const std::size_t i : run::distinct_starts(result.design, result.evaluations, map_lowest, 0.0)) {
         result.lowest.push_back({i, result.evaluations[i]});
     }
     const bool to_complete = options.model.confirmed() || (!options.model.alone() && has_more_to_predict(study));

@@ -8,6 +8,8 @@ namespace explore::analysis {
 
 // Points of a sample when nothing else is requested.
 inline constexpr int map_points = 1024;
+// At so many of the lowest points what only outputs need is computed too.
+inline constexpr int map_lowest = 10;
 
 enum class MapDesign { automatic, grid, sobol, adaptive };
 
