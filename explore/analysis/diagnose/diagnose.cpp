@@ -16,7 +16,6 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
-#include <gsl/gsl_cdf.h>
 
 namespace explore::analysis {
 namespace {
