@@ -41,7 +41,7 @@ Json laws_json(const CompareResult& result) {
         law["chi2"] = f.chi2;
         law["dof"] = f.dof;
         law["p_value"] = optional_json(f.p_value);
-        law["aicc"] = std::isfinite(f.aicc) ? Json(f.aicc) : Json(nullptr);
+        law["aicc"] = finite_json(f.aicc);
         law["weight"] = f.weight;
         if (f.evidence) {
             law["log_evidence"] = f.evidence->log;

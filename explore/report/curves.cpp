@@ -1,7 +1,5 @@
 #include "report/curves.h"
 
-#include <cmath>
-
 namespace explore::report {
 
 Json curves_json(const std::vector<analysis::Curve>& curves) {
@@ -9,7 +7,7 @@ Json curves_json(const std::vector<analysis::Curve>& curves) {
     for (const analysis::Curve& c : curves) {
         Json values = Json::array();
         for (const double value : c.values) {
-            values.push_back(std::isfinite(value) ? Json(value) : Json(nullptr));
+            values.push_back(finite_json(value));
         }
         list.push_back({{"load", c.load},
                         {"quantity", c.quantity},

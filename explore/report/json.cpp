@@ -134,7 +134,7 @@ Json minimum_json(const problem::ParameterSpace& space, const landscape::Minimum
     for (std::size_t k = 0; k < minimum.unit.size(); ++k) {
         const problem::Axis& axis = space.axes[k];
         const double error = analysis.standard_error[k] * axis.d_physical(minimum.unit[k]);
-        errors[axis.name] = std::isfinite(error) ? Json(error) : Json(nullptr);
+        errors[axis.name] = finite_json(error);
     }
     Json at_bounds = Json::array();
     for (const auto& bound : minimum.on_bound) {

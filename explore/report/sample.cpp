@@ -190,7 +190,7 @@ Json sample_json(const SampleResult& s, const analysis::RunOptions& run) {
                               {"draws", s.correction->weighed},
                               {"effective_draws", s.correction->effective},
                               {"share", s.correction->effective / static_cast<double>(s.correction->weighed)},
-                              {"left", std::isfinite(s.correction->left) ? Json(s.correction->left) : Json(nullptr)}};
+                              {"left", finite_json(s.correction->left)}};
     }
     json["sampler"] = {{"populations", posterior.log_evidences.size()},
                        {"draws", posterior.draws.size()},

@@ -10,6 +10,7 @@ std::size_t width(const std::string& text) {
     return static_cast<std::size_t>(std::count_if(
         text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U; }));
 }
+
 namespace {
 
 bool is_numeric(const std::string& text) {

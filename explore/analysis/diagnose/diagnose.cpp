@@ -6,9 +6,9 @@
 #include "diagnose/evidence.h"
 #include "inference/quantiles.h"
 #include "pavement/effects/effect.h"
+#include "pavement/layered.h"
 #include "study/candidates.h"
 #include "study/corrections.h"
-#include "study/laws.h"
 #include "study/own_effects.h"
 #include "study/readings.h"
 
@@ -156,53 +156,23 @@ hypotheses::Hypothesis premise_of(const data::BowlFault& fault) {
             .terms = {{effect, "", std::string(hypotheses::of_readings)}}};
 }
 
-std::optional<DiagnoseResult> diagnose_with(Session& session, const study::Study& asked, const DiagnoseOptions& options,
-                                            const std::vector<data::BowlFault>& faults);
+// Whether a load that is fitted is computed by the layered engine unless as_diagnosed.
+bool is_layered(const study::Study& study) {
+    if (study.has_own_model || !study.model.settings.layered) {
+        return false;
+    }
+    const std::vector<bool> fitted = study::fitted_loads(study);
+    for (std::size_t l = 0; l < fitted.size(); ++l) {
+        if (fitted[l] && pave::pavement::why_not_layered(study.model, static_cast<int>(l)).empty()) {
+            return true;
+        }
+    }
+    return false;
+}
 
 // The settings that the run which holds the results is kept under.
 std::string settings_of(const Session& session, const std::optional<ReducedProblem>& reduced) {
     return fmt::format("seed {}{}", session.options().seed, reduced ? reduced->settings : "");
-}
-
-bool is_exchanged(const data::BowlFault& fault) {
-    return fault.kind == data::BowlFault::Kind::exchanged;
-}
-
-// Of the most probable hypothesis: its probability beforehand and what the data say, the logarithm.
-double most_probable(const DiagnoseResult& result) {
-    double most = -INFINITY;
-    const Diagnosis& d = result.diagnosis;
-    for (const std::size_t r : diagnose::rows_that_count(d.ledger)) {
-        const diagnose::Row& row = d.ledger.rows()[r];
-        most = std::max(most, row.is_tried() ? row.log_weight() : -INFINITY);
-    }
-    return most;
-}
-
-// A wrong reading far from the load makes a bowl rise as two exchanged sensors do. Where the study's model does not fit
-// with them in order, the readings are explained as they stand too: the more probable answer.
-std::optional<DiagnoseResult> weigh_exchange(Session& session, const study::Study& asked, DiagnoseResult in_order) {
-    const Diagnosis& d = in_order.diagnosis;
-    const bool is_doubtful =
-        d.ledger.noise_is_stated() && (in_order.failed() || d.baseline.p_value < diagnose::level_contradicted);
-    if (!is_doubtful || std::none_of(in_order.faults.begin(), in_order.faults.end(), is_exchanged)) {
-        return in_order;
-    }
-    std::vector<data::BowlFault> as_read = in_order.faults;
-    for (data::BowlFault& fault : as_read) {
-        fault.kind = is_exchanged(fault) ? data::BowlFault::Kind::rises : fault.kind;
-    }
-    auto other = diagnose_with(session, asked, in_order.options, as_read);
-    if (!other) {
-        return std::nullopt;
-    }
-    const std::size_t readings = in_order.layout.rows.size();
-    const double log_prior = hypotheses::log_prior(hypotheses::Kind::layout, {}, readings * (readings - 1) / 2, 0);
-    if (!other->failed() && (in_order.failed() || most_probable(*other) > log_prior + most_probable(in_order))) {
-        return other;
-    }
-    session.begin(in_order.study, "diagnose", settings_of(session, in_order.reduced));
-    return in_order;
 }
 
 } // namespace
@@ -243,11 +213,6 @@ study::Study as_diagnosed(study::Study study) {
     return study;
 }
 
-std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& asked, const DiagnoseOptions& options) {
-    auto result = diagnose_with(session, asked, options, data_faults(asked));
-    return result ? weigh_exchange(session, asked, std::move(*result)) : std::nullopt;
-}
-
 namespace {
 
 // The readings mended where these faults show how.
@@ -269,8 +234,7 @@ std::optional<DiagnoseResult> diagnose_with(Session& session, const study::Study
     DiagnoseResult result{.study = study,
                           .faults = faults,
                           .roundings = steps,
-                          .is_otherwise_layered = !asked.has_own_model && asked.model.settings.layered &&
-                                                  study::stress_dependent_layers(asked).empty(),
+                          .is_otherwise_layered = is_layered(asked),
                           .options = options,
                           .variants = study::variants(study, options.without),
                           .candidates = {},
@@ -420,6 +384,52 @@ std::optional<DiagnoseResult> diagnose_with(Session& session, const study::Study
     return result;
 }
 
+bool is_exchanged(const data::BowlFault& fault) {
+    return fault.kind == data::BowlFault::Kind::exchanged;
+}
+
+// Of the most probable hypothesis: its probability beforehand and what the data say, the logarithm.
+double most_probable(const DiagnoseResult& result) {
+    double most = -INFINITY;
+    const Diagnosis& d = result.diagnosis;
+    for (const std::size_t r : diagnose::rows_that_count(d.ledger)) {
+        const diagnose::Row& row = d.ledger.rows()[r];
+        most = std::max(most, row.is_tried() ? row.log_weight() : -INFINITY);
+    }
+    return most;
+}
+
+// A wrong reading far from the load makes a bowl rise as two exchanged sensors do. Where the study's model does not fit
+// with them in order, the readings are explained as they stand too: the more probable answer.
+std::optional<DiagnoseResult> weigh_exchange(Session& session, const study::Study& asked, DiagnoseResult in_order) {
+    const Diagnosis& d = in_order.diagnosis;
+    const bool is_doubtful =
+        d.ledger.noise_is_stated() && (in_order.failed() || d.baseline.p_value < diagnose::level_contradicted);
+    if (!is_doubtful || std::none_of(in_order.faults.begin(), in_order.faults.end(), is_exchanged)) {
+        return in_order;
+    }
+    std::vector<data::BowlFault> as_read = in_order.faults;
+    for (data::BowlFault& fault : as_read) {
+        fault.kind = is_exchanged(fault) ? data::BowlFault::Kind::rises : fault.kind;
+    }
+    auto other = diagnose_with(session, asked, in_order.options, as_read);
+    if (!other) {
+        return std::nullopt;
+    }
+    const std::size_t readings = in_order.layout.rows.size();
+    const double log_prior = hypotheses::log_prior(hypotheses::Kind::layout, {}, readings * (readings - 1) / 2, 0);
+    if (!other->failed() && (in_order.failed() || most_probable(*other) > log_prior + most_probable(in_order))) {
+        return other;
+    }
+    session.begin(in_order.study, "diagnose", settings_of(session, in_order.reduced));
+    return in_order;
+}
+
 } // namespace
+
+std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& asked, const DiagnoseOptions& options) {
+    auto result = diagnose_with(session, asked, options, data_faults(asked));
+    return result ? weigh_exchange(session, asked, std::move(*result)) : std::nullopt;
+}
 
 } // namespace explore::analysis

@@ -181,14 +181,13 @@ std::vector<Estimate> estimates(const study::Study& study, const RunTimes& timin
     const auto grid = search::full_grid_size(study.space);
     const bool is_grid = grid > 0 && grid <= search::most_grid_points;
     const auto points = static_cast<double>(is_grid ? grid : map_points);
-    const std::vector<bool> computed = study::fitted_loads(study);
-    const bool has_more = std::find(computed.begin(), computed.end(), false) != computed.end();
-    list.push_back({grid > 0 && !is_grid ? "map --design sobol" : "map",
-                    fmt::format("{:.0f}{}", points,
-                                is_grid    ? " (full grid)"
-                                : grid > 0 ? " (the grid has too many points)"
-                                           : ""),
-                    shared(points * timing.fitted_forward + (has_more ? map_lowest * timing.forward : 0.0))});
+    list.push_back(
+        {grid > 0 && !is_grid ? "map --design sobol" : "map",
+         fmt::format("{:.0f}{}", points,
+                     is_grid    ? " (full grid)"
+                     : grid > 0 ? " (the grid has too many points)"
+                                : ""),
+         shared(points * timing.fitted_forward + (has_more_to_predict(study) ? map_lowest * timing.forward : 0.0))});
     // Runs of the searches and walks below were counted on studies of two to five parameters; they vary twofold.
     constexpr int steps = 15; // of a search, on a deflection bowl
     const double with = timing.fitted_with_derivatives;

@@ -31,13 +31,6 @@ search::Design make_design(const MapOptions& options, const study::Study& study,
     return search::full_grid(study.space, options.points);
 }
 
-// Whether some load is only requested, or held out: a map explores without it.
-bool has_more_to_predict(const study::Study& study) {
-    const std::vector<bool> fitted = study::fitted_loads(study);
-    return std::any_of(study.model.sensors.begin(), study.model.sensors.end(),
-                       [&](const auto& sensor) { return !fitted[static_cast<std::size_t>(sensor.load)]; });
-}
-
 // The full model with every response at the lowest points. False: interrupted.
 bool complete(Session& session, MapResult& map, const std::string& settings) {
     search::Design again{map.design.name, {}};
@@ -68,6 +61,12 @@ bool complete(Session& session, MapResult& map, const std::string& settings) {
 }
 
 } // namespace
+
+bool has_more_to_predict(const study::Study& study) {
+    const std::vector<bool> fitted = study::fitted_loads(study);
+    return std::any_of(study.model.sensors.begin(), study.model.sensors.end(),
+                       [&](const auto& sensor) { return !fitted[static_cast<std::size_t>(sensor.load)]; });
+}
 
 std::vector<std::string> findings(const MapResult& result) {
     if (result.failed()) {

@@ -40,6 +40,9 @@ struct MapResult {
     }
 };
 
+// Whether some load is only requested, or held out: a map explores without it.
+bool has_more_to_predict(const study::Study& study);
+
 // The lowest point in a sentence; none: the map failed.
 std::vector<std::string> findings(const MapResult& result);
 
