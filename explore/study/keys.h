@@ -233,8 +233,8 @@ inline constexpr Key solver_load_steps{.table = "[solver]",
                                        .kind = whole_number,
                                        .low = 1,
                                        .high = 1000,
-                                       .without = "12; an analysis that fits readings of stated noise takes as many as "
-                                                  "that noise asks for, 6 at least",
+                                       .without = "9; an analysis that fits readings of stated noise takes as many as "
+                                                  "that noise asks for, 5 at least",
                                        .meaning = "steps of every load path, the same at all points of a search"};
 inline constexpr Key solver_path{.table = "[solver]",
                                  .key = "path_tolerance",
@@ -243,7 +243,7 @@ inline constexpr Key solver_path{.table = "[solver]",
                                  .high = 0.1,
                                  .without = "`load_steps`",
                                  .meaning =
-                                     "in place of `load_steps`: 12 (0.002/path_tolerance)^(1/3) of them, rounded up"};
+                                     "in place of `load_steps`: 9 (0.002/path_tolerance)^(1/3) of them, rounded up"};
 inline constexpr Key solver_equilibrium{.table = "[solver]",
                                         .key = "equilibrium_tolerance",
                                         .kind = number,

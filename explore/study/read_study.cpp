@@ -281,7 +281,7 @@ std::string hash_of(toml::table table, const Study& study, const std::string& ow
                                       [](const Layer& layer) { return layer.law->stress_dependent(); });
     if (has_path && !study.model.is_hyperelastic() &&
         study.model.settings.integration == Integration::incremental) { // the default is the program's own
-        text << fmt::format("\n{} load steps", study.model.settings.solver.load_steps);
+        text << fmt::format("\n{} load steps by Radau's nodes", study.model.settings.solver.load_steps);
     }
     return hash_with_readings(text.str(), study.measured());
 }

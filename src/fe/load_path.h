@@ -19,11 +19,10 @@ inline Failure stiffness_not_definite() {
                             "stiffness along the load path"};
 }
 
-// The load factor after i of n steps. The soil is nearly unstressed at the start, and its modulus changes with
-// the logarithm of the load: steps grow evenly, to exp(growth) times the first.
+// The load factor after i of n steps: short ones first, where the soil is nearly unstressed and its modulus changes
+// most.
 inline double load_factor_after(int i, int n) {
-    constexpr double growth = 2.5;
-    return i == n ? 1.0 : std::expm1(growth * i / n) / std::expm1(growth);
+    return std::pow(static_cast<double>(i) / n, 1.75);
 }
 
 // State: zero at the start, with set_sum(from, factors, rates): itself becomes another plus multiples of rates, all of
@@ -31,15 +30,16 @@ inline double load_factor_after(int i, int n) {
 template <class State>
 class LoadPath {
 public:
-    // The formula of third order of Bogacki and Shampine (1989): three rates a step, the last of a step is the first of
-    // the next.
-    static constexpr int stages = 4;
+    // Rates a step. Of the formulas of third order with three (Kutta 1901) the one with the nodes of Radau's
+    // quadrature: where stress grows with the load, so that the modulus is a function of the load, it is of fifth
+    // order.
+    static constexpr int stages = 3;
 
     // The path so far and its rates.
     State now, trial;
     State slope[stages];
 
-    const State& rate_before() const { return slope[stages - 1]; }
+    const State& rate_before() const { return slope[1]; }
 
     // Begins anew; size: what State::set_zero takes.
     template <class... Size>
@@ -64,33 +64,44 @@ public:
             const double end = load_factor_after(step + 1, steps);
             const double h = end - load_factor_after(step, steps);
             for (int i = 1; i < stages; ++i) {
-                std::array<double, stages> factors{};
-                std::array<const State*, stages> rates{};
-                std::size_t count = 0;
-                for (int j = 0; j < i; ++j) {
-                    if (const double f = h * a[i][j]; f != 0.0) {
-                        factors[count] = f;
-                        rates[count++] = &slope[j];
-                    }
-                }
-                trial.set_sum(now, {factors.data(), count}, {rates.data(), count});
+                set_trial(h, of_rates[i - 1], i);
                 if (deadline.has_passed()) {
                     return Deadline::failure();
                 }
-                const bool at_end = step + 1 == steps && i + 1 == stages;
-                if ((!at_end || rate_at_end) && !rate(trial, i)) {
+                if (!rate(trial, i)) {
                     return stiffness_not_definite();
                 }
             }
+            set_trial(h, of_rates[stages - 1], stages);
             std::swap(now, trial);
-            std::swap(slope[0], slope[stages - 1]);
+            std::swap(slope[0], slope[1]);
+            if ((step + 1 < steps || rate_at_end) && !rate(now, 0)) {
+                return stiffness_not_definite();
+            }
             ended(end);
         }
         return std::nullopt;
     }
 
 private:
-    static constexpr double a[stages][stages] = {{}, {1.0 / 2.0}, {0.0, 3.0 / 4.0}, {2.0 / 9.0, 1.0 / 3.0, 4.0 / 9.0}};
+    // trial = now + h times the sum of the first `count` rates by these factors.
+    void set_trial(double h, const std::array<double, stages>& factors_of_h, int count) {
+        std::array<double, stages> factors{};
+        std::array<const State*, stages> rates{};
+        for (int j = 0; j < count; ++j) {
+            factors[j] = h * factors_of_h[j];
+            rates[j] = &slope[j];
+        }
+        const auto size = static_cast<std::size_t>(count);
+        trial.set_sum(now, {factors.data(), size}, {rates.data(), size});
+    }
+
+    static constexpr double root_6 = 2.449489742783178;
+    static constexpr double c2 = (6.0 - root_6) / 10.0;
+    static constexpr double c3 = (6.0 + root_6) / 10.0;
+    static constexpr double a32 = c3 * (c3 - c2) / (c2 * (2.0 - 3.0 * c2)); // third order
+    static constexpr std::array<double, stages> of_rates[stages] = {
+        {c2}, {c3 - a32, a32}, {1.0 / 9.0, (16.0 + root_6) / 36.0, (16.0 - root_6) / 36.0}};
 };
 
 } // namespace pave::fe

@@ -8,7 +8,7 @@ namespace pave::fe {
 struct SolverSettings {
     // incremental: of the load path of every load, however it is modelled. The error goes with their number to the
     // power -3.
-    int load_steps = 12;
+    int load_steps = 9;
     // secant, hyperelastic: unbalanced force relative to the load.
     double equilibrium_tolerance = 1e-9;
     // Error of an iterative solution of one linear system in the energy norm, relative to the solution (3D): well below

@@ -97,7 +97,8 @@ const std::vector<double>& truth() {
     return values;
 }
 
-constexpr int by_default = 12;
+constexpr int by_default = 9;
+constexpr int fewest = 5;
 
 analysis::Session session() {
     return analysis::Session({.threads = 1, .show_progress = false});
@@ -115,7 +116,7 @@ TEST(LoadSteps, AreStatedByTheirNumberOrByTheOlderTolerance) {
     EXPECT_EQ(steps_with("load_steps = 31"), 31);
     EXPECT_EQ(steps_with("path_tolerance = 2e-3"), by_default);
     EXPECT_EQ(steps_with("path_tolerance = 2.5e-4"), 2 * by_default); // an eighth
-    EXPECT_EQ(steps_with("path_tolerance = 1e-5"), 71);               // 12 x 200^(1/3) = 70.2
+    EXPECT_EQ(steps_with("path_tolerance = 1e-5"), 53);               // 9 x 200^(1/3) = 52.6
     EXPECT_THROW(steps_with("path_tolerance = 1e-5\nload_steps = 31"), pave::Error);
     EXPECT_THROW(steps_with("load_steps = 0"), pave::Error);
     // Another number is another study, for the run store.
@@ -123,17 +124,16 @@ TEST(LoadSteps, AreStatedByTheirNumberOrByTheOlderTolerance) {
 }
 
 TEST(LoadSteps, LeaveATenthOfTheNoiseInEveryReading) {
-    for (const double noise : {0.1, 0.005, 0.001}) {
+    for (const double noise : {0.1, 0.005, 0.0001}) {
         const study::Study given = analysis::with_enough_load_steps(study_with("", noise, truth()), session());
         const int steps = given.model.settings.solver.load_steps;
         std::printf("  noise %.1f %%: %d steps, errors up to %.3f of it, in the default number %.3f\n", 100.0 * noise,
                     steps, largest_share(given, steps, noise), largest_share(given, by_default, noise));
         EXPECT_EQ(given.load_steps, study::LoadSteps::chosen);
         EXPECT_LT(largest_share(given, steps, noise), 0.12); // as an estimate is right
-        const bool is_enough = largest_share(given, by_default, noise) < 0.08;
-        EXPECT_EQ(steps <= by_default, is_enough);
-        // Fewer than the default only where they leave next to nothing, but half of them at least.
-        EXPECT_GE(steps, by_default / 2);
+        EXPECT_TRUE(steps > by_default || largest_share(given, by_default, noise) < 0.12);
+        // Fewer than the default only where they leave next to nothing, but five at least.
+        EXPECT_GE(steps, fewest);
         EXPECT_TRUE(steps >= by_default || largest_share(given, steps, noise) < 0.024);
         // Once chosen, they stay; and so does what the study states.
         const study::Study again = analysis::with_enough_load_steps(given, session());
@@ -148,24 +148,26 @@ TEST(LoadSteps, LeaveATenthOfTheNoiseInEveryReading) {
 }
 
 TEST(LoadSteps, AreJudgedByTheirErrorAtTheAnswer) {
-    constexpr double noise = 0.01;
-    const study::Study study = study_with("load_steps = 6", noise, truth());
+    constexpr double noise = 0.0005;
+    constexpr int few = 4;
+    const study::Study study = study_with("load_steps = 4", noise, truth());
     const problem::Problem problem = study::make_noise_problem(study, study::Scope::fitted);
     problem::Evaluation answer;
     answer.parameters = {3000, 75};
     answer.status = pave::Status::converged;
-    answer.responses = responses(study, 6);
+    answer.responses = responses(study, few);
     const auto error = analysis::path_error(study, problem, answer, 1.0);
     ASSERT_TRUE(error);
-    const double share = largest_share(study, 6, noise);
+    const double share = largest_share(study, few, noise);
+    std::printf("  %.3f of the noise, by the estimate %.3f\n", share, error->share);
     EXPECT_NEAR(error->share, share, 0.25 * share);
     EXPECT_TRUE(error->shows());
     EXPECT_LT(largest_share(study, error->enough(), noise), 0.12);
     const std::string words = analysis::path_words(study, error);
-    EXPECT_NE(words.find("6 steps"), std::string::npos) << words;
+    EXPECT_NE(words.find("4 steps"), std::string::npos) << words;
     EXPECT_NE(words.find("load_steps = " + std::to_string(error->enough())), std::string::npos) << words;
-    // Beside noise a hundred times as large nothing is said.
-    const auto small = analysis::path_error(study, problem, answer, 100.0);
+    // Beside noise a thousand times as large nothing is said.
+    const auto small = analysis::path_error(study, problem, answer, 1000.0);
     ASSERT_TRUE(small);
     EXPECT_FALSE(small->shows());
     EXPECT_EQ(analysis::path_words(study, small), "");

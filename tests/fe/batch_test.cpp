@@ -72,7 +72,7 @@ struct Sections {
     std::vector<fe::BatchRun> runs;
 
     explicit Sections(int count, const char* law = "uzan", double k2_low = 0.1, double k2_high = 1.0) {
-        nominal.settings.solver.load_steps = 4;
+        nominal.settings.solver.load_steps = 6;
         for (const Sensor& sensor : nominal.sensors) {
             readings.push_back(observe(sensor, parts.mesh, parts.model, parts.mesh, incompressible_layers(nominal)));
         }

@@ -236,24 +236,19 @@ TEST(LoadPath, OfConfinedCompressionIsTheIntegralOfTheModulusOverTheLoad) {
     const auto model = fe::make_model(mesh::axisymmetric_mesh({0.0, 0.5, 1.0}, {0.0, 0.5, 1.0}, {1.0}), {false});
     const auto load = load_of(model, [&](int, double, double) { return Element::Stress(0.0, 0.0, -p, 0.0); });
     fe::Solver<Element> solver(model);
-    double first = 0.0;
-    double last = 0.0;
-    for (const int steps : {12, 24, 48, 96, 192}) {
+    for (const int steps : {9, 18, 36, 72, 144}) {
         const auto solved = solver.incremental(layers, load, {}, {.load_steps = steps});
         ASSERT_TRUE(solved);
         EXPECT_EQ(solved->statistics.load_steps, steps);
         const double strain = -Element::strain(model.points[0], model.gather(0, solved->displacement.data()))[2];
         const double error = std::abs(strain / exact - 1.0);
         std::printf("  %3d steps: error %.1e\n", steps, error);
-        EXPECT_LT(error, 5e-3);
-        first = first > 0.0 ? first : error;
-        last = error;
+        EXPECT_LT(error,
+                  1e-3 * std::pow(9.0 / steps, 3)); // where tau is 0 the modulus has a kink, which costs the rest
     }
-    EXPECT_LT(last, 1e-6);
-    EXPECT_LT(last, first / 1000.0); // third order is 4096; where tau is 0 the modulus has a kink, which costs some
     // The tangent at the end is that of the stress there; only a path that somebody watches computes it by itself.
     for (const bool is_watched : {false, true}) {
-        constexpr int steps = 192;
+        constexpr int steps = 144;
         fe::Solver<Element> own(model);
         if (is_watched) {
             own.on_step([](double, const Eigen::VectorXd&, const Eigen::VectorXd&) {});
@@ -312,14 +307,14 @@ TEST(LoadPath, OfSeparateModuliIsTheDifferentialEquationOfAConfinedColumn) {
     const auto model = fe::make_model(mesh::axisymmetric_mesh({0.0, 0.5, 1.0}, {0.0, 0.5, 1.0}, {1.0}), {false});
     const auto load = load_of(model, [&](int, double, double) { return Element::Stress(0.0, 0.0, -p, 0.0); });
     fe::Solver<Element> solver(model);
-    for (const int number : {12, 24, 48, 96, 192}) {
+    for (const int number : {9, 18, 36, 72, 144}) {
         const auto solved = solver.incremental(layers, load, {}, {.load_steps = number});
         ASSERT_TRUE(solved);
         const double strain = -Element::strain(model.points[0], model.gather(0, solved->displacement.data()))[2];
         const double horizontal = -solved->stress(0, 0);
         std::printf("  %3d steps: error of strain %.1e, of horizontal stress %.1e\n", number,
                     std::abs(strain / exact[1] - 1.0), std::abs(horizontal / exact[0] - 1.0));
-        const double allowed = 5e-3 * std::pow(12.0 / number, 3);
+        const double allowed = 5e-3 * std::pow(9.0 / number, 3);
         EXPECT_NEAR(strain / exact[1], 1.0, allowed);
         EXPECT_NEAR(horizontal / exact[0], 1.0, allowed);
     }

@@ -324,7 +324,7 @@ TEST(LoadPath, OfTheHeaviestPlateReadsTheLighterOnesOnTheWay) {
         first.try_emplace(c.sensors[i].load, i);
     }
     // They differ by the errors of paths.
-    for (const auto& [steps, values, rates] : {std::tuple{12, 3e-3, 1e-2}, std::tuple{70, 2e-5, 1e-4}}) {
+    for (const auto& [steps, values, rates] : {std::tuple{9, 3e-3, 1e-2}, std::tuple{70, 2e-5, 1e-4}}) {
         const auto each = run(c, steps);
         const auto together = run(shared, steps);
         ASSERT_TRUE(each && together);
@@ -342,7 +342,7 @@ TEST(LoadPath, OfTheHeaviestPlateReadsTheLighterOnesOnTheWay) {
     }
     EXPECT_GT(more_steps, 0);
     // Derivatives are those of the interpolated path.
-    shared.settings.solver.load_steps = 12;
+    shared.settings.solver.load_steps = 9;
     const ForwardModel model(shared);
     const auto workspace = model.make_workspace();
     const auto exact = model.run(shared, parameters, *workspace);
@@ -412,7 +412,8 @@ TEST(LoadPath, LeavesTheSquareOfTheLinearToleranceUnbalancedInThreeDimensions) {
             c.settings.solver.linear_tolerance = tolerance;
             const auto response = run(c);
             ASSERT_TRUE(response);
-            EXPECT_LT(response->statistics.residual_relative, tolerance * tolerance);
+            // Of forces, where the tolerance is of energies.
+            EXPECT_LT(response->statistics.residual_relative, 2.0 * tolerance * tolerance);
         }
     }
 }

@@ -1,12 +1,15 @@
 // The load path in a fixed sequence of steps: readings are as smooth in the parameters as the law is, and end where
 // finer steps end. Reference: the cubic through neighbours on a line, and the same path in many more steps.
 #include "base/random.h"
+#include "fe/load_path.h"
 #include "support/sections.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
+#include <limits>
+#include <span>
 
 using namespace pave;
 using namespace pave::pavement;
@@ -83,7 +86,58 @@ double largest(const std::vector<double>& values) {
     return *std::max_element(values.begin(), values.end());
 }
 
+// A path of two numbers, the first of which is the load factor.
+struct Pair {
+    double factor = 0.0;
+    double value = 0.0;
+    void set_zero() { *this = {}; }
+    void set_sum(const Pair& from, std::span<const double> factors, std::span<const Pair* const> rates) {
+        *this = from;
+        for (std::size_t j = 0; j < rates.size(); ++j) {
+            factor += factors[j] * rates[j]->factor;
+            value += factors[j] * rates[j]->value;
+        }
+    }
+};
+
+// Where d(value)/d(load factor) = rate(pair) ends.
+double end_of(int steps, const std::function<double(const Pair&)>& rate) {
+    fe::LoadPath<Pair> path;
+    path.set_zero();
+    const auto failure = path.follow(
+        steps, false, fe::Deadline(std::numeric_limits<double>::infinity()),
+        [&](const Pair& at, int i) {
+            path.slope[i] = {1.0, rate(at)};
+            return true;
+        },
+        [](double) {});
+    EXPECT_FALSE(failure);
+    EXPECT_NEAR(path.now.factor, 1.0, 1e-14);
+    return path.now.value;
+}
+
 } // namespace
+
+TEST(LoadSteps, IntegrateRatesOfTheLoadToTheFourthPowerExactly) {
+    for (const int power : {0, 1, 2, 3, 4}) {
+        const double found = end_of(1, [&](const Pair& at) { return std::pow(at.factor, power); });
+        EXPECT_NEAR(found, 1.0 / (power + 1.0), 1e-14) << power;
+    }
+    EXPECT_GT(std::abs(end_of(1, [](const Pair& at) { return std::pow(at.factor, 5); }) - 1.0 / 6.0), 1e-5);
+}
+
+TEST(LoadSteps, AreOfThirdOrder) {
+    const auto rate = [](const Pair& at) { return 2.0 * std::exp(-at.value) * (1.0 + at.factor); };
+    const double exact = std::log(4.0); // exp(value) = 1 + 2 f + f^2
+    double before = 0.0;
+    for (const int steps : {32, 64, 128}) {
+        const double error = std::abs(end_of(steps, rate) - exact);
+        if (before > 0.0) {
+            EXPECT_NEAR(std::log2(before / error), 3.0, 0.1) << steps;
+        }
+        before = error;
+    }
+}
 
 TEST(LoadSteps, LeaveReadingsOnTheCubicThroughTheirNeighboursOnFiftyLines) {
     const ForwardModel model(section_at(drawn(0)));

@@ -86,14 +86,14 @@ def said(fit, *words):
 
 
 def test_forward_runs_take_the_steps_that_the_study_states():
-    assert forward("default", "")["load_steps"] == 12
+    assert forward("default", "")["load_steps"] == 9
     assert forward("stated", STEPS.format(17))["load_steps"] == 17
-    assert forward("older", "[solver]\npath_tolerance = 2.5e-4\n")["load_steps"] == 24
+    assert forward("older", "[solver]\npath_tolerance = 2.5e-4\n")["load_steps"] == 18
 
 
 def test_noise_that_is_large_needs_fewer_steps_which_leave_next_to_nothing():
     fit = fitted("large", 0.1)
-    assert 6 <= fit["path"]["load_steps"] < 12 and not fit["path"]["shows"] and not said(fit), fit["path"]
+    assert 5 <= fit["path"]["load_steps"] <= 9 and not fit["path"]["shows"] and not said(fit), fit["path"]
     assert fit["path"]["share_of_noise"] < 0.024
     # The readings are exact: what the path leaves is all of chi2.
     assert fit["noise"]["chi2"] < 0.024**2 * len(PLACES)
@@ -102,16 +102,16 @@ def test_noise_that_is_large_needs_fewer_steps_which_leave_next_to_nothing():
 def test_noise_that_is_small_asks_for_more_steps_which_leave_no_bias():
     fit = fitted("small", 0.001)
     steps = fit["path"]["load_steps"]
-    assert steps > 12 and said(fit, f"{steps} steps")
+    assert steps > 9 and said(fit, f"{steps} steps")
     assert fit["path"]["share_of_noise"] < 0.12
     # The readings are exact: what the path leaves is all of chi2, a hundredth a reading at most.
     assert fit["noise"]["chi2"] < 0.01 * len(PLACES)
 
 
 def test_stated_steps_are_kept_and_judged():
-    fit = fitted("few", 0.001, STEPS.format(6))
-    assert fit["path"]["load_steps"] == 6 and fit["path"]["shows"]
-    assert said(fit, "6 steps", "load_steps = ")
+    fit = fitted("few", 0.001, STEPS.format(3))
+    assert fit["path"]["load_steps"] == 3 and fit["path"]["shows"]
+    assert said(fit, "3 steps", "load_steps = ")
 
 
 def test_a_run_that_goes_on_is_found_again():

@@ -126,7 +126,8 @@ def test_draws_of_the_reduced_model_are_weighed_by_the_full_one():
     assert sum(a < 1e-12 for a in apart) >= 80, "those that were run by their own densities"
     others = [a for a in apart if a >= 1e-12]
     rms = (sum(a * a for a in others) / len(others)) ** 0.5
-    assert rms < 1.3 * surface["left"] < 0.13, f"the others to what is said to be left: {rms}, {surface['left']}"
+    nothing = 1e-3  # of a logarithm of density: weights change by as much
+    assert rms < max(1.3 * surface["left"], nothing) and surface["left"] < 0.1, f"the others to what is said to be left: {rms}, {surface['left']}"
     assert exact["full_runs"] == 400 and surface["effective_draws"] > 0.9 * 400, "and are worth as much"
 
 

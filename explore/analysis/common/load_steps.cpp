@@ -16,7 +16,7 @@ constexpr double unseen = 0.02;                   // of the noise: fewer than th
 constexpr double order = 3.0;                     // of the path in its steps
 constexpr double whole_of_difference = 8.0 / 7.0; // error in n steps, by the difference to 2 n
 constexpr int default_steps = pave::fe::SolverSettings{}.load_steps;
-constexpr int fewest_steps = default_steps / 2;
+constexpr int fewest_steps = 5;
 constexpr int most_steps = 3 * default_steps;
 
 // So many steps or more, such that what leaves this share of the noise leaves the other.
