@@ -25,6 +25,34 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+// Workspaces for as many evaluations as go on at a time. They are lent, and do not belong to threads: every chain of a
+// search has a thread, any of which may compute for all.
+class Workspaces {
+public:
+    using Workspace = problem::ForwardFunction::Workspace;
+
+    explicit Workspaces(const problem::ForwardFunction& function) : function_(&function) {}
+
+    // use(workspace) with one that nobody else uses meanwhile.
+    template <class Use>
+    auto lend(const Use& use) {
+        std::unique_ptr<Workspace> workspace;
+        if (!free_.try_pop(workspace)) {
+            workspace = function_->make_workspace();
+        }
+        struct Back {
+            Workspaces& all;
+            std::unique_ptr<Workspace>& workspace;
+            ~Back() { all.free_.push(std::move(workspace)); }
+        } const back{*this, workspace};
+        return use(*workspace);
+    }
+
+private:
+    const problem::ForwardFunction* function_;
+    tbb::concurrent_queue<std::unique_ptr<Workspace>> free_;
+};
+
 } // namespace
 
 struct Engine::Implementation {
@@ -35,31 +63,24 @@ struct Engine::Implementation {
     std::size_t threads;
     tbb::global_control limit;
     tbb::task_arena arena;
-    tbb::enumerable_thread_specific<std::unique_ptr<problem::ForwardFunction::Workspace>> workspaces;
+    Workspaces workspaces{*problem.function};
     std::atomic<std::int64_t> computed{0};
     std::atomic<std::int64_t> forward_ns{0};
 
-    // One evaluation on the workspace of this thread. std::bad_alloc passes through: it is no answer for this point,
-    // which another time may have room.
+    // One evaluation. std::bad_alloc passes through: it is no answer for this point, which another time may have room.
     Evaluation evaluate(std::span<const double> unit, bool with_jacobian) {
-        auto& workspace = workspaces.local();
         const std::int64_t begin = thread_cpu_ns();
-        if (workspace == nullptr) {
-            workspace = problem.function->make_workspace();
-        }
-        Evaluation e = problem.evaluate(unit, with_jacobian, *workspace);
+        Evaluation e =
+            workspaces.lend([&](auto& workspace) { return problem.evaluate(unit, with_jacobian, workspace); });
         forward_ns += thread_cpu_ns() - begin;
         return e;
     }
 
     // The same of several points at once.
     std::vector<Evaluation> evaluate_many(std::span<const std::vector<double>> units, bool with_jacobian) {
-        auto& workspace = workspaces.local();
         const std::int64_t begin = thread_cpu_ns();
-        if (workspace == nullptr) {
-            workspace = problem.function->make_workspace();
-        }
-        auto evaluations = problem.evaluate_many(units, with_jacobian, *workspace);
+        auto evaluations =
+            workspaces.lend([&](auto& workspace) { return problem.evaluate_many(units, with_jacobian, workspace); });
         forward_ns += thread_cpu_ns() - begin;
         return evaluations;
     }
@@ -99,17 +120,9 @@ Engine::Engine(const problem::Problem& problem, Store* store, int run, EngineSet
         spread.function = cluster->spread(problem.function, usable_threads(settings.threads), settings.threads);
     }
     const int threads = concurrency(settings.threads);
-    implementation_ = std::unique_ptr<Implementation>(
-        new Implementation{std::move(spread),
-                           store,
-                           run,
-                           settings,
-                           static_cast<std::size_t>(threads),
-                           tbb::global_control(tbb::global_control::max_allowed_parallelism, threads),
-                           tbb::task_arena(threads),
-                           {},
-                           {},
-                           {}});
+    implementation_ = std::unique_ptr<Implementation>(new Implementation{
+        std::move(spread), store, run, settings, static_cast<std::size_t>(threads),
+        tbb::global_control(tbb::global_control::max_allowed_parallelism, threads), tbb::task_arena(threads)});
 }
 
 Engine::~Engine() = default;
