@@ -5,6 +5,7 @@
 // usage: benchmarks [OPTIONS OF GOOGLE BENCHMARK], from the top of the repository
 #include "material/catalog.h"
 #include "pavement/forward.h"
+#include "pavement/load_model.h"
 #include "run/blas.h"
 #include "study/problems.h"
 

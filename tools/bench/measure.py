@@ -207,7 +207,7 @@ def own_model_table(build, rounds, folder):
                                ("program", "cp", "a program that does nothing (`cp`): folder, template, start, reading")):
         extra = median([a - b for a, b in zip(ms[name], ms[alone])])
         rows.append([words, f"{median(ms[name]):.2f}", f"{median(ms[alone]):.2f}", f"{extra:.2f}"])
-    return table(["a model of one's own, one thread", "wall ms a run", "its own work", "beyond it"], rows)
+    return table(["a model of your own, one thread", "wall ms a run", "its own work", "beyond it"], rows)
 
 
 def report_table(build, rounds, folder):
