@@ -1,6 +1,7 @@
 #include "report/model_server.h"
 
 #include "base/text.h"
+#include "problem/workspaces.h"
 #include "report/loopback_server.h"
 #include "run/parallel.h"
 
@@ -121,7 +122,6 @@ private:
 
     // Of the points with derivatives the last few are remembered: who wants a whole Jacobian asks for it in columns.
     problem::Prediction at(const std::vector<double>& point, bool with_jacobian) {
-        std::unique_ptr<problem::ForwardFunction::Workspace> workspace;
         {
             std::unique_lock lock(mutex_);
             turn_.wait(lock, [&] { return free_ > 0; });
@@ -131,19 +131,12 @@ private:
                 }
             }
             --free_;
-            if (!idle_.empty()) {
-                workspace = std::move(idle_.back());
-                idle_.pop_back();
-            }
         }
-        if (workspace == nullptr) {
-            workspace = problem_.function->make_workspace();
-        }
-        auto outcome = problem_.function->evaluate(point, with_jacobian, *workspace);
+        auto outcome = workspaces_.lend(
+            [&](auto& workspace) { return problem_.function->evaluate(point, with_jacobian, workspace); });
         {
             const std::scoped_lock lock(mutex_);
             ++free_;
-            idle_.push_back(std::move(workspace));
             if (outcome && with_jacobian) {
                 constexpr std::size_t most = 32;
                 recent_.emplace_front(point, *outcome);
@@ -165,7 +158,7 @@ private:
     std::mutex mutex_;
     std::condition_variable turn_;
     int free_;
-    std::vector<std::unique_ptr<problem::ForwardFunction::Workspace>> idle_;
+    problem::Workspaces workspaces_{*problem_.function}; // no more than threads
     std::deque<std::pair<std::vector<double>, problem::Prediction>> recent_;
 };
 

@@ -1,6 +1,7 @@
 #include "run/cluster.h"
 
 #include "data/hash.h"
+#include "problem/workspaces.h"
 #include "run/parallel.h"
 
 #include <atomic>
@@ -71,44 +72,24 @@ private:
     std::chrono::microseconds wait_ = shortest;
 };
 
-// A function with the workspaces that are not in use.
+// A function with its workspaces.
 class Pooled {
 public:
-    explicit Pooled(std::shared_ptr<const ForwardFunction> function) : function_(std::move(function)) {}
+    explicit Pooled(std::shared_ptr<const ForwardFunction> function)
+        : function_(std::move(function)),
+          workspaces_(*function_) {}
     Answer evaluate(std::span<const double> values, bool with_jacobian) {
-        auto workspace = workspace_at_hand();
-        Answer answer = function_->evaluate(values, with_jacobian, *workspace);
-        take_back(std::move(workspace));
-        return answer;
+        return workspaces_.lend([&](auto& workspace) { return function_->evaluate(values, with_jacobian, workspace); });
     }
     std::vector<Answer> evaluate_many(std::span<const std::vector<double>> points, bool with_jacobian) {
-        auto workspace = workspace_at_hand();
-        auto answers = function_->evaluate_many(points, with_jacobian, *workspace);
-        take_back(std::move(workspace));
-        return answers;
+        return workspaces_.lend(
+            [&](auto& workspace) { return function_->evaluate_many(points, with_jacobian, workspace); });
     }
     std::size_t lanes() const { return function_->lanes(); }
 
 private:
-    std::unique_ptr<ForwardFunction::Workspace> workspace_at_hand() {
-        {
-            const std::scoped_lock lock(mutex_);
-            if (!idle_.empty()) {
-                auto workspace = std::move(idle_.back());
-                idle_.pop_back();
-                return workspace;
-            }
-        }
-        return function_->make_workspace();
-    }
-    void take_back(std::unique_ptr<ForwardFunction::Workspace> workspace) {
-        const std::scoped_lock lock(mutex_);
-        idle_.push_back(std::move(workspace));
-    }
-
     std::shared_ptr<const ForwardFunction> function_;
-    std::mutex mutex_;
-    std::vector<std::unique_ptr<ForwardFunction::Workspace>> idle_;
+    problem::Workspaces workspaces_;
 };
 
 // The memory of a serving process: the functions used last.

@@ -1,5 +1,6 @@
 #include "run/engine.h"
 
+#include "problem/workspaces.h"
 #include "run/cluster.h"
 #include "run/in_step.h"
 #include "run/least_squares.h"
@@ -25,34 +26,6 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Workspaces for as many evaluations as go on at a time. They are lent, and do not belong to threads: every chain of a
-// search has a thread, any of which may compute for all.
-class Workspaces {
-public:
-    using Workspace = problem::ForwardFunction::Workspace;
-
-    explicit Workspaces(const problem::ForwardFunction& function) : function_(&function) {}
-
-    // use(workspace) with one that nobody else uses meanwhile.
-    template <class Use>
-    auto lend(const Use& use) {
-        std::unique_ptr<Workspace> workspace;
-        if (!free_.try_pop(workspace)) {
-            workspace = function_->make_workspace();
-        }
-        struct Back {
-            Workspaces& all;
-            std::unique_ptr<Workspace>& workspace;
-            ~Back() { all.free_.push(std::move(workspace)); }
-        } const back{*this, workspace};
-        return use(*workspace);
-    }
-
-private:
-    const problem::ForwardFunction* function_;
-    tbb::concurrent_queue<std::unique_ptr<Workspace>> free_;
-};
-
 } // namespace
 
 struct Engine::Implementation {
@@ -63,7 +36,7 @@ struct Engine::Implementation {
     std::size_t threads;
     tbb::global_control limit;
     tbb::task_arena arena;
-    Workspaces workspaces{*problem.function};
+    problem::Workspaces workspaces{*problem.function};
     std::atomic<std::int64_t> computed{0};
     std::atomic<std::int64_t> forward_ns{0};
 

@@ -27,9 +27,9 @@ std::optional<PathError> path_error(const study::Study& study, const problem::Pr
                                     const problem::Evaluation& answer, double noise);
 
 // The study with the number of steps that an analysis takes all along: its own where it states one or not every reading
-// states its noise; else five to the default, if so many leave a fiftieth of the noise in every reading
-// where a short search ends and a tenth at the points of a small sample of the box that fit best; else as many as leave
-// a tenth at all of them, at most three times the default.
+// states its noise; else five to the default, if so many leave a fiftieth of the noise in every reading where a short
+// search ends and a tenth at the points of a small sample of the box that fit best; else as many as leave a tenth at
+// all of them, at most three times the default.
 study::Study with_enough_load_steps(study::Study study, const Session& session);
 
 // The same for data that the study's own values make, with errors of this share of each.

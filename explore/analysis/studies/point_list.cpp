@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "data/csv.h"
+#include "problem/workspaces.h"
 #include "run/parallel.h"
 #include "study/problems.h"
 #include "study/values.h"
@@ -72,17 +73,14 @@ std::optional<ComputedPoints> compute_points(study::Study study, PointList point
     const int count = run::usable_threads(threads);
     const tbb::global_control most(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count));
     tbb::task_arena arena(count);
-    tbb::enumerable_thread_specific<std::unique_ptr<problem::ForwardFunction::Workspace>> workspaces;
+    problem::Workspaces workspaces(*function);
     const std::size_t n = points.values.size();
     ComputedPoints computed{.points = std::move(points), .responses = {}, .warnings = {}};
     computed.responses.assign(n, pave::Failure{pave::Status::failed, "not computed"});
     computed.warnings.resize(n);
     run::for_each_index(arena, n, [&](std::size_t i) {
-        auto& workspace = workspaces.local();
-        if (!workspace) {
-            workspace = function->make_workspace();
-        }
-        auto outcome = function->evaluate(computed.points.values[i], false, *workspace);
+        auto outcome = workspaces.lend(
+            [&](auto& workspace) { return function->evaluate(computed.points.values[i], false, workspace); });
         if (!outcome) {
             computed.responses[i] = outcome.failure();
             return;
