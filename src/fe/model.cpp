@@ -72,15 +72,20 @@ void Topology<Element>::build_pattern() {
         }
         return constant;
     };
+    const std::vector<bool> constant = constant_below(0);
     // In three dimensions a separator across the layers costs less than one along them.
     constexpr bool constant_first = Element::dim == 2;
-    analysis = std::make_shared<const CholeskyAnalysis>(lower, constant_below(0), constant_first);
+    if (!constant_first) {
+        analysis = std::make_shared<const CholeskyAnalysis>(lower, constant);
+        return;
+    }
+    analysis = std::make_shared<const CholeskyAnalysis>(lower, constant, constant);
     const auto changing = std::find(linear.rbegin(), linear.rend(), false);
     const auto below = static_cast<int>(linear.rend() - changing);
     const bool has_linear_above = std::find(linear.begin(), changing.base(), true) != changing.base();
-    if (constant_first && has_linear_above && below > 0) {
+    if (has_linear_above && below > 0) {
         // A thin layer on top, eliminated first, would couple all unknowns of the face below it.
-        auto other = std::make_shared<const CholeskyAnalysis>(lower, constant_below(below), constant_first);
+        auto other = std::make_shared<const CholeskyAnalysis>(lower, constant, constant_below(below));
         if (other->structure().changing_operations() < analysis->structure().changing_operations()) {
             analysis = std::move(other);
         }

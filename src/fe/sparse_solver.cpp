@@ -17,7 +17,8 @@ int CholeskyAnalysis::made() {
     return analyses;
 }
 
-CholeskyAnalysis::CholeskyAnalysis(const Pattern& lower, const std::vector<bool>& constant, bool constant_first) {
+CholeskyAnalysis::CholeskyAnalysis(const Pattern& lower, const std::vector<bool>& constant,
+                                   const std::vector<bool>& first) {
     ++analyses;
     cholmod_common common{};
     cholmod_start(&common);
@@ -35,10 +36,10 @@ CholeskyAnalysis::CholeskyAnalysis(const Pattern& lower, const std::vector<bool>
     matrix.sorted = 1;
     matrix.packed = 1;
     std::vector<int> given;
-    if (constant_first) {
-        std::vector<int> group(constant.size());
-        std::transform(constant.begin(), constant.end(), group.begin(), [](bool is) { return is ? 0 : 1; });
-        given.resize(constant.size());
+    if (!first.empty()) {
+        std::vector<int> group(first.size());
+        std::transform(first.begin(), first.end(), group.begin(), [](bool is) { return is ? 0 : 1; });
+        given.resize(first.size());
         cholmod_camd(&matrix, nullptr, 0, group.data(), given.data(), &common);
         common.nmethods = 1;
         common.method[0].ordering = CHOLMOD_GIVEN;

@@ -1100,13 +1100,14 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
             parameters[f.path] = find_parameter(c, f.path, {}).get(c);
         }
         truth["parameters"] = parameters;
-        // What the output is on the road: errors of readings and of what the load is said to be do not change it.
+        // What the output is on the road: errors of readings and of where a load stands do not change it; that of a load's
+        // size does, for it is asked under that load.
         std::vector<Hidden> of_road;
         for (const Hidden& h : hidden) {
             const std::string name = h.name();
             const auto is = [&](const char* part) { return name.find(part) != std::string::npos; };
             const bool of_readings = h.outside != nullptr && h.outside->layer.empty();
-            if (!of_readings && !is("gauge") && !is("sensor") && !is("load-") && !is("outlier") && !is("drift") &&
+            if (!of_readings && !is("gauge") && !is("sensor") && !is("load-offset") && !is("outlier") && !is("drift") &&
                 !is("wander") && !is("inertia")) {
                 of_road.push_back(h);
             }
