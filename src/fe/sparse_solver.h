@@ -16,9 +16,9 @@ std::string sparse_solver_version();
 // Fill-reducing order and structure of the Cholesky factor of one pattern, shared by all threads. Immutable.
 class CholeskyAnalysis {
 public:
-    // constant: of each unknown, whether its column stays the same along a sequence of matrices. first: of each, whether
-    // it is eliminated before all others (constrained minimum degree); empty: the order is CHOLMOD's, the better of
-    // minimum degree and nested dissection.
+    // constant: of each unknown, whether its column stays the same along a sequence of matrices. first: of each,
+    // whether it is eliminated before all others (constrained minimum degree); empty: the order is CHOLMOD's, the
+    // better of minimum degree and nested dissection.
     CholeskyAnalysis(const Pattern& lower, const std::vector<bool>& constant, const std::vector<bool>& first = {});
 
     const FactorStructure& structure() const { return structure_; }

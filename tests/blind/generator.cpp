@@ -1100,8 +1100,8 @@ int generate(std::uint64_t seed, const std::filesystem::path& folder, const std:
             parameters[f.path] = find_parameter(c, f.path, {}).get(c);
         }
         truth["parameters"] = parameters;
-        // What the output is on the road: errors of readings and of where a load stands do not change it; that of a load's
-        // size does, for it is asked under that load.
+        // What the output is on the road: errors of readings and of where a load stands do not change it; that of a
+        // load's size does, for it is asked under that load.
         std::vector<Hidden> of_road;
         for (const Hidden& h : hidden) {
             const std::string name = h.name();
