@@ -317,7 +317,8 @@ private:
     double said_of_tails(const Row& first) const { return first.hypothesis.kind == Kind::readings ? of_tails_ : 0.0; }
 
     Reason reason_against(const Row& first, double chance) const {
-        if (d_.leaves_more_than_noise) {
+        // One right answer in twenty leaves as much: no reason where next to nothing else is probable.
+        if (d_.leaves_more_than_noise && (is_contradicted(first) || d_.probability_of(*best_) < 1.0 - little)) {
             return Reason::leaves_more_than_noise;
         }
         if (d_.names.size() > 1) {

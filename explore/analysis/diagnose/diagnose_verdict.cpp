@@ -164,6 +164,11 @@ private:
                                        : found.size() > 1 ? "wrong readings, "
                                                           : "a wrong reading, ",
                                        pave::join(found, " and ")));
+            if (d.decision.leaves_more_than_noise) {
+                text.push_back(fmt::format("It leaves a little more than the stated noise (p = {:.2g}), as one right "
+                                           "answer in twenty does; nothing else that was tried comes near.",
+                                           std::min(d.extended->p_value, d.extended->pattern.p_value)));
+            }
             if (std::string words = alike_words(); !words.empty()) {
                 text.push_back(std::move(words));
             }
