@@ -1,5 +1,9 @@
 #include "fe/lanes/kernels.h"
 
+#include <algorithm>
+#include <span>
+#include <vector>
+
 namespace pave::fe::lanes {
 
 namespace sse2 {
@@ -12,46 +16,65 @@ extern const Kernels table;
 namespace avx2 {
 extern const Kernels table;
 }
+namespace avx512vl {
+extern const Kernels table;
+}
 namespace avx512 {
 extern const Kernels table;
 }
 #endif
 
-int usable_kernels(const Kernels** list, int most) {
-    int count = 0;
-    const auto add = [&](const Kernels& kernels) {
-        if (count < most) {
-            list[count++] = &kernels;
-        }
-    };
+namespace {
+
+// Whether the processor computes 512 bits in two halves, as AMD's family 19h (Zen 4): four lanes then take as many
+// operations, and half the memory.
+bool has_halves() {
 #ifdef PAVESCAPE_WIDE_LANES
-    const bool has_avx2 = __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0;
-    if (has_avx2 && __builtin_cpu_supports("avx512f") != 0) {
-        add(avx512::table);
-    }
-    if (has_avx2) {
-        add(avx2::table);
-        add(fma2::table);
-    }
+    return __builtin_cpu_is("amdfam19h") != 0;
+#else
+    return false;
 #endif
-    add(sse2::table);
-    return count;
+}
+
+const std::vector<const Kernels*>& usable() {
+    static const std::vector<const Kernels*> all = [] {
+        std::vector<const Kernels*> list;
+#ifdef PAVESCAPE_WIDE_LANES
+        if (__builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0) {
+            const bool has_avx512 = __builtin_cpu_supports("avx512f") != 0;
+            if (has_avx512) {
+                list.push_back(&avx512::table);
+            }
+            if (has_avx512 && __builtin_cpu_supports("avx512vl") != 0) {
+                list.push_back(&avx512vl::table);
+            }
+            list.push_back(&avx2::table);
+            list.push_back(&fma2::table);
+        }
+#endif
+        list.push_back(&sse2::table);
+        return list;
+    }();
+    return all;
+}
+
+} // namespace
+
+int usable_kernels(const Kernels** list, int most) {
+    const auto count = std::min(usable().size(), static_cast<std::size_t>(most));
+    std::copy_n(usable().begin(), count, list);
+    return static_cast<int>(count);
 }
 
 const Kernels& kernels(int runs) {
-    struct Usable {
-        const Kernels* list[4] = {};
-        int count = 0;
-    };
-    static const Usable usable = [] {
-        Usable all;
-        all.count = usable_kernels(all.list, 4);
-        return all;
-    }();
-    const Kernels* narrowest = usable.list[0];
-    for (int i = 1; i < usable.count && usable.list[i]->lanes >= runs; ++i) {
-        if (usable.list[i]->rounds_once == narrowest->rounds_once) {
-            narrowest = usable.list[i];
+    std::span<const Kernels* const> list = usable();
+    if (has_halves() && list.size() > 1 && list[1]->lanes < list[0]->lanes) {
+        list = list.subspan(1);
+    }
+    const Kernels* narrowest = list[0];
+    for (const Kernels* own : list) {
+        if (own->lanes >= runs && own->lanes < narrowest->lanes && own->rounds_once == narrowest->rounds_once) {
+            narrowest = own;
         }
     }
     return *narrowest;

@@ -17,7 +17,11 @@ namespace pave::fe::lanes::PAVE_LANES {
 
 // PAVE_LANES_WIDTH: 8, 4 or 2 lanes; with fewer than the instructions have, for few runs.
 inline constexpr int width = PAVE_LANES_WIDTH;
-inline constexpr bool many_registers = width == 8; // 32 of them
+#ifdef __AVX512F__
+inline constexpr bool many_registers = true; // 32 of them
+#else
+inline constexpr bool many_registers = false; // 16
+#endif
 
 #ifdef __FMA__
 inline constexpr bool is_fused = true;
