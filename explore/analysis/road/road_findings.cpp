@@ -21,6 +21,11 @@ std::string percent(double share) {
     return fmt::format("{:.{}f} %", 100.0 * share, share < 0.0995 ? 1 : 0);
 }
 
+// "p = 0.012", "p < 1e-6"
+std::string probability(double p) {
+    return p < 1e-6 ? "p < 1e-6" : fmt::format("p = {:.2g}", p);
+}
+
 std::string common_words(const RoadResult& result, const CommonParameter& p) {
     std::string text =
         p.range.determined
@@ -92,16 +97,16 @@ std::string missed_words(const WithheldLevel& level) {
 std::string withheld_words(const WithheldLevel& level) {
     return fmt::format(
         "The level that was withheld is predicted within {:.1f} % (root mean square of {} readings at {} "
-        "stations), where noise and the ranges make {:.1f} %: chi2 = {}, p = {:.2g}.{}",
-        level.rms_percent, level.readings, level.stations, level.noise_percent, figure(level.chi2), level.p_value,
-        missed_words(level));
+        "stations), where noise and the ranges make {:.1f} %: chi2 = {}, {}.{}",
+        level.rms_percent, level.readings, level.stations, level.noise_percent, figure(level.chi2),
+        probability(level.p_value), missed_words(level));
 }
 
 // The effect that the model lacks at all stations.
 std::string diagnosis_words(const RoadDiagnosis& d) {
     const auto words = [](const RoadEffect& e) {
-        return fmt::format("{} ({}; size {} to {}, chi2 = {}, p = {:.2g})", e.name, e.words, figure(e.low),
-                           figure(e.high), figure(*e.chi2), e.p_value);
+        return fmt::format("{} ({}; size {} to {}, chi2 = {}, {})", e.name, e.words, figure(e.low), figure(e.high),
+                           figure(*e.chi2), probability(e.p_value));
     };
     const std::string before = fmt::format("chi2 = {} with {:.0f} degrees of freedom", figure(d.chi2), d.dof);
     std::vector<std::string> causes;
@@ -135,9 +140,9 @@ std::string diagnosis_words(const RoadDiagnosis& d) {
     }
     if (d.effects.empty() || !d.effects[0].chi2) {
         return fmt::format(
-            "UNEXPLAINED: the model misses the readings ({}, p = {:.2g}), and nothing that all stations could lack "
+            "UNEXPLAINED: the model misses the readings ({}, {}), and nothing that all stations could lack "
             "alike shows.",
-            before, d.p_value);
+            before, probability(d.p_value));
     }
     if (!d.decision.leaves_more_than_noise) {
         return fmt::format("UNEXPLAINED: all stations may lack {}, or the noise is larger than stated ({}).",
@@ -145,9 +150,8 @@ std::string diagnosis_words(const RoadDiagnosis& d) {
     }
     return fmt::format(
         "UNEXPLAINED: all stations lack something ({}), and no effect of the catalogue leaves noise only; what "
-        "comes nearest is {}. Noise alone would show as much of some effect with p {}.",
-        before, words(d.effects[0]),
-        d.effects[0].p_familywise < 1e-6 ? "< 1e-6" : fmt::format("= {:.2g}", d.effects[0].p_familywise));
+        "comes nearest is {}. Noise alone would show as much of some effect with {}.",
+        before, words(d.effects[0]), probability(d.effects[0].p_familywise));
 }
 
 } // namespace
@@ -167,11 +171,11 @@ std::string outlier_words(const RoadResult& result, const RoadOutlier& o) {
     const std::string name = result.survey.study->space.axes[o.axis].name;
     switch (o.cause) {
     case OutlierCause::sensor:
-        return fmt::format("without the sensor at {:g} mm it fits (p = {:.2g}): the model is {:+.1f} % off there",
-                           o.offset_mm, o.p_explained, o.model_percent);
+        return fmt::format("without the sensor at {:g} mm it fits ({}): the model is {:+.1f} % off there", o.offset_mm,
+                           probability(o.p_explained), o.model_percent);
     case OutlierCause::common:
-        return fmt::format("with common parameters of its own it fits (p = {:.2g}): above all {} = {}, {} elsewhere",
-                           o.p_explained, name, figure(o.there), figure(o.typical));
+        return fmt::format("with common parameters of its own it fits ({}): above all {} = {}, {} elsewhere",
+                           probability(o.p_explained), name, figure(o.there), figure(o.typical));
     case OutlierCause::unlike:
         return fmt::format("no single sensor and no common parameters of its own explain it; {} = {} is far from that "
                            "of its neighbours ({}): another thickness or construction, or the floor",
@@ -211,45 +215,44 @@ std::vector<std::string> findings_of(const RoadResult& result) {
         result.widened
             ? fmt::format(
                   "The model misses the readings by {:.1f} times their noise (chi2 = {} with {:.0f} degrees of "
-                  "freedom, p = {:.2g}): ranges are wider by that much, and an error that the model makes at "
+                  "freedom, {}): ranges are wider by that much, and an error that the model makes at "
                   "every station shifts the common parameters by more than they say. `road --diagnose` looks for "
                   "what all stations lack.",
-                  result.noise_factor(), figure(result.chi2), result.dof, result.p_value)
+                  result.noise_factor(), figure(result.chi2), result.dof, probability(result.p_value))
             : fmt::format("The fit is consistent with the noise of the readings: chi2 = {} with {:.0f} degrees of "
-                          "freedom, p = {:.2g}.",
-                          figure(result.chi2), result.dof, result.p_value));
+                          "freedom, {}.",
+                          figure(result.chi2), result.dof, probability(result.p_value)));
     if (result.outliers.empty()) {
         words.push_back(fmt::format("No station stands out (5 % over all {}).",
                                     counted(result.stations.size(), "station", "stations")));
     }
     for (const RoadOutlier& o : result.outliers) {
         const RoadStation& s = result.stations[o.station];
-        words.push_back(fmt::format("{} does not belong to this road (chi2 = {} where {:.0f} is expected, p = {:.2g} "
+        words.push_back(fmt::format("{} does not belong to this road (chi2 = {} where {:.0f} is expected, {} "
                                     "over all stations) and is left out of what is common: {}.",
                                     result.survey.stations[s.station].station.name, figure(s.chi2), s.dof,
-                                    s.p_familywise, outlier_words(result, o)));
+                                    probability(s.p_familywise), outlier_words(result, o)));
     }
     if (result.conflict_dof > 0.0) {
         words.push_back(fmt::format(
-            "{}: with common parameters of their own at every station chi2 falls by {} for {:.0f} more parameters, p = "
-            "{:.2g}.",
+            "{}: with common parameters of their own at every station chi2 falls by {} for {:.0f} more parameters, {}.",
             result.conflict_p < 0.05
                 ? "Stations by themselves contradict the road, so that what is common here is not the same everywhere, "
                   "or the model errs in a way that differs along the road"
                 : "Stations by themselves do not contradict the road",
-            figure(result.conflict_chi2), result.conflict_dof, result.conflict_p));
+            figure(result.conflict_chi2), result.conflict_dof, probability(result.conflict_p)));
     }
     for (const RoadCourse& c : result.courses) {
         if (c.p_none < road_familywise) {
             const auto chainage = [&](std::size_t station) {
                 return result.survey.stations[result.stations[station].station].station.chainage_m.value_or(0.0);
             };
-            words.push_back(fmt::format(
-                "{}{} has a course along the road: stations are similar over {} (p = {:.2g} that they are no more "
-                "similar than any two). With it the range of the median station is {:.1f} times narrower.",
-                result.survey.study->space.axes[c.axis].name, c.lane.empty() ? "" : " of lane " + c.lane,
-                course_length_words(c.length_m, chainage(c.stations.back()) - chainage(c.stations.front())), c.p_none,
-                c.narrower));
+            words.push_back(
+                fmt::format("{}{} has a course along the road: stations are similar over {} ({} that they are no more "
+                            "similar than any two). With it the range of the median station is {:.1f} times narrower.",
+                            result.survey.study->space.axes[c.axis].name, c.lane.empty() ? "" : " of lane " + c.lane,
+                            course_length_words(c.length_m, chainage(c.stations.back()) - chainage(c.stations.front())),
+                            probability(c.p_none), c.narrower));
         }
     }
     if (result.diagnosis) {

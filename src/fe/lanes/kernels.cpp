@@ -26,8 +26,8 @@ extern const Kernels table;
 
 namespace {
 
-// Whether the processor computes 512 bits in two halves, as AMD's family 19h (Zen 4): four lanes then take as many
-// operations, and half the memory.
+// Whether a processor that has vectors of 512 bits computes them in two halves, as AMD's family 19h (Zen 4): four lanes
+// then take as many operations, and half the memory.
 bool has_halves() {
 #ifdef PAVESCAPE_WIDE_LANES
     return __builtin_cpu_is("amdfam19h") != 0;
@@ -68,7 +68,7 @@ int usable_kernels(const Kernels** list, int most) {
 
 const Kernels& kernels(int runs) {
     std::span<const Kernels* const> list = usable();
-    if (has_halves() && list.size() > 1 && list[1]->lanes < list[0]->lanes) {
+    if (list[0]->lanes == most_lanes && has_halves()) {
         list = list.subspan(1);
     }
     const Kernels* narrowest = list[0];
