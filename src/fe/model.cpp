@@ -75,15 +75,12 @@ void Topology<Element>::build_pattern() {
     const std::vector<bool> constant = constant_below(0);
     // In three dimensions a separator across the layers costs less than one along them.
     constexpr bool constant_first = Element::dim == 2;
-    if (!constant_first) {
-        analysis = std::make_shared<const CholeskyAnalysis>(lower, constant);
-        return;
-    }
-    analysis = std::make_shared<const CholeskyAnalysis>(lower, constant, constant);
+    analysis =
+        std::make_shared<const CholeskyAnalysis>(lower, constant, constant_first ? constant : std::vector<bool>());
     const auto changing = std::find(linear.rbegin(), linear.rend(), false);
     const auto below = static_cast<int>(linear.rend() - changing);
     const bool has_linear_above = std::find(linear.begin(), changing.base(), true) != changing.base();
-    if (has_linear_above && below > 0) {
+    if (constant_first && has_linear_above && below > 0) {
         // A thin layer on top, eliminated first, would couple all unknowns of the face below it.
         auto other = std::make_shared<const CholeskyAnalysis>(lower, constant, constant_below(below));
         if (other->structure().changing_operations() < analysis->structure().changing_operations()) {
