@@ -1,7 +1,6 @@
 #include "fe/lanes/kernels.h"
 
 #include <algorithm>
-#include <span>
 #include <vector>
 
 namespace pave::fe::lanes {
@@ -25,16 +24,6 @@ extern const Kernels table;
 #endif
 
 namespace {
-
-// Whether a processor that has vectors of 512 bits computes them in two halves, as AMD's family 19h (Zen 4): four lanes
-// then take as many operations, and half the memory.
-bool has_halves() {
-#ifdef PAVESCAPE_WIDE_LANES
-    return __builtin_cpu_is("amdfam19h") != 0;
-#else
-    return false;
-#endif
-}
 
 const std::vector<const Kernels*>& usable() {
     static const std::vector<const Kernels*> all = [] {
@@ -67,12 +56,8 @@ int usable_kernels(const Kernels** list, int most) {
 }
 
 const Kernels& kernels(int runs) {
-    std::span<const Kernels* const> list = usable();
-    if (list[0]->lanes == most_lanes && has_halves()) {
-        list = list.subspan(1);
-    }
-    const Kernels* narrowest = list[0];
-    for (const Kernels* own : list) {
+    const Kernels* narrowest = usable()[0];
+    for (const Kernels* own : usable()) {
         if (own->lanes >= runs && own->lanes < narrowest->lanes && own->rounds_once == narrowest->rounds_once) {
             narrowest = own;
         }

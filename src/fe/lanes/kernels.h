@@ -180,7 +180,7 @@ struct Kernels {
 };
 
 // Of the narrowest vectors, of those that this processor has and the build knows, with room for so many runs; the
-// widest where none has, but for such as it computes in two halves. All of them give the same bits.
+// widest where none has. All of them give the same bits.
 const Kernels& kernels(int runs);
 // Of all that this processor has, the widest first.
 int usable_kernels(const Kernels** list, int most);
