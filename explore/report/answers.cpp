@@ -12,6 +12,7 @@ namespace explore::report {
 namespace {
 
 using pave::counted;
+using pave::p_words;
 
 const Json nothing;
 
@@ -100,10 +101,10 @@ Answer fit_answer(const Json& json) {
         answer.verdict = at(noise, "p_value").is_null()
                              ? fmt::format("Fitted {}, which state no {}noise to judge the model by", readings,
                                            at(noise, "source") == "sought" ? "size of their " : "")
-                         : is_contradicted ? fmt::format("The model does NOT fit the {} within {} noise (p = {:.2g})",
-                                                         readings, their, at(noise, "p_value").get<double>())
-                                           : fmt::format("The model fits the {} within {} noise (p = {:.2g})", readings,
-                                                         their, at(noise, "p_value").get<double>());
+                         : is_contradicted ? fmt::format("The model does NOT fit the {} within {} noise ({})", readings,
+                                                         their, p_words(at(noise, "p_value").get<double>()))
+                                           : fmt::format("The model fits the {} within {} noise ({})", readings, their,
+                                                         p_words(at(noise, "p_value").get<double>()));
         std::vector<std::string> flaws;
         if (!unknown.empty()) {
             flaws.push_back("does not determine " + pave::join(unknown));

@@ -169,6 +169,10 @@ std::string figure(double value, int significant) {
                         : fmt::format("{:.{}f}", value, digits);
 }
 
+std::string p_words(double p) {
+    return p < 1e-6 ? "p < 1e-6" : fmt::format("p = {:.2g}", p);
+}
+
 std::string counted(std::size_t count, const std::string& one, const std::string& many) {
     return fmt::format("{} {}", count, count == 1 ? one : many);
 }

@@ -24,6 +24,9 @@ std::string printable(std::string_view text, std::size_t limit = std::string_vie
 // So many significant digits, no exponent for the magnitudes of pavements: "5500", "0.7000", "-0.006628".
 std::string figure(double value, int significant = 4);
 
+// "p = 0.012", "p < 1e-6"
+std::string p_words(double p);
+
 // "1 minimum", "2 minima"
 std::string counted(std::size_t count, const std::string& one, const std::string& many);
 

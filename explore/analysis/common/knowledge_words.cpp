@@ -12,6 +12,7 @@
 namespace explore::analysis {
 
 using pave::figure;
+using pave::p_words;
 
 std::string prior_words(const problem::Axis& axis) {
     return axis.scale == problem::Scale::log
@@ -32,13 +33,13 @@ std::vector<std::string> prior_findings(const problem::Problem& problem, const l
         text.push_back(
             influence.p_value < level
                 ? fmt::format(
-                      "The readings contradict what is known beforehand (p = {:.2g}): by themselves they call "
+                      "The readings contradict what is known beforehand ({}): by themselves they call "
                       "for {} = {}, where the prior says {}. Check that it is of this place and widen it if not; "
                       "diagnose looks for what the model lacks.",
-                      influence.p_value, axes[worst].name, figure(influence.readings_want[worst]),
+                      p_words(influence.p_value), axes[worst].name, figure(influence.readings_want[worst]),
                       prior_words(axes[worst]))
-                : fmt::format("The readings do not contradict what is known beforehand (p = {:.2g}).",
-                              influence.p_value));
+                : fmt::format("The readings do not contradict what is known beforehand ({}).",
+                              p_words(influence.p_value)));
     }
     if (!influence.only.empty()) {
         text.push_back(fmt::format("Without the priors the readings do not determine {}.",
@@ -80,8 +81,9 @@ std::string constraint_words(const problem::Problem& problem, const landscape::M
                               figure(answer.alone->parameters[k]));
     }
     constexpr double level = 0.05;
-    return words + fmt::format(" The readings {} (chi2 is {} lower without, p = {:.2g}){}.",
-                               p < level ? "contradict what it demands" : "do not contradict it", figure(rise), p,
+    return words + fmt::format(" The readings {} (chi2 is {} lower without, {}){}.",
+                               p < level ? "contradict what it demands" : "do not contradict it", figure(rise),
+                               p_words(p),
                                p < level ? "; by themselves they call for " + wanted +
                                                ": loosen it, or look for what the model lacks (diagnose)"
                                          : "");

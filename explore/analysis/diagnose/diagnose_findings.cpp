@@ -15,6 +15,7 @@ using diagnose::Members;
 using diagnose::Verdict;
 using pave::counted;
 using pave::figure;
+using pave::p_words;
 
 std::string members_words(const std::vector<diagnose::Candidate>& candidates, const Members& members) {
     std::vector<std::string> words;
@@ -111,7 +112,7 @@ private:
                             d.baseline.p_value < diagnose::level_noise
                                 ? fmt::format("the stated noise explains so much with probability {}",
                                               chance_words(d.baseline.p_value))
-                                : fmt::format("the stated noise explains that (p = {:.2g})", d.baseline.p_value)));
+                                : fmt::format("the stated noise explains that ({})", p_words(d.baseline.p_value))));
         }
         if (d.verdict() == Verdict::adequate) {
             return;
@@ -120,14 +121,13 @@ private:
             const auto& test = d.groups[g];
             constexpr double clear = 0.02;
             if (test.p_sign < clear) {
-                text.push_back(fmt::format("{}: the model lies {} nearly everywhere (sign test p = {:.2g}).",
+                text.push_back(fmt::format("{}: the model lies {} nearly everywhere (sign test {}).",
                                            layout.groups[g].name, test.mean > 0.0 ? "too high" : "too low",
-                                           test.p_sign));
+                                           p_words(test.p_sign)));
             }
             if (test.p_runs < clear) {
-                text.push_back(
-                    fmt::format("{}: the residuals follow a pattern along the positions (runs test p = {:.2g}).",
-                                layout.groups[g].name, test.p_runs));
+                text.push_back(fmt::format("{}: the residuals follow a pattern along the positions (runs test {}).",
+                                           layout.groups[g].name, p_words(test.p_runs)));
             }
         }
         constexpr double strong = 4.0;
@@ -212,7 +212,7 @@ private:
             "With {} the misfit falls from {} to {}, chi2 from {} to {}{}{}.",
             members_words(candidates, d.extended->model.members), figure(before.misfit), figure(after->misfit),
             figure(d.baseline.chi2), figure(d.extended->chi2),
-            study.noise == study::NoiseSource::stated ? fmt::format(" (p = {:.2g})", d.extended->p_value) : "",
+            study.noise == study::NoiseSource::stated ? fmt::format(" ({})", p_words(d.extended->p_value)) : "",
             std::isfinite(d.extended->aicc - d.baseline.aicc)
                 ? "; AICc changes by " + figure(d.extended->aicc - d.baseline.aicc)
                 : "; AICc is not defined for so many parameters and so few readings"));

@@ -12,6 +12,7 @@ namespace explore::analysis {
 using diagnose::Verdict;
 using pave::counted;
 using pave::figure;
+using pave::p_words;
 
 namespace {
 
@@ -165,9 +166,9 @@ private:
                                                           : "a wrong reading, ",
                                        pave::join(found, " and ")));
             if (d.decision.leaves_more_than_noise) {
-                text.push_back(fmt::format("It leaves a little more than the stated noise (p = {:.2g}), as one right "
+                text.push_back(fmt::format("It leaves a little more than the stated noise ({}), as one right "
                                            "answer in twenty does; nothing else that was tried comes near.",
-                                           std::min(d.extended->p_value, d.extended->pattern.p_value)));
+                                           p_words(std::min(d.extended->p_value, d.extended->pattern.p_value))));
             }
             if (std::string words = alike_words(); !words.empty()) {
                 text.push_back(std::move(words));
@@ -247,10 +248,10 @@ private:
         case Reason::leaves_more_than_noise:
             return fmt::format(
                 "AMBIGUOUS: the model lacks something, and none of the catalogue explains all of it. {}: "
-                "{}. {} (p = {:.2g}): something else is missing too, or this is not quite it{}.",
+                "{}. {} ({}): something else is missing too, or this is not quite it{}.",
                 sets.size() > 1 ? "What comes nearest, alike" : "What comes nearest", pave::join(sets, "; "),
                 sets.size() > 1 ? "The best of them leaves more than noise" : "It leaves more than noise",
-                std::min(d.extended->p_value, d.extended->pattern.p_value), noise_words());
+                p_words(std::min(d.extended->p_value, d.extended->pattern.p_value)), noise_words());
         case Reason::several_names:
             return fmt::format("AMBIGUOUS: the model lacks something, and {} explanations fit these data so alike that "
                                "they cannot be told apart: {}.",
@@ -306,17 +307,18 @@ private:
                                        figure(std::sqrt(d.baseline.chi2 / std::max(1, d.baseline.dof)), 2)));
         }
         if (!d.nearest.empty()) {
-            text.push_back(fmt::format("What comes nearest is {}; it leaves chi2 = {} (p = {:.2g}){}.",
+            text.push_back(fmt::format("What comes nearest is {}; it leaves chi2 = {} ({}){}.",
                                        members_words(candidates, d.nearest[0].fit.model.members),
-                                       figure(d.nearest[0].fit.chi2), d.nearest[0].fit.p_value, noise_words()));
+                                       figure(d.nearest[0].fit.chi2), p_words(d.nearest[0].fit.p_value),
+                                       noise_words()));
         }
         if (!result.located.empty()) {
             std::vector<std::string> where;
             for (const LocatedCorrection& found : result.located) {
                 where.push_back(channel_words(found.correction));
             }
-            text.push_back(fmt::format("A smooth correction ({}) leaves chi2 = {} (p = {:.2g}){}.",
-                                       pave::join(where, "; "), figure(d.location->fit.chi2), d.location->fit.p_value,
+            text.push_back(fmt::format("A smooth correction ({}) leaves chi2 = {} ({}){}.", pave::join(where, "; "),
+                                       figure(d.location->fit.chi2), p_words(d.location->fit.p_value),
                                        d.decision.reason == Reason::predicts_worse
                                            ? ", but readings that were left out are predicted worse with it than "
                                              "without: it follows these readings, not the road"
@@ -357,7 +359,8 @@ private:
             is_at_end ? "within its range " : "", pave::join(certain, "; "),
             vague.empty() ? "" : fmt::format(" (with {}, of which they do not say where)", pave::join(vague, "; ")),
             d.decision.leaves_more_than_noise
-                ? fmt::format("explains most of it, and still leaves more than noise (p = {:.2g})", d.extended->p_value)
+                ? fmt::format("explains most of it, and still leaves more than noise ({})",
+                              p_words(d.extended->p_value))
                 : "leaves noise only"));
         for (std::size_t i = 0; i < result.located.size(); ++i) {
             const auto& own = d.location->corrections[i];

@@ -26,6 +26,7 @@ namespace {
 using landscape::Minimum;
 using pave::counted;
 using pave::figure;
+using pave::p_words;
 
 // Minima whose misfit the noise of each reading cannot tell from the best one: within one noise level, or 5 % without
 // degrees of freedom.
@@ -66,7 +67,7 @@ std::string noise_words(const landscape::LocalAnalysis& local, bool is_student, 
     const std::string dof =
         counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom");
     return fmt::format(
-        "{}{}: {}, p = {:.2g}.{}", alone ? "By the readings alone, without what is known besides: " : "",
+        "{}{}: {}, {}.{}", alone ? "By the readings alone, without what is known besides: " : "",
         local.p_value < 0.05
             ? (alone ? "the model does not fit these data within their stated noise"
                      : "The model does not fit these data within their stated noise")
@@ -75,7 +76,7 @@ std::string noise_words(const landscape::LocalAnalysis& local, bool is_student, 
                                  "(simulated, {})",
                                  figure(local.chi2), figure(local.expected_chi2), dof)
                    : fmt::format("chi2 = {} with {}", figure(local.chi2), dof),
-        local.p_value,
+        p_words(local.p_value),
         !local.widened ? ""
         : is_student
             ? " The standard errors are those of a noise that much larger: leave out the readings named below, "

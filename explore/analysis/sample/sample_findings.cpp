@@ -15,6 +15,7 @@ namespace explore::analysis {
 namespace {
 
 using pave::figure;
+using pave::p_words;
 
 constexpr double strong = 0.9;        // correlation that is worth a sentence
 constexpr std::size_t most_pairs = 3; // of them
@@ -211,14 +212,14 @@ std::vector<std::string> findings(const SampleResult& result) {
     }
     if (result.p_value < 0.01) {
         text.push_back(fmt::format("The data contradict the model: chi2 is {} {}, {} degrees of freedom "
-                                   "(p = {:.2g}). A posterior "
+                                   "({}). A posterior "
                                    "takes model and stated noise for true, so its ranges are too narrow; diagnose says "
                                    "what the model may lack.",
                                    figure(result.chi2),
                                    result.held && result.held->alone ? "by the readings alone, without what is known "
                                                                        "besides"
                                                                      : "at the best draw",
-                                   result.degrees_of_freedom, result.p_value));
+                                   result.degrees_of_freedom, p_words(result.p_value)));
     }
     if (result.priors) {
         for (std::string& words : prior_findings(result.problem, *result.priors)) {

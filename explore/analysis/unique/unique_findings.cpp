@@ -22,6 +22,7 @@ using landscape::Verdict;
 using landscape::WalkEnd;
 using pave::counted;
 using pave::figure;
+using pave::p_words;
 
 namespace {
 
@@ -55,10 +56,9 @@ std::string unique_words(const problem::ParameterSpace& space, const Uniqueness&
                            pave::join(names_of(space, u.priors->only)));
     }
     if (u.acceptance->widened) {
-        text = fmt::format(
-            "UNIQUE, but the data contradict the model (p = {:.2g}): one set of parameters, with the ranges "
-            "below, fits best",
-            u.acceptance->p_value);
+        text = fmt::format("UNIQUE, but the data contradict the model ({}): one set of parameters, with the ranges "
+                           "below, fits best",
+                           p_words(u.acceptance->p_value));
     }
     if (!bounds.empty()) {
         text += fmt::format("; limited by the bound: {}. Widen it if other values are possible",
@@ -182,7 +182,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
     case Verdict::unique: say(unique_words(space, u)); break;
     case Verdict::non_unique:
         say((u.acceptance && u.acceptance->widened
-                 ? fmt::format("NON-UNIQUE, and the data contradict the model (p = {:.2g}): ", u.acceptance->p_value)
+                 ? fmt::format("NON-UNIQUE, and the data contradict the model ({}): ", p_words(u.acceptance->p_value))
                  : "NON-UNIQUE: ") +
             (!u.alternatives && !u.wide.empty()
                  ? fmt::format("around the one minimum the data accept more than half of what the study allows for {}.",
@@ -294,7 +294,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
     }
     if (acceptance.widened) {
         say(fmt::format(
-            "The model does not fit these data within their stated noise ({} = {} with {}, p = {:.2g}). The "
+            "The model does not fit these data within their stated noise ({} = {} with {}, {}). The "
             "ranges are widened as if the noise were as large as the residuals, and rises of chi2 are counted in that "
             "noise: 1 of them is {} of the chi2 above. With a wrong model they can still mislead: diagnose looks for "
             "what "
@@ -320,14 +320,14 @@ std::vector<std::string> findings(const UniqueResult& result) {
         const std::vector<std::string> names = study.groups_fitted();
         if (c.p_value < 0.05) {
             const std::string wanted = conflict_words(space, c.direction);
-            say(fmt::format("The groups of data contradict each other under this model (p = {:.2g}){}: fit shows "
+            say(fmt::format("The groups of data contradict each other under this model ({}){}: fit shows "
                             "what each alone calls for, diagnose what the model may lack.",
-                            c.p_value,
+                            p_words(c.p_value),
                             wanted.empty() ? ""
                                            : fmt::format("; {} calls for {} than {}", names[c.alone[c.second].group],
                                                          wanted, names[c.alone[c.first].group])));
         } else {
-            say(fmt::format("The groups of data do not contradict each other (p = {:.2g}).", c.p_value));
+            say(fmt::format("The groups of data do not contradict each other ({}).", p_words(c.p_value)));
         }
     }
     if (!next.effects.empty() && u.verdict != Verdict::unique) {
