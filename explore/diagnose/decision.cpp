@@ -19,6 +19,7 @@ constexpr double least_rate = 0.95;        // of telling two effects apart
 constexpr double most_noise = 2.2;         // times the stated noise: more is no matter of noise
 constexpr double most_of_structure = 1.5;  // the same, beside errors in common or heavy tails
 constexpr double little = 0.05;            // probability that keeps a name from standing alone
+constexpr double likely_tails = 0.25;      // of heavy tails, the same for wrong readings
 constexpr double impossible = 3.0;         // margins: less probable by a factor of 8,000 than another
 constexpr double doubtful = 0.1; // that errors are larger than stated: chance names something in some of such cases
 
@@ -297,12 +298,15 @@ private:
         // left out speaks against it, as what comes nearer.
         const bool any_leaves_noise = std::any_of(names_.begin(), names_.end(),
                                                   [&](std::size_t r) { return can_lead(r) && leaves_noise(row(r)); });
-        if (!any_leaves_noise && correction_ && behind(first, row(*correction_)) >= margin) {
-            const Reason why = locate(Says::at_places);
+        const double ahead = correction_ && !any_leaves_noise ? behind(first, row(*correction_)) : 0.0;
+        if (ahead >= margin) {
+            // What is next to impossible beside it is no answer, even where only differences of places are known.
+            const bool is_impossible = ahead >= impossible * margin && !says_the_same(row(*correction_), first);
+            const Reason why = locate(is_impossible ? Says::between_places : Says::at_places);
             if (why == Reason::none) {
                 return;
             }
-            if (why == Reason::predicts_worse) {
+            if (why == Reason::predicts_worse || is_impossible) {
                 conclude_unexplained(Reason::nothing_explains);
                 return;
             }
@@ -324,7 +328,8 @@ private:
         if (d_.names.size() > 1) {
             return Reason::several_names;
         }
-        if (d_.of_noise - said_of_tails(first) >= little) {
+        const double tails = said_of_tails(first);
+        if (d_.of_noise - (tails < likely_tails ? tails : 0.0) >= little) {
             return Reason::noise;
         }
         if (first.fit.at_end) {
@@ -346,19 +351,16 @@ private:
         return chance < level_evidence ? Reason::none : Reason::weak_evidence;
     }
 
-    // A correction that is about as probable or, by Akaike's criterion, explains as much for what it takes and is not
-    // far less probable, knows a place, and says something else.
+    // A correction that is about as probable and knows a place, or is more probable and knows how places differ, and
+    // says something else.
     bool is_rival(const Row& first) const {
         if (!correction_) {
             return false;
         }
         const Row& own = row(*correction_);
-        const auto akaike = [](const Row& of) { return of.fit.chi2 + 2.0 * of.fit.numbers; };
         const double distance = behind(own, first);
-        const bool is_near =
-            distance < margin || (distance < impossible * margin && akaike(own) - akaike(first) < margin);
-        return is_near && !is_outdone(own) && !is_rejected(own) && !says_the_same(own, first) &&
-               ledger_.says(own.hypothesis.key()) == Says::at_places;
+        return distance < margin && !is_outdone(own) && !is_rejected(own) && !says_the_same(own, first) &&
+               ledger_.says(own.hypothesis.key()) >= (distance < 0.0 ? Says::between_places : Says::at_places);
     }
 
     // The effects of the names, best first; within one by what each explains alone.

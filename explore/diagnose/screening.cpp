@@ -164,6 +164,11 @@ double least_sum(const inference::Nuisance& nuisance, const VectorXd& residuals,
     return residuals.squaredNorm() - (pull * sense >= 0.0 ? pull * pull : 0.0);
 }
 
+bool is_same(const VectorXd& a, const VectorXd& b) {
+    constexpr double same = 1e-6;
+    return (a - b).norm() <= same * a.norm();
+}
+
 int sense_of(const Candidate& candidate) {
     return candidate.null <= 0.0 ? 1 : candidate.null >= 1.0 ? -1 : 0;
 }
@@ -251,7 +256,8 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
     }
     screening.items.resize(candidates.size());
     std::vector<VectorXd> directions;
-    std::vector<VectorXd> wholes; // before what parameters follow was taken out
+    std::vector<VectorXd> wholes;  // before what parameters follow was taken out
+    std::vector<VectorXd> typical; // the change of a typical size; empty: not computed
     std::vector<int> sense;
     std::vector<std::size_t> owner;
     const double left = static_cast<double>(base.residuals.size() - nuisance.rank());
@@ -285,7 +291,6 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
         }
         const VectorXd whole = item.change;
         item.change = nuisance.beyond(item.change);
-        constexpr double same = 1e-6;
         constexpr double invisible = 0.05; // standard deviations, crossing the whole range
         const double length = item.change.norm();
         if (length < invisible * noise) {
@@ -298,7 +303,10 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
             if (candidates[owner[other]].effect == candidate.effect &&
                 std::abs(directions[other].dot(direction)) > 1.0 - 1e-6) {
                 item.duplicate = true;
-                item.identical = item.identical || (whole - wholes[other]).norm() <= same * whole.norm();
+                // What is alike near none may differ at a size that is seen: a load beside its line, by symmetry.
+                item.identical = item.identical ||
+                                 (is_same(whole, wholes[other]) &&
+                                  (!has_moved || typical[other].size() == 0 || is_same(s.moved[0], typical[other])));
             }
         }
         // Where to start a fit.
@@ -326,6 +334,7 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
         if (!item.duplicate) {
             directions.push_back(direction);
             wholes.push_back(whole);
+            typical.push_back(has_moved ? s.moved[0] : VectorXd());
             sense.push_back(item.sense);
             owner.push_back(c);
         }

@@ -247,6 +247,13 @@ std::vector<Case> table() {
          {bad, far, tails, wrong_readings({"7", "9"}, 40, -12)},
          Verdict::cause_named,
          {"outlier"}});
+    Row likely_tails = noise(1.0, -13.0, "tails");
+    likely_tails.has_tails = true;
+    add({"unless these are one of three ways to see it", // probability 0.27
+         {bad, far, likely_tails, wrong_readings({"7", "9"}, 40, -12)},
+         Verdict::ambiguous,
+         {"outlier"},
+         Reason::noise});
     add({"which an effect would have to be told from",
          {bad, far, tails, effect("a", 40, -12)},
          Verdict::ambiguous,
@@ -437,6 +444,36 @@ std::vector<Case> table() {
          {},
          {},
          Says::between_places});
+    add({"or where the name is next to impossible beside it", // 1 to 8,900
+         {bad, far, effect("a", 60, -17.1), correction(36, -8)},
+         Verdict::located,
+         {},
+         Reason::none,
+         {},
+         {},
+         {},
+         {},
+         Says::between_places});
+    add({"unless it says what the name says",
+         {bad, far, effect("a", 60, -17.1, "base"), correction(36, -8, {"base"})},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::leaves_more_than_noise,
+         {},
+         {},
+         {},
+         {},
+         Says::between_places});
+    add({"what knows nothing of places explains nothing, and neither does such a name",
+         {bad, far, effect("a", 60, -17.1), correction(36, -8)},
+         Verdict::unexplained,
+         {},
+         Reason::no_place,
+         {},
+         {},
+         {},
+         {},
+         Says::nothing});
     add({"and for what is clearly more probable",
          {bad, far, effect("a", 60, -10), correction(50, -8)},
          Verdict::ambiguous,
@@ -462,6 +499,26 @@ std::vector<Case> table() {
          {},
          {},
          Says::between_places});
+    add({"unless it is more probable than the name",
+         {bad, far, effect("a", 38, -10), correction(37, -9)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::correction,
+         {},
+         {},
+         {},
+         {},
+         Says::between_places});
+    add({"and it has to know how places differ",
+         {bad, far, effect("a", 38, -10), correction(37, -9)},
+         Verdict::cause_named,
+         {"a"},
+         Reason::none,
+         {},
+         {},
+         {},
+         {},
+         Says::nothing});
     add({"that says the same of the layer is none",
          {bad, far, effect("a", 38, -10, "base"), correction(37, -11, {"base"})},
          Verdict::cause_named,
@@ -479,13 +536,8 @@ std::vector<Case> table() {
          {bad, far, effect("a", 38, -10), correction(45, -14)},
          Verdict::cause_named,
          {"a"}});
-    add({"less probable, but it explains as much for what it takes",
+    add({"less probable, whatever it explains",
          {bad, far, effect("a", 38, -10), correction(34, -15)},
-         Verdict::ambiguous,
-         {"a"},
-         Reason::correction});
-    add({"far less probable, whatever it explains",
-         {bad, far, effect("a", 38, -10), correction(34, -20)},
          Verdict::cause_named,
          {"a"}});
     add({"a correction finds more beside the name",

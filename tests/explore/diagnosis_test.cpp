@@ -262,6 +262,60 @@ TEST(Diagnosis, LooksOnBothSidesOfAnEffectWhereReadingsAreFew) {
     EXPECT_NEAR(d->effects[0].size.value, -0.67, 0.05);
 }
 
+// A load beside its line changes the readings under another load, straight below it, by the square of the distance: by
+// their slopes at none both variants are one.
+TEST(Diagnosis, TriesVariantsThatDifferOnlyAtSizesThatAreSeen) {
+    const World world(3, 2); // signatures: of length 20, beyond the parameters
+    constexpr double hidden = 0.8;
+    const VectorXd straight = world.signatures.col(0);
+    const VectorXd square = world.signatures.col(1);
+    const VectorXd data = world.data + hidden * straight + hidden * hidden * square;
+    diagnose::Workbench bench(
+        {.problem = [&](const Members& members, diagnose::Mesh) -> problem::Problem {
+             problem::ParameterSpace space;
+             for (Index k = 0; k < parameters; ++k) {
+                 space.axes.push_back({fmt::format("p{}", k), 0.0, 1.0});
+             }
+             for (const std::size_t m : members) {
+                 space.axes.push_back({fmt::format("size{}", m), -1.0, 1.0});
+             }
+             std::vector<problem::Misfit::Term> terms;
+             for (Index i = 0; i < readings; ++i) {
+                 terms.push_back({static_cast<std::size_t>(i), data[i], 1.0, 1.0, {.absolute = 1.0}});
+             }
+             test::Formula formula([=, &world](const VectorXd& x, VectorXd& responses, MatrixXd& jacobian) {
+                 responses = world.a * x.head(parameters);
+                 jacobian.resize(readings, x.size());
+                 jacobian.leftCols(parameters) = world.a;
+                 for (std::size_t m = 0; m < members.size(); ++m) {
+                     const Index at = parameters + static_cast<Index>(m);
+                     const double bends = members[m] == 1 ? 1.0 : 0.0; // of three variants the second
+                     responses += x[at] * straight + bends * x[at] * x[at] * square;
+                     jacobian.col(at) = straight + 2.0 * bends * x[at] * square;
+                 }
+             });
+             return {
+                 space, std::make_shared<test::Formula>(std::move(formula)), {problem::MisfitKind::weighted, terms}};
+         },
+         .run = [](const Members&, diagnose::Mesh) { return 0; },
+         .store = nullptr,
+         .threads = 0});
+    std::vector<diagnose::Candidate> variants;
+    for (const char* on : {"one load", "all loads", "one load again"}) {
+        variants.push_back({.effect = "e", .on = on, .null = 0.5, .typical = 0.7, .reading = {}, .layer = ""});
+    }
+    const diagnose::DiagnosisTask task{.bench = bench, .candidates = variants, .groups = {}, .places = {}, .loads = {}};
+    const auto d = diagnose::diagnose(task, {.explore = 8, .starts = 1, .bootstrap = 5});
+    ASSERT_TRUE(d.has_value());
+    EXPECT_TRUE(d->screening.items[1].duplicate); // linear theory cannot tell it from the first
+    EXPECT_FALSE(d->screening.items[1].identical);
+    EXPECT_TRUE(d->screening.items[2].identical);
+    ASSERT_TRUE(d->effects[0].fit.has_value());
+    EXPECT_EQ(d->effects[0].candidate, 1U);
+    EXPECT_NEAR(d->effects[0].size.value, hidden, 0.1); // standard error 1 / |straight + 2 * 0.8 square| = 0.03
+    EXPECT_LT(d->effects[0].fit->chi2, 66.0);           // 36 degrees of freedom: once in a thousand more
+}
+
 TEST(Diagnosis, FindsWhatIsHiddenInLinearModels) {
     constexpr int trials = 60;
     constexpr Index candidates = 12;

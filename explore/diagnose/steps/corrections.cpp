@@ -19,11 +19,12 @@ std::string subject_of(const Channel& channel) {
 // Where a correction may be the answer or keep a name from standing alone. False: interrupted.
 bool Investigation::locate() {
     const Decision now = decide(d_.ledger);
-    if (task_.channels.empty() || now.verdict == Verdict::adequate) {
+    if (task_.channels.empty() || now.as_stated) {
         return true;
     }
-    const bool is_open =
-        now.verdict == Verdict::unexplained || now.leaves_more_than_noise || now.reason == Reason::at_end || !now.model;
+    // Noise that is not as stated is weighed against a smooth error of the model, too.
+    const bool is_open = now.verdict == Verdict::adequate || now.verdict == Verdict::unexplained ||
+                         now.leaves_more_than_noise || now.reason == Reason::at_end || !now.model;
     const bool is_nearly_alone =
         now.verdict == Verdict::cause_named || now.reason == Reason::two_effects || now.reason == Reason::noise;
     if (!is_open && !is_nearly_alone) {
