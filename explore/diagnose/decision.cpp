@@ -300,7 +300,8 @@ private:
                                                   [&](std::size_t r) { return can_lead(r) && leaves_noise(row(r)); });
         const double ahead = correction_ && !any_leaves_noise ? behind(first, row(*correction_)) : 0.0;
         if (ahead >= margin) {
-            // What is next to impossible beside it is no answer, even where only differences of places are known.
+            // A name that is next to impossible beside it is no answer, even where only differences of places are
+            // known.
             const bool is_impossible = ahead >= impossible * margin && !says_the_same(row(*correction_), first);
             const Reason why = locate(is_impossible ? Says::between_places : Says::at_places);
             if (why == Reason::none) {

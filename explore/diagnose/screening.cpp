@@ -303,7 +303,8 @@ std::optional<Screening> screen(Workbench& bench, const Model& base, const std::
             if (candidates[owner[other]].effect == candidate.effect &&
                 std::abs(directions[other].dot(direction)) > 1.0 - 1e-6) {
                 item.duplicate = true;
-                // What is alike near none may differ at a size that is seen: a load beside its line, by symmetry.
+                // Variants that are alike near none may differ at a size that is seen: a load beside its line, by
+                // symmetry.
                 item.identical = item.identical ||
                                  (is_same(whole, wholes[other]) &&
                                   (!has_moved || typical[other].size() == 0 || is_same(s.moved[0], typical[other])));
