@@ -296,8 +296,13 @@ private:
         }
         // The nearest gives way to a correction that is clearly more probable, as the answer or, where what was
         // left out speaks against it, as what comes nearer.
-        const bool any_leaves_noise = std::any_of(names_.begin(), names_.end(),
-                                                  [&](std::size_t r) { return can_lead(r) && leaves_noise(row(r)); });
+        // Enough wrong readings explain anything: next to impossible, they hold nothing up.
+        const bool any_leaves_noise = std::any_of(names_.begin(), names_.end(), [&](std::size_t r) {
+            const bool is_excuse = row(r).hypothesis.kind == Kind::readings && correction_ &&
+                                   !is_outdone(row(*correction_)) &&
+                                   behind(row(r), row(*correction_)) >= impossible * margin;
+            return can_lead(r) && leaves_noise(row(r)) && !is_excuse;
+        });
         const double ahead = correction_ && !any_leaves_noise ? behind(first, row(*correction_)) : 0.0;
         if (ahead >= margin) {
             // A name that is next to impossible beside it is no answer, even where only differences of places are
@@ -352,15 +357,19 @@ private:
         return chance < level_evidence ? Reason::none : Reason::weak_evidence;
     }
 
-    // A correction that is about as probable and knows a place, or is more probable and knows how places differ, and
-    // says something else.
+    // A correction that is about as probable or, by Akaike's criterion, explains as much for what it takes and is not
+    // far less probable, knows a place, and says something else. Where it is more probable than the name, that it knows
+    // how places differ is enough.
     bool is_rival(const Row& first) const {
         if (!correction_) {
             return false;
         }
         const Row& own = row(*correction_);
+        const auto akaike = [](const Row& of) { return of.fit.chi2 + 2.0 * of.fit.numbers; };
         const double distance = behind(own, first);
-        return distance < margin && !is_outdone(own) && !is_rejected(own) && !says_the_same(own, first) &&
+        const bool is_near =
+            distance < margin || (distance < impossible * margin && akaike(own) - akaike(first) < margin);
+        return is_near && !is_outdone(own) && !is_rejected(own) && !says_the_same(own, first) &&
                ledger_.says(own.hypothesis.key()) >= (distance < 0.0 ? Says::between_places : Says::at_places);
     }
 

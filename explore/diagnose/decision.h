@@ -8,8 +8,8 @@
 // - A name stands in the answer where no other is far more probable (20 to 1), where the readings could not tell it
 //   from the most probable one, and, of one effect that leaves noise, where only a hypothesis with more numbers is.
 // - `cause-named`: one name that leaves noise, whose sizes' intervals end within their ranges, and that no correction
-//   rivals: none that is about as probable and says something of a place, or is more probable and says how places
-//   differ, and says something else.
+//   rivals: none that is about as probable, or explains as much for what it takes, and says something of a place, or
+//   is more probable and says how places differ, and that says something else.
 // - `located`: no name leaves noise, and a correction does at places that it knows, which is not rejected itself,
 //   predicts what was left out no worse, and is not outdone by a hypothesis with fewer numbers.
 // - `ambiguous`: names that do not stand alone. `unexplained`: the rest; where noise of another size is possible

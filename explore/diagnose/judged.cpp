@@ -1,5 +1,6 @@
 #include "diagnose/judged.h"
 
+#include "inference/nuisance.h"
 #include "inference/quantiles.h"
 #include "problem/censored.h"
 
@@ -133,10 +134,8 @@ Judged Judge::judge(Model model, double variance) const {
                 of_limit = interval_of_limit(axis, size, model.residuals[row] / noise, jacobian(row, at));
             }
             j.sizes.push_back(of_limit ? *of_limit : interval_within(axis, size, known(at, at)));
-            const double null = candidate.null;
-            const double half = inference::two_sided_95 * deviation;
-            constexpr double at_null = 1e-6; // an end that changes nothing is none
-            const bool ends = (size + half >= 1.0 && null < 1.0 - at_null) || (size - half <= 0.0 && null > at_null);
+            const bool ends = inference::reaches_end(size, inference::two_sided_95 * deviation, candidate.null,
+                                                     candidate.high_is_limit);
             j.at_end = j.at_end || (ends && !candidate.is_of_limit);
         }
     }

@@ -18,6 +18,7 @@ struct Candidate {
     double typical = 0.0;               // unit coordinates of its axis
     std::optional<std::size_t> reading; // the reading (term of the misfit) that it declares wrong
     std::string layer;           // whose stiffness is all that it changes; empty: it changes more, or other things
+    bool high_is_limit = false;  // no size beyond its range exists
     bool is_layout = false;      // of the sensors as a whole
     bool is_of_readings = false; // all that it changes is what instruments say
     bool is_of_limit = false;    // the reading is a limit: its error is known on one side alone

@@ -14,6 +14,13 @@ inline bool is_pressed(double unit, double pull) {
     return (unit < end_of_range && pull > 0.0) || (unit > 1.0 - end_of_range && pull < 0.0);
 }
 
+// Whether an interval unit -+ half reaches an end of the range beyond which more of an effect is possible: not where
+// the effect is none, nor where no more exists.
+inline bool reaches_end(double unit, double half, double none, bool high_is_limit) {
+    constexpr double at_none = 1e-6;
+    return (unit + half >= 1.0 && none < 1.0 - at_none && !high_is_limit) || (unit - half <= 0.0 && none > at_none);
+}
+
 // Directions that parameters follow, to first order: the span of the residuals' derivatives. Those that crossing the
 // whole box moves by less than one standard deviation are not in it, nor are parameters that the fit presses against a
 // bound.

@@ -454,6 +454,26 @@ std::vector<Case> table() {
          {},
          {},
          Says::between_places});
+    add({"wrong readings that leave noise and are next to impossible are no answer either",
+         {bad, far, wrong_readings({"7", "9", "11"}, 45, -18), correction(36, -8)},
+         Verdict::located,
+         {},
+         Reason::none,
+         {},
+         {},
+         {},
+         {},
+         Says::between_places});
+    add({"an effect that leaves noise stays",
+         {bad, far, effect("a", 45, -18), correction(36, -8)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::correction,
+         {},
+         {},
+         {},
+         {},
+         Says::between_places});
     add({"unless it says what the name says",
          {bad, far, effect("a", 60, -17.1, "base"), correction(36, -8, {"base"})},
          Verdict::ambiguous,
@@ -536,8 +556,13 @@ std::vector<Case> table() {
          {bad, far, effect("a", 38, -10), correction(45, -14)},
          Verdict::cause_named,
          {"a"}});
-    add({"less probable, whatever it explains",
+    add({"less probable, but it explains as much for what it takes",
          {bad, far, effect("a", 38, -10), correction(34, -15)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::correction});
+    add({"far less probable, whatever it explains",
+         {bad, far, effect("a", 38, -10), correction(34, -20)},
          Verdict::cause_named,
          {"a"}});
     add({"a correction finds more beside the name",

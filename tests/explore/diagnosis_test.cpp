@@ -187,6 +187,16 @@ TEST(Nuisance, ParametersFollowTheirSpanAndNoMore) {
     }
 }
 
+TEST(Nuisance, AnEndOfARangeIsOneWhereMoreIsPossible) {
+    using inference::reaches_end;
+    EXPECT_TRUE(reaches_end(0.9, 0.2, 0.0, false));
+    EXPECT_FALSE(reaches_end(0.9, 0.2, 0.0, true)); // an interface slips no more than freely
+    EXPECT_FALSE(reaches_end(0.9, 0.05, 0.0, false));
+    EXPECT_FALSE(reaches_end(0.1, 0.2, 0.0, false)); // there is no effect
+    EXPECT_TRUE(reaches_end(0.1, 0.2, 0.5, true));
+    EXPECT_FALSE(reaches_end(0.9, 0.2, 1.0, false));
+}
+
 TEST(Screening, ScoreIsTheRootOfWhatAFitGains) {
     const World world(2, 4);
     auto bench = world.bench();

@@ -86,6 +86,7 @@ std::vector<diagnose::Candidate> candidates_of(const study::Study& study, const 
                                       .typical = axis.unit(variant.typical.value_or(effect.typical)),
                                       .reading = {},
                                       .layer = layer_stiffened(study.model, variant.applied),
+                                      .high_is_limit = effect.high_is_limit,
                                       .is_layout = !variant.applied.offsets.empty(),
                                       .axis = axis};
         candidate.is_of_readings = changes_readings_alone(physical, variant.applied, candidate.scaled);

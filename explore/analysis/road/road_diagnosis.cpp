@@ -3,6 +3,7 @@
 #include "analysis/road/road_decision.h"
 #include "analysis/road/road_lacks.h"
 #include "diagnose/screening.h"
+#include "inference/nuisance.h"
 #include "inference/quantiles.h"
 #include "pavement/effects/effect.h"
 
@@ -267,8 +268,8 @@ private:
         const double half = inference::two_sided_95 * deviation;
         effect.low = axis.physical(std::max(0.0, unit - half));
         effect.high = axis.physical(std::min(1.0, unit + half));
-        const double none = axis.unit(axis.start);
-        effect.ends_range = (unit - half <= 0.0 && none > 0.0) || (unit + half >= 1.0 && none < 1.0);
+        effect.ends_range =
+            inference::reaches_end(unit, half, axis.unit(axis.start), first.applied.effect->high_is_limit);
         effect.log_evidence = road_evidence(effect.kind, chi2, result_.dof, axis,
                                             first.typical.value_or(first.applied.effect->typical), unit, deviation);
         auto applied = first.applied;

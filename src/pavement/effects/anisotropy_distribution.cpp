@@ -42,6 +42,7 @@ const Effect& anisotropy_distribution() {
         .null = 0.0,
         .low = 0.0,
         .high = 1.0,
+        .high_is_limit = true,
         .typical = 0.5,
         .mechanism =
             "Granular material is most anisotropic where the wheel shears it: n(r, z) = n + size (1 - n) w with "

@@ -246,6 +246,7 @@ Effect interface_slip() {
         .null = 0.0,
         .low = 0.0,
         .high = 0.999,
+        .high_is_limit = true,
         .typical = 0.5,
         .mechanism =
             "The layers slide on each other against a shear spring per area of compliance 1/k = (1 mm/MPa) size/(1 - "

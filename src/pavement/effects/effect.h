@@ -22,6 +22,7 @@ struct Effect {
     double null = 0.0;     // the size that changes nothing, to the last bit
     double low = 0.0;      // prior range of the size, null included; others are refused
     double high = 0.0;
+    bool high_is_limit = false; // no larger size exists: an interface that slips freely, a plate that does not bend
     bool log_scale = false;
     double typical = 0.0; // a size that is seen in practice
     std::string_view mechanism;

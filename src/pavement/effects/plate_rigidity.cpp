@@ -30,6 +30,7 @@ const Effect& plate_rigidity() {
         .null = 0.0,
         .low = 0.0,
         .high = 0.999,
+        .high_is_limit = true,
         .typical = 0.7,
         .mechanism =
             "A plate that does not bend presses its edges into the ground and deflects evenly: differences from the "
