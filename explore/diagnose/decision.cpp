@@ -19,7 +19,6 @@ constexpr double least_rate = 0.95;        // of telling two effects apart
 constexpr double most_noise = 2.2;         // times the stated noise: more is no matter of noise
 constexpr double most_of_structure = 1.5;  // the same, beside errors in common or heavy tails
 constexpr double little = 0.05;            // probability that keeps a name from standing alone
-constexpr double likely_tails = 0.25;      // of heavy tails, the same for wrong readings
 constexpr double impossible = 3.0;         // margins: less probable by a factor of 8,000 than another
 constexpr double doubtful = 0.1; // that errors are larger than stated: chance names something in some of such cases
 
@@ -334,8 +333,7 @@ private:
         if (d_.names.size() > 1) {
             return Reason::several_names;
         }
-        const double tails = said_of_tails(first);
-        if (d_.of_noise - (tails < likely_tails ? tails : 0.0) >= little) {
+        if (d_.of_noise - said_of_tails(first) >= little) {
             return Reason::noise;
         }
         if (first.fit.at_end) {

@@ -247,13 +247,6 @@ std::vector<Case> table() {
          {bad, far, tails, wrong_readings({"7", "9"}, 40, -12)},
          Verdict::cause_named,
          {"outlier"}});
-    Row likely_tails = noise(1.0, -13.0, "tails");
-    likely_tails.has_tails = true;
-    add({"unless these are one of three ways to see it", // probability 0.27
-         {bad, far, likely_tails, wrong_readings({"7", "9"}, 40, -12)},
-         Verdict::ambiguous,
-         {"outlier"},
-         Reason::noise});
     add({"which an effect would have to be told from",
          {bad, far, tails, effect("a", 40, -12)},
          Verdict::ambiguous,
