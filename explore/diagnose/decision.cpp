@@ -293,33 +293,49 @@ private:
         if (d_.reason == Reason::none) {
             d_.verdict = Verdict::cause_named;
         }
-        // The nearest gives way to a correction that is clearly more probable, as the answer or, where what was
-        // left out speaks against it, as what comes nearer.
-        // Enough wrong readings explain anything: next to impossible, they hold nothing up.
-        const bool any_leaves_noise = std::any_of(names_.begin(), names_.end(), [&](std::size_t r) {
-            const bool is_excuse = row(r).hypothesis.kind == Kind::readings && correction_ &&
-                                   !is_outdone(row(*correction_)) &&
-                                   behind(row(r), row(*correction_)) >= impossible * margin;
-            return can_lead(r) && leaves_noise(row(r)) && !is_excuse;
-        });
-        const double ahead = correction_ && !any_leaves_noise ? behind(first, row(*correction_)) : 0.0;
-        if (ahead >= margin) {
-            // A name that is next to impossible beside it is no answer, even where only differences of places are
-            // known.
-            const bool is_impossible = ahead >= impossible * margin && !says_the_same(row(*correction_), first);
-            const Reason why = locate(is_impossible ? Says::between_places : Says::at_places);
-            if (why == Reason::none) {
-                return;
-            }
-            if (why == Reason::predicts_worse || is_impossible) {
-                conclude_unexplained(Reason::nothing_explains);
-                return;
-            }
+        if (gives_way(first)) {
+            return;
         }
         if (is_rival(first)) {
             d_.correction = correction_;
         }
         name_causes();
+    }
+
+    // Whether a name leaves noise and may head the answer. Enough wrong readings explain anything: next to impossible
+    // beside a correction, they hold nothing up.
+    bool does_a_name_leave_noise() const {
+        return std::any_of(names_.begin(), names_.end(), [&](std::size_t r) {
+            const bool is_excuse = row(r).hypothesis.kind == Kind::readings && correction_ &&
+                                   !is_outdone(row(*correction_)) &&
+                                   behind(row(r), row(*correction_)) >= impossible * margin;
+            return can_lead(r) && leaves_noise(row(r)) && !is_excuse;
+        });
+    }
+
+    // Where no name leaves noise, the first gives way to a correction that is clearly more probable: as the answer or,
+    // where what was left out speaks against it, as what comes nearer. True: the answer is written.
+    bool gives_way(const Row& first) {
+        if (!correction_ || does_a_name_leave_noise()) {
+            return false;
+        }
+        const Row& other = row(*correction_);
+        const double ahead = behind(first, other);
+        if (ahead < margin) {
+            return false;
+        }
+        // A name that is next to impossible beside it is no answer, even where only differences of places are known.
+        const bool is_impossible =
+            ahead >= impossible * margin && (leaves_noise(other) || !says_the_same(other, first));
+        const Reason why = locate(is_impossible ? Says::between_places : Says::at_places);
+        if (why == Reason::none) {
+            return true;
+        }
+        if (why == Reason::predicts_worse || is_impossible) {
+            conclude_unexplained(Reason::nothing_explains);
+            return true;
+        }
+        return false;
     }
 
     // Noise that makes single readings err far does not contradict that these do.

@@ -135,31 +135,11 @@ std::vector<Case> table() {
     Row on_coarse = effect("a", 30, -10);
     on_coarse.fit.mesh = diagnose::Mesh::coarse;
     std::vector<Case> list;
-    const auto add = [&](Case c) { list.push_back(std::move(c)); };
+    const auto add = [&](Case c) -> Case& { return list.emplace_back(std::move(c)); };
     // Nothing is wrong.
-    add({"noise as stated", {nothing(40, 0)}, Verdict::adequate, {}, Reason::none, {}, {}, {}, {}, Says::nothing, 0.4});
-    add({"an effect that gains by chance",
-         {nothing(45, 0), effect("a", 41, -3)},
-         Verdict::adequate,
-         {},
-         Reason::none,
-         {},
-         {},
-         {},
-         {},
-         Says::nothing,
-         0.4});
-    add({"even one that is more probable",
-         {nothing(52, 0), effect("a", 41, 2)},
-         Verdict::adequate,
-         {},
-         Reason::none,
-         {},
-         {},
-         {},
-         {},
-         Says::nothing,
-         0.02});
+    add({"noise as stated", {nothing(40, 0)}, Verdict::adequate}).score = 0.4;
+    add({"an effect that gains by chance", {nothing(45, 0), effect("a", 41, -3)}, Verdict::adequate}).score = 0.4;
+    add({"even one that is more probable", {nothing(52, 0), effect("a", 41, 2)}, Verdict::adequate}).score = 0.02;
     add({"noise of another size", {nothing(90, -45), noise(1.5, -30), effect("a", 80, -34)}, Verdict::adequate});
     add({"errors that readings share",
          {bad, noise(1.7, -30), noise(1.0, -12, "shared"), effect("a", 60, -20)},
@@ -200,16 +180,13 @@ std::vector<Case> table() {
          {bad, far, effect("a", 38, -10), effect("b", 52, -16)},
          Verdict::ambiguous,
          {"a", "b"},
-         Reason::several_names,
-         {},
-         {{"effect: a", "effect: b", 0.8}}});
+         Reason::several_names})
+        .confounded = {{"effect: a", "effect: b", 0.8}};
     add({"unless they reject it by far",
          {bad, far, effect("a", 38, -10), effect("b", 80, -30)},
          Verdict::cause_named,
-         {"a"},
-         Reason::none,
-         {},
-         {{"effect: a", "effect: b", 0.8}}});
+         {"a"}})
+        .confounded = {{"effect: a", "effect: b", 0.8}};
     add({"variants of one effect are one name",
          {bad, far, effect("a", 38, -10),
           [] {
@@ -282,14 +259,10 @@ std::vector<Case> table() {
          {bad, far, effect("a", 38, -10)},
          Verdict::ambiguous,
          {"a"},
-         Reason::weak_evidence,
-         {{"effect: a", 0.03}}});
-    add({"in 20 % of cases",
-         {bad, far, effect("a", 38, -10)},
-         Verdict::unexplained,
-         {},
-         Reason::weak_evidence,
-         {{"effect: a", 0.2}}});
+         Reason::weak_evidence})
+        .chances = {{"effect: a", 0.03}};
+    add({"in 20 % of cases", {bad, far, effect("a", 38, -10)}, Verdict::unexplained, {}, Reason::weak_evidence})
+        .chances = {{"effect: a", 0.2}};
     add({"a little more than noise is left, and next to nothing else is probable", // p = 0.017
          {bad, far, effect("a", 60, -14)},
          Verdict::cause_named,
@@ -371,50 +344,27 @@ std::vector<Case> table() {
     add({"a name that is rejected, and a place",
          {bad, far, effect("a", 90, -25), correction(42, -12)},
          Verdict::located});
-    add({"it suffices that places differ",
-         {bad, far, effect("a", 90, -25), correction(42, -12)},
-         Verdict::located,
-         {},
-         Reason::none,
-         {},
-         {},
-         {},
-         {},
-         Says::between_places});
+    add({"it suffices that places differ", {bad, far, effect("a", 90, -25), correction(42, -12)}, Verdict::located})
+        .says = Says::between_places;
     add({"no place is known",
          {bad, far, effect("a", 90, -25), correction(42, -12)},
          Verdict::unexplained,
          {},
-         Reason::no_place,
-         {},
-         {},
-         {},
-         {},
-         Says::nothing});
+         Reason::no_place})
+        .says = Says::nothing;
     add({"what comes nearest gives way to a correction that comes nearer, though what was left out speaks against it",
          {bad, far, effect("a", 70, -20), correction(42, -12)},
          Verdict::unexplained,
          {},
-         Reason::predicts_worse,
-         {},
-         {},
-         {{of_correction, 1.0, 2.0}}});
+         Reason::predicts_worse})
+        .predicted = {{of_correction, 1.0, 2.0}};
     add({"what was left out speaks against it",
          {bad, far, correction(42, -12)},
          Verdict::unexplained,
          {},
-         Reason::predicts_worse,
-         {},
-         {},
-         {{of_correction, 1.2, 1.6}}});
-    add({"or for it",
-         {bad, far, correction(42, -12)},
-         Verdict::located,
-         {},
-         Reason::none,
-         {},
-         {},
-         {{of_correction, 1.6, 1.2}}});
+         Reason::predicts_worse})
+        .predicted = {{of_correction, 1.2, 1.6}};
+    add({"or for it", {bad, far, correction(42, -12)}, Verdict::located}).predicted = {{of_correction, 1.6, 1.2}};
     add({"it is rejected itself", {bad, far, correction(95, -12)}, Verdict::unexplained, {}, Reason::nothing_explains});
     add({"or larger noise does as well",
          {nothing(75, -32), noise(1.37, -28), correction(45, -26)},
@@ -431,62 +381,38 @@ std::vector<Case> table() {
          {bad, far, effect("a", 60, -16), correction(36, -8)},
          Verdict::ambiguous,
          {"a"},
-         Reason::leaves_more_than_noise,
-         {},
-         {},
-         {},
-         {},
-         Says::between_places});
+         Reason::leaves_more_than_noise})
+        .says = Says::between_places;
     add({"or where the name is next to impossible beside it", // 1 to 8,900
          {bad, far, effect("a", 60, -17.1), correction(36, -8)},
-         Verdict::located,
-         {},
-         Reason::none,
-         {},
-         {},
-         {},
-         {},
-         Says::between_places});
+         Verdict::located})
+        .says = Says::between_places;
     add({"wrong readings that leave noise and are next to impossible are no answer either",
          {bad, far, wrong_readings({"7", "9", "11"}, 45, -18), correction(36, -8)},
-         Verdict::located,
-         {},
-         Reason::none,
-         {},
-         {},
-         {},
-         {},
-         Says::between_places});
+         Verdict::located})
+        .says = Says::between_places;
     add({"an effect that leaves noise stays",
          {bad, far, effect("a", 45, -18), correction(36, -8)},
          Verdict::ambiguous,
          {"a"},
-         Reason::correction,
-         {},
-         {},
-         {},
-         {},
-         Says::between_places});
-    add({"unless it says what the name says",
+         Reason::correction})
+        .says = Says::between_places;
+    add({"though it says of one layer what the name says, for it leaves noise",
          {bad, far, effect("a", 60, -17.1, "base"), correction(36, -8, {"base"})},
+         Verdict::located})
+        .says = Says::between_places;
+    add({"unless it says the same, and leaves more than noise, too",
+         {bad, far, effect("a", 60, -17.1, "base"), correction(54, -8, {"base"})},
          Verdict::ambiguous,
          {"a"},
-         Reason::leaves_more_than_noise,
-         {},
-         {},
-         {},
-         {},
-         Says::between_places});
+         Reason::leaves_more_than_noise})
+        .says = Says::between_places;
     add({"what knows nothing of places explains nothing, and neither does such a name",
          {bad, far, effect("a", 60, -17.1), correction(36, -8)},
          Verdict::unexplained,
          {},
-         Reason::no_place,
-         {},
-         {},
-         {},
-         {},
-         Says::nothing});
+         Reason::no_place})
+        .says = Says::nothing;
     add({"and for what is clearly more probable",
          {bad, far, effect("a", 60, -10), correction(50, -8)},
          Verdict::ambiguous,
@@ -505,33 +431,19 @@ std::vector<Case> table() {
     add({"that knows no place is none",
          {bad, far, effect("a", 38, -10), correction(37, -11)},
          Verdict::cause_named,
-         {"a"},
-         Reason::none,
-         {},
-         {},
-         {},
-         {},
-         Says::between_places});
+         {"a"}})
+        .says = Says::between_places;
     add({"unless it is more probable than the name",
          {bad, far, effect("a", 38, -10), correction(37, -9)},
          Verdict::ambiguous,
          {"a"},
-         Reason::correction,
-         {},
-         {},
-         {},
-         {},
-         Says::between_places});
+         Reason::correction})
+        .says = Says::between_places;
     add({"and it has to know how places differ",
          {bad, far, effect("a", 38, -10), correction(37, -9)},
          Verdict::cause_named,
-         {"a"},
-         Reason::none,
-         {},
-         {},
-         {},
-         {},
-         Says::nothing});
+         {"a"}})
+        .says = Says::nothing;
     add({"that says the same of the layer is none",
          {bad, far, effect("a", 38, -10, "base"), correction(37, -11, {"base"})},
          Verdict::cause_named,
@@ -562,61 +474,24 @@ std::vector<Case> table() {
          {bad, far, effect("a", 38, -10, "base")},
          Verdict::ambiguous,
          {"a"},
-         Reason::finds_more,
-         {},
-         {},
-         {},
-         {{"effect: a", "subgrade", 0.002}}});
-    add({"more of the same",
-         {bad, far, effect("a", 38, -10, "base")},
-         Verdict::cause_named,
-         {"a"},
-         Reason::none,
-         {},
-         {},
-         {},
-         {{"effect: a", "base", 0.002}}});
+         Reason::finds_more})
+        .beyond = {{"effect: a", "subgrade", 0.002}};
+    add({"more of the same", {bad, far, effect("a", 38, -10, "base")}, Verdict::cause_named, {"a"}}).beyond = {
+        {"effect: a", "base", 0.002}};
     // What was seen before any model.
-    add({"a fault alone",
-         {rise, nothing(40, 0)},
-         Verdict::cause_named,
-         {"sensor-position"},
-         Reason::none,
-         {},
-         {},
-         {},
-         {},
-         Says::nothing,
-         0.4});
+    add({"a fault alone", {rise, nothing(40, 0)}, Verdict::cause_named, {"sensor-position"}}).score = 0.4;
     add({"a fault beside an effect",
          {rise, bad, far, effect("a", 38, -10)},
          Verdict::cause_named,
          {"sensor-position", "a"}});
     // Without stated noise the size of chi2 says nothing.
-    add({"no score stands out",
-         {nothing(40, 0)},
-         Verdict::adequate,
-         {},
-         Reason::none,
-         {},
-         {},
-         {},
-         {},
-         Says::nothing,
-         0.3,
-         false});
-    add({"an effect of evidence",
-         {nothing(90, -20), effect("a", 40, -6)},
-         Verdict::cause_named,
-         {"a"},
-         Reason::none,
-         {},
-         {},
-         {},
-         {},
-         Says::nothing,
-         1e-4,
-         false});
+    {
+        Case& own = add({"no score stands out", {nothing(40, 0)}, Verdict::adequate});
+        own.score = 0.3;
+        own.noise_is_stated = false;
+    }
+    add({"an effect of evidence", {nothing(90, -20), effect("a", 40, -6)}, Verdict::cause_named, {"a"}})
+        .noise_is_stated = false;
     return list;
 }
 

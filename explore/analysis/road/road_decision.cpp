@@ -1,6 +1,7 @@
 #include "analysis/road/road_decision.h"
 
 #include "hypotheses/evidence.h"
+#include "inference/nuisance.h"
 #include "inference/quantiles.h"
 #include "pavement/effects/catalog.h"
 #include "study/variants.h"
@@ -113,10 +114,11 @@ void set_gain(RoadEffect& effect, double offset_mm, double share, double deviati
     effect.size = std::exp(share);
     effect.low = std::exp(share - half);
     effect.high = std::exp(share + half);
-    effect.ends_range = effect.low <= axis.low || effect.high >= axis.high;
+    const double unit = std::clamp(axis.unit(effect.size), 0.0, 1.0);
+    const double in_units = 1.0 / std::log(axis.high / axis.low);
+    effect.ends_range = inference::reaches_end(unit, half * in_units, axis.unit(axis.start), gain.high_is_limit);
     effect.log_evidence =
-        road_evidence(Kind::effect, *effect.chi2, dof, axis, gain.typical, std::clamp(axis.unit(effect.size), 0.0, 1.0),
-                      deviation / std::log(axis.high / axis.low));
+        road_evidence(Kind::effect, *effect.chi2, dof, axis, gain.typical, unit, deviation * in_units);
     effect.words = fmt::format("the sensor at {:g} mm reads {:.1f} % too {}", offset_mm,
                                100.0 * std::abs(effect.size - 1.0), effect.size > 1.0 ? "much" : "little");
 }
