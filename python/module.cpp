@@ -12,6 +12,7 @@
 #include "landscape/uniqueness.h"
 #include "run/blas.h"
 
+#include <gsl/gsl_errno.h>
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
@@ -55,6 +56,7 @@ py::dict defaults() {
 
 PYBIND11_MODULE(_pavescape, m) {
     explore::run::prepare_blas();
+    gsl_set_error_handler_off(); // a number that cannot be computed is none; GSL would end the process
     m.attr("__version__") = PAVESCAPE_VERSION;
     m.attr("defaults") = defaults();
     m.attr("passing_words") = std::string(pave::passing_words);

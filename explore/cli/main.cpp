@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fmt/format.h>
+#include <gsl/gsl_errno.h>
 #include <malloc.h>
 #include <new>
 #include <unistd.h>
@@ -103,6 +104,7 @@ int main(int argc, char** argv) {
     mallopt(M_MMAP_THRESHOLD, 1 << 30);
     mallopt(M_TRIM_THRESHOLD, 1 << 30);
     mallopt(M_TOP_PAD, 16 << 20);
+    gsl_set_error_handler_off(); // a number that cannot be computed is none; GSL would end the program
     CLI::App app{"Pavescape calibrates stress-dependent pavement models and says whether the answer can be trusted."};
     app.name("pavescape");
     app.formatter(cli::help_in_columns(cli::columns_of(STDOUT_FILENO))); // before the commands, which take it over

@@ -1,5 +1,7 @@
 #include "data/bowl_faults.h"
 
+#include "data/bowl_shape.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,130 +14,6 @@ namespace explore::data {
 namespace {
 
 constexpr std::array unit_factors{10.0, 25.4, 1000.0, 25400.0, 100.0};
-
-using Bowl = std::vector<BowlPoint>; // of one load, from near to far
-
-std::vector<Bowl> bowls_of(const std::vector<BowlPoint>& readings) {
-    std::map<int, Bowl> by_load;
-    for (const BowlPoint& reading : readings) {
-        by_load[reading.load].push_back(reading);
-    }
-    std::vector<Bowl> bowls;
-    for (auto& [load, bowl] : by_load) {
-        std::stable_sort(bowl.begin(), bowl.end(),
-                         [](const BowlPoint& a, const BowlPoint& b) { return a.offset < b.offset; });
-        bowls.push_back(std::move(bowl));
-    }
-    return bowls;
-}
-
-double largest(const Bowl& bowl) {
-    double most = 0.0;
-    for (const BowlPoint& reading : bowl) {
-        most = std::max(most, std::abs(reading.value));
-    }
-    return most;
-}
-
-std::vector<double> offsets_of(const std::vector<Bowl>& bowls) {
-    std::vector<double> offsets;
-    for (const Bowl& bowl : bowls) {
-        for (const BowlPoint& reading : bowl) {
-            offsets.push_back(reading.offset);
-        }
-    }
-    std::sort(offsets.begin(), offsets.end());
-    constexpr double same = 1e-4; // m
-    offsets.erase(std::unique(offsets.begin(), offsets.end(), [](double a, double b) { return b - a < same; }),
-                  offsets.end());
-    return offsets;
-}
-
-// BowlPoint* or const BowlPoint*, as the bowl is.
-template <class OneBowl>
-auto at(OneBowl& bowl, double offset) -> decltype(bowl.data()) {
-    constexpr double same = 1e-4; // m
-    const auto found = std::find_if(bowl.begin(), bowl.end(),
-                                    [&](const BowlPoint& reading) { return std::abs(reading.offset - offset) < same; });
-    return found == bowl.end() ? nullptr : &*found;
-}
-
-// Whether the second, farther one reads clearly more.
-bool rises(const BowlPoint& near, const BowlPoint& far, double of_bowl) {
-    constexpr double deviations = 4.0;
-    constexpr double share = 0.1;
-    constexpr double of_largest = 0.02;
-    const double rise = far.value - near.value;
-    return far.offset > near.offset && rise > deviations * std::hypot(near.deviation, far.deviation) &&
-           rise > share * std::max(std::abs(near.value), std::abs(far.value)) && rise > of_largest * of_bowl;
-}
-
-// The first place where it rises; none: it falls.
-std::optional<std::pair<std::size_t, std::size_t>> first_rise(const Bowl& bowl) {
-    const double most = largest(bowl);
-    for (std::size_t i = 0; i < bowl.size(); ++i) {
-        for (std::size_t j = i + 1; j < bowl.size(); ++j) {
-            if (rises(bowl[i], bowl[j], most)) {
-                return std::pair(i, j);
-            }
-        }
-    }
-    return std::nullopt;
-}
-
-// Whether bowls rise from one sensor to another under all loads together, each by too little to be sure of.
-bool rise_together(const std::vector<Bowl>& bowls, double near, double far) {
-    constexpr double deviations = 4.0;
-    constexpr double share = 0.1;
-    double sum = 0.0; // of rises in standard deviations (Stouffer's test)
-    double count = 0.0;
-    bool is_clear = true;
-    for (const Bowl& bowl : bowls) {
-        const BowlPoint* a = at(bowl, near);
-        const BowlPoint* b = at(bowl, far);
-        if (a != nullptr && b != nullptr && a->deviation > 0.0 && b->deviation > 0.0) {
-            sum += (b->value - a->value) / std::hypot(a->deviation, b->deviation);
-            count += 1.0;
-            is_clear = is_clear && b->value - a->value > share * std::abs(b->value);
-        }
-    }
-    return count > 1.0 && is_clear && sum > deviations * std::sqrt(count);
-}
-
-bool all_fall(const std::vector<Bowl>& bowls) {
-    const std::vector<double> offsets = offsets_of(bowls);
-    for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
-        if (rise_together(bowls, offsets[i], offsets[i + 1])) {
-            return false;
-        }
-    }
-    return std::none_of(bowls.begin(), bowls.end(), [](const Bowl& bowl) { return first_rise(bowl).has_value(); });
-}
-
-// The distance, so that the logarithm of a bowl is nearly straight in it.
-double stretched(const BowlPoint& reading) {
-    return std::sqrt(0.04 + reading.offset * reading.offset);
-}
-
-// How much the logarithm bends from sensor to sensor, squared, on average.
-double roughness(const std::vector<Bowl>& bowls) {
-    double sum = 0.0;
-    double count = 0.0;
-    for (const Bowl& bowl : bowls) {
-        const double least = 1e-3 * largest(bowl);
-        for (std::size_t i = 1; i + 1 < bowl.size(); ++i) {
-            const auto x = [&](std::size_t k) { return stretched(bowl[k]); };
-            const auto y = [&](std::size_t k) { return std::log(std::max(bowl[k].value, least)); };
-            if (x(i) - x(i - 1) < 1e-6 || x(i + 1) - x(i) < 1e-6) {
-                continue;
-            }
-            const double bend = (y(i + 1) - y(i)) / (x(i + 1) - x(i)) - (y(i) - y(i - 1)) / (x(i) - x(i - 1));
-            sum += bend * bend;
-            count += 1.0;
-        }
-    }
-    return sum / std::max(1.0, count);
-}
 
 // The reading over what the sensors beside it say: between them, or by the next two of an end.
 struct Excess {
@@ -169,12 +47,13 @@ struct Mended {
     std::vector<Bowl> bowls;
 };
 
-// Two sensors exchanged in every bowl that has both.
-Mended exchanged(std::vector<Bowl> bowls, double a, double b) {
-    BowlFault fault{.kind = BowlFault::Kind::exchanged, .rows = {}, .offsets = {a, b}};
-    for (Bowl& bowl : bowls) {
-        BowlPoint* one = at(bowl, a);
-        BowlPoint* other = at(bowl, b);
+// Two sensors exchanged in every bowl that has both. only: of this one alone.
+Mended exchanged(std::vector<Bowl> bowls, double a, double b, std::optional<std::size_t> only) {
+    BowlFault fault{.kind = BowlFault::Kind::exchanged, .rows = {}, .offsets = {a, b}, .of_one_load = only.has_value()};
+    for (std::size_t i = 0; i < bowls.size(); ++i) {
+        Bowl& bowl = bowls[i];
+        BowlPoint* one = only && *only != i ? nullptr : at(bowl, a);
+        BowlPoint* other = only && *only != i ? nullptr : at(bowl, b);
         if (one != nullptr && other != nullptr) {
             fault.rows.insert(fault.rows.end(), {one->row, other->row});
             std::swap(one->value, other->value);
@@ -277,7 +156,10 @@ std::optional<Mended> mended(const std::vector<Bowl>& bowls) {
     offer(reversed(bowls));
     for (std::size_t i = 0; i < offsets.size(); ++i) {
         for (std::size_t j = i + 1; j < offsets.size(); ++j) {
-            offer(exchanged(bowls, offsets[i], offsets[j]));
+            offer(exchanged(bowls, offsets[i], offsets[j], std::nullopt));
+            for (std::size_t b = 0; bowls.size() > 1 && b < bowls.size(); ++b) {
+                offer(exchanged(bowls, offsets[i], offsets[j], b));
+            }
         }
         for (const double factor : unit_factors) {
             for (const double own : {factor, 1.0 / factor}) {
@@ -366,6 +248,57 @@ std::optional<Mended> factor_at_end(const std::vector<Bowl>& bowls) {
     return std::nullopt;
 }
 
+// All readings of one load in another unit: over the load's strength all sensors read as many times more or less than
+// under the others. Of two loads the one whose half-space is the less likely is wrong.
+std::optional<BowlFault> load_in_another_unit(const std::vector<Bowl>& bowls) {
+    constexpr std::size_t least = 4; // sensors
+    constexpr double near = 0.6;     // of the logarithm: what the stress makes of a pavement
+    constexpr double alike = 0.5;    // between sensors
+    constexpr double usual_Pa = 200e6;
+    const auto compliance = [](const BowlPoint& r) { return std::log(r.value / r.strength); };
+    std::optional<BowlFault> found;
+    double farthest = 0.0;
+    for (std::size_t b = 0; bowls.size() > 1 && b < bowls.size(); ++b) {
+        std::vector<double> apart;
+        for (const BowlPoint& own : bowls[b]) {
+            std::vector<double> others;
+            for (std::size_t o = 0; o < bowls.size(); ++o) {
+                const BowlPoint* there = o == b ? nullptr : at(bowls[o], own.offset);
+                if (there != nullptr && there->value > 0.0 && there->strength > 0.0) {
+                    others.push_back(compliance(*there));
+                }
+            }
+            if (!others.empty() && own.value > 0.0 && own.strength > 0.0) {
+                std::sort(others.begin(), others.end());
+                apart.push_back(compliance(own) - others[others.size() / 2]);
+            }
+        }
+        if (apart.size() < least) {
+            continue;
+        }
+        std::sort(apart.begin(), apart.end());
+        const double middle = apart[apart.size() / 2];
+        const double unlikely = std::abs(compliance(bowls[b][0]) - std::log(2.0 / usual_Pa));
+        for (const double factor : unit_factors) {
+            for (const double size : {factor, 1.0 / factor}) {
+                if (apart.back() - apart.front() < alike && std::abs(middle - std::log(size)) < near &&
+                    unlikely > farthest) {
+                    farthest = unlikely;
+                    found = BowlFault{.kind = BowlFault::Kind::factor,
+                                      .rows = {},
+                                      .offsets = {},
+                                      .factor = size,
+                                      .of_one_load = true};
+                    for (const BowlPoint& reading : bowls[b]) {
+                        found->rows.push_back(reading.row);
+                    }
+                }
+            }
+        }
+    }
+    return found;
+}
+
 bool are_alike(const std::vector<double>& values) {
     constexpr double same = 1e-9;
     return std::all_of(values.begin(), values.end(),
@@ -419,11 +352,16 @@ std::string mm(double offset) {
 std::string BowlFault::words() const {
     switch (kind) {
     case Kind::exchanged:
-        return fmt::format("the sensors at {} and {} mm are exchanged", mm(offsets[0]), mm(offsets[1]));
+        return fmt::format("the {} at {} and {} mm are exchanged{}", of_one_load ? "readings" : "sensors",
+                           mm(offsets[0]), mm(offsets[1]), of_one_load ? " under one load" : "");
     case Kind::reversed: return "the sensors are counted from the far end: the bowl rises with distance";
     case Kind::factor: {
         const bool is_large = factor > 1.0;
-        return fmt::format("{} at {} mm {} {:g} times too {}: another unit?",
+        if (of_one_load) {
+            return fmt::format("all readings of one load are {:g} times too {} (another unit?)",
+                               is_large ? factor : 1.0 / factor, is_large ? "large" : "small");
+        }
+        return fmt::format("{} at {} mm {} {:g} times too {} (another unit?)",
                            rows.size() > 1 ? "the sensor" : "a reading", mm(offsets[0]),
                            rows.size() > 1 ? "reads" : "is", is_large ? factor : 1.0 / factor,
                            is_large ? "large" : "small");
@@ -442,6 +380,10 @@ std::vector<BowlFault> bowl_faults(const std::vector<BowlPoint>& readings) {
     std::vector<BowlFault> faults;
     add_constants(bowls, faults);
     if (!faults.empty()) {
+        return faults;
+    }
+    if (auto found = load_in_another_unit(bowls)) {
+        faults.push_back(std::move(*found));
         return faults;
     }
     if (all_fall(bowls)) {

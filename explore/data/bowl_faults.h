@@ -15,6 +15,7 @@ struct BowlPoint {
     double offset = 0.0;    // m, from the load
     double value = 0.0;     // m
     double deviation = 0.0; // standard deviation of its error; 0: not stated
+    double strength = 0.0;  // of the load: its pressure times its radius [N/m]; 0: not known
 };
 
 struct BowlFault {
@@ -22,7 +23,7 @@ struct BowlFault {
         rises,     // somewhere with distance, by nothing below
         exchanged, // two sensors are
         reversed,  // the sensors are counted from the far end
-        factor,    // one sensor, or one reading, is in another unit
+        factor,    // one sensor, one reading, or all of one load, is in another unit
         constant   // one value for all, of a load or of a sensor
     };
     Kind kind = Kind::rises;
@@ -31,6 +32,7 @@ struct BowlFault {
     std::vector<std::size_t> rows;
     std::vector<double> offsets; // m, of the sensors that it names
     double factor = 1.0;         // by which what stands there is too large
+    bool of_one_load = false;    // of several
     bool is_mendable() const { return kind != Kind::rises && kind != Kind::constant; }
 
     std::string words() const;

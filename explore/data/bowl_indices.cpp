@@ -33,7 +33,8 @@ BowlIndices indices_of(const DeflectionBowl& bowl, double pressure_kPa) {
     const double plane = 1.0 - surface_modulus_poisson * surface_modulus_poisson;
     const double a = bowl.radius_mm;
     indices.surface_moduli.push_back({0.0, 2.0 * plane * pressure_kPa * a / d0});
-    if (bowl.readings.size() == 1) {
+    constexpr double heaviest_light_kN = 20.0; // of light deflectometers
+    if (bowl.readings.size() == 1 && bowl.force_kN() <= heaviest_light_kN) {
         indices.evd_MPa = 1.5 * pressure_kPa * a / d0;
     }
     for (const BowlReading& r : bowl.readings) {

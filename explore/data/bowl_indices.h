@@ -30,7 +30,7 @@ struct BowlIndices {
     std::optional<double> sci_um{}, bdi_um{}, bci_um{}; // nothing: no sensors from which to tell
     std::optional<double> area_mm{};
     std::optional<double> curvature_radius_m{};
-    std::optional<double> evd_MPa{};              // where there is no sensor but the centre
+    std::optional<double> evd_MPa{};              // where there is no sensor but the centre, and no more than 20 kN
     std::vector<SurfaceModulus> surface_moduli{}; // by offset, the centre first
 };
 

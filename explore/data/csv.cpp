@@ -176,9 +176,37 @@ std::string_view trimmed(std::string_view cell) {
     return first == std::string_view::npos ? std::string_view{} : cell.substr(first, last - first + 1);
 }
 
+namespace {
+
+// Of a code point of two bytes in UTF-8; others stay.
+unsigned lower_letter(unsigned letter) {
+    const auto lies = [&](unsigned first, unsigned last) { return letter >= first && letter <= last; };
+    if ((lies(0xc0, 0xde) && letter != 0xd7) || (lies(0x391, 0x3a9) && letter != 0x3a2) || lies(0x410, 0x42f)) {
+        return letter + 0x20;
+    }
+    if (lies(0x400, 0x40f)) {
+        return letter + 0x50;
+    }
+    if ((lies(0x100, 0x12f) || lies(0x132, 0x137) || lies(0x14a, 0x177)) && letter % 2 == 0) {
+        return letter + 1;
+    }
+    return (lies(0x139, 0x148) || lies(0x179, 0x17e)) && letter % 2 == 1 ? letter + 1 : letter;
+}
+
+} // namespace
+
 std::string lower_case(std::string_view text) {
     std::string out(text);
-    std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const auto c = static_cast<unsigned char>(out[i]);
+        if (c < 0x80U) {
+            out[i] = static_cast<char>(std::tolower(c));
+        } else if ((c & 0xe0U) == 0xc0U && i + 1 < out.size()) { // of two bytes: Latin, Greek, Cyrillic
+            const unsigned letter = lower_letter((c & 0x1fU) << 6U | (static_cast<unsigned char>(out[i + 1]) & 0x3fU));
+            out[i] = static_cast<char>(0xc0U | letter >> 6U);
+            out[++i] = static_cast<char>(0x80U | (letter & 0x3fU));
+        }
+    }
     return out;
 }
 

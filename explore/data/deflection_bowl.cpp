@@ -120,6 +120,9 @@ private:
             drops.erase(drops.begin());
         }
         levels_ = levels_of(std::move(drops));
+        if (choice_.numbers.empty()) {
+            take_out_misread_loads();
+        }
         chosen_ = levels_.size() - 1;
         return choose_level();
     }
@@ -162,15 +165,9 @@ private:
         DeflectionBowl bowl;
         bowl.radius_mm = level[0]->radius_mm;
         bowl.pressure_kPa = pressure_of(level);
-        LevelReadings read;
+        LevelReadings read = readings_of(level);
         std::set<double> not_read;
         for (const FwdDrop* d : level) {
-            for (const FwdReading& r : d->readings) {
-                if (std::isfinite(r.deflection_um)) {
-                    add(read[place_of(r)],
-                        {d->number, r.deflection_um * (bowl.pressure_kPa / d->pressure_kPa), r.deflection_um});
-                }
-            }
             not_read.insert(d->not_read_mm.begin(), d->not_read_mm.end());
         }
         remark_on_silent(read, not_read, level.size());
@@ -213,16 +210,6 @@ private:
         }
         remark_on_disagreement();
         return bowl;
-    }
-
-    // Of two sensors at one place a drop has one reading, their mean.
-    static void add(std::vector<LevelReading>& readings, const LevelReading& r) {
-        if (!readings.empty() && readings.back().drop == r.drop) {
-            readings.back().um = (readings.back().um + r.um) / 2.0;
-            readings.back().read_um = (readings.back().read_um + r.read_um) / 2.0;
-        } else {
-            readings.push_back(r);
-        }
     }
 
     static std::vector<double> deflections_of(const std::vector<LevelReading>& readings) {
@@ -271,7 +258,38 @@ private:
                             out.offset_mm, out.drop, out.read_um, out.repeats_um));
             result_.readings_left_out.push_back(out);
         }
+        std::vector<LevelCompliance> others;
+        for (const Level& other : levels_) {
+            if (other != level) {
+                others.push_back(compliance_of(readings_of(other), pressure_of(other)));
+            }
+        }
+        for (const ContradictedReading& out : take_out_by_levels(read, pressure_of(level), others, scatter_)) {
+            remark(fmt::format("the sensor at {:g} mm in drop {} reads {:.1f} um, where its readings under the other "
+                               "loads call for {:.1f} um: it is left out",
+                               out.offset_mm, out.drop, out.read_um, out.repeats_um));
+            result_.readings_left_out.push_back(out);
+        }
         return left;
+    }
+
+    void take_out_misread_loads() {
+        for (const MisreadLoad& out : data::take_out_misread_loads(levels_)) {
+            for (const FwdDrop* d : out.drops) {
+                result_.left_out.push_back(
+                    {d->number, LeftOut::contradicted,
+                     fmt::format("it states {:.0f} kPa, but its deflections are those of {} "
+                                 "under {:.0f} kPa",
+                                 d->pressure_kPa, drops_words(out.twin), pressure_of(out.twin))});
+            }
+        }
+    }
+    static std::string drops_words(const Level& level) {
+        std::vector<std::string> numbers;
+        for (const FwdDrop* d : level) {
+            numbers.push_back(std::to_string(d->number));
+        }
+        return fmt::format("{} {}", numbers.size() == 1 ? "drop" : "drops", pave::join(numbers));
     }
 
     // The mean of the drops; factor: to the pressure of the bowl.

@@ -57,11 +57,28 @@ double spread(const std::vector<double>& values) {
     return *high - *low;
 }
 
-// How far a drop is from the others, and how far those are apart: medians over the sensors, of logarithms.
+// Between the ends of so many of these as lie closest to each other.
+double spread_of_closest(std::vector<double> values, std::size_t count) {
+    std::sort(values.begin(), values.end());
+    double least = spread(values);
+    for (std::size_t i = 0; i + count <= values.size(); ++i) {
+        least = std::min(least, values[i + count - 1] - values[i]);
+    }
+    return least;
+}
+
+// More than half of so many, and two.
+std::size_t majority(std::size_t all) {
+    return std::max<std::size_t>(2, all / 2 + 1);
+}
+
+// How far a drop is from the others, and how far the majority of so many drops is apart: medians over the sensors, of
+// logarithms.
 struct DropAgainstOthers {
     double off = 0.0, others_apart = 0.0;
 };
-std::optional<DropAgainstOthers> against_others(const LevelReadings& level, int drop, double resolution_um) {
+std::optional<DropAgainstOthers> against_others(const LevelReadings& level, int drop, std::size_t all,
+                                                double resolution_um) {
     std::vector<double> off;
     std::vector<double> apart;
     for (const auto& [offset, readings] : level) {
@@ -73,7 +90,7 @@ std::optional<DropAgainstOthers> against_others(const LevelReadings& level, int 
         const bool is_rounding = std::abs(own->um - median(others)) <= rounded_apart * resolution_um;
         std::transform(others.begin(), others.end(), others.begin(), logarithm);
         off.push_back(is_rounding ? 0.0 : logarithm(own->um) - median(others));
-        apart.push_back(spread(others));
+        apart.push_back(spread_of_closest(others, majority(all)));
     }
     return off.empty() ? std::nullopt : std::optional(DropAgainstOthers{median(off), median(apart)});
 }
@@ -128,7 +145,7 @@ struct ReadingAgainstOthers {
     double off_um = 0.0, limit_um = 0.0, others_apart_um = 0.0;
     double times() const { return std::abs(off_um) / limit_um; }
 };
-ReadingAgainstOthers against_others(const std::vector<LevelReading>& readings, const LevelReading& own,
+ReadingAgainstOthers against_others(const std::vector<LevelReading>& readings, const LevelReading& own, std::size_t all,
                                     const std::map<int, double>& effects, double scatter, double resolution_um) {
     std::vector<double> others; // as they would be in this drop
     for (const LevelReading& r : readings) {
@@ -140,7 +157,7 @@ ReadingAgainstOthers against_others(const std::vector<LevelReading>& readings, c
     return {.off_um = own.um - middle,
             .limit_um = std::max(sensor_um + sensor_share * std::abs(middle), far_off * scatter * std::abs(middle)) +
                         rounded_apart * resolution_um,
-            .others_apart_um = spread(others)};
+            .others_apart_um = spread_of_closest(others, majority(all))};
 }
 
 ContradictedReading take_out(std::vector<LevelReading>& readings, int drop) {
@@ -164,11 +181,13 @@ double mean_of(const std::vector<LevelReading>& readings) {
     return sum / static_cast<double>(readings.size());
 }
 
-// Of the two readings of a sensor, the drop of the one that does not lie between the neighbouring sensors where the
-// other one does; nothing: neither or both do.
-std::optional<int> beside_neighbours(const LevelReadings& level, LevelReadings::const_iterator sensor) {
+// The readings of a sensor that fall into two halves, each of which agrees, far from each other: of these the half that
+// does not lie between the neighbouring sensors where the other one does. None: the halves are not that far from each
+// other, neither or both lie there.
+std::vector<int> beside_neighbours(const LevelReadings& level, LevelReadings::const_iterator sensor,
+                                   const std::map<int, double>& effects, double scatter, double resolution_um) {
     if (sensor->first < 0.0 || level.size() < 3) {
-        return std::nullopt;
+        return {};
     }
     constexpr double steepest = 8.0; // of neighbours
     double high = INFINITY;
@@ -181,13 +200,39 @@ std::optional<int> beside_neighbours(const LevelReadings& level, LevelReadings::
         low = mean_of(next->second);
         high = std::min(high, steepest * low);
     }
-    const auto fits = [&](const LevelReading& r) {
-        const double room = sensor_um + sensor_share * std::abs(r.um);
-        return r.um >= low - room && r.um <= high + room;
+    std::vector<std::pair<double, const LevelReading*>>
+        order; // as they would be without what their drops have in common
+    for (const LevelReading& r : sensor->second) {
+        order.emplace_back(r.um * std::exp(-effects.at(r.drop)), &r);
+    }
+    std::sort(order.begin(), order.end());
+    const std::size_t half = order.size() / 2;
+    struct Half {
+        double low, high, mean = 0.0;
+        std::vector<int> drops{};
     };
-    const LevelReading& a = sensor->second[0];
-    const LevelReading& b = sensor->second[1];
-    return fits(a) == fits(b) ? std::nullopt : std::optional(fits(a) ? b.drop : a.drop);
+    const auto half_of = [&](std::size_t begin) {
+        Half h{order[begin].first, order[begin + half - 1].first};
+        for (std::size_t i = begin; i < begin + half; ++i) {
+            h.mean += order[i].second->um / static_cast<double>(half);
+            h.drops.push_back(order[i].second->drop);
+        }
+        return h;
+    };
+    const Half lower = half_of(0);
+    const Half upper = half_of(half);
+    const double off = upper.low - lower.high;
+    const double limit =
+        std::max(sensor_um + sensor_share * std::abs(lower.low), far_off * scatter * std::abs(lower.low)) +
+        rounded_apart * resolution_um;
+    if (!(off > limit) || std::max(lower.high - lower.low, upper.high - upper.low) >= others_agree * off) {
+        return {};
+    }
+    const auto fits = [&](double um) {
+        const double room = sensor_um + sensor_share * std::abs(um);
+        return um >= low - room && um <= high + room;
+    };
+    return fits(lower.mean) == fits(upper.mean) ? std::vector<int>() : fits(lower.mean) ? upper.drops : lower.drops;
 }
 
 } // namespace
@@ -219,7 +264,7 @@ std::vector<ContradictedDrop> take_out_drops(LevelReadings& level, const RepeatS
         std::optional<ContradictedDrop> worst;
         double worst_off = limit;
         for (const int drop : drops_of(level)) {
-            const auto there = against_others(level, drop, scatter.resolution_um);
+            const auto there = against_others(level, drop, all, scatter.resolution_um);
             if (there && std::abs(there->off) > worst_off &&
                 there->others_apart < others_agree * std::abs(there->off)) {
                 worst_off = std::abs(there->off);
@@ -250,7 +295,7 @@ std::vector<ContradictedReading> take_out_readings(LevelReadings& level, const R
             const LevelReading* worst = nullptr;
             double worst_times = 1.0;
             for (const LevelReading& r : readings) {
-                const auto there = against_others(readings, r, effects, own, scatter.resolution_um);
+                const auto there = against_others(readings, r, all, effects, own, scatter.resolution_um);
                 if (there.times() > worst_times && there.others_apart_um < others_agree * std::abs(there.off_um)) {
                     worst_times = there.times();
                     worst = &r;
@@ -262,14 +307,83 @@ std::vector<ContradictedReading> take_out_readings(LevelReadings& level, const R
             out.push_back(take_out(readings, worst->drop));
             out.back().offset_mm = offset;
         }
-        if (all == 2 &&
-            against_others(readings, readings[0], effects, std::sqrt(2.0) * own, scatter.resolution_um).times() > 1.0) {
-            if (const auto drop = beside_neighbours(level, sensor)) {
-                out.push_back(take_out(readings, *drop));
+        if (all % 2 == 0 && readings.size() == all) {
+            for (const int drop :
+                 beside_neighbours(level, sensor, effects, std::sqrt(2.0) * own, scatter.resolution_um)) {
+                out.push_back(take_out(readings, drop));
                 out.back().offset_mm = offset;
             }
         }
     }
+    return out;
+}
+
+LevelCompliance compliance_of(const LevelReadings& level, double pressure_kPa) {
+    LevelCompliance compliance;
+    for (const auto& [offset, readings] : level) {
+        std::vector<double> um;
+        std::transform(readings.begin(), readings.end(), std::back_inserter(um),
+                       [](const LevelReading& r) { return r.um; });
+        compliance[offset] = logarithm(median(um)) - std::log(pressure_kPa);
+    }
+    return compliance;
+}
+
+std::vector<ContradictedReading> take_out_by_levels(LevelReadings& level, double pressure_kPa,
+                                                    const std::vector<LevelCompliance>& others,
+                                                    const RepeatScatter& scatter) {
+    std::vector<ContradictedReading> out;
+    struct Witness {
+        double middle = 0.0, apart = 0.0;
+    };
+    std::map<double, Witness> expected; // ln(deflection / pressure) at the other levels, by offset
+    for (const auto& [offset, readings] : level) {
+        std::vector<double> there;
+        for (const LevelCompliance& other : others) {
+            if (const auto at = other.find(offset); at != other.end()) {
+                there.push_back(at->second);
+            }
+        }
+        if (there.size() >= 2) {
+            expected[offset] = {median(there), spread(there)};
+        }
+    }
+    std::vector<double> off;
+    for (const auto& [offset, own] : compliance_of(level, pressure_kPa)) {
+        if (const auto at = expected.find(offset); at != expected.end()) {
+            off.push_back(own - at->second.middle);
+        }
+    }
+    if (off.size() <= few_sensors) {
+        return out;
+    }
+    const double in_common = median(off);
+    const auto disagreeing = disagreements(level, scatter);
+    constexpr double third = 0.3; // of a logarithm
+    for (auto& [offset, readings] : level) {
+        const auto witness = expected.find(offset);
+        const bool is_open =
+            readings.size() == 1 || std::any_of(disagreeing.begin(), disagreeing.end(),
+                                                [&, at = offset](const Disagreement& d) { return d.offset_mm == at; });
+        if (witness == expected.end() || !is_open) {
+            continue;
+        }
+        const double likely = witness->second.middle + in_common + std::log(pressure_kPa);
+        const std::vector<LevelReading> all = readings;
+        for (const LevelReading& r : all) {
+            const double apart = std::abs(logarithm(r.um) - likely);
+            if (apart > third && witness->second.apart < others_agree * apart &&
+                apart * std::exp(likely) > sensor_um + rounded_apart * scatter.resolution_um) {
+                out.push_back({.drop = r.drop,
+                               .offset_mm = offset,
+                               .read_um = r.read_um,
+                               .repeats_um = std::exp(likely) * r.read_um / r.um,
+                               .by_levels = true});
+                std::erase_if(readings, [&](const LevelReading& other) { return other.drop == r.drop; });
+            }
+        }
+    }
+    std::erase_if(level, [](const auto& sensor) { return sensor.second.empty(); });
     return out;
 }
 

@@ -7,8 +7,9 @@
 //   a reading that differs from the others of its sensor by more than the sensor is good to (2 um + 2 %) and six times
 //            what this sensor scatters by along the road, or what the sensors scatter by here, once what all sensors of
 //            its drop have in common is taken off, where the others agree within half of that.
-// Those are left out as long as more than half of the drops, and two, are left. Of two drops neither has a majority: a
-// reading is left out where they differ as much and only the other one lies between the neighbouring sensors'.
+// Those are left out as long as more than half of the drops, and two, are left: it is these that have to agree. Of two
+// drops, or two halves that agree each, neither has a majority: readings are left out where they differ as much and
+// only the other ones lie between the neighbouring sensors'.
 #pragma once
 
 #include "data/fwd.h"
@@ -52,7 +53,8 @@ using LevelReadings = std::map<double, std::vector<LevelReading>>; // by offset
 struct ContradictedReading {
     int drop = 0;
     double offset_mm = 0.0;
-    double read_um = 0.0, repeats_um = 0.0; // the latter: median
+    double read_um = 0.0, repeats_um = 0.0; // the latter: median, or what other levels of load make of it
+    bool by_levels = false;
 };
 struct ContradictedDrop {
     int drop = 0;
@@ -70,6 +72,15 @@ struct Disagreement {
 std::vector<ContradictedDrop> take_out_drops(LevelReadings& level, const RepeatScatter& scatter);
 // Takes single readings out.
 std::vector<ContradictedReading> take_out_readings(LevelReadings& level, const RepeatScatter& scatter);
+// ln(deflection / pressure) of a sensor, by offset, of the middle drop of a level.
+using LevelCompliance = std::map<double, double>;
+// Takes the readings of sensors out of which no two drops are left that agree, where two other levels or more agree
+// within half of what a reading is off from them (what all sensors of the level have in common taken off), and that is
+// more than a third: no pavement bends that much otherwise at one sensor than at the next.
+std::vector<ContradictedReading> take_out_by_levels(LevelReadings& level, double pressure_kPa,
+                                                    const std::vector<LevelCompliance>& others,
+                                                    const RepeatScatter& scatter);
+LevelCompliance compliance_of(const LevelReadings& level, double pressure_kPa);
 // The remaining differences of more than 10 %, 4 um and five times the scatter, by offset.
 std::vector<Disagreement> disagreements(const LevelReadings& level, const RepeatScatter& scatter);
 

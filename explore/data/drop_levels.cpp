@@ -31,7 +31,64 @@ bool are_one_level(double a, double b) {
     return std::min(a, b) >= same_level * std::max(a, b);
 }
 
+void add(std::vector<LevelReading>& readings, const LevelReading& r) {
+    if (!readings.empty() && readings.back().drop == r.drop) {
+        readings.back().um = (readings.back().um + r.um) / 2.0;
+        readings.back().read_um = (readings.back().read_um + r.read_um) / 2.0;
+    } else {
+        readings.push_back(r);
+    }
+}
+
+bool read_the_same(const Level& a, const Level& b) {
+    constexpr double same = 0.05;   // of the middle sensor's logarithm, and
+    constexpr double as_well = 0.1; // of all others'
+    const LevelCompliance of_a = compliance_of(readings_of(a), 1.0);
+    const LevelCompliance of_b = compliance_of(readings_of(b), 1.0);
+    std::vector<double> apart;
+    for (const auto& [offset, value] : of_a) {
+        if (const auto at = of_b.find(offset); at != of_b.end()) {
+            apart.push_back(std::abs(value - at->second));
+        }
+    }
+    constexpr std::size_t sensors = 3;
+    return apart.size() >= sensors && median(apart) < same &&
+           std::all_of(apart.begin(), apart.end(), [&](double d) { return d < as_well; });
+}
+
 } // namespace
+
+LevelReadings readings_of(const Level& level) {
+    const double pressure_kPa = pressure_of(level);
+    LevelReadings read;
+    for (const FwdDrop* d : level) {
+        for (const FwdReading& r : d->readings) {
+            if (std::isfinite(r.deflection_um)) {
+                add(read[place_of(r)],
+                    {d->number, r.deflection_um * (pressure_kPa / d->pressure_kPa), r.deflection_um});
+            }
+        }
+    }
+    return read;
+}
+
+std::vector<MisreadLoad> take_out_misread_loads(std::vector<Level>& levels) {
+    constexpr double other = 0.2; // of the pressure's logarithm
+    std::vector<MisreadLoad> out;
+    for (auto level = levels.begin(); level != levels.end();) {
+        const auto twin = std::find_if(levels.begin(), levels.end(), [&](const Level& known) {
+            return known.size() > level->size() && known.size() >= 2 &&
+                   std::abs(std::log(pressure_of(known) / pressure_of(*level))) > other && read_the_same(*level, known);
+        });
+        if (twin == levels.end()) {
+            ++level;
+            continue;
+        }
+        out.push_back({*level, *twin});
+        level = levels.erase(level);
+    }
+    return out;
+}
 
 double place_of(const FwdReading& reading) {
     return std::abs(reading.offset_mm) < centre_tolerance_mm ? 0.0 : reading.offset_mm;

@@ -8,6 +8,7 @@
 #include "data/fwd_lines.h"
 #include "data/fwd_ltpp.h"
 #include "data/fwd_pddx.h"
+#include "data/fwd_places.h"
 #include "data/fwd_primax.h"
 #include "data/fwd_r80.h"
 #include "data/fwd_table.h"
@@ -160,6 +161,25 @@ void say_what_was_not_read(FwdFile& file, const std::string& name) {
     }
 }
 
+// Files of devices name their stations by their places: numbers in metres and sums in one file, as in a table.
+void read_places(FwdFile& file, const std::string& name) {
+    std::vector<std::string> cells;
+    for (const FwdStation& s : file.stations) {
+        if (s.chainage_m && *s.chainage_m != chainage(s.name, 1.0)) {
+            return; // in another unit
+        }
+        cells.push_back(s.name);
+    }
+    const Places places(cells, {}, 1.0, false);
+    if (places.remark().empty()) {
+        return;
+    }
+    file.remarks.push_back(name + ": " + places.remark());
+    for (FwdStation& s : file.stations) {
+        s.chainage_m = s.chainage_m ? places.metres(s.name) : s.chainage_m;
+    }
+}
+
 // The text of a file; of a workbook the first sheet that holds a survey table.
 std::string text_of(const std::string& file, const ColumnMap& columns) {
     std::string text = read_file(file, "FWD file", Encoding::of_instruments);
@@ -203,6 +223,9 @@ FwdFile read_fwd(const std::string& file, const ColumnMap& columns) {
                     fmt::format("{}: --columns describes tables and is not used for {}", file, format.name));
             }
             say_what_was_not_read(read, file);
+            if (format.name != fwd_csv.name) {
+                read_places(read, file);
+            }
             return read;
         }
         if (is_table && format.name == fwd_csv.name) {

@@ -1,5 +1,7 @@
 #include "data/fwd_columns.h"
 
+#include "data/fwd_offsets.h"
+
 #include "base/error.h"
 #include "data/csv.h"
 #include "data/fwd_table.h"
@@ -91,35 +93,6 @@ constexpr Word words[] = {{"station", Meaning::station},
                           {"comment", Meaning::comment},
                           {"note", Meaning::comment}};
 
-constexpr std::string_view deflection_words[] = {"deflection", "defl", "def", "df", "d", "w"};
-
-// "d300", "d(300)", "d-200", "d12in": where the sensor stands, in mm.
-std::optional<double> sensor_offset_mm(std::string_view base) {
-    std::string text;
-    for (const char c : lower_case(base)) {
-        if (std::string_view(" _(),:").find(c) == std::string_view::npos) {
-            text += c;
-        }
-    }
-    for (const std::string_view word : deflection_words) {
-        if (!text.starts_with(word)) {
-            continue;
-        }
-        const std::string_view rest = std::string_view(text).substr(word.size());
-        const std::size_t digits = rest.find_first_not_of("-.0123456789");
-        const auto number = number_or_nothing(rest.substr(0, digits));
-        if (!number) {
-            continue;
-        }
-        if (digits == std::string_view::npos) {
-            return number;
-        }
-        const auto unit = factor_of(length_units(), rest.substr(digits));
-        return unit ? std::optional(*number * *unit * 1e3) : std::nullopt;
-    }
-    return std::nullopt;
-}
-
 // A column of this word and unit ("": none).
 std::optional<FwdColumn> column_of(std::string_view base, std::string_view unit) {
     std::string word = plain_word(base);
@@ -195,22 +168,6 @@ bool are_numbered(const std::vector<FwdColumn*>& deflections) {
 // The cell of a row; "": the row ends before.
 std::string_view cell_of(const std::vector<std::string>& row, std::size_t at) {
     return at < row.size() ? trimmed(row[at]) : std::string_view{};
-}
-
-// Millimetres in the unit that a row of offsets states beside them: "Offset (cm)".
-double offset_unit_mm(const std::vector<std::string>& row) {
-    for (const std::string& cell : row) {
-        const std::string_view text = trimmed(cell);
-        const std::size_t open = text.find_first_of("([_");
-        if (open != std::string_view::npos && text.size() > open + 1) {
-            std::string_view word = text.substr(open + 1);
-            word = word.substr(0, word.find_first_of(")]"));
-            if (const auto unit = factor_of(length_units(), word)) {
-                return *unit * 1e3;
-            }
-        }
-    }
-    return 1.0;
 }
 
 constexpr std::string_view columns_hint =
@@ -309,14 +266,23 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
         const auto at = std::find_if(names.begin(), names.end(), [&, theirs = theirs](const std::string& n) {
             return lower_case(n) == lower_case(with_plain_letters(theirs));
         });
+        const bool is_deflection = column && column->meaning == Meaning::deflection;
         if (at != names.end()) {
             const auto cell = static_cast<std::size_t>(at - names.begin());
+            const bool is_taken = is_deflection && std::any_of(named.begin(), named.end(), [&](const auto& other) {
+                                      const auto known = column_named(other.second);
+                                      return other.first == cell && known && known->meaning == Meaning::deflection;
+                                  });
+            if (is_taken) {
+                throw pave::Error({.key = "--columns"}, "two sensors are read from one column", "\"" + theirs + "\"",
+                                  "a column of its own for each sensor");
+            }
             named.emplace_back(cell, ours);
             mapped.insert(cell);
             const auto own = column_named(theirs);
-            are_numbers = are_numbers || (column && column->meaning == Meaning::deflection && own &&
-                                          own->meaning == Meaning::deflection && own->offset_mm != column->offset_mm);
-        } else if (const auto constant = column ? measured(theirs) : std::nullopt) {
+            are_numbers = are_numbers || (is_deflection && own && own->meaning == Meaning::deflection &&
+                                          own->offset_mm != column->offset_mm);
+        } else if (const auto constant = column && !is_deflection ? measured(theirs) : std::nullopt) {
             column->constant = *constant;
             header.columns.push_back(*column);
         } else {
@@ -369,11 +335,17 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
     }
 
     std::vector<FwdColumn*> deflections;
-    for (FwdColumn& column : header.columns) {
-        if (column.meaning == Meaning::deflection && !column.constant) {
-            deflections.push_back(&column);
+    const FwdColumn* load = nullptr;
+    const auto find_columns = [&] {
+        deflections.clear();
+        for (FwdColumn& column : header.columns) {
+            if (column.meaning == Meaning::deflection) {
+                deflections.push_back(&column);
+            }
         }
-    }
+        load = header.find(Meaning::load) != nullptr ? header.find(Meaning::load) : header.find(Meaning::pressure);
+    };
+    find_columns();
     // A column that a table lacks may stand there under a name that is not known.
     std::vector<std::string> not_known = header.unknown;
     for (const FwdHeader::Layer& layer : header.layers) {
@@ -381,6 +353,12 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
     }
     const std::string unknown = not_known.empty() ? "" : "columns not known: " + pave::join(not_known);
     if (deflections.empty()) {
+        for (const std::string& name : not_known) {
+            if (is_deflection_in_another_unit(name)) {
+                throw pave::Error(place, "the unit of this column is not known", "\"" + name + "\"",
+                                  "one of " + names_of(length_units()) + ", as in D0_um or \"D300 (mils)\"");
+            }
+        }
         throw pave::Error(place, "there is no column of deflections", unknown, known_columns());
     }
     if (is_over_time(header, rows)) {
@@ -391,8 +369,6 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
     }
     bool numbered = are_numbered(deflections);
     // Further rows of the header: no load in them, and all deflections numbers (offsets) or units.
-    const FwdColumn* load =
-        header.find(Meaning::load) != nullptr ? header.find(Meaning::load) : header.find(Meaning::pressure);
     while (header.rows < rows.size() && load != nullptr && !load->constant) {
         const auto& row = rows[header.rows];
         if (measured(cell_of(row, load->at))) {
@@ -402,11 +378,27 @@ FwdHeader read_header(const std::vector<std::vector<std::string>>& rows, const s
             return std::all_of(deflections.begin(), deflections.end(),
                                [&](const FwdColumn* c) { return is(cell_of(row, c->at)); });
         };
-        if (numbered && all([](std::string_view cell) { return measured(cell).has_value(); })) {
-            const double unit = offset_unit_mm(row);
+        constexpr std::size_t least_places = 3;
+        const double unit_mm = offset_unit_mm(row);
+        const auto placed =
+            static_cast<std::size_t>(std::count_if(deflections.begin(), deflections.end(), [&](const FwdColumn* c) {
+                return place_mm(cell_of(row, c->at), unit_mm).has_value();
+            }));
+        if (numbered && placed >= least_places &&
+            all([&](std::string_view cell) { return is_nil(cell) || place_mm(cell, unit_mm).has_value(); })) {
+            std::set<std::size_t> without; // a sensor that is not to be read has no place
             for (FwdColumn* column : deflections) {
-                column->offset_mm = unit * *measured(cell_of(row, column->at));
+                const auto mm = place_mm(cell_of(row, column->at), unit_mm);
+                column->offset_mm = mm.value_or(0.0);
+                if (!mm) {
+                    without.insert(column->at);
+                    header.unknown.push_back(column->name);
+                }
             }
+            std::erase_if(header.columns, [&](const FwdColumn& c) {
+                return c.meaning == Meaning::deflection && without.contains(c.at);
+            });
+            find_columns();
             numbered = false;
         } else if (all([](std::string_view cell) { return deflection_unit(cell).has_value(); })) {
             for (FwdColumn& column : header.columns) {

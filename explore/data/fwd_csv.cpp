@@ -161,29 +161,22 @@ private:
         });
     }
 
-    // How the places of a table are to be read where "163" and "163+10" may be metres, kilometres + metres, or stations
-    // of 20 m (Brazil's "estacas").
-    void look_at_places() {
+    const FwdColumn& place_column() const {
         const FwdColumn* place = header_.find(Meaning::chainage);
-        place = place == nullptr ? header_.find(Meaning::station) : place;
-        if (place->constant || (place->to_si && *place->to_si != 1.0) || is_american()) {
-            return;
+        return place == nullptr ? *header_.find(Meaning::station) : *place;
+    }
+    void look_at_places() {
+        const FwdColumn& place = place_column();
+        std::vector<std::string> cells;
+        for (std::size_t r = header_.rows; r < table_.rows.size(); ++r) {
+            if (!repeats_header(r)) {
+                cells.push_back(with_point(cell(r, &place), decimal_));
+            }
         }
-        const PlaceForms forms(table_.rows, header_.rows, place->at, decimal_);
-        switch (forms.meaning(trimmed(table_.rows[0][place->at]))) {
-        case PlaceForms::Meaning::stations_of_20_m:
-            stations_of_20_m_ = true;
-            result_.remarks.push_back(
-                fmt::format("{}: places such as \"{}\" are taken for stations of 20 m: 20 x number + metres", file_,
-                            forms.example()));
-            break;
-        case PlaceForms::Meaning::doubtful:
-            result_.remarks.push_back(fmt::format(
-                "{}: places such as \"{}\" are taken for kilometres + metres{}: are they stations of 20 m, or "
-                "of 100 ft?",
-                file_, forms.example(), forms.mixes() ? ", plain numbers in the same column for metres" : ""));
-            break;
-        case PlaceForms::Meaning::plain: break;
+        places_.emplace(cells, place.constant ? std::string_view{} : trimmed(table_.rows[0][place.at]), place.to_si,
+                        is_american());
+        if (!places_->remark().empty()) {
+            result_.remarks.push_back(file_ + ": " + places_->remark());
         }
     }
 
@@ -242,15 +235,9 @@ private:
     }
 
     FwdStation& station_of(std::size_t r) {
-        const FwdColumn* place = header_.find(Meaning::chainage);
-        const bool by_name = place == nullptr;
-        place = by_name ? header_.find(Meaning::station) : place;
-        const std::string stated = place->constant ? fmt::format("{}", *place->constant) : std::string(cell(r, place));
-        const double foot = *factor_of(length_units(), "ft");
-        const bool is_in_feet = !place->to_si && stated.find('+') != std::string::npos && is_american();
-        const auto chainage_m =
-            stations_of_20_m_ ? chainage_of_20_m(with_point(stated, decimal_))
-                              : chainage(with_point(stated, decimal_), is_in_feet ? foot : place->to_si.value_or(1.0));
+        const FwdColumn& place = place_column();
+        const std::string stated = place.constant ? fmt::format("{}", *place.constant) : std::string(cell(r, &place));
+        const auto chainage_m = places_->metres(with_point(stated, decimal_));
         std::string name = text(r, Meaning::station);
         name = !name.empty() ? name : !stated.empty() ? stated : fmt::format("line {}", table_.lines[r]);
         const std::string lane =
@@ -267,9 +254,9 @@ private:
                 station.remarks.push_back(
                     stated.empty() || is_nil(stated)
                         ? fmt::format("line {}: no chainage", table_.lines[r])
-                        : fmt::format("line {}, {}: \"{}\" is no chainage", table_.lines[r], place->name, stated));
+                        : fmt::format("line {}, {}: \"{}\" is no chainage", table_.lines[r], place.name, stated));
             }
-            if (is_in_feet) {
+            if (places_->is_sum_in_feet_by_neighbours(stated)) {
                 station.remarks.push_back(
                     fmt::format("\"{}\" is taken for stations of 100 ft, as pounds or mils stand beside it", stated));
             }
@@ -390,7 +377,7 @@ private:
     std::string file_;
     FwdTable table_;
     FwdHeader header_;
-    bool stations_of_20_m_ = false;
+    std::optional<Places> places_; // known once the rows are
     char decimal_ = '.';
     FwdFile result_;
     // By profile, date, name, lane and chainage; upper and lower case are one.

@@ -243,14 +243,37 @@ std::span<const NamedUnit> pressure_units() {
                                         {"poundpersquareinch", psi},
                                         {"bar", 1e5},
                                         {"kgf/cm2", 98066.5},
-                                        {"kg/cm2", 98066.5}};
+                                        {"kg/cm2", 98066.5},
+                                        {"kn/m2", 1e3},
+                                        {"kn/m²", 1e3},
+                                        {"n/mm2", 1e6},
+                                        {"n/mm²", 1e6}};
     return all;
 }
+
+namespace {
+
+// Parts of a millimetre as tables write them, without blanks, points and hyphens: "0.001 mm", "x 10-2 mm", "mm/100".
+std::optional<double> part_of_mm(std::string_view name) {
+    for (const std::string_view times : {"x", "×", "*"}) {
+        name = name.starts_with(times) ? name.substr(times.size()) : name;
+    }
+    static constexpr NamedUnit all[] = {{"102mm", 1e-5},   {"10^2mm", 1e-5},   {"10⁻²mm", 1e-5}, {"mm/100", 1e-5},
+                                        {"cmm", 1e-5},     {"103mm", 1e-6},    {"10^3mm", 1e-6}, {"10⁻³mm", 1e-6},
+                                        {"mm/1000", 1e-6}, {"1/1000mm", 1e-6}, {"0001mm", 1e-6}};
+    const auto at = std::find_if(std::begin(all), std::end(all), [&](const NamedUnit& u) { return u.name == name; });
+    return at == std::end(all) ? std::nullopt : std::optional(at->to_si);
+}
+
+} // namespace
 
 std::optional<double> factor_of(std::span<const NamedUnit> units, std::string_view word) {
     const std::string name = plain_word(word);
     const auto at = std::find_if(units.begin(), units.end(), [&](const NamedUnit& unit) { return unit.name == name; });
-    return at == units.end() ? std::nullopt : std::optional(at->to_si);
+    if (at != units.end()) {
+        return at->to_si;
+    }
+    return units.data() == length_units().data() ? part_of_mm(name) : std::nullopt;
 }
 
 std::string names_of(std::span<const NamedUnit> units) {

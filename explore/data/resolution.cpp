@@ -15,16 +15,19 @@ constexpr double mil_um = 25.4;
 constexpr double finest_um = 0.0999; // 0.1, but for rounding
 constexpr double coarsest_um = 100.0;
 constexpr double by_chance = 1e-4;
+constexpr double by_chance_of_one = 1e-7; // station, of many
+constexpr double nearly_all = 0.9;        // a cell mended by hand does not make a file exact
 
-bool are_multiples(const std::vector<double>& values, double step) {
-    return std::all_of(values.begin(), values.end(), [&](double um) {
+bool are_multiples(const std::vector<double>& values, double step, double share) {
+    const auto count = std::count_if(values.begin(), values.end(), [&](double um) {
         const double steps = um / step;
         return std::abs(steps - std::round(steps)) <= 1e-6 + 1e-12 * std::abs(steps);
     });
+    return static_cast<double>(count) >= share * static_cast<double>(values.size());
 }
 
-// The largest step, in this unit, that is no chance; 0: none.
-double coarsest(const std::vector<double>& values, double unit_um) {
+// The largest step, in this unit, that this share of the values are multiples of and that is no chance; 0: none.
+double coarsest(const std::vector<double>& values, double unit_um, double share, double chance) {
     struct Step {
         double size, over_finer; // of tens over ones, of fives over twos, of twos over ones
     };
@@ -33,8 +36,8 @@ double coarsest(const std::vector<double>& values, double unit_um) {
     for (double power = 10.0; 10.0 * power * unit_um >= finest_um; power /= 10.0) {
         for (const Step& step : steps) {
             const double um = power * step.size * unit_um;
-            if (um <= coarsest_um && um >= finest_um && n * std::log(step.over_finer) >= -std::log(by_chance) &&
-                are_multiples(values, um)) {
+            if (um <= coarsest_um && um >= finest_um && n * std::log(step.over_finer) >= -std::log(chance) &&
+                are_multiples(values, um, share)) {
                 return um;
             }
         }
@@ -42,9 +45,7 @@ double coarsest(const std::vector<double>& values, double unit_um) {
     return 0.0;
 }
 
-} // namespace
-
-double resolution_um(const std::vector<const FwdStation*>& stations) {
+std::vector<double> values_of(const std::vector<const FwdStation*>& stations) {
     std::vector<double> values;
     for (const FwdStation* s : stations) {
         for (const FwdDrop& d : s->drops) {
@@ -55,7 +56,21 @@ double resolution_um(const std::vector<const FwdStation*>& stations) {
             }
         }
     }
-    return std::max(coarsest(values, 1.0), coarsest(values, mil_um));
+    return values;
+}
+
+double coarsest(const std::vector<double>& values, double share, double chance) {
+    return std::max(coarsest(values, 1.0, share, chance), coarsest(values, mil_um, share, chance));
+}
+
+} // namespace
+
+double resolution_um(const std::vector<const FwdStation*>& stations) {
+    return coarsest(values_of(stations), nearly_all, by_chance);
+}
+
+double own_resolution_um(const FwdStation& station) {
+    return coarsest(values_of({&station}), 1.0, by_chance_of_one);
 }
 
 std::string resolution_words(double um) {

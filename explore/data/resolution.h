@@ -7,9 +7,12 @@
 
 namespace explore::data {
 
-// In um: the largest of 1, 2 or 5 times a power of ten, in micrometres or mils, that all deflections are multiples of.
-// 0: none of 0.1 um or more, or too few readings to tell it from chance (1 in 10,000 against the next finer step).
+// In um: the largest of 1, 2 or 5 times a power of ten, in micrometres or mils, that nine in ten deflections are
+// multiples of. 0: none of 0.1 um or more, or too few readings to tell it from chance (1 in 10,000 against the next
+// finer step).
 double resolution_um(const std::vector<const FwdStation*>& stations);
+// Of one of many stations: the same of all its deflections, and 1 in 10,000,000.
+double own_resolution_um(const FwdStation& station);
 
 // "whole hundredths of a millimetre", "steps of 5 um", "whole mils".
 std::string resolution_words(double resolution_um);

@@ -13,27 +13,31 @@ constexpr std::size_t least_of_sensor = 8;
 
 using StationOutcomes = std::vector<pave::Outcome<StationBowls>>;
 
-// By file.
-using Resolutions = std::map<std::string, double>;
-Resolutions resolutions_of(const std::vector<const FwdStation*>& stations) {
+// Of each station: what its file is rounded to, or its own readings are where the file's are not.
+std::vector<double> resolutions_of(const std::vector<const FwdStation*>& stations) {
     std::map<std::string, std::vector<const FwdStation*>> files;
     for (const FwdStation* s : stations) {
         files[s->file].push_back(s);
     }
-    Resolutions resolutions;
+    std::map<std::string, double> of_file;
     for (const auto& [file, own] : files) {
-        resolutions[file] = resolution_um(own);
+        of_file[file] = resolution_um(own);
+    }
+    std::vector<double> resolutions;
+    resolutions.reserve(stations.size());
+    for (const FwdStation* s : stations) {
+        resolutions.push_back(std::max(of_file.at(s->file), own_resolution_um(*s)));
     }
     return resolutions;
 }
 
 StationOutcomes made(const std::vector<const FwdStation*>& stations, DropChoice choice,
-                     const Resolutions& resolutions) {
+                     const std::vector<double>& resolutions) {
     StationOutcomes bowls;
     bowls.reserve(stations.size());
-    for (const FwdStation* s : stations) {
-        choice.resolution_um = resolutions.at(s->file);
-        bowls.push_back(bowls_of(*s, choice));
+    for (std::size_t i = 0; i < stations.size(); ++i) {
+        choice.resolution_um = resolutions[i];
+        bowls.push_back(bowls_of(*stations[i], choice));
     }
     return bowls;
 }
@@ -89,7 +93,7 @@ std::optional<RepeatScatter> scatter_of(const StationOutcomes& stations) {
 std::vector<pave::Outcome<StationBowls>> bowls_of_road(const std::vector<const FwdStation*>& stations,
                                                        DropChoice choice) {
     choice.keeps_contradicted = true; // what is far off does not rule the middle
-    const Resolutions resolutions = resolutions_of(stations);
+    const std::vector<double> resolutions = resolutions_of(stations);
     const StationOutcomes all = made(stations, choice, resolutions);
     choice.keeps_contradicted = false;
     choice.first_of_two_seats = choice.first_of_two_seats || first_drops_seat(stations, all);

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "data/csv.h"
 #include "data/fwd_columns.h"
+#include "data/fwd_places.h"
 #include "data/fwd_values.h"
 
 #include <algorithm>
@@ -64,14 +65,14 @@ LayerTable read_layer_table(const std::string& file) {
     LayerTable table{.file = file, .rows = {}};
     std::optional<std::size_t> place;
     std::optional<std::size_t> lane;
-    double to_m = 1.0;
+    std::optional<double> to_m;
     std::vector<Cell> cells;
     for (std::size_t i = 0; i < header.cells.size(); ++i) {
         const std::string name(trimmed(header.cells[i]));
         const auto known = column_named(name);
         if (known && known->meaning == Meaning::chainage) {
             place = i;
-            to_m = known->to_si.value_or(1.0);
+            to_m = known->to_si;
         } else if (known && known->meaning == Meaning::lane) {
             lane = i;
         } else if (const auto column = layer_column(name)) {
@@ -86,17 +87,27 @@ LayerTable read_layer_table(const std::string& file) {
     }
     std::stable_sort(cells.begin(), cells.end(),
                      [](const Cell& a, const Cell& b) { return a.column.is_error < b.column.is_error; });
+    const auto stated_at = [&](const CsvRow& row) {
+        std::string stated(*place < row.cells.size() ? trimmed(row.cells[*place]) : std::string_view{});
+        if (read.decimal_comma) {
+            std::replace(stated.begin(), stated.end(), ',', '.');
+        }
+        return stated;
+    };
+    std::vector<std::string> all_stated;
+    for (std::size_t r = 1; r < read.rows.size(); ++r) {
+        all_stated.push_back(stated_at(read.rows[r]));
+    }
+    const Places places(all_stated, trimmed(header.cells[*place]), to_m, false);
+    table.places = places.remark();
     std::set<std::tuple<std::string, double, std::string>> seen; // lane, chainage and layer
     for (std::size_t r = 1; r < read.rows.size(); ++r) {
         const CsvRow& row = read.rows[r];
         const auto cell = [&](std::size_t at) {
             return at < row.cells.size() ? trimmed(row.cells[at]) : std::string_view{};
         };
-        std::string stated(cell(*place));
-        if (read.decimal_comma) {
-            std::replace(stated.begin(), stated.end(), ',', '.');
-        }
-        const auto chainage_m = chainage(stated, to_m);
+        const std::string& stated = all_stated[r - 1];
+        const auto chainage_m = places.metres(stated);
         if (!chainage_m) {
             throw pave::Error({.file = file, .line = row.line, .key = header.cells[*place]}, "no chainage",
                               "\"" + stated + "\"", "metres, or kilometres+metres as in 1+250");

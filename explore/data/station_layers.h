@@ -35,6 +35,7 @@ struct LayerTable {
     std::string file;
     std::vector<Row> rows;              // by chainage
     std::vector<std::string> unknown{}; // columns that are none of a layer
+    std::string places{};               // what is worth saying of how its places were read
     std::vector<std::string> layers() const;
 };
 // Columns chainage_m (or km, ...), layers, and lane where it has one. Throws pave::Error.

@@ -54,7 +54,7 @@ std::vector<std::string> out_of_range(TemperatureCurve curve, double reference_C
     for (const double celsius : {where.asphalt_C, reference_C}) {
         if (!(celsius >= words.coldest_C && celsius <= words.hottest_C)) {
             found.push_back(
-                fmt::format("{:.0f} C (it is used from {:g} to {:g} C)", celsius, words.coldest_C, words.hottest_C));
+                fmt::format("{:.3g} C (it is used from {:g} to {:g} C)", celsius, words.coldest_C, words.hottest_C));
         }
     }
     if (curve == TemperatureCurve::fhwa && where.latitude_deg) {

@@ -23,10 +23,11 @@ constexpr PartWords words[] = {{NoiseModel::relative, "relative", ""},
 
 } // namespace
 
-std::string noise_block(const NoiseModel& model) {
+std::string noise_block(const analysis::NoiseResult& result) {
     std::string text = "[data.noise]\n";
     for (const auto& [part, key, unit] : words) {
-        if (const double value = model.value[part]; value > 0.0) {
+        const double value = part == NoiseModel::absolute ? result.stated_absolute_um() : result.model.value[part];
+        if (value > 0.0) {
             text += part == NoiseModel::absolute ? fmt::format("{} = {{ {} = {:.3g} }}\n", key, unit, value)
                                                  : fmt::format("{} = {:.3g}\n", key, value);
         }
@@ -37,7 +38,7 @@ std::string noise_block(const NoiseModel& model) {
 Json noise_json(const analysis::NoiseResult& result) {
     Json json = {{"stations", result.stations}, {"groups", result.groups},
                  {"drops", result.drops},       {"degrees_of_freedom", result.degrees},
-                 {"noise", Json::object()},     {"block", noise_block(result.model)},
+                 {"noise", Json::object()},     {"block", noise_block(result)},
                  {"sensors", Json::array()},    {"left_out", result.left_out},
                  {"findings", findings(result)}};
     for (const auto& [part, key, unit] : words) {
@@ -72,7 +73,7 @@ Answer noise_answer(const analysis::NoiseResult& result) {
                                number(result.model.high[part]), unit});
     }
     answer.next = "put this into the study:";
-    answer.block = noise_block(result.model);
+    answer.block = noise_block(result);
     return answer;
 }
 
@@ -100,7 +101,7 @@ std::string noise_text(const analysis::NoiseResult& result) {
                    unit});
     }
     return text + parts.text() + "\nWhat this means\n" + sentences(findings(result)) + "\nFor a study:\n\n" +
-           noise_block(result.model);
+           noise_block(result);
 }
 
 } // namespace explore::report

@@ -7,7 +7,7 @@
 namespace explore::report {
 
 // The table [data.noise] of a study.
-std::string noise_block(const analysis::NoiseModel& model);
+std::string noise_block(const analysis::NoiseResult& result);
 
 Json noise_json(const analysis::NoiseResult& result);
 Answer noise_answer(const analysis::NoiseResult& result);

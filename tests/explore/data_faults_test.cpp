@@ -71,6 +71,44 @@ TEST(BowlFaults, TwoSensorsExchangedAreNamed) {
     EXPECT_EQ(data::bowl_faults(list)[0].words(), "the sensors at 600 and 900 mm are exchanged");
 }
 
+TEST(BowlFaults, ReadingsExchangedUnderOneLoadAreNamed) {
+    int right = 0;
+    constexpr int count = 20;
+    for (std::uint64_t seed = 0; seed < count; ++seed) {
+        auto list = bowls(seed);
+        std::swap(list[3].value, list[4].value);
+        std::swap(list[3].deviation, list[4].deviation);
+        const auto found = data::bowl_faults(list);
+        right += found.size() == 1 && found[0].kind == BowlFault::Kind::exchanged && found[0].of_one_load &&
+                 found[0].rows == std::vector<std::size_t>{3, 4};
+    }
+    EXPECT_GE(right, count * 9 / 10);
+}
+
+// Deflections over pressure times radius are about the same under every load.
+TEST(BowlFaults, AllReadingsOfOneLoadInAnotherUnitAreNamed) {
+    for (const double factor : {10.0, 25.4, 1.0 / 25.4, 0.1}) {
+        for (std::uint64_t seed = 0; seed < 20; ++seed) {
+            auto list = bowls(seed, 3);
+            for (auto& reading : list) {
+                reading.strength = 0.15 * 400e3 * (1.0 + 0.8 * reading.load);
+            }
+            EXPECT_TRUE(data::bowl_faults(list).empty());
+            for (auto& reading : list) {
+                if (reading.load == 1) {
+                    reading.value *= factor;
+                    reading.deviation *= factor;
+                }
+            }
+            const auto found = data::bowl_faults(list);
+            ASSERT_EQ(found.size(), 1U) << factor << " " << seed;
+            EXPECT_TRUE(found[0].of_one_load && found[0].kind == BowlFault::Kind::factor);
+            EXPECT_NEAR(found[0].factor, factor, 1e-12);
+            EXPECT_EQ(found[0].rows.size(), offsets.size());
+        }
+    }
+}
+
 // A rise of three and a half standard deviations under each load is five and more under all of them.
 TEST(BowlFaults, TwoSensorsExchangedAreNamedByAllLoadsTogether) {
     for (const double rise : {3.5, 0.5}) {

@@ -136,6 +136,65 @@ TEST(DropAgreement, OfTwoDropsTheNeighbouringSensorsTell) {
                 0.01);
 }
 
+// Three of five agree: the other two go, though they agree with each other. Of four that fall into two halves the
+// neighbours tell: 500 um do not stand between 80 um and nothing, as 50 um do.
+TEST(DropAgreement, TheMajorityCountsAndOfHalvesTheNeighboursTell) {
+    const auto five = data::bowls_of(station("A", {with(5, 10.0), plain, whole(1.01), with(5, 10.1), whole(0.99)}));
+    EXPECT_NEAR(deflection(*five, 5), 50.0, 1e-9);
+    EXPECT_EQ(five->readings_left_out.size(), 2U);
+    EXPECT_TRUE(five->disagreements.empty());
+    const auto four = data::bowls_of(station("A", {with(5, 10.0), plain, with(5, 10.1), whole(1.01)}));
+    EXPECT_NEAR(deflection(*four, 5), 50.0 * 1.005, 1e-9);
+    EXPECT_EQ(four->readings_left_out.size(), 2U);
+    const auto open = data::bowls_of(station("A", {with(3, 0.74), plain, with(3, 0.74), plain})); // both possible
+    EXPECT_TRUE(open->readings_left_out.empty());
+    EXPECT_EQ(open->disagreements.size(), 1U);
+}
+
+namespace {
+
+// The same under other loads, proportional to them.
+FwdStation levels(const std::vector<double>& kPa, const std::vector<std::vector<double>>& factors) {
+    FwdStation s = station("A", factors);
+    for (std::size_t d = 0; d < s.drops.size(); ++d) {
+        s.drops[d].pressure_kPa = kPa[d];
+        for (auto& reading : s.drops[d].readings) {
+            reading.deflection_um *= kPa[d] / 700.0;
+        }
+    }
+    return s;
+}
+
+} // namespace
+
+TEST(DropAgreement, OneDropALevelIsContradictedByTheOtherLevels) {
+    const auto bowls = data::bowls_of(levels({350, 550, 800}, {plain, with(2, 1.6), whole(1.03)}));
+    ASSERT_EQ(bowls->readings_left_out.size(), 1U);
+    EXPECT_EQ(bowls->readings_left_out[0].drop, 2);
+    EXPECT_EQ(bowls->readings_left_out[0].offset_mm, 450.0);
+    EXPECT_NE(joined(*bowls).find("under the other loads"), std::string::npos);
+    EXPECT_FALSE(bowls->levels[1].has_sensor_at(450.0));
+    // A pavement that softens, by as much at every sensor, contradicts nothing; nor does a tenth at one.
+    EXPECT_TRUE(data::bowls_of(levels({350, 550, 800}, {plain, whole(1.2), whole(1.5)}))->readings_left_out.empty());
+    EXPECT_TRUE(data::bowls_of(levels({350, 550, 800}, {plain, with(2, 1.1), plain}))->readings_left_out.empty());
+}
+
+// Twice the pressure and the same deflections: the load is misread.
+TEST(DropAgreement, ALoadThatIsMisreadLeavesItsDropOut) {
+    FwdStation made = station("A", {plain, whole(1.01), plain, whole(0.99)});
+    made.drops[1].pressure_kPa = 1400.0;
+    const auto bowls = data::bowls_of(made);
+    ASSERT_EQ(bowls->levels.size(), 1U);
+    EXPECT_NEAR(bowls->bowl().pressure_kPa, 700.0, 1e-9);
+    ASSERT_EQ(bowls->left_out.size(), 1U);
+    EXPECT_EQ(bowls->left_out[0].number, 2);
+    EXPECT_NE(bowls->left_out[0].words.find("drops 1, 3, 4 under 700 kPa"), std::string::npos)
+        << bowls->left_out[0].words;
+    // Of a heavier load that bends the road by a third more nothing is said.
+    FwdStation heavier = levels({700, 700, 1000}, {plain, plain, whole(0.93)});
+    EXPECT_EQ(data::bowls_of(heavier)->levels.size(), 2U);
+}
+
 TEST(DropAgreement, ADropThatItsRepeatsContradictIsLeftOut) {
     const auto bowls = data::bowls_of(station("A", {whole(1.01), whole(1.34), whole(0.99)}));
     ASSERT_EQ(bowls->left_out.size(), 1U);
@@ -216,8 +275,29 @@ TEST(Resolution, IsTheLargestStepThatAllReadingsShare) {
     EXPECT_NEAR(of({161 * 2.54, 113 * 2.54, 70 * 2.54, 40 * 2.54, 21 * 2.54}), 2.54, 1e-9); // tenths of them
     // Five readings are even by chance at one of 32 places: not taken for steps of 2 um.
     EXPECT_EQ(of({432, 310, 252, 120, 78}), 1.0);
+    // One cell in ten that was mended by hand does not make a file exact; one in five does.
+    EXPECT_EQ(of({430, 310, 250, 120, 70, 60, 50, 410, 290, 233}), 10.0);
+    EXPECT_EQ(of({430, 310, 250, 121, 77}), 1.0);
     EXPECT_EQ(data::resolution_words(10.0), "whole hundredths of a millimetre");
     EXPECT_EQ(data::resolution_words(25.4), "whole mils");
+}
+
+// Half of the stations of a file in whole hundredths of a millimetre: those have that error, the others not.
+TEST(Resolution, IsThatOfTheStationWhereTheFileHasNone) {
+    std::vector<FwdStation> stations;
+    for (int i = 0; i < 12; ++i) {
+        auto& s = stations.emplace_back(station("S" + std::to_string(i), {whole(1.0 + 0.013 * i), whole(1.1)}));
+        for (auto& drop : s.drops) {
+            for (auto& reading : drop.readings) {
+                reading.deflection_um =
+                    i % 2 == 0 ? 10.0 * std::round(reading.deflection_um / 10.0) : reading.deflection_um + 0.37;
+            }
+        }
+    }
+    const auto bowls = bowls_of(stations);
+    for (std::size_t i = 0; i < bowls.size(); ++i) {
+        EXPECT_EQ(bowls[i]->bowl().readings[0].resolution_um, i % 2 == 0 ? 10.0 : 0.0) << i;
+    }
 }
 
 // The error of the mean of n rounded readings, by simulation.

@@ -2,6 +2,7 @@
 // them.
 #include "base/error.h"
 #include "data/fwd.h"
+#include "data/fwd_places.h"
 #include "support/folder.h"
 
 #include <cmath>
@@ -123,6 +124,78 @@ TEST(FwdCsv, PlacesMayBeStationsOf20Metres) {
     EXPECT_NE(places("chainage_m", {"7+0", "7+10", "8+0", "8+10", "9+0"}).second.find("are they stations of 20 m"),
               std::string::npos);
     EXPECT_EQ(places("chainage_m", {"0+000", "0+025", "0+050", "1+000"}).second.find("20 m"), std::string::npos);
+    // A column of that name counts them without a plus, too, where they are next to each other.
+    const auto alone = [](const std::vector<std::string>& cells, const std::string& column) {
+        const data::Places read(cells, column, 1.0, false);
+        return std::pair(*read.metres(cells[1]), read.remark().empty());
+    };
+    EXPECT_EQ(alone({"163", "164", "165"}, "Estaca"), std::pair(3280.0, false));
+    EXPECT_EQ(alone({"0", "20", "40"}, "Estaca"), std::pair(20.0, true));
+    EXPECT_EQ(alone({"163", "164", "165"}, "chainage_m"), std::pair(164.0, true));
+    // In feet "12+34" is 1234 ft, and "14" beside it 1400 ft; "1400" is that, too.
+    const auto feet = [](const std::vector<double>& list) {
+        Metres m;
+        for (const double ft : list) {
+            m.push_back(0.3048 * ft);
+        }
+        return m;
+    };
+    const auto near = [](const Metres& found, const Metres& expected) {
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            EXPECT_NEAR(found[i], expected[i], 1e-9);
+        }
+    };
+    const auto full = places("chainage_ft", {"12+34", "12+84", "13+34", "14", "14+50"});
+    near(full.first, feet({1234, 1284, 1334, 1400, 1450}));
+    EXPECT_NE(full.second.find("full stations of 100 ft"), std::string::npos) << full.second;
+    near(places("chainage_ft", {"1234", "1284", "13+34", "1400"}).first, feet({1234, 1284, 1334, 1400}));
+    near(places("chainage_ft", {"1234", "1284", "1400"}).first, feet({1234, 1284, 1400}));
+}
+
+TEST(FwdCsv, PlacesInFeetAreToldByMilsAndPounds) {
+    const auto file =
+        read_file("Station,radius_mm,load_lbf,D0_mil,D200_mil\n12+34,150,9000,15,12\n13+34,150,9000,15,12\n"
+                  "1400,150,9000,15,12\n");
+    EXPECT_NEAR(*file.stations[0].chainage_m, 0.3048 * 1234, 1e-9);
+    EXPECT_NEAR(*file.stations[2].chainage_m, 0.3048 * 1400, 1e-9);
+    EXPECT_NE(pave::join(file.remarks).find("\"1400\" are taken for feet"), std::string::npos)
+        << pave::join(file.remarks);
+}
+
+TEST(FwdCsv, ARowOfPlacesMayLeaveASensorOut) {
+    const auto file = read_file("chainage_m,radius_mm,load_kN,D1_um,D2_um,D3_um,D4_um\n,,,0,200 mm,?,600\n"
+                                "0,150,40,420,310,99,150\n");
+    std::vector<double> offsets;
+    for (const auto& reading : file.stations[0].drops[0].readings) {
+        offsets.push_back(reading.offset_mm);
+    }
+    EXPECT_EQ(offsets, (std::vector<double>{0, 200, 600}));
+}
+
+TEST(FwdCsv, UnitsAreReadAsTablesWriteThem) {
+    for (const std::string unit : {"x10-2 mm", "x 10^-2 mm", "mm/100", "1/100 mm", "0.01 mm", "cmm"}) {
+        const auto file =
+            read_file("chainage_m,radius_mm,pressure (kN/m2),D0 (" + unit + "),D300 (" + unit + ")\n0,150,700,42,31\n");
+        EXPECT_NEAR(file.stations[0].drops[0].readings[0].deflection_um, 420.0, 1e-9) << unit;
+        EXPECT_NEAR(file.stations[0].drops[0].pressure_kPa, 700.0, 1e-9) << unit;
+    }
+    const auto file =
+        read_file("chainage_m,radius_mm,pressure (N/mm2),D0 (0.001 mm),D300 (mm/1000)\n0,150,0.7,420,310\n");
+    EXPECT_NEAR(file.stations[0].drops[0].readings[1].deflection_um, 310.0, 1e-9);
+    EXPECT_NEAR(file.stations[0].drops[0].pressure_kPa, 700.0, 1e-9);
+    try {
+        read_file("chainage_m,radius_mm,load_kN,D0 (furlong),D300 (furlong)\n0,150,40,1,1\n");
+        FAIL();
+    } catch (const pave::Error& error) {
+        EXPECT_NE(std::string(error.what()).find("the unit of this column is not known"), std::string::npos)
+            << error.what();
+    }
+}
+
+TEST(FwdCsv, LanesThatDifferInCaseOnlyAreOneInEveryAlphabet) {
+    EXPECT_EQ(data::lower_case("S\u00dcD \u0160 \u0394 \u041c L"), "s\u00fcd \u0161 \u03b4 \u043c l");
+    EXPECT_EQ(data::lower_case("\u00d7 \u20ac s\u00fcd"), "\u00d7 \u20ac s\u00fcd"); // no letters, or small ones
 }
 
 TEST(FwdCsv, ReadsStationsDropsAndUnits) {

@@ -162,6 +162,11 @@ TEST(StationLayers, OfATableLieBetweenItsRows) {
     EXPECT_DOUBLE_EQ(at("R", 400)->mm, 100.0);
     EXPECT_DOUBLE_EQ(data::thickness_at(table, "base", "R", 0)->mm, 300.0);
     EXPECT_FALSE(data::thickness_at(table, "subbase", "R", 0));
+    // Places as a road's file writes them: stations of 20 m.
+    const auto of_20_m =
+        data::read_layer_table(written("stations.csv", "chainage_m,asphalt_mm\n163,80\n163+10,90\n164,100\n"));
+    EXPECT_DOUBLE_EQ(data::thickness_at(of_20_m, "asphalt", "", 3270)->mm, 90.0);
+    EXPECT_NE(of_20_m.places.find("stations of 20 m"), std::string::npos);
     const auto fails = [](const std::string& text) {
         EXPECT_THROW(data::read_layer_table(written("bad.csv", text)), pave::Error) << text;
     };

@@ -145,6 +145,41 @@ def test_a_withheld_level_tells_of_load_only_what_the_fit_does_not_leave_over_an
     assert " inf " not in words and "stated noise" not in words, re.findall(r"[^\"]*stated noise[^\"]*", words)
 
 
+    # Softer under the highest load by 6 % is, seen from there, harder under the lowest.
+    lower = answer("road", written(folder / "lower.csv", names, [row for row in levels if row[4] != 500]), wrong, folder, "--withhold", "350kPa")
+    told = [words for words in lower["findings"] if "withheld" in words][0]
+    assert "down to this one" in told and "hardens with load more" in told, told
+
+
+def test_a_station_with_two_readings_left_does_not_end_a_road():
+    folder = workspace()
+    rows, names, study, _ = made(folder, 6, 0, 17)
+    shared = folder / "shared.toml"
+    shared.write_text(study.read_text().replace('name = "asphalt.modulus_MPa"', 'name = "asphalt.modulus_MPa"\nlevel = "shared"'))
+    rows[3][7:] = [""] * len(rows[3][7:])
+    road = answer("road", written(folder / "two.csv", names, rows), shared, folder)
+    assert len(road["stations"]) == 6 and not any("nan" in words for words in road["findings"]), road["findings"]
+
+
+def test_a_constraint_may_read_an_output_at_every_station():
+    folder = workspace()
+    rows, names, study, _ = made(folder, 3, 0, 19)
+    road = written(folder / "three.csv", names, rows)
+    plain = answer("survey", road, study, folder)["stations"]
+    strains = [abs(s["outputs"]["strain"]["value"]) for s in plain]
+    sign = 1 if plain[0]["outputs"]["strain"]["value"] > 0 else -1
+    for name, most in (("far", 10 * max(strains)), ("near", 0.9 * min(strains))):
+        constrained = folder / f"{name}.toml"
+        relation = f"strain <= {most}" if sign > 0 else f"strain >= {-most}"
+        constrained.write_text(study.read_text() + f'\n[[constraints]]\nthat = "{relation}"\n')
+        found = answer("survey", road, constrained, folder)["stations"]
+        for s, before in zip(found, plain):
+            value = abs(s["outputs"]["strain"]["value"])
+            assert value <= most * 1.001, (name, value, most)
+            if name == "far":
+                assert abs(value / abs(before["outputs"]["strain"]["value"]) - 1) < 1e-3, (value, before["outputs"])
+
+
 def test_light_deflectometers_have_no_ratio_and_it_is_counted():
     folder = workspace()
     road = folder / "light.csv"

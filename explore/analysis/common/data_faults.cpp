@@ -85,11 +85,13 @@ std::vector<BowlFault> data_faults(const study::Study& study) {
         }
         const data::Reading& reading = study.readings[i];
         const auto& sensor = study.model.sensors[i];
+        const auto& load = study.model.loads[static_cast<std::size_t>(sensor.load)];
         const BowlPoint own{.row = i,
                             .load = sensor.load,
                             .offset = std::hypot(sensor.x, sensor.y),
                             .value = reading.measured(),
-                            .deviation = reading.noise.deviation(reading.measured())};
+                            .deviation = reading.noise.deviation(reading.measured()),
+                            .strength = load.pressure * load.radius};
         const auto [at, is_new] = peaks.try_emplace({sensor.load, reading.place_words()}, own);
         if (!is_new && own.value > at->second.value) {
             at->second = own;

@@ -68,10 +68,12 @@ struct WithheldLevel {
         // Of the same stations at the nearest level that was fitted, and what is left when that is taken off: what the
         // load changes and the model does not, with its standard error (scatter over the stations) and its p.
         double fitted_percent = 0.0;
+        bool is_off_at_all_levels = false; // that were fitted, in the same direction
         double load_percent = 0.0, load_error_percent = 0.0;
         double load_p_familywise = 1.0;
     };
     std::size_t stations = 0, readings = 0;
+    double step = 0.0;                // < 0: it lies below the nearest level that was fitted
     double rms_percent = 0.0;         // of measured over predicted - 1
     double noise_percent = 0.0;       // what the noise of these readings and of the prediction makes of it
     double chi2 = 0.0, p_value = 1.0; // of all readings, with the covariance of the prediction at each station

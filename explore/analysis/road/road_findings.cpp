@@ -64,6 +64,7 @@ std::string missed_words(const WithheldLevel& level) {
     std::string missed;
     std::string fitted;
     std::string by_load;
+    std::string anyway;
     for (const auto& s : level.sensors) {
         const auto add = [&](std::string& text, const std::string& words) {
             text += fmt::format("{}{:g} mm {}", text.empty() ? "" : ", ", s.offset_mm, words);
@@ -71,23 +72,33 @@ std::string missed_words(const WithheldLevel& level) {
         if (s.p_familywise < road_familywise) {
             add(missed, fmt::format("{:+.1f} % +- {:.1f}", s.mean_percent, inference::two_sided_95 * s.error_percent));
             add(fitted, fmt::format("{:+.1f} %", s.fitted_percent));
+            if (s.is_off_at_all_levels) {
+                anyway += fmt::format("{}{:g}", anyway.empty() ? "" : ", ", s.offset_mm);
+            }
         }
         if (s.load_p_familywise < road_familywise) {
             add(by_load,
                 fmt::format("{:+.1f} % +- {:.1f}", s.load_percent, inference::two_sided_95 * s.load_error_percent));
         }
     }
-    std::string text = missed.empty() ? " No sensor stands out."
-                                      : " Measured over predicted at " + missed +
-                                            "; at the nearest level that was fitted the same sensors are off by " +
-                                            fitted + ", which is no effect of the load.";
+    std::string text =
+        missed.empty()
+            ? " No sensor stands out."
+            : fmt::format(" Measured over predicted at {}; at the nearest level that was fitted the same sensors are "
+                          "off by {}{}.",
+                          missed, fitted,
+                          anyway.empty() ? ""
+                                         : ", and at " + anyway +
+                                               " mm in the same direction at every level, which is no effect of the "
+                                               "load");
     if (by_load.empty()) {
         return text + " From that level to this one no sensor changes otherwise than predicted.";
     }
-    return text + " From that level to this one the readings change against the model at " + by_load +
-           ". Where they rise, the pavement softens with load more, or hardens less, than the model: near the plate "
-           "the "
-           "upper layers, far from it the subgrade.";
+    return text + fmt::format(" From that level {} to this one the readings change against the model at {}. Where they "
+                              "rise, the pavement {}: near the plate the upper layers, far from it the subgrade.",
+                              level.step < 0.0 ? "down" : "up", by_load,
+                              level.step < 0.0 ? "hardens with load more, or softens less, than the model"
+                                               : "softens with load more, or hardens less, than the model");
 }
 
 std::string withheld_words(const WithheldLevel& level) {

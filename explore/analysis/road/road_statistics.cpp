@@ -260,6 +260,8 @@ double judge(const RoadState& state, std::vector<RoadStation>& judged) {
             j.chi2 -= station.pull.dot(informed(known, station.schur) * station.pull);
             j.dof = rows(state, i) - static_cast<double>(station.own.size());
         }
+        constexpr double least = 0.5; // of a reading: less is left by rounding, and judges nothing
+        j.dof = j.dof < least ? 0.0 : j.dof;
     }
     std::vector<double> ratios;
     double chi2 = 0.0;

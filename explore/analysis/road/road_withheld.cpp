@@ -22,9 +22,11 @@ struct Predicted {
     std::vector<double> offset_mm;
     VectorXd deviation; // ln(measured / predicted) of each
     VectorXd fitted;    // of the same sensor at the nearest level that was fitted; not a number: it did not read there
-    VectorXd noise;     // standard deviation of the reading as a share of it
-    MatrixXd by_common; // d(ln predicted)/d(common unknowns), the station's own following
-    MatrixXd spread;    // covariance of ln(predicted) by the fit
+    VectorXd at_lowest, at_highest; // and at the lowest and the highest of them
+    double step = 0.0;              // ln of the pressure over that of the nearest level that was fitted
+    VectorXd noise;                 // standard deviation of the reading as a share of it
+    MatrixXd by_common;             // d(ln predicted)/d(common unknowns), the station's own following
+    MatrixXd spread;                // covariance of ln(predicted) by the fit
     double chi2 = 0.0;
 };
 
@@ -37,6 +39,8 @@ Predicted predicted_at(const RoadState& state, std::size_t i, const study::Study
     Predicted p{.offset_mm = {},
                 .deviation = VectorXd(n),
                 .fitted = VectorXd::Constant(n, NAN),
+                .at_lowest = VectorXd::Constant(n, NAN),
+                .at_highest = VectorXd::Constant(n, NAN),
                 .noise = VectorXd(n),
                 .by_common = MatrixXd::Zero(n, common.rows()),
                 .spread = {}};
@@ -68,22 +72,42 @@ Predicted predicted_at(const RoadState& state, std::size_t i, const study::Study
     return p;
 }
 
-// ln(measured / model) of a sensor at the fitted level that is nearest to this pressure.
-double fitted_deviation(const StationTask& task, const problem::Evaluation& e, double offset_mm, double pressure_kPa) {
-    double nearest = INFINITY;
-    double found = NAN;
+// ln(measured / model) of a sensor at the levels that were fitted, with their pressures [kPa]; rising.
+std::vector<std::pair<double, double>> fitted_deviations(const StationTask& task, const problem::Evaluation& e,
+                                                         double offset_mm) {
+    std::vector<std::pair<double, double>> found;
     std::size_t row = 0; // readings stand in the order of the bowls
     for (const data::DeflectionBowl* bowl : task.bowls()) {
-        const double distance = std::abs(std::log(bowl->pressure_kPa / pressure_kPa));
         for (const data::BowlReading& reading : bowl->readings) {
-            if (reading.offset_mm == offset_mm && distance < nearest) {
-                nearest = distance;
-                found = std::log(task.problem.measured(row) / e.responses[task.problem.response_of(row)]);
+            if (reading.offset_mm == offset_mm) {
+                found.emplace_back(bowl->pressure_kPa,
+                                   std::log(task.problem.measured(row) / e.responses[task.problem.response_of(row)]));
             }
             ++row;
         }
     }
+    std::sort(found.begin(), found.end());
     return found;
+}
+
+// The residuals of the fit at the sensors of a withheld bowl, whose first reading is this row.
+void compare_with_fitted(const StationTask& task, const problem::Evaluation& e, const data::DeflectionBowl& bowl,
+                         Index row, Predicted& p) {
+    for (const data::BowlReading& reading : bowl.readings) {
+        const auto levels = fitted_deviations(task, e, reading.offset_mm);
+        if (!levels.empty()) {
+            const auto distance = [&](const auto& level) {
+                return std::abs(std::log(level.first / bowl.pressure_kPa));
+            };
+            const auto nearest = std::min_element(
+                levels.begin(), levels.end(), [&](const auto& x, const auto& y) { return distance(x) < distance(y); });
+            p.fitted[row] = nearest->second;
+            p.at_lowest[row] = levels.front().second;
+            p.at_highest[row] = levels.back().second;
+            p.step = std::log(bowl.pressure_kPa / nearest->first);
+        }
+        ++row;
+    }
 }
 
 void add_sensors(const std::vector<Predicted>& all, const MatrixXd& common, WithheldLevel& level) {
@@ -112,10 +136,14 @@ void add_sensors(const std::vector<Predicted>& all, const MatrixXd& common, With
         // Without the residuals of the fit at this sensor anyway.
         std::vector<double> change;
         double fitted = 0.0;
+        double at_lowest = 0.0;
+        double at_highest = 0.0;
         for (const auto& [p, r] : readings) {
             if (std::isfinite(p->fitted[r])) {
                 change.push_back(p->deviation[r] - p->fitted[r]);
                 fitted += p->fitted[r];
+                at_lowest += p->at_lowest[r];
+                at_highest += p->at_highest[r];
             }
         }
         level.sensors.push_back({.offset_mm = offset,
@@ -132,6 +160,11 @@ void add_sensors(const std::vector<Predicted>& all, const MatrixXd& common, With
                 scatter += std::pow(c - middle, 2) / (m - 1.0) / m;
             }
             sensor.fitted_percent = 100.0 * std::expm1(fitted / m);
+            constexpr double alike = 1.0 / 3.0;
+            const auto is_off = [&](double there) {
+                return there * mean > 0.0 && std::abs(there / m) > alike * std::abs(mean);
+            };
+            sensor.is_off_at_all_levels = is_off(at_lowest) && is_off(at_highest);
             sensor.load_percent = 100.0 * std::expm1(middle);
             sensor.load_error_percent = 100.0 * std::sqrt(scatter);
             sensor.load_p_familywise = 2.0 * gsl_cdf_tdist_Q(std::abs(middle) / std::sqrt(scatter), m - 1.0);
@@ -209,12 +242,10 @@ std::optional<WithheldLevel> predict(const RoadState& state, const SurveyResult&
         const problem::Evaluation e = problem.evaluate(state.points[i].unit, true, *workspace);
         if (e.converged()) {
             found[m] = predicted_at(state, i, study, problem, e, common, noise_factor);
-            std::size_t row = 0;
+            Index row = 0;
             for (const data::DeflectionBowl* bowl : bowls) {
-                for (const data::BowlReading& reading : bowl->readings) {
-                    found[m]->fitted[static_cast<Index>(row++)] = fitted_deviation(
-                        state.tasks[i], state.points[i].evaluation, reading.offset_mm, bowl->pressure_kPa);
-                }
+                compare_with_fitted(state.tasks[i], state.points[i].evaluation, *bowl, row, *found[m]);
+                row += static_cast<Index>(bowl->readings.size());
             }
         }
     });
@@ -234,6 +265,7 @@ std::optional<WithheldLevel> predict(const RoadState& state, const SurveyResult&
         level.chi2 += p->chi2;
         squares += p->deviation.squaredNorm();
         expected += p->noise.squaredNorm() + p->spread.trace();
+        level.step += p->step;
         all.push_back(std::move(*p));
     }
     if (level.readings > 0) {

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "data/deflection_bowl.h"
+#include "data/resolution.h"
 #include "inference/quantiles.h"
 
 #include <Eigen/Cholesky>
@@ -261,6 +262,16 @@ std::vector<SensorNoise> sensors_of(const std::vector<RepeatedDrops>& groups, co
 
 } // namespace
 
+double NoiseResult::stated_absolute_um() const {
+    constexpr double fine_um = 2.0;
+    if (resolution_um <= fine_um) {
+        return model.value[NoiseModel::absolute];
+    }
+    // It does not fall with the number of drops, as what is said of one drop does.
+    const double drops_of_group = static_cast<double>(drops) / static_cast<double>(groups);
+    return std::hypot(model.value[NoiseModel::absolute], resolution_um * std::sqrt(drops_of_group / 12.0));
+}
+
 NoiseResult noise_of_drops(const std::vector<data::FwdFile>& files) {
     NoiseResult result;
     std::vector<RepeatedDrops> groups;
@@ -269,6 +280,11 @@ NoiseResult noise_of_drops(const std::vector<data::FwdFile>& files) {
         auto list = data::repeated_drops(file.stations, result.left_out);
         std::move(list.begin(), list.end(), std::back_inserter(groups));
         result.stations += file.stations.size();
+        std::vector<const data::FwdStation*> stations;
+        for (const data::FwdStation& station : file.stations) {
+            stations.push_back(&station);
+        }
+        result.resolution_um = std::max(result.resolution_um, data::resolution_um(stations));
         names += (names.empty() ? "" : ", ") + file.stations[0].file;
     }
     // Repeats that agree to the last digit say nothing: a reading has been copied.
@@ -305,6 +321,13 @@ std::vector<std::string> findings(const NoiseResult& result) {
                                        : "all sensors of a drop share one, neighbouring ones more"));
     } else {
         text.push_back("Nothing tells the errors of the sensors from independent ones.");
+    }
+    if (const double absolute = result.stated_absolute_um(); absolute > value[NoiseModel::absolute]) {
+        text.push_back(fmt::format(
+            "Readings are {}: rounding alone is an error of {:.2g} um (one standard deviation), which repeats that "
+            "round to one digit do not show and more drops do not lessen. It is in the absolute part for the study, "
+            "{:.2g} um.",
+            data::resolution_words(result.resolution_um), result.resolution_um / std::sqrt(12.0), absolute));
     }
     if (!result.left_out.empty()) {
         constexpr std::size_t shown = 3;

@@ -32,8 +32,13 @@ struct NoiseResult {
     int drops = 0;          // in them
     int degrees = 0;        // drops less groups
     NoiseModel model;
+    double resolution_um = 0.0;          // steps of the files, the coarsest
     std::vector<SensorNoise> sensors;    // by offset
     std::vector<std::string> left_out{}; // drops and readings that their repeats contradict, in words
+
+    // The absolute part that a study should state [um]: with what rounding leaves in the mean of the drops, which
+    // repeats that round to one digit do not show, where that is more than a sensor errs by anyway.
+    double stated_absolute_um() const;
 };
 
 // The most likely model (restricted maximum likelihood: the scatter of a group of m drops is Wishart with m - 1 degrees

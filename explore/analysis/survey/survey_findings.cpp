@@ -20,8 +20,7 @@ constexpr double poor_percent = 5.0;    // beyond this a fit is remarked
 constexpr double noisy_share = 0.03;    // repeatability that is remarked; sensors repeat within 1 to 2 %
 constexpr double bells_coldest_C = 0.0; // surface temperatures that BELLS3 was made with (AASHTO T 317)
 constexpr double bells_hottest_C = 40.0;
-constexpr double stiffest_asphalt_MPa = 25000.0; // at 20 C and at common reference temperatures
-constexpr double often = 1.0 / 3.0;              // of the stations, that end on one bound
+constexpr double often = 1.0 / 3.0; // of the stations, that end on one bound
 constexpr std::size_t least_often = 3;
 
 std::string numbers_in_words(const std::vector<int>& numbers) {
@@ -174,13 +173,13 @@ std::vector<std::string> remarks_of(const SurveyResult& result, const StationRes
                                     "asphalt are not to be relied on",
                                     *s.station.surface_C, bells_coldest_C, bells_hottest_C, s.asphalt->celsius));
     }
-    const auto reference = reference_remarks(result, s);
-    words.insert(words.end(), reference.begin(), reference.end());
-    if (s.asphalt_at_reference_MPa && *s.asphalt_at_reference_MPa > stiffest_asphalt_MPa) {
+    std::ranges::copy(reference_remarks(result, s), std::back_inserter(words));
+    if (const double stiffest = stiffest_asphalt_MPa(result.curve, result.reference_C.value_or(20.0));
+        s.asphalt_at_reference_MPa && *s.asphalt_at_reference_MPa > stiffest) {
         words.push_back(
             fmt::format("{:.0f} MPa at {:g} C are more than any asphalt has (some {:.0f} MPa): a thickness, "
                         "the temperature or the model is wrong",
-                        *s.asphalt_at_reference_MPa, result.reference_C.value_or(0.0), stiffest_asphalt_MPa));
+                        *s.asphalt_at_reference_MPa, result.reference_C.value_or(0.0), stiffest));
     }
     if (s.fit) {
         add_fit(result, s, words);
@@ -208,8 +207,10 @@ void add_drops(const SurveyResult& result, std::vector<std::string>& words) {
         left_out += s.bowls->readings_left_out.size();
         if (first.empty() && !s.bowls->readings_left_out.empty()) {
             const auto& r = s.bowls->readings_left_out[0];
-            first = fmt::format("at {} the sensor at {:g} mm in drop {} reads {:.1f} um, its repeats {:.1f} um",
-                                s.station.name, r.offset_mm, r.drop, r.read_um, r.repeats_um);
+            first = fmt::format("at {} the sensor at {:g} mm in drop {} reads {:.1f} um, {} {:.1f} um", s.station.name,
+                                r.offset_mm, r.drop, r.read_um,
+                                r.by_levels ? "where its readings under the other loads call for" : "its repeats",
+                                r.repeats_um);
         }
         for (const auto& drop : s.bowls->left_out) {
             if (drop.why == data::LeftOut::contradicted) {
@@ -227,7 +228,7 @@ void add_drops(const SurveyResult& result, std::vector<std::string>& words) {
         }
     }
     if (left_out > 0) {
-        words.push_back(fmt::format("{} that repeats contradict {} left out: {}{}.",
+        words.push_back(fmt::format("{} that other drops contradict {} left out: {}{}.",
                                     pave::counted(left_out, "reading or drop", "readings or drops"),
                                     left_out == 1 ? "is" : "are", first, left_out > 1 ? ", and others" : ""));
     }
@@ -285,11 +286,11 @@ void add_sensors(const SurveyResult& result, std::vector<std::string>& words) {
         std::vector<std::string> offsets;
         std::transform(l.offsets_mm.begin(), l.offsets_mm.end(), std::back_inserter(offsets),
                        [](double mm) { return fmt::format("{:g}", mm); });
-        words.push_back(
-            fmt::format("With the sensors at {} mm, a usual layout, the model misses these bowls by {:.1f} % instead "
-                        "of {:.1f} % (median RMS of "
-                        "{} stations, squared misfit {:.2g} times): do the sensors stand where the file says?",
-                        pave::join(offsets), l.rms_percent, l.rms_percent_of_file, l.stations, l.misfit_ratio));
+        words.push_back(fmt::format(
+            "With the sensors at {} mm, a usual layout, the model misses these bowls by {:.1f} % instead "
+            "of {:.1f} % (median RMS of {} stations, squared misfit {:.2g} times): do the sensors stand where "
+            "the file says?",
+            pave::join(offsets), l.rms_percent, l.rms_percent_of_file, l.stations, l.misfit_ratio));
     }
     std::vector<std::string> wave;
     for (const SensorResidual& r : result.residuals) {
@@ -298,13 +299,15 @@ void add_sensors(const SurveyResult& result, std::vector<std::string>& words) {
         }
     }
     if (result.section_is_suspect) {
+        const bool no_section_helps = !result.trials.empty() && result.trials[0].misfit_ratio > clearly_better;
         words.push_back(fmt::format(
             "The model is off with one sign along the road at {} of {} sensors (medians: {}), and no single sensor "
             "explains that: {}.",
             wave.size(), result.residuals.size(), pave::join(wave),
-            result.layout
-                ? "the places of the sensors, or the section"
-                : "the section is wrong (another layer, a half-space or a floor, a thickness) before a sensor is"));
+            result.layout      ? "the places of the sensors, or the section"
+            : no_section_helps ? "the section (a thickness, or another than those tried below), or several sensors"
+                               : "the section is wrong (another layer, a half-space or a floor, a thickness) before a "
+                                 "sensor is"));
     }
     if (result.load_residuals.size() > 1) {
         const LoadResidual& low = result.load_residuals.front();

@@ -79,6 +79,9 @@ void add_table(SurveyResult& result, const std::vector<std::string>& layers, con
         throw pave::Error({.file = file}, "no column names a layer of the study", pave::join(table.layers()),
                           "the layers of the study: " + pave::join(layers));
     }
+    if (!table.places.empty()) {
+        result.remarks.push_back(fmt::format("{}: {}.", file, table.places));
+    }
     if (!unknown.empty()) {
         result.remarks.push_back(fmt::format("{}: columns not used, as they name no layer of the study ({}): {}", file,
                                              pave::join(layers), pave::join(unknown)));

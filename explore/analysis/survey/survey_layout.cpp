@@ -1,5 +1,6 @@
 #include "analysis/survey/survey_layout.h"
 
+#include "analysis/survey/survey_sensors.h"
 #include "analysis/survey/survey_trials.h"
 #include "base/error.h"
 #include "data/median.h"
@@ -8,11 +9,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 namespace explore::analysis {
 namespace {
 
-constexpr double worth_naming = 0.5; // of the squared misfit
+// Of the squared misfit: where bowls are far off, and where they are not, but a sensor or the section is suspect.
+constexpr double worth_naming = 0.5;
+constexpr double worth_naming_of_near = 0.15;
 
 using Offsets = std::vector<double>; // mm
 
@@ -39,7 +44,10 @@ std::optional<BetterLayout> better_layout(const SurveyResult& result) {
     for (const StationResult* s : stations) {
         rms.push_back(s->fit->rms_percent);
     }
-    if (stations.size() < least_stations || !(data::median(rms) > tried_percent)) {
+    // One sensor that explains all needs no other layout; of few sensors nothing tells whether it does.
+    const bool is_suspicious =
+        result.section_is_suspect || (result.suspect && !left_over_without(result, result.suspect->offset_mm));
+    if (stations.size() < least_stations || !(data::median(rms) > tried_percent || is_suspicious)) {
         return std::nullopt;
     }
     Offsets own;
@@ -52,9 +60,14 @@ std::optional<BetterLayout> better_layout(const SurveyResult& result) {
             as_it_is.push_back(fitted_as(result, *s, own));
         }
         std::optional<BetterLayout> best;
-        double least = worth_naming;
+        double least = data::median(rms) > tried_percent ? worth_naming : worth_naming_of_near;
         for (const Offsets& offsets : data::usual_layouts()) {
             if (offsets.size() != own.size() || offsets == own) {
+                continue;
+            }
+            const auto moved =
+                std::inner_product(own.begin(), own.end(), offsets.begin(), 0, std::plus<>(), std::not_equal_to<>());
+            if (moved == 1 && result.suspect) { // that one is named
                 continue;
             }
             std::vector<double> ratio;

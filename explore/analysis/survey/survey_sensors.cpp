@@ -78,8 +78,11 @@ VectorXd without(const StationResult& s, const LevelResiduals& here, std::size_t
     const auto& best = s.fit->best;
     const auto& e = best.evaluation;
     const auto n = static_cast<Index>(here.residual.size());
-    const Index begin = static_cast<Index>(e.responses.size()) - n; // of the last level
-    if (e.jacobian.rows() != static_cast<Index>(e.responses.size()) || begin < 0) {
+    Index begin = 0; // of the last level; outputs may follow
+    for (std::size_t l = 0; l + 1 < s.fit->model_um.size(); ++l) {
+        begin += static_cast<Index>(s.fit->model_um[l].size());
+    }
+    if (e.jacobian.rows() != static_cast<Index>(e.responses.size()) || begin + n > e.jacobian.rows()) {
         return {};
     }
     VectorXd weight(n);
@@ -257,7 +260,9 @@ void judge_sensors(SurveyResult& result) {
     std::optional<std::size_t> least;
     const SensorResidual* best = nullptr;
     for (const SensorResidual& r : result.residuals) {
-        const auto left = r.one_sign ? left_over_without(result, r.offset_mm) : std::nullopt;
+        // Without the one at the centre the layer on top is free to make up for anything.
+        const bool may_be = r.one_sign && r.offset_mm != 0.0;
+        const auto left = may_be ? left_over_without(result, r.offset_mm) : std::nullopt;
         if (left && (!least || *left < *least)) {
             least = left;
             best = &r;

@@ -71,6 +71,12 @@ void take_moduli_to_reference(SurveyResult& result) {
     }
 }
 
+double stiffest_asphalt_MPa(data::TemperatureCurve curve, double celsius) {
+    constexpr double usual_C = 20.0;
+    constexpr double there_MPa = 25000.0;
+    return there_MPa * std::min(1.0, data::modulus_factor_by(curve, usual_C, celsius).value_or(1.0));
+}
+
 std::vector<std::string> reference_remarks(const SurveyResult& result, const StationResult& s) {
     if (!s.at_reference || s.at_reference->out_of_range.empty()) {
         return {};

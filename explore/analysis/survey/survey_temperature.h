@@ -10,6 +10,9 @@ void take_to_reference(StationResult& s, const SurveyOptions& options, std::opti
 // After the fits: the modulus of the top layer, where it is a parameter and determined.
 void take_moduli_to_reference(SurveyResult& result);
 
+// More than any asphalt has at this temperature: 25 GPa up to 20 C, beyond by the curve.
+double stiffest_asphalt_MPa(data::TemperatureCurve curve, double celsius);
+
 // In sentences: where nothing could be taken to the reference temperature, and where the curve was not made for it.
 std::vector<std::string> reference_findings(const SurveyResult& result);
 std::vector<std::string> reference_remarks(const SurveyResult& result, const StationResult& s);

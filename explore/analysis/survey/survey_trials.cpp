@@ -227,10 +227,10 @@ std::string trial_words(const SurveyResult& result) {
     std::vector<std::string> some;
     std::vector<std::string> little;
     std::vector<std::string> worse;
-    constexpr double clearly_better = 0.9;
     constexpr double clearly_worse = 1.1;
     for (const SectionTrial& t : result.trials) {
-        if (t.misfit_ratio < worth_saying) {
+        const bool is_nearer = t.rms_percent < t.rms_percent_of_study;
+        if (t.misfit_ratio < worth_saying && is_nearer) {
             helps.push_back(fmt::format("{}: {:.1f} % instead of {:.1f} % (squared misfit {:.2g} times)", t.words,
                                         t.rms_percent, t.rms_percent_of_study, t.misfit_ratio));
         } else {

@@ -8,6 +8,7 @@ namespace explore::analysis {
 
 inline constexpr double tried_percent = 5.0;     // median RMS beyond which something else is tried
 inline constexpr std::size_t least_stations = 3; // by which a trial is judged
+inline constexpr double clearly_better = 0.9;    // of the squared misfit
 
 struct Trial {
     double misfit = 0.0; // weighted
