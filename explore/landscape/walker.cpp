@@ -177,11 +177,13 @@ std::optional<ProfilePoint> Walker::lowest(const std::vector<double>& start, con
     }
     ProfilePoint lowest_point = point(found.unit, std::move(best), quantity);
     const VectorXd gradient = quantity.gradient(lowest_point.unit, lowest_point.evaluation);
-    bool is_free = true;
+    double free = 0.0; // of the squared gradient: what no bound holds
     for (std::size_t k = 0; k < lowest_point.unit.size(); ++k) {
-        is_free = is_free && (gradient[static_cast<Index>(k)] == 0.0 || !is_at_bound(lowest_point.unit[k]));
+        free += is_at_bound(lowest_point.unit[k]) ? 0.0 : std::pow(gradient[static_cast<Index>(k)], 2);
     }
-    if (is_free) { // it is stationary
+    constexpr double something = 1e-6;
+    // Stationary in what is free; by the envelope theorem that is the slope of the profile, whatever bounds hold.
+    if (free > something * gradient.squaredNorm()) {
         lowest_point.slope = -2.0 * weight * held(lowest_point.value) / acceptance_.variance;
     } else { // a bound bears a part of the pull
         lowest_point.slope = slope(lowest_point.evaluation, gradient.normalized()) / gradient.norm();

@@ -98,13 +98,18 @@ Answer fit_answer(const Json& json) {
     if (at(best, "converged") != true) {
         answer.verdict = take_first(answer.notes);
     } else {
-        answer.verdict = at(noise, "p_value").is_null()
-                             ? fmt::format("Fitted {}, which state no {}noise to judge the model by", readings,
-                                           at(noise, "source") == "sought" ? "size of their " : "")
-                         : is_contradicted ? fmt::format("The model does NOT fit the {} within {} noise ({})", readings,
-                                                         their, p_words(at(noise, "p_value").get<double>()))
-                                           : fmt::format("The model fits the {} within {} noise ({})", readings, their,
-                                                         p_words(at(noise, "p_value").get<double>()));
+        answer.verdict =
+            at(noise, "p_value").is_null()
+                ? fmt::format("Fitted {}, which state no {}noise to judge the model by", readings,
+                              at(noise, "source") == "sought" ? "size of their " : "")
+            : at(json, "contradicts_constraints") == true
+                ? fmt::format("A constraint keeps the model from fitting the {}; without it the model fits "
+                              "({})",
+                              readings, p_words(at(noise, "p_value").get<double>()))
+            : is_contradicted ? fmt::format("The model does NOT fit the {} within {} noise ({})", readings, their,
+                                            p_words(at(noise, "p_value").get<double>()))
+                              : fmt::format("The model fits the {} within {} noise ({})", readings, their,
+                                            p_words(at(noise, "p_value").get<double>()));
         std::vector<std::string> flaws;
         if (!unknown.empty()) {
             flaws.push_back("does not determine " + pave::join(unknown));

@@ -1,5 +1,6 @@
 #include "report/fit.h"
 
+#include "analysis/common/knowledge_words.h"
 #include "analysis/explore/build.h"
 #include "base/error.h"
 #include "base/text.h"
@@ -130,6 +131,7 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
     }
     if (!result.problem.limits.empty()) {
         json["constraints"] = constraints_json(result.problem, best.evaluation);
+        json["contradicts_constraints"] = analysis::active_constraints(result.problem, best).contradicted;
     }
     if (result.priors) {
         json["priors"] = priors_json(result.problem, best.evaluation.parameters, *result.priors);

@@ -324,6 +324,15 @@ Json unique_json(const UniqueResult& result, const analysis::RunOptions& run) {
     json["findings"] = findings(result);
     json["warnings"] = warnings_json(result.best().evaluation);
     json["parameters"] = space_json(result.problem.space);
+    for (std::size_t k = 0; k < u.parameters.size(); ++k) {
+        const Range& range = u.parameters[k];
+        json["parameters"][k].update(
+            {{"best", result.best().evaluation.parameters[k]},
+             {"low", range.low},
+             {"high", range.high},
+             {"low_end", analysis::end_words(result.problem, range.low_end, range.low_bounds, range.low_limits)},
+             {"high_end", analysis::end_words(result.problem, range.high_end, range.high_bounds, range.high_limits)}});
+    }
     json["responses"] = responses_json(study, result.best().evaluation.responses);
     add_residuals(json["responses"], study, result.problem, result.best().evaluation,
                   u.acceptance ? u.acceptance->noise() : 0.0);

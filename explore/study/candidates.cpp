@@ -93,6 +93,7 @@ Study candidates(const Study& study, const std::vector<std::size_t>& again) {
     extended.data.noise_drift = 0.0;
     extended.data.noise_degrees = 0.0;
     extended.data.noise_scale_is_sought = false;
+    extended.constraints.clear(); // of a fit; they may read outputs, which are not here
     std::vector<data::Reading> list;
     for (const Load& load : study.model.loads) {
         auto more = readings(study, load, false);

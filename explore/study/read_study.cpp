@@ -125,7 +125,9 @@ void set_present(Case& model, const Parameter& parameter) {
 
 void read_parameter(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[[parameters]]");
-    reader.expect(std::array{keys::parameter_equals}); // of a number that is not searched
+    reader.expect(std::array{keys::parameter_equals, // of a number that is not searched
+                             keys::parameter_min, keys::parameter_max, keys::parameter_scale, keys::parameter_points,
+                             keys::parameter_level, keys::parameter_prior});
     problem::Axis axis;
     axis.name = reader.text(keys::parameter_name);
     const Parameter parameter = study.has_own_model ? add_own_parameter(study, axis.name, reader.place("name"))
@@ -192,6 +194,11 @@ void read_parameter(const toml::table& table, Study& study) {
 void read_tie(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[[parameters]]");
     const std::string path = reader.text(keys::parameter_name);
+    if (study.has_own_model) {
+        throw pave::Error(reader.place(keys::parameter_equals),
+                          "a study with [model] has no numbers that follow others", "\"" + path + "\"",
+                          "a parameter that the model computes from the others itself");
+    }
     const std::string expression = reader.text(keys::parameter_equals);
     for (const auto& [key, node] : table) {
         if (key.str() != std::string_view(keys::parameter_name) &&

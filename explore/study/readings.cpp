@@ -312,6 +312,16 @@ void check_limits(const Study& study) {
 void set_noise(Study& study) {
     const auto largest = largest_of_group(study);
     const std::span<data::Reading> measured(study.readings.data(), largest.size());
+    const auto& absolute = study.data.noise_absolute;
+    const bool has_absolute = std::any_of(absolute.begin(), absolute.end(), [](double value) { return value > 0.0; });
+    const bool is_of_any = std::any_of(measured.begin(), measured.end(), [&](const data::Reading& m) {
+        return absolute[static_cast<std::size_t>(m.unit.dimension)] > 0.0;
+    });
+    if (has_absolute && !is_of_any && !measured.empty()) {
+        throw pave::Error({.file = study.file, .key = "[data.noise] absolute"}, "no reading is in a unit of this kind",
+                          fmt::format("readings in {}", measured[0].unit.name),
+                          "a unit of the readings, sigma in the measurement file, or relative");
+    }
     for (std::size_t i = 0; i < measured.size(); ++i) {
         data::Reading& m = measured[i];
         m.noise = {};

@@ -90,6 +90,28 @@ std::vector<double> interface_depths(const pave::pavement::Case& model) { // m
     return bottoms;
 }
 
+// The outputs that conditions read, behind the readings: under the last load. outputs: the study with all of them.
+void add_constrained_outputs(Study& study, const Study& outputs) {
+    const auto is_read = [&](const std::string& name) {
+        return std::any_of(study.constraints.begin(), study.constraints.end(), [&](const Constraint& constraint) {
+            const auto& left = constraint.left.reads();
+            const auto& right = constraint.right.reads();
+            return std::find(left.begin(), left.end(), name) != left.end() ||
+                   std::find(right.begin(), right.end(), name) != right.end();
+        });
+    };
+    for (const std::size_t i : outputs.outputs()) {
+        if (is_read(outputs.readings[i].output)) {
+            study.model.sensors.push_back(outputs.model.sensors[i]);
+            study.model.sensors.back().load = static_cast<int>(study.model.loads.size()) - 1;
+            study.readings.push_back(outputs.readings[i]);
+            study.readings.back().load = study.model.loads.back().name;
+            study.hash += fmt::format(" {}", outputs.readings[i].output);
+        }
+    }
+    settle_extent(study);
+}
+
 } // namespace
 
 double bowl_sigma_um(const data::BowlReading& reading, double repeatability) {
@@ -139,7 +161,9 @@ Study station_study(const Study& survey, const data::FwdStation& station,
         }
         study.model.loads.push_back(std::move(load));
     }
-    return with_measurements(std::move(study), std::move(measurements));
+    study = with_measurements(std::move(study), std::move(measurements));
+    add_constrained_outputs(study, station_outputs(survey, station, *bowls.back()));
+    return study;
 }
 
 Study station_outputs(const Study& survey, const data::FwdStation& station, const data::DeflectionBowl& bowl) {

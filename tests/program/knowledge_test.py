@@ -83,6 +83,17 @@ def test_a_constraint_that_holds_the_answer_back_is_named(free, answer):
     assert not loose["constraints"][0]["active"] and abs(loose["best"]["parameters"]["base.k1"] / k1 - 1) < 1e-3, "one that is met anyway changes nothing"
 
 
+def test_a_constraint_on_an_output_goes_through_every_command(free):
+    output = '\n[[outputs]]\nname = "ez"\nload = "fwd"\nquantity = "strain_zz"\nx_mm = 0\ndepth_mm = 300\ngauge_mm = 75\n'
+    text = WEIGHTED + output + '\n[[constraints]]\nthat = "ez <= 100000"\n'
+    held = fit("output", text)
+    assert abs(held["best"]["parameters"]["base.k1"] / free["best"]["parameters"]["base.k1"] - 1) < 1e-3, "one that is met changes nothing"
+    path = write_study(folder, text, name="ez")
+    for command, *options in (("unique", "--explore", 8, "--verify", 2), ("sample", "--samples", 400)):
+        done = run(command, path, *options, "--threads", 1, "--json", "--out", folder / f"ez-{command}")
+        assert done.returncode in (0, 1) and done.stdout.startswith("{"), done.stderr
+
+
 # Student's noise: one reading three times as large as it is, which normal noise follows.
 NOISE = '\n[data.noise]\nrelative = 0.02\n{}\n'
 

@@ -76,6 +76,9 @@ def test_the_ends_of_unique_are_where_the_likelihood_falls_by_its_quantile():
     low, high = (optimize.brentq(lambda e: deviance(e) - deviance(BEST) - rise, *sorted((BEST, far))) for far in (40, 160))
     profile = unique["profiles"][0]
     assert abs(profile["low"] / low - 1) < 1e-3 and abs(profile["high"] / high - 1) < 1e-3, (profile["low"], low, profile["high"], high)
+    parameter = unique["parameters"][0]
+    assert [parameter[key] for key in ("name", "best", "low", "high")] == [profile[key] for key in ("name", "best", "low", "high")]
+    assert parameter["low_end"] == profile["low_stopped_by"] and parameter["high_end"] == profile["high_stopped_by"], parameter
 
 
 def test_the_posterior_is_that_of_the_likelihood():

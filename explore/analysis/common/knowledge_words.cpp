@@ -57,20 +57,20 @@ std::vector<std::string> prior_findings(const problem::Problem& problem, const l
     return text;
 }
 
-std::string constraint_words(const problem::Problem& problem, const landscape::Minimum& answer) {
+ActiveConstraints active_constraints(const problem::Problem& problem, const landscape::Minimum& answer) {
     std::vector<std::string> texts;
     for (const std::size_t i : problem.active_limits(answer.evaluation)) {
         texts.push_back(problem.limits[i]->text());
     }
     if (texts.empty()) {
-        return "";
+        return {};
     }
-    std::string words =
-        fmt::format("{} active at the answer: {}.", texts.size() == 1 ? "This constraint is" : "These constraints are",
-                    pave::join(texts));
+    const bool is_one = texts.size() == 1;
+    std::string words = fmt::format("{} active at the answer: {}.",
+                                    is_one ? "This constraint is" : "These constraints are", pave::join(texts));
     const problem::Problem by_noise = problem.in_units_of_noise();
     if (!answer.alone || !by_noise.noise_is_stated() || !by_noise.priors().empty()) {
-        return words + " Without it the readings may call for other values.";
+        return {words + fmt::format(" Without {} the readings may call for other values.", is_one ? "it" : "them")};
     }
     const double rise =
         std::pow(by_noise.misfit(answer.evaluation), 2) - by_noise.of_readings().residuals(*answer.alone).squaredNorm();
@@ -81,12 +81,16 @@ std::string constraint_words(const problem::Problem& problem, const landscape::M
                               figure(answer.alone->parameters[k]));
     }
     constexpr double level = 0.05;
-    return words + fmt::format(" The readings {} (chi2 is {} lower without, {}){}.",
-                               p < level ? "contradict what it demands" : "do not contradict it", figure(rise),
-                               p_words(p),
-                               p < level ? "; by themselves they call for " + wanted +
-                                               ": loosen it, or look for what the model lacks (diagnose)"
-                                         : "");
+    const bool contradicts = p < level;
+    words += fmt::format(" The readings {} (chi2 is {} lower without, {}){}.",
+                         !contradicts ? (is_one ? "do not contradict it" : "do not contradict them")
+                                      : (is_one ? "contradict what it demands" : "contradict what they demand"),
+                         figure(rise), p_words(p),
+                         contradicts ? fmt::format("; by themselves they call for {}: loosen {}, or look for what the "
+                                                   "model lacks (diagnose)",
+                                                   wanted, is_one ? "it" : "them")
+                                     : "");
+    return {std::move(words), contradicts};
 }
 
 } // namespace explore::analysis

@@ -35,7 +35,8 @@ std::vector<const Minimum*> rivals(const std::vector<Minimum>& minima, const pro
     const problem::Problem by_noise = problem.in_units_of_noise();
     const double f0 = by_noise.misfit(minima[0].evaluation);
     const double noise = best.noise_is_stated ? best.widening : best.noise;
-    const double margin = noise > 0.0 ? std::sqrt(f0 * f0 + noise * noise) : 1.05 * f0;
+    constexpr double rounding = 1e-6; // residuals of exact solutions differ by it
+    const double margin = noise > 0.0 ? std::sqrt(f0 * f0 + noise * noise) : std::max(1.05 * f0, rounding);
     std::vector<const Minimum*> list;
     for (const Minimum& m : minima) {
         if (by_noise.misfit(m.evaluation) <= margin) {
@@ -67,8 +68,8 @@ std::string noise_words(const landscape::LocalAnalysis& local, bool is_student, 
     const std::string dof =
         counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom");
     return fmt::format(
-        "{}{}: {}, {}.{}", alone ? "By the readings alone, without what is known besides: " : "",
-        local.p_value < 0.05
+        "{}{}: {}, {}.{}", alone ? "Judged by the readings alone, leaving the priors aside: " : "",
+        local.p_value < landscape::contradicted
             ? (alone ? "the model does not fit these data within their stated noise"
                      : "The model does not fit these data within their stated noise")
             : (alone ? "the fit is consistent with the stated noise" : "The fit is consistent with the stated noise"),
@@ -309,7 +310,7 @@ std::vector<std::string> findings(const FitResult& result) {
         text.push_back(std::move(sentence));
     }
     unknown_parameters(result, text);
-    if (std::string words = constraint_words(problem, best); !words.empty()) {
+    if (std::string words = active_constraints(problem, best).words; !words.empty()) {
         text.push_back(std::move(words));
     }
     if (std::string words = held_words(result); !words.empty()) {

@@ -36,21 +36,45 @@ std::vector<double> units_of(const SampleResult& result, std::size_t k) {
 std::string answer_words(const SampleResult& result) {
     constexpr double half = 0.5; // of what the study allows, on the parameter's scale
     std::vector<std::string> known;
+    std::vector<std::string> held; // by their priors
+    std::vector<std::string> apart;
     std::vector<std::string> open;
     const auto& axes = result.problem.space.axes;
+    const auto& only = result.priors ? result.priors->only : std::vector<std::size_t>();
     for (std::size_t k = 0; k < axes.size(); ++k) {
         const landscape::Marginal& m = result.parameters[k];
-        (axes[k].unit(m.q975) - axes[k].unit(m.q025) < half ? known : open).push_back(axes[k].name);
+        const bool is_narrow = axes[k].unit(m.q975) - axes[k].unit(m.q025) < half;
+        const bool is_held = std::find(only.begin(), only.end(), k) != only.end();
+        (is_held                                                           ? held
+         : modes_of(units_of(result, k), result.descent.weight).size() > 1 ? apart
+         : is_narrow                                                       ? known
+                                                                           : open)
+            .push_back(axes[k].name);
     }
-    if (open.empty()) {
-        return fmt::format("The readings determine {}: {} 95 % {} less than half of what the study allows.",
-                           pave::join(known), known.size() == 1 ? "its" : "their",
-                           known.size() == 1 ? "range covers" : "ranges cover");
+    std::vector<std::string> parts;
+    if (!known.empty()) {
+        parts.push_back("The readings determine " + pave::join(known));
+    } else {
+        parts.emplace_back("The readings determine no parameter");
     }
-    const std::string rest = fmt::format("of {} half of what the study allows or more lies in the 95 % {}",
-                                         pave::join(open), open.size() == 1 ? "range" : "ranges");
-    return known.empty() ? fmt::format("The readings determine no parameter: {}.", rest)
-                         : fmt::format("The readings determine {}; {}.", pave::join(known), rest);
+    if (!apart.empty()) {
+        parts.push_back(fmt::format("{} {} separate values that explain the data", pave::join(apart),
+                                    apart.size() == 1 ? "has" : "have"));
+    }
+    if (!held.empty()) {
+        parts.push_back(fmt::format("{} {} known only with {} prior", pave::join(held), held.size() == 1 ? "is" : "are",
+                                    held.size() == 1 ? "its" : "the"));
+    }
+    if (!open.empty()) {
+        parts.push_back(fmt::format("of {} half of what the study allows or more lies in the 95 % {}", pave::join(open),
+                                    open.size() == 1 ? "range" : "ranges"));
+    }
+    if (parts.size() == 1 && !known.empty()) {
+        parts[0] +=
+            fmt::format(": {} 95 % {} less than half of what the study allows", known.size() == 1 ? "its" : "their",
+                        known.size() == 1 ? "range covers" : "ranges cover");
+    }
+    return pave::join(parts, "; ") + ".";
 }
 
 void say_bounds(const SampleResult& result, std::vector<std::string>& text) {
@@ -227,7 +251,7 @@ std::vector<std::string> findings(const SampleResult& result) {
         }
     }
     if (result.held) {
-        if (std::string words = constraint_words(result.problem, *result.held); !words.empty()) {
+        if (std::string words = active_constraints(result.problem, *result.held).words; !words.empty()) {
             text.push_back(std::move(words));
         }
     }

@@ -47,7 +47,7 @@ std::string model_words(const ModelOptions& model) {
 }
 
 // The verdict `unique` with what takes it back: data that contradict the model, parameters that the box holds.
-std::string unique_words(const problem::ParameterSpace& space, const Uniqueness& u) {
+std::string unique_words(const problem::ParameterSpace& space, const Uniqueness& u, bool contradicts_constraint) {
     std::string text = "UNIQUE within what was searched: one set of parameters, with the ranges below, fits these data";
     const auto& bounds = u.minima[0].on_bound;
     if (u.priors && !u.priors->only.empty()) {
@@ -59,6 +59,11 @@ std::string unique_words(const problem::ParameterSpace& space, const Uniqueness&
         text = fmt::format("UNIQUE, but the data contradict the model ({}): one set of parameters, with the ranges "
                            "below, fits best",
                            p_words(u.acceptance->p_value));
+    }
+    if (contradicts_constraint) {
+        text =
+            "UNIQUE, but the readings contradict a constraint: one set of parameters, with the ranges below, fits best "
+            "where it holds";
     }
     if (!bounds.empty()) {
         text += fmt::format("; limited by the bound: {}. Widen it if other values are possible",
@@ -178,8 +183,9 @@ std::vector<std::string> findings(const UniqueResult& result) {
     const NextReading& next = result.next;
     const auto outputs = study.outputs();
     const auto say = [&](std::string sentence) { text.push_back(std::move(sentence)); };
+    const auto constraints = u.acceptance ? active_constraints(result.problem, u.minima[0]) : ActiveConstraints{};
     switch (u.verdict) {
-    case Verdict::unique: say(unique_words(space, u)); break;
+    case Verdict::unique: say(unique_words(space, u, constraints.contradicted)); break;
     case Verdict::non_unique:
         say((u.acceptance && u.acceptance->widened
                  ? fmt::format("NON-UNIQUE, and the data contradict the model ({}): ", p_words(u.acceptance->p_value))
@@ -201,7 +207,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
     if (u.verdict == Verdict::non_unique && !u.missing.empty()) {
         say("Not settled beyond that: " + pave::join(u.missing) + ".");
     }
-    if (std::string words = constraint_words(result.problem, u.minima[0]); !words.empty()) {
+    if (std::string words = constraints.words; !words.empty()) {
         say(std::move(words));
     }
     if (u.priors) {
@@ -302,7 +308,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
             result.problem.noise_is_student() ? "-2 ln likelihood" : "chi2", figure(acceptance.chi2),
             counted(static_cast<std::size_t>(std::max(0, acceptance.degrees_of_freedom)), "degree of freedom",
                     "degrees of freedom"),
-            acceptance.p_value, figure(acceptance.variance)));
+            p_words(acceptance.p_value), figure(acceptance.variance)));
     } else if (study.noise == study::NoiseSource::sought) {
         say(fmt::format("{} chi2, counted in that noise, may rise by {} with {}.",
                         noise_scale_words(study, noise_scale_of(acceptance)), figure(acceptance.threshold),
