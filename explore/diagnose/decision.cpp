@@ -128,7 +128,7 @@ private:
         d_.verdict = Verdict::adequate;
         const Row& leading = row(*noise_);
         const bool is_larger = is_stated() && !d_.as_stated && leading.hypothesis.kind == Kind::noise;
-        d_.noise_factor = is_larger ? std::max(1.0, leading.noise) : 1.0;
+        d_.noise_factor = is_larger ? std::max(1.0, leading.noise_by_data.value_or(leading.noise)) : 1.0;
     }
 
     // Whether a name explains as much with no more numbers.
@@ -181,10 +181,18 @@ private:
         for (const std::size_t r : names_) {
             const bool is_known = std::any_of(d_.names.begin(), d_.names.end(),
                                               [&](std::size_t other) { return effects_of(other) == effects_of(r); });
-            if (!is_known && stands_beside(r)) {
+            if (!is_known && stands_beside(r) && !is_leader_and_more(r)) {
                 d_.names.push_back(r);
             }
         }
+    }
+
+    // Whether it says of readings what the leading name says, and of one more that it is wrong: that one may be, too.
+    bool is_leader_and_more(std::size_t r) const {
+        const auto own = effects_of(r);
+        const auto leader = effects_of(*best_);
+        return row(*best_).hypothesis.kind == Kind::readings && row(r).hypothesis.kind == Kind::readings &&
+               own.size() > leader.size() && std::includes(own.begin(), own.end(), leader.begin(), leader.end());
     }
 
     // Names of the effects, sorted: another variant of one is no other name. Of wrong readings which they are.
@@ -458,7 +466,8 @@ std::vector<std::size_t> rows_that_count(const Ledger& ledger) {
         const auto [at, is_new] = best.try_emplace(own.hypothesis.key(), r);
         const Row& known = ledger.rows()[at->second];
         const auto rank = [](const Row& row) {
-            return std::tuple(!row.not_tried.empty(), row.fit.mesh != Mesh::study, row.fit.chi2, -row.log_evidence);
+            return std::tuple(!row.not_tried.empty(), row.fit.mesh != Mesh::study, -row.order, row.fit.chi2,
+                              -row.log_evidence);
         };
         if (!is_new && rank(own) < rank(known)) {
             at->second = r;

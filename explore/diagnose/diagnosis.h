@@ -134,6 +134,16 @@ struct Diagnosis {
     std::optional<Location> location;     // corrections that were found, whatever is made of them
     std::optional<Judged> extended;       // the model of the decision
     std::optional<HeldOut> places, loads; // by it
+    // Of the baseline's unit coordinates under rows of the ledger whose errors have something in common: covariance.
+    std::map<std::size_t, Eigen::MatrixXd> by_noise;
+
+    // The covariance of the baseline's coordinates where it is right: under the noise of the decision.
+    const Eigen::MatrixXd* covariance_by_noise() const {
+        const auto at = verdict() == Verdict::adequate && !decision.as_stated && decision.noise
+                            ? by_noise.find(*decision.noise)
+                            : by_noise.end();
+        return at == by_noise.end() ? nullptr : &at->second;
+    }
 
     Verdict verdict() const { return decision.verdict; }
     bool is_located() const { return decision.is_located(); }

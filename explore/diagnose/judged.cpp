@@ -49,6 +49,9 @@ Interval interval_within(const problem::Axis& axis, double unit, double variance
 MatrixXd covariance_of(const problem::Problem& problem, const Model& model, double variance) {
     const MatrixXd j = problem.residual_jacobian(model.evaluation);
     MatrixXd h = j.transpose() * j / variance;
+    if (model.open_rows.rows() > 0) {
+        h += model.open_rows.transpose() * model.open_rows / variance;
+    }
     // A parameter on a bound gives way no further; the box is known beforehand.
     constexpr double weak = 0.01;
     h.diagonal().array() += weak / inference::box_variance;
@@ -119,7 +122,10 @@ Judged Judge::judge(Model model, double variance) const {
     }
     if (!model.members.empty()) {
         const MatrixXd known = covariance_of(*problem, model, variance);
-        const MatrixXd information = jacobian.transpose() * jacobian + prior.precision;
+        MatrixXd information = jacobian.transpose() * jacobian + prior.precision;
+        if (model.open_rows.rows() > 0) {
+            information += model.open_rows.transpose() * model.open_rows / variance;
+        }
         const MatrixXd covariance = information.llt().solve(MatrixXd::Identity(information.rows(), information.cols()));
         for (std::size_t m = 0; m < model.members.size(); ++m) {
             const auto at = static_cast<Index>(parameters + m);
@@ -139,7 +145,12 @@ Judged Judge::judge(Model model, double variance) const {
             j.at_end = j.at_end || (ends && !candidate.is_of_limit);
         }
     }
-    j.evidence = hypotheses::evidence(j.chi2, static_cast<Index>(rows), jacobian, prior, noise_prior());
+    MatrixXd with_open = jacobian;
+    if (model.open_rows.rows() > 0) {
+        with_open.conservativeResize(jacobian.rows() + model.open_rows.rows(), Eigen::NoChange);
+        with_open.bottomRows(model.open_rows.rows()) = model.open_rows / noise;
+    }
+    j.evidence = hypotheses::evidence(j.chi2, static_cast<Index>(rows), with_open, prior, noise_prior());
     j.model = std::move(model);
     return j;
 }

@@ -31,12 +31,15 @@ struct Row {
     std::vector<Sized> sizes{};
     std::string not_tried{}; // why; empty: `fit` is there
     Fit fit{};
-    double log_prior = 0.0;     // probability beforehand
-    double log_evidence = 0.0;  // marginal likelihood, whatever the size of the noise; of Kind::none as it is stated
-    double noise = 1.0;         // most probable size of the noise under it, where that is free
+    double log_prior = 0.0;    // probability beforehand
+    double log_evidence = 0.0; // marginal likelihood, whatever the size of the noise; of Kind::none as it is stated
+    double noise = 1.0;        // most probable size of the noise under it, where that is free
+    std::optional<double> noise_by_data{}; // the same by the data alone; nothing: as noise
+    int order = 1;              // to which its volume is known: 2, where directions that are open were looked along
     std::size_t model = 0;      // whoever adds the row: which of its models that is
     bool is_independent = true; // on the noise: errors of readings have nothing in common, whatever their size
     bool has_tails = false;     // on the noise: it makes single readings err far, as wrong readings do
+    bool ends = false;          // on the noise: its size may be larger than any that was tried
     // Seen in the readings before any model (Kind::layout): what all the others rest on.
     bool is_premise = false;
 

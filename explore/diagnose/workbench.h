@@ -80,6 +80,7 @@ struct Model {
     Eigen::VectorXd residuals;      // those that were fitted, and those left out
     double sum = 0.0;               // of squares of those that count, and of what pulls at the parameters
     Mesh mesh = Mesh::study;
+    Eigen::MatrixXd open_rows{}; // beside the jacobian of the residuals (diagnose/open_directions.h)
 };
 
 struct FitSettings {

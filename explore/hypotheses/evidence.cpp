@@ -107,11 +107,13 @@ Evidence evidence(double sum, Index rows, const MatrixXd& jacobian, const Prior&
     constexpr double step = 0.02;
     const int steps = static_cast<int>(std::ceil(reach * noise.log_deviation / step));
     std::vector<double> logarithms;
+    std::vector<double> of_data; // without the prior
     double most = -INFINITY;
     for (int i = -steps; i <= steps; ++i) {
         const double x = i * step;
         const double z = x / noise.log_deviation;
-        const double value = at(std::exp(x)) - 0.5 * z * z;
+        of_data.push_back(at(std::exp(x)));
+        const double value = of_data.back() - 0.5 * z * z;
         logarithms.push_back(value);
         if (value > most) {
             most = value;
@@ -120,11 +122,14 @@ Evidence evidence(double sum, Index rows, const MatrixXd& jacobian, const Prior&
     }
     const double all = log_sum(logarithms);
     found.any_size = all + std::log(step / (noise.log_deviation * std::sqrt(2.0 * std::numbers::pi)));
+    const double all_of_data = log_sum(of_data);
+    found.by_data = std::exp(
+        step * static_cast<double>(std::max_element(of_data.begin(), of_data.end()) - of_data.begin() - steps));
     double gone = 0.0;
     const double tail = 0.5 * (1.0 - 0.95);
     for (int i = -steps; i <= steps; ++i) {
         const double before = gone;
-        gone += std::exp(logarithms[static_cast<std::size_t>(i + steps)] - all);
+        gone += std::exp(of_data[static_cast<std::size_t>(i + steps)] - all_of_data);
         if (before < tail && gone >= tail) {
             found.noise_low = std::exp(i * step);
         }

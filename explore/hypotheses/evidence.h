@@ -46,7 +46,8 @@ struct Evidence {
     double any_size = 0.0;                    // ln of E averaged over the prior of k that is not 1
     double log = 0.0;                         // ln of both together
     double noise = 1.0;                       // the most probable k where it is free
-    double noise_low = 1.0, noise_high = 1.0; // 95 %
+    double by_data = 1.0;                     // what these data alone say of it, and
+    double noise_low = 1.0, noise_high = 1.0; // between what (95 %)
 };
 
 // sum: S; rows: n; jacobian: J. log_determinant: ln det of what whitened the residuals, 0 where they are as stated.

@@ -25,7 +25,15 @@ VectorXd best_residuals(const VectorXd& residuals, const MatrixXd& jacobian) {
 struct Whitened {
     double chi2 = INFINITY;
     Evidence evidence;
+    MatrixXd jacobian{};
 };
+
+MatrixXd covariance_by(const MatrixXd& jacobian) {
+    constexpr double weak = 0.01; // as of every interval
+    MatrixXd information = jacobian.transpose() * jacobian;
+    information.diagonal().array() += weak / inference::box_variance;
+    return information.llt().solve(MatrixXd::Identity(information.rows(), information.cols()));
+}
 
 // Of noise with this covariance, in units of what is stated.
 Whitened judge(const LinearFit& fit, const MatrixXd& covariance, const NoisePrior& noise) {
@@ -40,7 +48,30 @@ Whitened judge(const LinearFit& fit, const MatrixXd& covariance, const NoisePrio
     const double log_determinant = 2.0 * MatrixXd(root.matrixL()).diagonal().array().log().sum();
     const double sum = best_residuals(residuals, jacobian).squaredNorm();
     return {sum,
-            evidence(sum, residuals.size(), jacobian, Prior::of_parameters(jacobian.cols()), noise, log_determinant)};
+            evidence(sum, residuals.size(), jacobian, Prior::of_parameters(jacobian.cols()), noise, log_determinant),
+            jacobian};
+}
+
+// Of the sizes, each with its ln of evidence: the ends between which 95 % of the probability lie.
+void set_range(NoiseStructure& structure, std::vector<std::pair<double, double>> sizes) {
+    std::sort(sizes.begin(), sizes.end());
+    std::vector<double> logarithms;
+    for (const auto& [size, logarithm] : sizes) {
+        logarithms.push_back(logarithm);
+    }
+    const double all = log_sum(logarithms);
+    constexpr double tail = 0.025;
+    double gone = 0.0;
+    structure.low = structure.high = sizes.back().first;
+    for (const auto& [size, logarithm] : sizes) {
+        const double before = gone;
+        gone += std::exp(logarithm - all);
+        structure.low = before < tail && gone >= tail ? size : structure.low;
+        if (before < 1.0 - tail && gone >= 1.0 - tail) {
+            structure.high = size;
+        }
+    }
+    structure.ends = structure.high == sizes.back().first;
 }
 
 // Over sizes that are equally probable beforehand.
@@ -62,8 +93,14 @@ NoiseStructure average(std::string key, const LinearFit& fit, const std::vector<
             structure.size = size;
             structure.chi2 = own.chi2;
             structure.evidence = own.evidence;
+            structure.covariance = covariance_by(own.jacobian);
         }
     }
+    std::vector<std::pair<double, double>> of_size;
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+        of_size.emplace_back(sizes[i], all[i]);
+    }
+    set_range(structure, std::move(of_size));
     const double each = std::log(static_cast<double>(sizes.size()));
     structure.evidence.as_stated = log_sum(as_stated) - each;
     structure.evidence.any_size = log_sum(any_size) - each;
@@ -77,8 +114,8 @@ NoiseStructure average(std::string key, const LinearFit& fit, const std::vector<
 NoiseStructure common_errors(const LinearFit& fit, const MatrixXd& common, const NoisePrior& noise) {
     const Index n = fit.residuals.size();
     const MatrixXd signs = common.unaryExpr([](double v) { return v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0; });
-    const NoiseStructure more =
-        average("common", fit, {0.005, 0.01, 0.015, 0.02, 0.03}, noise, [&](double share) -> MatrixXd {
+    const NoiseStructure more = average(
+        "common", fit, {0.005, 0.01, 0.015, 0.02, 0.03, 0.05, 0.08, 0.12}, noise, [&](double share) -> MatrixXd {
             return MatrixXd::Identity(n, n) + share * share * common * common.transpose();
         });
     NoiseStructure within = average("common", fit, {0.25, 0.5, 0.75, 0.9}, noise, [&](double part) -> MatrixXd {
@@ -88,7 +125,10 @@ NoiseStructure common_errors(const LinearFit& fit, const MatrixXd& common, const
     VectorXd lengths = common.rowwise().norm();
     std::sort(lengths.begin(), lengths.end());
     const double median = n > 0 ? lengths[n / 2] : 0.0;
-    within.size = median > 0.0 ? std::sqrt(within.size) / median : 0.0;
+    for (double* part : {&within.size, &within.low, &within.high}) {
+        *part = median > 0.0 ? std::sqrt(*part) / median : 0.0;
+    }
+    within.ends = false; // a part of what is stated is no more than that
     NoiseStructure both = within.evidence.log > more.evidence.log ? within : more;
     const auto half = [](double first, double second) { return log_sum({first, second}) - std::log(2.0); };
     both.evidence.as_stated = half(more.evidence.as_stated, within.evidence.as_stated);
@@ -120,7 +160,8 @@ NoiseStructure heavy_tails(const LinearFit& fit, const NoisePrior& noise) {
     const Index n = fit.residuals.size();
     const double normal_peak = -0.5 * std::log(2.0 * M_PI);
     const double gained = static_cast<double>(n) * (problem::student_log_peak(degrees) - normal_peak);
-    NoiseStructure structure{.key = "heavy-tailed", .size = degrees, .chi2 = 0.0, .evidence = {}};
+    NoiseStructure structure{
+        .key = "heavy-tailed", .size = degrees, .low = degrees, .high = degrees, .chi2 = 0.0, .evidence = {}};
     const auto log_at = [&](double k) {
         VectorXd residuals = fit.residuals;
         VectorXd weights(n);

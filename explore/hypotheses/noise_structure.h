@@ -17,10 +17,13 @@ struct LinearFit {
 };
 
 struct NoiseStructure {
-    std::string key;   // "common", "correlated", "heavy-tailed"
-    double size = 0.0; // the most probable: share of the value; m; degrees of freedom
-    double chi2 = 0.0; // of the whitened residuals there, by the stated size; heavy tails: of weighted ones
-    Evidence evidence; // averaged over the sizes that are thought of
+    std::string key;              // "common", "correlated", "heavy-tailed"
+    double size = 0.0;            // the most probable: share of the value; m; degrees of freedom
+    double low = 0.0, high = 0.0; // 95 %, of the sizes that are thought of
+    bool ends = false;            // the range reaches the largest of them
+    Eigen::MatrixXd covariance{}; // of the coordinates there, by the stated size; empty: as without it
+    double chi2 = 0.0;            // of the whitened residuals there, by the stated size; heavy tails: of weighted ones
+    Evidence evidence;            // averaged over the sizes that are thought of
 };
 
 // Errors that the readings of a load share, of a share of their values, beside the stated ones or as a part of them;

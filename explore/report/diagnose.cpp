@@ -71,7 +71,9 @@ Json separating_json(const SeparatingReading& s, const std::vector<diagnose::Can
     Json json = measurement_json(s.reading);
     json["reading"] = s.words();
     json["again"] = s.again;
-    json.update({{"power", s.power}, {"rate_now", s.rate_now}, {"predicted", predicted}});
+    json.update({{"power", s.again ? Json(nullptr) : Json(s.power)},
+                 {"rate_now", s.again ? Json(nullptr) : Json(s.rate_now)},
+                 {"predicted", predicted}});
     return json;
 }
 
@@ -138,7 +140,7 @@ Json hypotheses_json(const Diagnosis& d) {
                      {"in_words", analysis::row_words(row)},
                      {"probability", probability}};
         if (row.is_premise) {
-            json.update({{"log_evidence", nullptr}, {"chi2", nullptr}, {"p_value", nullptr}});
+            json.update({{"premise", true}, {"log_evidence", nullptr}, {"chi2", nullptr}, {"p_value", nullptr}});
         } else {
             json.update({{"log_evidence", row.log_evidence},
                          {"chi2", row.fit.chi2},

@@ -478,6 +478,15 @@ std::vector<Case> table() {
         .beyond = {{"effect: a", "subgrade", 0.002}};
     add({"more of the same", {bad, far, effect("a", 38, -10, "base")}, Verdict::cause_named, {"a"}}).beyond = {
         {"effect: a", "base", 0.002}};
+    add({"a further wrong reading beside those that are named may be, and is no other name",
+         {bad, far, wrong_readings({"7"}, 40, -10), wrong_readings({"7", "9"}, 36, -11)},
+         Verdict::cause_named,
+         {"outlier"}});
+    add({"other readings are another name",
+         {bad, far, wrong_readings({"7"}, 40, -10), wrong_readings({"8", "9"}, 36, -11)},
+         Verdict::ambiguous,
+         {"outlier"},
+         Reason::several_names});
     // What was seen before any model.
     add({"a fault alone", {rise, nothing(40, 0)}, Verdict::cause_named, {"sensor-position"}}).score = 0.4;
     add({"a fault beside an effect",

@@ -248,9 +248,9 @@ TEST(FindingsOfADiagnosis, SayTheVerdictAndTheNoise) {
         result.candidates.push_back(std::move(candidate));
     }
     text = findings(result);
-    EXPECT_EQ(text[0], "AMBIGUOUS: the model lacks something, and 2 explanations fit these data so alike that they "
-                       "cannot be told apart: load-magnitude; plate-rigidity.");
-    EXPECT_TRUE(says(text, "the stated noise explains so much with probability less than 1 in 10,000"));
+    EXPECT_EQ(text[0], "AMBIGUOUS: the model lacks something, and 2 explanations fit these data about equally "
+                       "well; the readings cannot tell them apart: load-magnitude; plate-rigidity.");
+    EXPECT_TRUE(says(text, "noise as stated alone makes as much with probability less than 1 in 10,000"));
 
     result.before->parameters.assign(study.space.axes.size(), {});
     result.after = result.before;

@@ -1,9 +1,11 @@
 // Marginal likelihoods against integrals, and what noise of other kinds than stated is told by.
+#include "diagnose/open_directions.h"
 #include "hypotheses/evidence.h"
 #include "hypotheses/hypothesis.h"
 #include "hypotheses/noise_structure.h"
 #include "inference/quantiles.h"
 
+#include "support/formula.h"
 #include "support/normal_matrix.h"
 
 #include <cmath>
@@ -77,6 +79,7 @@ TEST(Evidence, AveragesOverTheSizeOfTheNoise) {
     EXPECT_NEAR(found.any_size, std::log(integral), 1e-3);
     // The mode of the integrand: n = sum exp(-2 x) - x / deviation^2, at x = 0.3692. The prior pulls a little.
     EXPECT_NEAR(std::log(found.noise), 0.3692, 0.02); // the step of the sum
+    EXPECT_NEAR(found.by_data, 1.5, 0.02);            // sqrt(sum / n): what these data alone say
     EXPECT_LT(found.noise_low, 1.5);
     EXPECT_GT(found.noise_high, 1.5);
     EXPECT_NEAR(found.log, std::log(0.5 * std::exp(found.as_stated - found.any_size) + 0.5) + found.any_size, 1e-9);
@@ -140,6 +143,75 @@ Compared compare(const VectorXd& noise, std::uint64_t seed) {
 }
 
 } // namespace
+
+// Errors of 6 % that all readings of a load share: the range of their size holds it, and intervals are wider than those
+// of independent errors. By hand, of a parameter that all readings follow alike (as they do the common error): n
+// readings a load of deviation 1, each moved by 50 x 0.06 = 3: the mean of a load has variance 1 / 8 + 9, that of four
+// loads a quarter, where independent errors leave 1 / 32: sqrt(73) times the deviation.
+TEST(NoiseStructures, WidenIntervalsByWhatReadingsShare) {
+    MatrixXd jacobian = MatrixXd::Constant(rows, 1, 20.0);
+    const double independent = 1.0 / std::sqrt(20.0 * 20.0 * rows + 0.01 * 12.0);
+    int held = 0;
+    std::vector<double> wider;
+    constexpr int trials = 20;
+    for (int t = 0; t < trials; ++t) {
+        const pave::RandomStream random(static_cast<std::uint64_t>(t) + 1, 0);
+        const VectorXd noise = test::normal_matrix(random, rows, 1, 0) +
+                               0.06 * common_columns() * test::normal_matrix(random, loads, 1, 1000);
+        const auto found = hypotheses::common_errors(fit_of(noise, jacobian), common_columns(), {});
+        held += found.low <= 0.06 && (found.high >= 0.06 || found.ends);
+        wider.push_back(std::sqrt(found.covariance(0, 0)) / independent);
+    }
+    EXPECT_GE(held, trials - 3);
+    std::sort(wider.begin(), wider.end());
+    EXPECT_NEAR(wider[trials / 2], std::sqrt(73.0),
+                4.0); // of three errors left the size is known within a factor of 1.5
+}
+
+namespace {
+
+// Rows beside the derivatives, at the middle of the box, of this model with readings of its responses there.
+MatrixXd open_rows(int dimension, const test::Formula::Model& model, const std::vector<double>& sigma_of) {
+    const std::vector<double> unit(static_cast<std::size_t>(dimension), 0.5);
+    const problem::Problem at_nothing =
+        test::problem_of(dimension, test::Formula(model), std::vector<double>(sigma_of.size(), 0.0), 1.0);
+    diagnose::Model fitted;
+    fitted.unit = unit;
+    fitted.evaluation = at_nothing.evaluate(unit, true, *at_nothing.function->make_workspace());
+    fitted.residuals = at_nothing.residuals(fitted.evaluation);
+    MatrixXd rows;
+    run::Engine engine(at_nothing, nullptr, 0, {.threads = 1, .show_progress = false});
+    engine.chain("", 1,
+                 [&](run::Chain& chain) { rows = diagnose::rows_of_open_directions(at_nothing, fitted, 1.0, chain); });
+    return rows;
+}
+
+} // namespace
+
+TEST(OpenDirections, AreClosedWhereChi2RisesBeyondFirstOrder) {
+    // chi2 = (400 (y - 1/2)^2)^2 = 1111 t^4, t in standard deviations of the box. The integral of exp(-chi2 / 2) is
+    // that of a normal density with 1 + w = 2 pi (2 a^(1/4) / Gamma(1/4))^2 = 45, a = 1111 / 2.
+    const auto quartic = [](const VectorXd& x, VectorXd& responses, MatrixXd& jacobian) {
+        responses = VectorXd::Zero(2);
+        responses << 100.0 * (x[0] - 0.5), 400.0 * std::pow(x[1] - 0.5, 2);
+        jacobian = MatrixXd::Zero(2, 2);
+        jacobian << 100.0, 0.0, 0.0, 800.0 * (x[1] - 0.5);
+    };
+    const MatrixXd rows = open_rows(2, quartic, {1.0, 1.0});
+    ASSERT_EQ(rows.rows(), 1);
+    EXPECT_NEAR(rows(0, 0), 0.0, 1e-6);
+    const double weight = rows(0, 1) * rows(0, 1) / 12.0;
+    EXPECT_GT(weight, 45.0 / 3.0);
+    EXPECT_LT(weight, 45.0 * 3.0);
+    // A valley that bends, along which the first parameter makes up for the second, stays open; so does what nothing
+    // reads.
+    const auto valley = [](const VectorXd& x, VectorXd& responses, MatrixXd& jacobian) {
+        responses = VectorXd::Constant(1, 100.0 * (x[0] - 0.5 - std::pow(x[1] - 0.5, 2)));
+        jacobian = MatrixXd::Zero(1, 3);
+        jacobian << 100.0, -200.0 * (x[1] - 0.5), 0.0;
+    };
+    EXPECT_EQ(open_rows(3, valley, {1.0}).rows(), 0);
+}
 
 TEST(NoiseStructures, ArePreferredWhereTheyAre) {
     int stated = 0;

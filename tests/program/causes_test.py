@@ -135,3 +135,14 @@ def test_no_name_alone_at_the_end_of_its_range():
     at_end = next(c for c in gain["candidates"] if c["effect"] == "sensor-gain")
     assert at_end["size"] == 2, f"the range of the size ends at 2: {at_end['size']}"
     assert gain["verdict"] != "cause-named", f"no name alone at the end of its range: {gain['findings'][0]}"
+
+
+# Made by a transform solution of layered elasticity that shares nothing with the program: 4200, 230 and 72 MPa, the base 220 mm thick and stated as
+# 300 mm, 1 % and 1 um of noise. By its slopes alone a base softer at its bottom promises most.
+def test_a_base_thinner_than_stated_by_a_quarter_is_not_another_cause():
+    data = pathlib.Path(__file__).parent / "data"
+    told = run("diagnose", data / "thin-base.toml", "--threads", 1, "--json", "--out", workspace() / "thin")
+    found = json.loads(told.stdout)
+    assert found["causes"][0] == "base-thickness" and found["verdict"] in ("cause-named", "ambiguous", "cause named"), (found["verdict"], found["causes"])
+    size = next(h for h in found["hypotheses"] if h["name"] == "base-thickness")["sizes"]["base-thickness"]
+    assert abs(size["value"] + 80) < 5 and size["low"] <= -80 <= size["high"], size

@@ -117,5 +117,5 @@ def test_outputs_lie_in_their_ranges():
             shown = output["after"]
             wide = output["if_wrong"]
             assert min(output["low"], wide["low"]) <= shown <= max(output["high"], wide["high"]), (name, output)
-        right = any("if it is right" in words for words in found["findings"])
+        right = any("if the model is right" in words for words in found["findings"])
         assert right == (found["verdict"] in ("adequate", "cause-named")), (name, found["verdict"])

@@ -445,14 +445,14 @@ std::vector<std::string> output_words(const study::Study& study, const std::vect
     for (const OutputUncertainty& r : ranges) {
         const data::Reading& output = study.readings[r.reading];
         words.push_back(fmt::format(
-            "If the model may lack something, {} lies between {} and {} {} (95 %{}): what these "
-            "data allow of a smooth error in one layer or kind of reading, or of an effect of the catalogue{}.",
+            "Allowing for an error of the model that these data would not reveal, {} lies between {} and {} {} (95 "
+            "%{}{}).",
             output.output, pave::figure(output.in_unit(r.wide_low)), pave::figure(output.in_unit(r.wide_high)),
             output.unit.name,
-            r.may_be_right ? fmt::format("; {} to {} if it is right", pave::figure(output.in_unit(r.low)),
+            r.may_be_right ? fmt::format("; {} to {} if the model is right", pave::figure(output.in_unit(r.low)),
                                          pave::figure(output.in_unit(r.high)))
                            : "",
-            r.share > 0.5 ? fmt::format(", chiefly {}", r.channel) : ""));
+            r.share > 0.5 ? fmt::format("; chiefly an error of {}", r.channel) : ""));
     }
     return words;
 }

@@ -59,9 +59,15 @@ DiagnosedModel model_of(const DiagnoseResult& result, diagnose::Workbench& bench
             m.parameters.push_back(
                 diagnose::interval_within(problem->space.axes[k], judged.model.unit[k],
                                           d.location->covariance.diagonal()[static_cast<Eigen::Index>(k)]));
+        } else if (const auto* covariance = d.covariance_by_noise(); covariance != nullptr && k < of_study) {
+            m.parameters.push_back(
+                diagnose::interval_within(problem->space.axes[k], judged.model.unit[k],
+                                          d.variance * covariance->diagonal()[static_cast<Eigen::Index>(k)]));
         } else {
-            m.parameters.push_back(k < of_study ? diagnose::interval_of(*problem, judged.model, k, d.variance)
-                                                : judged.sizes[k - of_study]);
+            const double larger = d.verdict() == diagnose::Verdict::adequate ? d.decision.noise_factor : 1.0;
+            m.parameters.push_back(k < of_study
+                                       ? diagnose::interval_of(*problem, judged.model, k, d.variance * larger * larger)
+                                       : judged.sizes[k - of_study]);
         }
     }
     Predictor(m.study).complete(m.evaluation);
@@ -124,7 +130,7 @@ std::vector<std::vector<double>> other_minima(const Diagnosis& d) {
 }
 
 // Around the model that the answer says: the named one, or the study's over all its minima.
-void set_outputs(DiagnoseResult& result, int threads) {
+void set_outputs(DiagnoseResult& result, diagnose::Workbench& bench, int threads) {
     const Diagnosis& d = result.diagnosis;
     const bool is_named = d.verdict() == diagnose::Verdict::cause_named && d.extended;
     const bool is_adequate =
@@ -132,7 +138,13 @@ void set_outputs(DiagnoseResult& result, int threads) {
     if (is_adequate) {
         result.minima = other_minima(d);
     }
-    const double noise = std::sqrt(d.variance) * (is_adequate ? d.decision.noise_factor : 1.0);
+    double noise = std::sqrt(d.variance) * (is_adequate ? d.decision.noise_factor : 1.0);
+    if (const auto* covariance = d.covariance_by_noise()) { // as large as independent errors would have to be
+        const Eigen::VectorXd plain =
+            diagnose::covariance_of(*bench.problem({}), d.baseline.model, d.variance).diagonal();
+        noise = std::sqrt(d.variance *
+                          std::max(1.0, (d.variance * covariance->diagonal()).cwiseQuotient(plain).maxCoeff()));
+    }
     result.outputs = output_ranges(is_named ? result.after->study : result.study,
                                    (is_named ? *d.extended : d.baseline).model.unit, noise, threads, result.minima);
     const DiagnosedModel& shown = result.is_extended() ? *result.after : *result.before;
@@ -349,7 +361,7 @@ std::optional<DiagnoseResult> diagnose_with(Session& session, const study::Study
     result.mesh =
         mesh_error(standing, *bench.problem(stands.members), stands.evaluation, stands.unit, std::sqrt(d.variance));
     result.path = path_error(standing, *bench.problem(stands.members), stands.evaluation, std::sqrt(d.variance));
-    set_outputs(result, session.options().threads);
+    set_outputs(result, bench, session.options().threads);
     if (d.is_located()) {
         const diagnose::Model& corrected = d.location->fit.model;
         result.telling = telling_readings(result.after->study, corrected.unit, d.location->covariance,

@@ -110,7 +110,7 @@ private:
                             counted(static_cast<std::size_t>(std::max(0, d.baseline.dof)), "degree of freedom",
                                     "degrees of freedom"),
                             d.baseline.p_value < diagnose::level_noise
-                                ? fmt::format("the stated noise explains so much with probability {}",
+                                ? fmt::format("noise as stated alone makes as much with probability {}",
                                               chance_words(d.baseline.p_value))
                                 : fmt::format("the stated noise explains that ({})", p_words(d.baseline.p_value))));
         }
@@ -152,20 +152,20 @@ private:
                     "the best of them the right decision is made in {} of cases, as it is now.",
                     percent(best.rate_now));
             }
-            return fmt::format("Best next measurement: {} (to {} {}). It would raise the rate of the right decision "
-                               "between the closest two from {} to {}.",
-                               best.words(), figure(best.reading.in_unit(best.reading.noise.absolute)),
-                               best.reading.unit.name, percent(best.rate_now), percent(best.power));
+            return fmt::format(
+                "Best next measurement: {} (to {} {}). With it the two most similar explanations would be "
+                "told apart correctly in {} of cases ({} now).",
+                best.words(), figure(best.reading.in_unit(best.reading.noise.absolute)), best.reading.unit.name,
+                percent(best.power), percent(best.rate_now));
         }
         if (!telling.empty()) {
             const auto& [reading, bits] = telling.front();
             const char* const what = d.is_located() ? "where the model errs" : "how large it is";
             const double narrowed = 1.0 - std::exp2(-bits);
-            if (constexpr double worth_it = 0.05; narrowed < worth_it) {
+            if (constexpr double worth_it = 0.1; narrowed < worth_it) {
                 return fmt::format("No further reading of the kinds that the study has says more of {}.", what);
             }
-            return fmt::format("Best next measurement for {}: {} (noise {} {} assumed). What is possible would shrink "
-                               "by {}.",
+            return fmt::format("Best next measurement for {}: {} (noise {} {} assumed). The range would shrink by {}.",
                                what, reading.words(), figure(reading.in_unit(reading.noise.absolute)),
                                reading.unit.name, percent(narrowed));
         }

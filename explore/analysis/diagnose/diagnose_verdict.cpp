@@ -147,10 +147,14 @@ private:
         case Verdict::cause_named: {
             std::vector<std::string> found;
             if (!d.extended) { // what was seen in the readings is all
-                text.push_back(fmt::format("CAUSE NAMED: {}. With that mended nothing in these data contradicts the "
-                                           "model{}.",
-                                           premise_words(),
-                                           d.decision.as_stated ? " beyond their noise" : " but their noise"));
+                text.push_back(
+                    d.decision.as_stated
+                        ? fmt::format(
+                              "CAUSE NAMED: {}. With that corrected the model fits the data within their noise.",
+                              premise_words())
+                        : fmt::format("CAUSE NAMED: {}. With that corrected the model fits, provided the noise is as "
+                                      "follows: {}.",
+                                      premise_words(), row_words(d.ledger.rows()[*d.decision.noise])));
                 break;
             }
             for (std::size_t m = 0; m < d.extended->model.members.size(); ++m) {
@@ -247,14 +251,14 @@ private:
         switch (d.decision.reason) {
         case Reason::leaves_more_than_noise:
             return fmt::format(
-                "AMBIGUOUS: the model lacks something, and none of the catalogue explains all of it. {}: "
+                "AMBIGUOUS: the model lacks something, and no known effect explains all of it. {}: "
                 "{}. {} ({}): something else is missing too, or this is not quite it{}.",
                 sets.size() > 1 ? "What comes nearest, alike" : "What comes nearest", pave::join(sets, "; "),
                 sets.size() > 1 ? "The best of them leaves more than noise" : "It leaves more than noise",
                 p_words(std::min(d.extended->p_value, d.extended->pattern.p_value)), noise_words());
         case Reason::several_names:
-            return fmt::format("AMBIGUOUS: the model lacks something, and {} explanations fit these data so alike that "
-                               "they cannot be told apart: {}.",
+            return fmt::format("AMBIGUOUS: the model lacks something, and {} explanations fit these data about equally "
+                               "well; the readings cannot tell them apart: {}.",
                                sets.size(), pave::join(sets, "; "));
         case Reason::noise:
             return fmt::format("AMBIGUOUS: {} {} the data; so may, with probability {}, noise alone: {}.", sets[0],
@@ -283,7 +287,7 @@ private:
                 "finds more: this is not quite it, or not all.",
                 sets[0]);
         default:
-            return fmt::format("AMBIGUOUS: {} {} the data, but the evidence is too weak to name it.", sets[0],
+            return fmt::format("AMBIGUOUS: {} {} the data, but the evidence is too weak to be sure of it.", sets[0],
                                together);
         }
     }
@@ -291,13 +295,16 @@ private:
     void unexplained(std::vector<std::string>& text) const {
         using diagnose::Reason;
         std::string why = ", and no effect of the catalogue, alone or in pairs, explains it";
-        if (!d.nearest.empty() && d.nearest[0].fit.p_value >= diagnose::level_noise) {
-            why = d.decision.reason == Reason::noise
-                      ? fmt::format(", or the noise does (probability {}: {})", percent(d.decision.of_noise),
-                                    row_words(d.ledger.rows()[*d.decision.noise]))
-                      : fmt::format(", and no effect of the catalogue, alone or in pairs, has evidence enough to be "
-                                    "named (chance makes as much in {} of cases)",
-                                    percent(d.p_evidence));
+        constexpr double most = 0.5;
+        if (d.decision.reason == Reason::nothing_explains && d.decision.noise && d.decision.of_noise >= most) {
+            why += fmt::format(", unless {}", row_words(d.ledger.rows()[*d.decision.noise]));
+        } else if (d.decision.reason == Reason::noise && d.decision.noise) {
+            why = fmt::format(", or the noise is not as stated (probability {}: {})", percent(d.decision.of_noise),
+                              row_words(d.ledger.rows()[*d.decision.noise]));
+        } else if (!d.nearest.empty() && d.nearest[0].fit.p_value >= diagnose::level_noise) {
+            why = fmt::format(", and no effect of the catalogue, alone or in pairs, has evidence enough to be "
+                              "named (chance makes as much in {} of cases)",
+                              percent(d.p_evidence));
         }
         text.push_back(fmt::format("UNEXPLAINED: the data contradict the model{}. The pattern that remains is shown "
                                    "below.",
@@ -447,8 +454,12 @@ std::string row_words(const diagnose::Row& row) {
                                figure(row.sizes[0].low, 2), figure(row.sizes[0].high, 2));
         }
         if (of == "common_relative") {
-            return fmt::format("errors of some {} that the readings of a load share (common_relative)",
-                               percent(size()));
+            return row.ends
+                       ? fmt::format("errors of {} or more that the readings of a load share (common_relative)",
+                                     percent(row.sizes[0].low))
+                       : fmt::format("errors of some {} that the readings of a load share (common_relative; 95 %: {} "
+                                     "to {})",
+                                     percent(size()), percent(row.sizes[0].low), percent(row.sizes[0].high));
         }
         if (of == "correlation_m") {
             return fmt::format("errors that neighbouring readings share, over some {} mm (correlation_mm)",

@@ -26,6 +26,7 @@ bool Investigation::settle() {
                 }
             }
         }
+        is_settled = !look_along_open_directions() && is_settled;
         if (run::interrupted()) {
             return false;
         }

@@ -7,6 +7,7 @@
 #include "run/parallel.h"
 
 #include <deque>
+#include <set>
 
 namespace explore::diagnose {
 
@@ -21,6 +22,7 @@ inline constexpr int readings_number = 700;
 inline constexpr int pair_number = 1000; // + 100 times the place in the beam
 inline constexpr int fold_number = 5000;
 inline constexpr int bootstrap_number = 20'000;
+inline constexpr int open_number = 30'000;
 inline constexpr int slope_number = 40'000; // + the corrections so far
 inline constexpr int corrected_fit_number = 41'000;
 inline constexpr int search_number = 10'000'000; // + the point of the sample
@@ -54,10 +56,11 @@ private:
     void record_noise();
     void record_singles();
     bool record_all();
-    void record(const Judged& fit, hypotheses::Kind kind);
+    void record(const Judged& fit, hypotheses::Kind kind, int order = 1);
     bool weigh_chances();
     void weigh_confounding();
     bool settle();
+    bool look_along_open_directions();
     // steps/corrections.cpp
     bool locate();
     void record_location();
@@ -113,6 +116,7 @@ private:
     std::vector<Explored> explored_;
     std::vector<std::pair<std::size_t, Model>> singles_; // every fit of one effect, by its candidate
     std::deque<Judged> models_;                          // of rows of the ledger; they stay where they are
+    std::set<std::size_t> looked_;                       // of these: whose open directions were looked along
     std::vector<Judged> pairs_, wrong_readings_;
     int attempts_ = 0;
 };

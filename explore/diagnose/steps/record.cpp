@@ -1,4 +1,5 @@
 // The results as rows of the ledger.
+#include "diagnose/open_directions.h"
 #include "diagnose/simulated_data.h"
 #include "diagnose/steps/investigation.h"
 #include "hypotheses/noise_structure.h"
@@ -75,8 +76,8 @@ std::string Investigation::key_of(const Judged& fit, Kind kind) const {
     return hypothesis_of(fit, kind).key();
 }
 
-void Investigation::record(const Judged& fit, Kind kind) {
-    Row row{.hypothesis = hypothesis_of(fit, kind), .fit = fit_of(fit)};
+void Investigation::record(const Judged& fit, Kind kind, int order) {
+    Row row{.hypothesis = hypothesis_of(fit, kind), .fit = fit_of(fit), .order = order};
     std::size_t variants = 1;
     std::size_t bad = 0;
     for (const std::size_t c : fit.model.members) {
@@ -94,6 +95,63 @@ void Investigation::record(const Judged& fit, Kind kind) {
     row.model = models_.size();
     models_.push_back(fit);
     d_.ledger.add(std::move(row));
+}
+
+// Of the hypotheses that lead, the volume where their derivatives leave a direction open. True: a probability changed.
+bool Investigation::look_along_open_directions() {
+    constexpr double near = 9.0; // of the logarithm of a probability
+    double best = -INFINITY;
+    for (const std::size_t r : rows_that_count(d_.ledger)) {
+        const Row& row = d_.ledger.rows()[r];
+        best = row.is_tried() ? std::max(best, row.log_weight()) : best;
+    }
+    std::map<std::size_t, std::vector<std::size_t>> rows_of; // by the model
+    for (const std::size_t r : rows_that_count(d_.ledger)) {
+        const Row& row = d_.ledger.rows()[r];
+        if (row.is_tried() && row.fit.mesh == Mesh::study && row.log_weight() > best - near &&
+            !looked_.contains(row.model)) {
+            rows_of[row.model].push_back(r);
+        }
+    }
+    bool changed = false;
+    for (const auto& [number, rows] : rows_of) {
+        looked_.insert(number);
+        Model model = models_[number].model;
+        if (model.evaluation.jacobian.size() == 0 ||
+            !bench_.chain(model.members, open_number,
+                          [&](const problem::Problem& problem, run::Chain& chain) {
+                              model.open_rows = rows_of_open_directions(problem, model, d_.variance, chain);
+                          }) ||
+            model.open_rows.rows() == 0) {
+            continue;
+        }
+        const Judged now = judged(std::move(model));
+        const Judged before = models_[number];
+        if (!now.model.members.empty()) {
+            const Kind kind = d_.ledger.rows()[rows[0]].hypothesis.kind;
+            record(now, kind, 2);
+            looked_.insert(models_.size() - 1);
+        } else {
+            d_.baseline = now;
+            models_.push_back(now);
+            looked_.insert(models_.size() - 1);
+            for (const std::size_t r : rows) {
+                Row row = d_.ledger.rows()[r];
+                row.log_evidence += row.hypothesis.kind == Kind::none && noise_is_stated_
+                                        ? now.evidence.as_stated - before.evidence.as_stated
+                                        : now.evidence.any_size - before.evidence.any_size;
+                row.order = 2;
+                row.model = models_.size() - 1;
+                if (const auto at = d_.by_noise.find(r); at != d_.by_noise.end()) {
+                    d_.by_noise.emplace(d_.ledger.rows().size(), at->second);
+                }
+                d_.ledger.add(std::move(row));
+            }
+        }
+        constexpr double something = 0.3;
+        changed = changed || std::abs(now.evidence.log - before.evidence.log) > something;
+    }
+    return changed;
 }
 
 // The study's model: with the noise as stated, of another size, with errors that readings share, with heavy tails.
@@ -114,7 +172,8 @@ void Investigation::record_noise() {
     size.hypothesis = {.kind = Kind::noise, .name = "the noise is of another size than stated"};
     size.log_evidence = evidence.any_size;
     size.noise = evidence.noise;
-    size.sizes = {{"noise_factor", evidence.noise, evidence.noise_low, evidence.noise_high}};
+    size.noise_by_data = evidence.by_data;
+    size.sizes = {{"noise_factor", evidence.by_data, evidence.noise_low, evidence.noise_high}};
     size.fit.p_value = gsl_cdf_chisq_Q(baseline.chi2 / std::pow(evidence.noise, 2), std::max(1, baseline.dof));
     d_.ledger.add(size);
     const auto problem = bench_.problem({});
@@ -142,7 +201,7 @@ void Investigation::record_noise() {
     const double of_limits = baseline.model.residuals.squaredNorm() - linear.residuals.squaredNorm();
     const auto add = [&](const hypotheses::NoiseStructure& structure, std::string name, std::string unit) {
         Row row{.hypothesis = {.kind = Kind::noise, .name = std::move(name)},
-                .sizes = {{std::move(unit), structure.size, structure.size, structure.size}},
+                .sizes = {{std::move(unit), structure.size, structure.low, structure.high}},
                 .fit = fit_of(baseline)};
         row.fit.chi2 = structure.chi2 + of_limits;
         row.fit.p_value = baseline.dof > 0 ? gsl_cdf_chisq_Q(row.fit.chi2, baseline.dof) : 1.0;
@@ -153,6 +212,10 @@ void Investigation::record_noise() {
         row.noise = structure.evidence.any_size > structure.evidence.as_stated ? structure.evidence.noise : 1.0;
         row.model = 0;
         row.is_independent = row.has_tails = structure.key == "heavy-tailed";
+        row.ends = structure.ends;
+        if (structure.covariance.size() > 0) {
+            d_.by_noise.emplace(d_.ledger.rows().size(), row.noise * row.noise * structure.covariance);
+        }
         d_.ledger.add(std::move(row));
     };
     std::map<int, Index> column;

@@ -10,6 +10,8 @@
 
 namespace explore::diagnose {
 
+using Eigen::VectorXd;
+
 namespace {
 
 constexpr std::size_t scanned_of_singles = 30; // candidates computed at several sizes
@@ -226,12 +228,22 @@ bool Investigation::fit_untried() {
                           (e.size() < 2 || !e[1].fit || criterion(*e[1].fit) > criterion(*e[0].fit) + clearly);
     const bool is_stuck =
         noise_is_stated_ && rows() > few_readings && !e.empty() && e[0].fit && e[0].fit->p_value < level_noise;
+    // Effects that read like the leader are tried in any case: large effects bend, and what is predicted of them errs.
+    const inference::Nuisance nuisance = nuisance_of(d_.baseline.model);
+    const VectorXd of_leader = is_clear ? direction_of(e[0], nuisance) : VectorXd();
+    const auto is_like_leader = [&](const EffectResult& effect) {
+        constexpr double alike = 0.5; // cosine
+        const VectorXd own = direction_of(effect, nuisance);
+        return of_leader.size() > 0 && own.size() > 0 && std::abs(own.dot(of_leader)) > alike;
+    };
     std::vector<EffectResult*> untried;
     for (EffectResult& effect : d_.effects) {
         const Candidate& candidate = task_.candidates[effect.candidate];
         const bool has_sides = !candidate.reading && candidate.scaled.empty();
-        if (!is_clear && (effect.fit ? is_stuck && has_sides && &effect != e.data()
-                                     : d_.screening.items[effect.candidate].impossible.empty())) {
+        const bool is_open = effect.fit ? !is_clear && is_stuck && has_sides && &effect != e.data()
+                                        : d_.screening.items[effect.candidate].impossible.empty() &&
+                                              (!is_clear || (has_sides && is_like_leader(effect)));
+        if (is_open) {
             untried.push_back(&effect);
         }
     }

@@ -30,9 +30,9 @@ const Effect& outlier() {
         .low = -100.0, // of a place where next to nothing is to be read
         .high = 100.0,
         .typical = 0.3,
-        .mechanism =
-            "A loose contact, a stone under a sensor or a slip of the pen makes one reading differ by the size times "
-            "itself. No other reading moves with it.",
+        .mechanism = "A loose contact, a stone under a sensor or a slip of the pen changes one reading, by the share "
+                     "given. No other "
+                     "reading moves with it.",
         .source = "Huber (1981), Robust Statistics: gross errors",
         .acts_on = "the first reading",
         .takes_reading = true,
@@ -40,6 +40,13 @@ const Effect& outlier() {
         .apply = apply,
         .refuses = refuses,
         .in_words = [](const AppliedEffect& a) -> std::string {
+            constexpr double near = 0.03;
+            if (std::abs(a.size + 1.0) < near) {
+                return "the reading is next to nothing";
+            }
+            if (std::abs(a.size + 2.0) < near) {
+                return "the reading has the wrong sign";
+            }
             if (a.size < -1.0 || a.size > 2.0) {
                 return fmt::format("the reading is {} times what it should be", figure(1.0 + a.size, 2));
             }
