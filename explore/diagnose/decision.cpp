@@ -222,7 +222,9 @@ private:
         }
         const Row& own = row(*correction_);
         const std::string key = own.hypothesis.key();
-        if (is_rejected(own) || is_outdone(own)) {
+        // Next to impossible beside a name it is no answer, though the name leaves more.
+        const bool is_impossible = best_ && behind(own, row(*best_)) >= impossible * margin;
+        if (is_rejected(own) || is_outdone(own) || is_impossible) {
             return Reason::nothing_explains;
         }
         if (ledger_.says(key) < needed) {

@@ -346,6 +346,11 @@ std::vector<Case> table() {
          Verdict::located});
     add({"it suffices that places differ", {bad, far, effect("a", 90, -25), correction(42, -12)}, Verdict::located})
         .says = Says::between_places;
+    add({"a place that is next to impossible beside a name that is rejected",
+         {bad, far, effect("a", 80, -10), correction(50, -20)},
+         Verdict::unexplained,
+         {},
+         Reason::nothing_explains});
     add({"no place is known",
          {bad, far, effect("a", 90, -25), correction(42, -12)},
          Verdict::unexplained,
