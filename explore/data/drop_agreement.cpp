@@ -200,8 +200,8 @@ std::vector<int> beside_neighbours(const LevelReadings& level, LevelReadings::co
         low = mean_of(next->second);
         high = std::min(high, steepest * low);
     }
-    std::vector<std::pair<double, const LevelReading*>>
-        order; // as they would be without what their drops have in common
+    // As they would be without what their drops have in common.
+    std::vector<std::pair<double, const LevelReading*>> order;
     for (const LevelReading& r : sensor->second) {
         order.emplace_back(r.um * std::exp(-effects.at(r.drop)), &r);
     }

@@ -187,12 +187,19 @@ private:
         }
     }
 
-    // Whether it says of readings what the leading name says, and of one more that it is wrong: that one may be, too.
+    // Whether it says what the leading name says, and more: that may be so, too.
     bool is_leader_and_more(std::size_t r) const {
         const auto own = effects_of(r);
         const auto leader = effects_of(*best_);
-        return row(*best_).hypothesis.kind == Kind::readings && row(r).hypothesis.kind == Kind::readings &&
-               own.size() > leader.size() && std::includes(own.begin(), own.end(), leader.begin(), leader.end());
+        return own.size() > leader.size() && std::includes(own.begin(), own.end(), leader.begin(), leader.end());
+    }
+    // Of the leading name, with more beside it or not.
+    double probability_of_leader() const {
+        double sum = d_.probability_of(*best_);
+        for (const std::size_t r : names_) {
+            sum += is_leader_and_more(r) ? d_.probability_of(r) : 0.0;
+        }
+        return sum;
     }
 
     // Names of the effects, sorted: another variant of one is no other name. Of wrong readings which they are.
@@ -353,7 +360,7 @@ private:
 
     Reason reason_against(const Row& first, double chance) const {
         // One right answer in twenty leaves as much: no reason where next to nothing else is probable.
-        if (d_.leaves_more_than_noise && (is_contradicted(first) || d_.probability_of(*best_) < 1.0 - little)) {
+        if (d_.leaves_more_than_noise && (is_contradicted(first) || probability_of_leader() < 1.0 - little)) {
             return Reason::leaves_more_than_noise;
         }
         if (d_.names.size() > 1) {

@@ -487,6 +487,10 @@ std::vector<Case> table() {
          {bad, far, wrong_readings({"7"}, 40, -10), wrong_readings({"7", "9"}, 36, -11)},
          Verdict::cause_named,
          {"outlier"}});
+    add({"so may a second effect beside one, whose probability is then that of both",
+         {bad, far, effect("a", 60, -14), two("a", "b", 45, -16)}, // p = 0.017 and 0.2; 88 and 12 %
+         Verdict::cause_named,
+         {"a"}});
     add({"other readings are another name",
          {bad, far, wrong_readings({"7"}, 40, -10), wrong_readings({"8", "9"}, 36, -11)},
          Verdict::ambiguous,
