@@ -11,8 +11,6 @@
 namespace explore::data {
 namespace {
 
-constexpr double foot_m = 0.3048;
-
 // "163+10"; nothing: something else.
 std::optional<std::pair<double, double>> sum(std::string_view cell) {
     const std::size_t plus = cell.find('+');

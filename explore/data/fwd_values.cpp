@@ -75,12 +75,11 @@ std::optional<double> chainage(std::string_view cell, double to_m) {
     if (!before || !after) {
         return std::nullopt;
     }
-    constexpr double foot = 0.3048;
-    const double whole = to_m == foot ? 100.0 : 1000.0;
+    const double whole = to_m == foot_m ? 100.0 : 1000.0;
     if (*after >= whole) {
         return std::nullopt; // "12+1340": one of the two is wrong
     }
-    return to_m == foot ? (whole * *before + *after) * foot : whole * *before + *after;
+    return to_m == foot_m ? (whole * *before + *after) * foot_m : whole * *before + *after;
 }
 
 std::optional<double> degrees(std::string_view text) {
@@ -202,7 +201,7 @@ std::span<const NamedUnit> length_units() {
         {"millimeter", 1e-3}, {"millimetre", 1e-3}, {"mm", 1e-3},     {"centimeter", 1e-2}, {"centimetre", 1e-2},
         {"cm", 1e-2},         {"meter", 1.0},       {"metre", 1.0},   {"m", 1.0},           {"kilometer", 1e3},
         {"kilometre", 1e3},   {"km", 1e3},          {"inch", 0.0254}, {"inche", 0.0254},    {"in", 0.0254},
-        {"foot", 0.3048},     {"feet", 0.3048},     {"ft", 0.3048},   {"yard", 0.9144},     {"yd", 0.9144},
+        {"foot", foot_m},     {"feet", foot_m},     {"ft", foot_m},   {"yard", 0.9144},     {"yd", 0.9144},
         {"mile", 1609.344},   {"mi", 1609.344},     {"micron", 1e-6}, {"micrometer", 1e-6}, {"micrometre", 1e-6},
         {"um", 1e-6},         {"µm", 1e-6},         {"μm", 1e-6},     {"my", 1e-6},         {"mu", 1e-6},
         {"mil", 25.4e-6},     {"0.01mm", 1e-5},     {"001mm", 1e-5},  {"1/100mm", 1e-5}};

@@ -17,6 +17,8 @@ std::optional<double> measured(std::string_view cell);
 // The same with a decimal point or comma.
 std::optional<double> measured_with_comma(std::string_view cell);
 
+inline constexpr double foot_m = 0.3048;
+
 // Metres along the road from "340", "12+340" (kilometres + metres), "ZK0+160", "K12+340.5"; where the unit is the foot,
 // "12+34" are stations of 100 ft: 1234 ft. Nothing where what follows the plus makes another whole. to_m: metres in the
 // unit of a plain number.

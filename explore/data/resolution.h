@@ -14,6 +14,9 @@ double resolution_um(const std::vector<const FwdStation*>& stations);
 // Of one of many stations: the same of all its deflections, and 1 in 10,000,000.
 double own_resolution_um(const FwdStation& station);
 
+// Steps beyond which rounding is more than a sensor errs by anyway [um].
+inline constexpr double fine_um = 2.0;
+
 // "whole hundredths of a millimetre", "steps of 5 um", "whole mils".
 std::string resolution_words(double resolution_um);
 

@@ -46,12 +46,21 @@ Interval interval_within(const problem::Axis& axis, double unit, double variance
             axis.physical(std::clamp(unit + half, 0.0, 1.0))};
 }
 
+namespace {
+
+// The derivatives of the residuals with what they do not see.
+MatrixXd with_open_rows(MatrixXd jacobian, const Model& model) {
+    const Index seen = jacobian.rows();
+    jacobian.conservativeResize(seen + model.open_rows.rows(), Eigen::NoChange);
+    jacobian.bottomRows(jacobian.rows() - seen) = model.open_rows;
+    return jacobian;
+}
+
+} // namespace
+
 MatrixXd covariance_of(const problem::Problem& problem, const Model& model, double variance) {
-    const MatrixXd j = problem.residual_jacobian(model.evaluation);
+    const MatrixXd j = with_open_rows(problem.residual_jacobian(model.evaluation), model);
     MatrixXd h = j.transpose() * j / variance;
-    if (model.open_rows.rows() > 0) {
-        h += model.open_rows.transpose() * model.open_rows / variance;
-    }
     // A parameter on a bound gives way no further; the box is known beforehand.
     constexpr double weak = 0.01;
     h.diagonal().array() += weak / inference::box_variance;
@@ -92,7 +101,8 @@ Judged Judge::judge(Model model, double variance) const {
     Judged j;
     const auto problem = bench_.problem(model.members);
     const double noise = std::sqrt(variance);
-    const MatrixXd jacobian = problem->residual_jacobian(model.evaluation) / noise;
+    const MatrixXd with_open = with_open_rows(problem->residual_jacobian(model.evaluation), model) / noise;
+    const MatrixXd jacobian = with_open.topRows(with_open.rows() - model.open_rows.rows());
     const inference::Nuisance nuisance(jacobian, model.unit, model.residuals / noise);
     j.chi2 = model.sum / variance;
     const std::size_t rows = drawn(model);
@@ -122,10 +132,7 @@ Judged Judge::judge(Model model, double variance) const {
     }
     if (!model.members.empty()) {
         const MatrixXd known = covariance_of(*problem, model, variance);
-        MatrixXd information = jacobian.transpose() * jacobian + prior.precision;
-        if (model.open_rows.rows() > 0) {
-            information += model.open_rows.transpose() * model.open_rows / variance;
-        }
+        const MatrixXd information = with_open.transpose() * with_open + prior.precision;
         const MatrixXd covariance = information.llt().solve(MatrixXd::Identity(information.rows(), information.cols()));
         for (std::size_t m = 0; m < model.members.size(); ++m) {
             const auto at = static_cast<Index>(parameters + m);
@@ -144,11 +151,6 @@ Judged Judge::judge(Model model, double variance) const {
                                                      candidate.high_is_limit);
             j.at_end = j.at_end || (ends && !candidate.is_of_limit);
         }
-    }
-    MatrixXd with_open = jacobian;
-    if (model.open_rows.rows() > 0) {
-        with_open.conservativeResize(jacobian.rows() + model.open_rows.rows(), Eigen::NoChange);
-        with_open.bottomRows(model.open_rows.rows()) = model.open_rows / noise;
     }
     j.evidence = hypotheses::evidence(j.chi2, static_cast<Index>(rows), with_open, prior, noise_prior());
     j.model = std::move(model);

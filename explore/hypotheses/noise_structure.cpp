@@ -14,12 +14,21 @@ using Eigen::VectorXd;
 
 namespace {
 
-// The residuals where the coordinates make the best of whitened ones, held a little by their ranges.
-VectorXd best_residuals(const VectorXd& residuals, const MatrixXd& jacobian) {
+// Of coordinates that are held a little by their ranges, as of every interval.
+MatrixXd information_by(const MatrixXd& jacobian) {
     constexpr double weak = 0.01;
     MatrixXd information = jacobian.transpose() * jacobian;
     information.diagonal().array() += weak / inference::box_variance;
-    return residuals - jacobian * information.llt().solve(jacobian.transpose() * residuals);
+    return information;
+}
+
+MatrixXd covariance_by(const MatrixXd& jacobian) {
+    return information_by(jacobian).llt().solve(MatrixXd::Identity(jacobian.cols(), jacobian.cols()));
+}
+
+// The residuals where the coordinates make the best of whitened ones.
+VectorXd best_residuals(const VectorXd& residuals, const MatrixXd& jacobian) {
+    return residuals - jacobian * information_by(jacobian).llt().solve(jacobian.transpose() * residuals);
 }
 
 struct Whitened {
@@ -27,13 +36,6 @@ struct Whitened {
     Evidence evidence;
     MatrixXd jacobian{};
 };
-
-MatrixXd covariance_by(const MatrixXd& jacobian) {
-    constexpr double weak = 0.01; // as of every interval
-    MatrixXd information = jacobian.transpose() * jacobian;
-    information.diagonal().array() += weak / inference::box_variance;
-    return information.llt().solve(MatrixXd::Identity(information.rows(), information.cols()));
-}
 
 // Of noise with this covariance, in units of what is stated.
 Whitened judge(const LinearFit& fit, const MatrixXd& covariance, const NoisePrior& noise) {

@@ -162,7 +162,9 @@ Study station_study(const Study& survey, const data::FwdStation& station,
         study.model.loads.push_back(std::move(load));
     }
     study = with_measurements(std::move(study), std::move(measurements));
-    add_constrained_outputs(study, station_outputs(survey, station, *bowls.back()));
+    if (!study.constraints.empty()) {
+        add_constrained_outputs(study, station_outputs(survey, station, *bowls.back()));
+    }
     return study;
 }
 

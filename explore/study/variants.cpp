@@ -123,31 +123,20 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
                 }
             }
         }
-        // A variant that changes one reading alone could as well be an error of that reading.
-        const auto changes_several = [&](AppliedEffect applied) {
+        // A gain of one reading alone could as well be an error of that reading.
+        const auto is_of_one_reading = [&](AppliedEffect applied) {
             applied.effect = effect;
-            applied.size = effect->typical;
-            std::size_t changed = 0;
-            for (std::size_t l = 0; l < study.model.loads.size(); ++l) {
-                pave::pavement::Case moved = study.model;
-                effect->apply(moved, applied, static_cast<int>(l));
-                for (const std::size_t i : readings) {
-                    const Sensor& before = study.model.sensors[i];
-                    const Sensor& after = moved.sensors[i];
-                    changed += before.load == static_cast<int>(l) &&
-                                       std::tie(before.gain, before.x, before.y, before.depth, before.gauge) !=
-                                           std::tie(after.gain, after.x, after.y, after.depth, after.gauge)
-                                   ? 1
-                                   : 0;
-                }
-            }
-            return changed > 1;
+            std::vector<std::size_t> scaled;
+            changes_readings_alone(study.model, applied, scaled);
+            return std::count_if(scaled.begin(), scaled.end(), [&](std::size_t i) {
+                       return std::find(readings.begin(), readings.end(), i) != readings.end();
+                   }) == 1;
         };
         // A reading with a name alone has no place: its instrument is not known by it.
         if (effect->takes_reading && (effect->is_error_of_reading || !study.has_own_model)) {
             for (const std::size_t i : readings) {
                 if (effect->is_error_of_reading ||
-                    (first_of_place(i) && changes_several({.reading = static_cast<int>(i)}))) {
+                    (first_of_place(i) && !is_of_one_reading({.reading = static_cast<int>(i)}))) {
                     add({.reading = static_cast<int>(i)},
                         effect->is_error_of_reading ? fmt::format("reading {}: {}", i + 1, study.readings[i].words())
                                                     : "every " + study.readings[i].place_words());

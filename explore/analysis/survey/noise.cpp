@@ -263,8 +263,7 @@ std::vector<SensorNoise> sensors_of(const std::vector<RepeatedDrops>& groups, co
 } // namespace
 
 double NoiseResult::stated_absolute_um() const {
-    constexpr double fine_um = 2.0;
-    if (resolution_um <= fine_um) {
+    if (resolution_um <= data::fine_um) {
         return model.value[NoiseModel::absolute];
     }
     // It does not fall with the number of drops, as what is said of one drop does.

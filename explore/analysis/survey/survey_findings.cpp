@@ -260,7 +260,6 @@ void add_light(const SurveyResult& result, std::vector<std::string>& words) {
 
 // The effect of rounding, where it is more than a sensor errs by anyway.
 void add_resolution(const SurveyResult& result, std::vector<std::string>& words) {
-    constexpr double fine_um = 2.0;
     std::map<double, std::size_t> steps;
     for (const StationResult& s : result.stations) {
         if (s.bowls) {
@@ -268,7 +267,7 @@ void add_resolution(const SurveyResult& result, std::vector<std::string>& words)
         }
     }
     for (const auto& [um, count] : steps) {
-        if (um > fine_um) {
+        if (um > data::fine_um) {
             const bool is_stated = result.study && result.study->data.states_noise();
             words.push_back(fmt::format(
                 "Readings are {}{}: rounding alone is an error of {:.2g} um (one standard deviation), {}.",

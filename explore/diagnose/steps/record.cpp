@@ -100,13 +100,14 @@ void Investigation::record(const Judged& fit, Kind kind, int order) {
 // Of the hypotheses that lead, the volume where their derivatives leave a direction open. True: a probability changed.
 bool Investigation::look_along_open_directions() {
     constexpr double near = 9.0; // of the logarithm of a probability
+    const std::vector<std::size_t> all = rows_that_count(d_.ledger);
     double best = -INFINITY;
-    for (const std::size_t r : rows_that_count(d_.ledger)) {
+    for (const std::size_t r : all) {
         const Row& row = d_.ledger.rows()[r];
         best = row.is_tried() ? std::max(best, row.log_weight()) : best;
     }
     std::map<std::size_t, std::vector<std::size_t>> rows_of; // by the model
-    for (const std::size_t r : rows_that_count(d_.ledger)) {
+    for (const std::size_t r : all) {
         const Row& row = d_.ledger.rows()[r];
         if (row.is_tried() && row.fit.mesh == Mesh::study && row.log_weight() > best - near &&
             !looked_.contains(row.model)) {
@@ -126,7 +127,7 @@ bool Investigation::look_along_open_directions() {
             continue;
         }
         const Judged now = judged(std::move(model));
-        const Judged before = models_[number];
+        const Judged& before = models_[number];
         if (!now.model.members.empty()) {
             const Kind kind = d_.ledger.rows()[rows[0]].hypothesis.kind;
             record(now, kind, 2);

@@ -31,8 +31,7 @@ const Effect& outlier() {
         .high = 100.0,
         .typical = 0.3,
         .mechanism = "A loose contact, a stone under a sensor or a slip of the pen changes one reading, by the share "
-                     "given. No other "
-                     "reading moves with it.",
+                     "given. No other reading moves with it.",
         .source = "Huber (1981), Robust Statistics: gross errors",
         .acts_on = "the first reading",
         .takes_reading = true,
