@@ -1,5 +1,6 @@
 // pavescape forward: responses at the study's own parameter values, at others, at a list of them.
 #include "report/forward.h"
+#include "analysis/common/load_steps.h"
 #include "cli/commands.h"
 #include "report/vtu.h"
 #include "study/problems.h"
@@ -58,8 +59,15 @@ int forward(const ForwardArguments& options) {
                           {}, "at least one [[parameters]]");
     }
     const std::vector<pave::pavement::Parameter> none;
-    const auto outcome = model ? model->run(at, options.jacobian ? study.parameters : none, *model->make_workspace())
-                               : study::own_response(study, at, options.jacobian);
+    auto outcome = model ? model->run(at, options.jacobian ? study.parameters : none, *model->make_workspace())
+                         : study::own_response(study, at, options.jacobian);
+    if (model && outcome) {
+        if (std::string words = analysis::path_warning(study, at, outcome->values); !words.empty()) {
+            auto response = *outcome;
+            response.warnings.push_back(std::move(words));
+            outcome = std::move(response);
+        }
+    }
     report::Json json = report::forward_json(study, model ? &*model : nullptr, outcome, values);
     if (!outcome) {
         return hand_over_failure(options.common, json,

@@ -1,6 +1,7 @@
 #include "data/bowl_faults.h"
 
 #include "data/bowl_shape.h"
+#include "data/median.h"
 
 #include <algorithm>
 #include <array>
@@ -268,21 +269,23 @@ std::optional<BowlFault> load_in_another_unit(const std::vector<Bowl>& bowls) {
                     others.push_back(compliance(*there));
                 }
             }
-            if (!others.empty() && own.value > 0.0 && own.strength > 0.0) {
-                std::sort(others.begin(), others.end());
-                apart.push_back(compliance(own) - others[others.size() / 2]);
+            std::sort(others.begin(), others.end());
+            const std::size_t n = others.size();
+            // Where the two in the middle disagree, one of them is the wrong one.
+            const bool agree = n > 0 && others[n / 2] - others[(n - 1) / 2] < near;
+            if (agree && own.value > 0.0 && own.strength > 0.0) {
+                apart.push_back(compliance(own) - median(others));
             }
         }
         if (apart.size() < least) {
             continue;
         }
-        std::sort(apart.begin(), apart.end());
-        const double middle = apart[apart.size() / 2];
+        const double middle = median(apart);
+        const auto [lowest, highest] = std::ranges::minmax(apart);
         const double unlikely = std::abs(compliance(bowls[b][0]) - std::log(2.0 / usual_Pa));
         for (const double factor : unit_factors) {
             for (const double size : {factor, 1.0 / factor}) {
-                if (apart.back() - apart.front() < alike && std::abs(middle - std::log(size)) < near &&
-                    unlikely > farthest) {
+                if (highest - lowest < alike && std::abs(middle - std::log(size)) < near && unlikely > farthest) {
                     farthest = unlikely;
                     found = BowlFault{.kind = BowlFault::Kind::factor,
                                       .rows = {},
@@ -352,6 +355,9 @@ std::string mm(double offset) {
 std::string BowlFault::words() const {
     switch (kind) {
     case Kind::exchanged:
+        if (is_by_model()) {
+            return fmt::format("{} and {} are exchanged", places[0], places[1]);
+        }
         return fmt::format("the {} at {} and {} mm are exchanged{}", of_one_load ? "readings" : "sensors",
                            mm(offsets[0]), mm(offsets[1]), of_one_load ? " under one load" : "");
     case Kind::reversed: return "the sensors are counted from the far end: the bowl rises with distance";

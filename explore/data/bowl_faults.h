@@ -30,9 +30,11 @@ struct BowlFault {
     // Readings: those exchanged (pairs, one after the other), reversed (of each load, from near to far), in another
     // unit, alike, or where it rises.
     std::vector<std::size_t> rows;
-    std::vector<double> offsets; // m, of the sensors that it names
-    double factor = 1.0;         // by which what stands there is too large
-    bool of_one_load = false;    // of several
+    std::vector<double> offsets;       // m, of the sensors that it names
+    std::vector<std::string> places{}; // of the instruments in its stead: of an exchange that the model shows
+    double factor = 1.0;               // by which what stands there is too large
+    bool of_one_load = false;          // of several
+    bool is_by_model() const { return !places.empty(); }
     bool is_mendable() const { return kind != Kind::rises && kind != Kind::constant; }
 
     std::string words() const;

@@ -136,24 +136,29 @@ CsvTable parse_table(std::string_view text, const std::string& file) {
     if (is_announced) {
         table.rows.erase(table.rows.begin());
     }
-    bool has_full_stop = false;
-    bool has_comma = false;
+    std::size_t full_stops = 0; // numbers with either; the rarer is the mistake
+    std::size_t commas = 0;
     for (std::size_t r = 1; r < table.rows.size(); ++r) {
         for (const std::string& cell : table.rows[r].cells) {
             const std::string_view bare = trimmed(cell);
-            has_full_stop = has_full_stop || (number_or_nothing(bare) && bare.find('.') != std::string_view::npos);
-            has_comma = has_comma || with_full_stop(bare);
+            full_stops += number_or_nothing(bare) && bare.find('.') != std::string_view::npos ? 1 : 0;
+            commas += with_full_stop(bare) ? 1 : 0;
         }
     }
-    table.decimal_comma = table.separator != ',' && has_comma && !has_full_stop;
+    table.decimal_comma = table.separator != ',' && commas > full_stops;
     return table;
 }
 
 double CsvTable::number(std::string_view cell, const pave::Place& place) const {
-    if (const auto converted = decimal_comma ? with_full_stop(cell) : std::nullopt) {
-        return finite_number(*converted, place);
+    if (!decimal_comma) {
+        return finite_number(cell, place);
     }
-    return finite_number(cell, place);
+    if (cell.find('.') != std::string_view::npos) {
+        throw pave::Error(place, "a full stop among numbers with decimal commas", "\"" + std::string(cell) + "\"",
+                          "one decimal sign in a file");
+    }
+    const auto converted = with_full_stop(cell);
+    return finite_number(converted ? std::string_view(*converted) : cell, place);
 }
 
 std::string csv_cell(std::string_view text) {
@@ -290,13 +295,13 @@ std::string read_file(const std::string& file, std::string_view what, Encoding e
         if (text.starts_with("\xef\xbb\xbf")) {
             text.erase(0, 3);
         }
-        if (text.find('\n') == std::string::npos) {
-            std::replace(text.begin(), text.end(), '\r', '\n');
-        }
         text = with_plain_blanks(text);
     }
     if (encoding == Encoding::bytes) {
         return text;
+    }
+    if (text.find('\n') == std::string::npos) {
+        std::replace(text.begin(), text.end(), '\r', '\n');
     }
     if (const std::size_t at = pave::first_not_utf8(text); at != std::string::npos) {
         const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');

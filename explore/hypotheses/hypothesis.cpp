@@ -13,8 +13,9 @@ constexpr double two_effects = 0.05;
 constexpr double bad_readings = 0.1;
 constexpr double corrections = 0.05;
 constexpr double layouts = 0.05;
-constexpr double tails = 0.05; // as often as one wrong reading
-constexpr double tied = 0.05;  // of what an effect has: errors in common that nobody states are rarer than a wrong load
+constexpr double tails = 0.05;   // as often as one wrong reading
+constexpr double common = 0.025; // errors that the readings of a load share, of the usual size of them
+constexpr double alike = 0.05;   // of what an effect has: of neighbouring readings
 
 double share(std::size_t count) {
     return 1.0 / static_cast<double>(std::max<std::size_t>(1, count));
@@ -45,7 +46,9 @@ double log_prior(Kind kind, const Counts& counts, std::size_t variants, std::siz
 }
 
 double log_prior_of_structure(std::string_view key, const Counts& counts) {
-    return std::log(key == "heavy-tailed" ? tails : tied * one_effect * share(counts.effects));
+    return std::log(key == "heavy-tailed" ? tails
+                    : key == "common"     ? common
+                                          : alike * one_effect * share(counts.effects));
 }
 
 } // namespace explore::hypotheses

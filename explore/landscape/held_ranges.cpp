@@ -19,11 +19,14 @@ constexpr double shows = 0.05; // of a range: less is not worth another form of 
 // The readings near a minimum, and what is allowed there, as linear functions of a move.
 class Allowed {
 public:
-    Allowed(const problem::Problem& problem, const Minimum& minimum, const LocalAnalysis& local)
+    Allowed(const problem::Problem& problem, const Minimum& minimum, const LocalAnalysis& local, bool bounds_count)
         : quantile_(local.quantile()) {
         sample_.residuals = local.rest;
         sample_.jacobian = local.root;
-        if (local.root.size() == 0 || problem.limits.empty()) {
+        if (bounds_count && local.root.size() > 0) {
+            bounds_ = minimum.on_bound;
+        }
+        if (local.root.size() == 0 || (problem.limits.empty() && bounds_.empty())) {
             return;
         }
         sample_.limits = problem.beyond_limits(minimum.evaluation);
@@ -45,13 +48,15 @@ public:
                 reached_.push_back(numbers[i]);
             }
         }
-        if (!reached_.empty()) {
+        if (is_held()) {
             const optimise::LinearRows rows(sample_, none_);
             lowest_ = rows.half(rows.lowest(damping, low_, high_));
         }
     }
 
     const std::vector<std::size_t>& reached() const { return reached_; }
+    const std::vector<BoundMet>& bounds() const { return bounds_; }
+    bool is_held() const { return !reached_.empty() || !bounds_.empty(); }
     // Standard deviation of a linear function by the readings; infinity: they do not see it.
     double deviation(const VectorXd& gradient) const {
         const VectorXd seen = inverse_.transpose() * gradient;
@@ -93,7 +98,7 @@ public:
 
     // Nothing: the range is the symmetric one.
     std::optional<HeldRange> range(const VectorXd& gradient) const {
-        if (reached_.empty() || !(gradient.norm() > 0.0)) {
+        if (!is_held() || !(gradient.norm() > 0.0)) {
             return std::nullopt;
         }
         const HeldRange held{reach(gradient, -1.0), reach(gradient, 1.0)};
@@ -110,14 +115,16 @@ private:
     MatrixXd inverse_;
     VectorXd centre_; // the move to what the readings say by themselves
     std::vector<std::size_t> reached_;
+    std::vector<BoundMet> bounds_;
     double lowest_ = 0.0; // half of the sum of squares
     MatrixXd none_;
 };
 
 } // namespace
 
-HeldRanges held_ranges(const problem::Problem& problem, const Minimum& minimum, const LocalAnalysis& local) {
-    const Allowed allowed(problem, minimum, local);
+HeldRanges held_ranges(const problem::Problem& problem, const Minimum& minimum, const LocalAnalysis& local,
+                       bool bounds_count) {
+    const Allowed allowed(problem, minimum, local, bounds_count);
     HeldRanges ranges;
     const std::size_t count = minimum.unit.size();
     ranges.parameters.resize(count);
@@ -126,6 +133,7 @@ HeldRanges held_ranges(const problem::Problem& problem, const Minimum& minimum, 
         if (auto range = allowed.range(VectorXd::Unit(static_cast<Index>(count), static_cast<Index>(k)))) {
             ranges.parameters[k] = HeldRange{std::max(0.0, at + range->low), std::min(1.0, at + range->high)};
             ranges.limits = allowed.reached();
+            ranges.bounds = allowed.bounds();
         }
     }
     return ranges;
@@ -133,7 +141,7 @@ HeldRanges held_ranges(const problem::Problem& problem, const Minimum& minimum, 
 
 std::optional<HeldRange> held_range(const problem::Problem& problem, const Minimum& minimum, const LocalAnalysis& local,
                                     const VectorXd& gradient) {
-    return Allowed(problem, minimum, local).range(gradient);
+    return Allowed(problem, minimum, local, false).range(gradient);
 }
 
 } // namespace explore::landscape

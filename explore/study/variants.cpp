@@ -95,12 +95,31 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
         }
     }
     const auto load_name = [&](int load) { return study.model.loads[static_cast<std::size_t>(load)].name; };
-    // Of several readings of one place.
-    const auto first_of_place = [&](std::size_t i) {
-        const std::string place = study.readings[i].place_words();
-        const auto same = [&](std::size_t other) { return study.readings[other].place_words() == place; };
-        return std::count_if(readings.begin(), readings.end(), same) > 1 &&
-               *std::find_if(readings.begin(), readings.end(), same) == i;
+    // The fitted readings that an effect of one instrument changes.
+    const auto same_instrument = [&](const AppliedEffect& applied) {
+        std::vector<std::size_t> changed;
+        changes_readings_alone(study.model, applied, changed);
+        std::erase_if(changed,
+                      [&](std::size_t i) { return std::find(readings.begin(), readings.end(), i) == readings.end(); });
+        std::sort(changed.begin(), changed.end());
+        return changed;
+    };
+    // By its place, and by its loads where another instrument stands there.
+    const auto instrument_words = [&](const std::vector<std::size_t>& own) {
+        const std::string place = study.readings[own.front()].place_words();
+        std::string words = "every " + place;
+        const auto is_there = [&](std::size_t i) { return study.readings[i].place_words() == place; };
+        if (std::count_if(readings.begin(), readings.end(), is_there) > static_cast<std::ptrdiff_t>(own.size())) {
+            std::vector<std::string> under;
+            for (const std::size_t i : own) {
+                const std::string& load = study.readings[i].load;
+                if (std::find(under.begin(), under.end(), load) == under.end()) {
+                    under.push_back(load);
+                }
+            }
+            words += " under " + pave::join(under);
+        }
+        return words;
     };
     std::vector<Variant> list;
     for (const Effect* effect : effects_of(study)) {
@@ -123,23 +142,18 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
                 }
             }
         }
-        // A gain of one reading alone could as well be an error of that reading.
-        const auto is_of_one_reading = [&](AppliedEffect applied) {
-            applied.effect = effect;
-            std::vector<std::size_t> scaled;
-            changes_readings_alone(study.model, applied, scaled);
-            return std::count_if(scaled.begin(), scaled.end(), [&](std::size_t i) {
-                       return std::find(readings.begin(), readings.end(), i) != readings.end();
-                   }) == 1;
-        };
         // A reading with a name alone has no place: its instrument is not known by it.
         if (effect->takes_reading && (effect->is_error_of_reading || !study.has_own_model)) {
             for (const std::size_t i : readings) {
-                if (effect->is_error_of_reading ||
-                    (first_of_place(i) && !is_of_one_reading({.reading = static_cast<int>(i)}))) {
-                    add({.reading = static_cast<int>(i)},
-                        effect->is_error_of_reading ? fmt::format("reading {}: {}", i + 1, study.readings[i].words())
-                                                    : "every " + study.readings[i].place_words());
+                AppliedEffect applied{.effect = effect, .reading = static_cast<int>(i)};
+                if (effect->is_error_of_reading) {
+                    add(std::move(applied), fmt::format("reading {}: {}", i + 1, study.readings[i].words()));
+                    continue;
+                }
+                // An instrument is tried once, and not where an error of its only reading would be the same.
+                const auto own = same_instrument(applied);
+                if (own.size() > 1 && own.front() == i) {
+                    add(std::move(applied), instrument_words(own));
                 }
             }
         }

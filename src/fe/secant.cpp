@@ -2,6 +2,7 @@
 #include "fe/gmres.h"
 #include "fe/solver_work.h"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
 namespace pave::fe {
@@ -88,6 +89,7 @@ public:
         if (points_ > 0) {
             Eigen::VectorXd unbalanced;
             balance(u, 1.0, modulus, unbalanced);
+            statistics_.indefinite_share = indefinite_share(u);
         }
         solution.displacement = u;
         if (w_.count() > 0) {
@@ -144,7 +146,37 @@ private:
         return true;
     }
 
-    // The consistent tangent at the state for displacement x: E C + E s (gradient^T C) / gain at every active point.
+    // E C + E s (gradient^T C) / gain, s = C strain.
+    mechanics::Stiffness<Element::voigt> tangent_at(int e, int g, const SecantPoint<Element::voigt>& point,
+                                                    const Vector& xe) const {
+        const Stress s = w_.unit(e, g) * Element::strain(w_.point(e, g), xe);
+        return point.modulus * (w_.unit(e, g) + s * (point.gradient.transpose() * w_.unit(e, g)) / point.gain);
+    }
+
+    // Where the symmetric part of the tangent is positive definite everywhere there is one equilibrium nearby (Hill
+    // 1958, doi 10.1016/0022-5096(58)90029-2). The share, weighted by the energy of the load stress, where it is not.
+    double indefinite_share(const Eigen::VectorXd& x) const {
+        constexpr double by = 0.1; // of the modulus
+        double share = 0.0;
+        double energy = 0.0;
+        for (std::size_t a = 0; a < w_.active.size(); ++a) {
+            const int e = w_.active[a];
+            const Vector xe = w_.model->gather(e, x.data());
+            for (int g = 0; g < Element::gauss; ++g) {
+                const auto& point = state_[static_cast<std::size_t>(a) * Element::gauss + g];
+                const mechanics::Stiffness<Element::voigt> d = tangent_at(e, g, point, xe);
+                const Stress strain = Element::strain(w_.point(e, g), xe);
+                const double w = w_.point(e, g).weight * point.modulus * strain.dot(w_.unit(e, g) * strain);
+                const Eigen::SelfAdjointEigenSolver<mechanics::Stiffness<Element::voigt>> symmetric(
+                    0.5 * (d + d.transpose()), Eigen::EigenvaluesOnly);
+                energy += w;
+                share += symmetric.eigenvalues()[0] < -by * point.modulus ? w : 0.0;
+            }
+        }
+        return energy > 0.0 ? share / energy : 0.0;
+    }
+
+    // The consistent tangent at the state for displacement x, at every active point.
     bool factorize_tangent(const Eigen::VectorXd& x) {
         if (w_.full == nullptr) {
             w_.full = std::make_unique<FullMatrix<Element>>(*w_.topology);
@@ -156,9 +188,7 @@ private:
             ElementMatrix<Element> k = ElementMatrix<Element>::Zero();
             for (int g = 0; g < Element::gauss; ++g) {
                 const auto& point = state_[static_cast<std::size_t>(a) * Element::gauss + g];
-                const Stress s = w_.unit(e, g) * Element::strain(w_.point(e, g), xe);
-                const mechanics::Stiffness<Element::voigt> d =
-                    point.modulus * (w_.unit(e, g) + s * (point.gradient.transpose() * w_.unit(e, g)) / point.gain);
+                const mechanics::Stiffness<Element::voigt> d = tangent_at(e, g, point, xe);
                 k += point_matrix<Element>(w_.point(e, g), d, w_.point(e, g), w_.point(e, g).weight);
             }
             w_.full->add(e, k);

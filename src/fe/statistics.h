@@ -13,6 +13,8 @@ struct Statistics {
     double tension_share = 0.0;  // theta < 0
     double unstable_share = 0.0; // d ln E / d ln stress >= 1 along proportional loading
     double limited_share = 0.0;  // modulus limit met
+    // Of secant: negative second-order work for some strain, by more than a tenth of the modulus.
+    double indefinite_share = 0.0;
     // Under a pulse: the error of the readings by the steps of time, of the largest of their kind; an estimate.
     double time_error = 0.0;
     // Under a pulse: what stress-dependent layers keep of their largest strain when it is over, though their stress

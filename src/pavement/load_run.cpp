@@ -163,7 +163,8 @@ void LoadRun::add(const LoadModel::Reading& reading, const std::vector<int>& pat
     sum.iterations += s.iterations;
     for (double fe::Statistics::*largest :
          {&fe::Statistics::residual_relative, &fe::Statistics::tension_share, &fe::Statistics::unstable_share,
-          &fe::Statistics::limited_share, &fe::Statistics::time_error, &fe::Statistics::kept_share}) {
+          &fe::Statistics::limited_share, &fe::Statistics::indefinite_share, &fe::Statistics::time_error,
+          &fe::Statistics::kept_share}) {
         sum.*largest = std::max(sum.*largest, s.*largest);
     }
     if (response.warnings.empty() && !case_.half_space && case_.settings.extent < 1.99 * case_.depth()) {
@@ -193,6 +194,12 @@ void add_warnings(const Case& values, Response& response) {
         response.warnings.push_back(percent(s.unstable_share) +
                                     " of the stress-dependent material stiffens as fast as it is "
                                     "stressed: no stable secant equilibrium there");
+    }
+    if (s.indefinite_share > 0.5) {
+        response.warnings.push_back(
+            "this secant equilibrium need not be the only one: in " + percent(s.indefinite_share) +
+            " of the stress-dependent material stress falls with some strain, so that readings may jump with the mesh "
+            "or a parameter; integration = \"incremental\" has one answer");
     }
     if (s.time_error > 0.01) {
         response.warnings.push_back(

@@ -65,6 +65,16 @@ TEST(ATable, WithFullStopsHasNoDecimalCommas) {
     EXPECT_NE(complaint(text).find("1,200"), std::string::npos);
 }
 
+// The rarer sign is the mistake, and its line is named: 1.200 among decimal commas is no 1.2.
+TEST(ATable, WithDecimalCommasHasNoFullStops) {
+    std::string text = with(plain, ';', true);
+    text.replace(text.find("300"), 3, "1.200");
+    const std::string words = complaint(text);
+    EXPECT_NE(words.find("a full stop among numbers with decimal commas"), std::string::npos) << words;
+    EXPECT_NE(words.find("\"1.200\""), std::string::npos) << words;
+    EXPECT_NE(words.find("a.csv:3"), std::string::npos) << words;
+}
+
 TEST(ATable, OfCommasHasNoDecimalCommas) {
     EXPECT_NE(
         complaint("load,quantity,x_mm,y_mm,depth_mm,gauge_mm,value,unit,sigma\nfwd,deflection,0,0,0,0,0,475,mm,\n")

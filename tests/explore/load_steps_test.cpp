@@ -172,3 +172,24 @@ TEST(LoadSteps, AreJudgedByTheirErrorAtTheAnswer) {
     EXPECT_FALSE(small->shows());
     EXPECT_EQ(analysis::path_words(study, small), "");
 }
+
+// Against 200 steps: half of the error to twice of it is said, and nothing where it is less than 1 %.
+TEST(LoadSteps, OfAForwardRunSayWhatTheyLeave) {
+    const study::Study study = study_with("", 0.01);
+    const auto said = [&](int steps) {
+        pave::pavement::Case at = study.model;
+        at.settings.solver.load_steps = steps;
+        return analysis::path_warning(study, at, responses(study, steps));
+    };
+    const double left = largest_share(study, 4, 1.0);
+    ASSERT_GT(left, 0.02);
+    const std::string words = said(4);
+    const auto about = words.find("about ");
+    ASSERT_NE(about, std::string::npos) << words;
+    const double percent = std::stod(words.substr(about + 6));
+    EXPECT_GT(percent, 50.0 * left) << words;
+    EXPECT_LT(percent, 200.0 * left) << words;
+    EXPECT_TRUE(words.find("load_steps = ") != std::string::npos) << words;
+    ASSERT_LT(largest_share(study, 40, 1.0), 0.005);
+    EXPECT_EQ(said(40), "");
+}

@@ -206,6 +206,49 @@ TEST(HeldRanges, EndWhereTheProfileOverWhatIsAllowedDoes) {
     EXPECT_FALSE(landscape::held_ranges(problem, best, landscape::analyse(best, problem)).any());
 }
 
+// The readings want p0 beyond its bound, 1: the profile of p1 is taken over p0 up to there, by a fine scan.
+TEST(HeldRanges, AtABoundEndWhereTheProfileInTheBoxDoes) {
+    MatrixXd a(3, 2); // which trades p0 for p1
+    a << 1.0, 0.9, 0.3, 0.5, -0.4, 0.1;
+    const VectorXd wanted = a * Eigen::Vector2d(1.03, 0.4);
+    const problem::Problem problem = test::problem_of(2, linear(a), {wanted.begin(), wanted.end()}, sigma);
+    run::Engine engine(problem, nullptr, 0, {.threads = 1, .show_progress = false});
+    const auto ends = engine.search({{0.3, 0.3}}, *optimise::find_method("gauss-newton"), {.step_tolerance = 1e-9}, 0);
+    const auto best = landscape::distinct_minima(*ends, problem)[0];
+    ASSERT_EQ(best.on_bound.size(), 1);
+    landscape::LocalAnalysis local = landscape::analyse(best, problem);
+    local.widened = false; // the noise is taken as it is stated
+    local.noise_is_stated = true;
+    const VectorXd at = VectorXd::Map(best.unit.data(), 2);
+    const Eigen::HouseholderQR<MatrixXd> qr(a / sigma);
+    local.root = qr.matrixQR().topRows(2).triangularView<Eigen::Upper>();
+    local.rest = (qr.householderQ().transpose() * (a * at - wanted) / sigma).head(2);
+    EXPECT_FALSE(landscape::held_ranges(problem, best, local).any());
+    const auto ranges = landscape::held_ranges(problem, best, local, true);
+    ASSERT_TRUE(ranges.any() && ranges.of(0) && ranges.of(1));
+    const auto profile = [&](double p1) {
+        const VectorXd rest = wanted - p1 * a.col(1);
+        const double p0 = std::min(1.0, a.col(0).dot(rest) / a.col(0).squaredNorm());
+        return (rest - p0 * a.col(0)).squaredNorm() / (sigma * sigma);
+    };
+    constexpr double step = 1e-4;
+    double lowest = INFINITY;
+    for (double p1 = 0.0; p1 <= 1.0; p1 += step) {
+        lowest = std::min(lowest, profile(p1));
+    }
+    double low = INFINITY;
+    double high = -INFINITY;
+    for (double p1 = 0.0; p1 <= 1.0; p1 += step) {
+        if (profile(p1) - lowest <= 3.841458820694124) { // 95 % of chi2 with one degree of freedom
+            low = std::min(low, p1);
+            high = std::max(high, p1);
+        }
+    }
+    EXPECT_NEAR(ranges.of(1)->low, low, 2e-3);
+    EXPECT_NEAR(ranges.of(1)->high, high, 2e-3);
+    EXPECT_NEAR(ranges.of(0)->high, 1.0, 1e-9);
+}
+
 TEST(AllowedShare, IsTheVolumeThatConstraintsLeave) {
     problem::Problem problem = test::problem_of(2, linear(two_by_three()), measured, sigma);
     EXPECT_FALSE(landscape::allowed_share(problem, 1));

@@ -44,6 +44,38 @@ TEST(Status, IsNoEquilibriumWhereTheSecantLawHasNone) {
     EXPECT_FALSE(incremental->warnings.empty()); // unstable as a secant law: said in a warning
 }
 
+// Under 40 mm of asphalt neighbouring k2 end in other equilibria: the stress in the base jumps from 335 to 581 kPa,
+// where from k2 = 0.3 to 0.5 it changes by 6 %.
+TEST(Status, OfASecantEquilibriumThatNeedNotBeTheOnlyOneIsSaid) {
+    const auto at = [](double k2) {
+        Case c;
+        c.layers = {linear_layer("asphalt", 0.040, 3000e6, 0.35),
+                    uzan_layer("base", 0.250, {.k1 = 3000, .k2 = k2, .k3 = -0.2, .n = 0.3, .eta = 1.0}),
+                    linear_layer("subgrade", 1.5, 40e6, 0.40)};
+        c.loads = {plate()};
+        c.loads[0].pressure = 700e3;
+        c.sensors = {deflection(0.0)};
+        c.settings.integration = Integration::secant;
+        return run(c);
+    };
+    const auto warns = [](const auto& outcome) {
+        return std::any_of(outcome->warnings.begin(), outcome->warnings.end(), [](const std::string& words) {
+            return words.find("need not be the only one") != std::string::npos;
+        });
+    };
+    for (const double k2 : {0.3, 0.5}) {
+        const auto one = at(k2);
+        ASSERT_TRUE(one) << k2;
+        EXPECT_FALSE(warns(one)) << k2;
+    }
+    for (const double k2 : {0.74, 0.75}) {
+        const auto one_of_several = at(k2);
+        if (one_of_several) { // or none at all
+            EXPECT_TRUE(warns(one_of_several)) << k2;
+        }
+    }
+}
+
 TEST(Status, IsFailedWithAReasonWhereASensorLiesBelowTheFloor) {
     const Case c = captif(3000, 45, {.k1 = 2000, .k2 = 0.5, .k3 = -0.3, .n = 0.4});
     const ForwardModel model(c);

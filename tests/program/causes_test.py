@@ -146,3 +146,14 @@ def test_a_base_thinner_than_stated_by_a_quarter_is_not_another_cause():
     assert found["causes"][0] == "base-thickness" and found["verdict"] in ("cause-named", "ambiguous", "cause named"), (found["verdict"], found["causes"])
     size = next(h for h in found["hypotheses"] if h["name"] == "base-thickness")["sizes"]["base-thickness"]
     assert abs(size["value"] + 80) < 5 and size["low"] <= -80 <= size["high"], size
+
+
+def test_gauges_exchanged_in_depth_are_seen_by_the_model():
+    # Layered elasticity by an independent transform solution (4200, 230 and 72 MPa) with noise; the vertical strains at 460 and 700 mm
+    # stand in each other's rows. No bowl shows it.
+    data = pathlib.Path(__file__).parent / "data"
+    found = json.loads(run("diagnose", data / "exchanged-gauges.toml", "--threads", 1, "--json", "--out", workspace() / "gauges").stdout)
+    assert found["verdict"] == "cause-named" and found["causes"] == ["sensor-position"], found["findings"][0]
+    assert "460 mm deep and strain_zz 700 mm deep are exchanged" in found["findings"][0]
+    output = found["outputs"][0]
+    assert output["low"] <= 631.06 <= output["high"], output

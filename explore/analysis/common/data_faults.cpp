@@ -42,8 +42,10 @@ void move_sensors(study::Study& study, const std::vector<std::pair<std::size_t, 
         for (const std::size_t row : rows_beside(before, from)) {
             study.readings[row].x_mm = before.readings[to].x_mm;
             study.readings[row].y_mm = before.readings[to].y_mm;
+            study.readings[row].depth_mm = before.readings[to].depth_mm;
             study.model.sensors[row].x = before.model.sensors[to].x;
             study.model.sensors[row].y = before.model.sensors[to].y;
+            study.model.sensors[row].depth = before.model.sensors[to].depth;
         }
     }
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 
 namespace explore::analysis {
 namespace {
@@ -37,6 +38,14 @@ int steps_for(ShareIn share_in) {
     }
     const std::optional<double> in_default = share_in(default_steps, allowed);
     return in_default ? std::min(enough(default_steps, *in_default, allowed), most_steps) : default_steps;
+}
+
+// Whether a load at rest is followed step by step.
+bool integrates_load(const pave::pavement::Case& model) {
+    const bool has_law = std::any_of(model.layers.begin(), model.layers.end(),
+                                     [](const auto& layer) { return layer.law->stress_dependent(); });
+    return has_law && !model.is_hyperelastic() && !model.relaxes() &&
+           model.settings.integration == pave::pavement::Integration::incremental;
 }
 
 study::Study with_steps(study::Study study, int steps) {
@@ -76,10 +85,7 @@ int PathError::enough() const {
 
 bool follows_load_path(const study::Study& study) {
     const auto& model = study.model;
-    const bool has_law = std::any_of(model.layers.begin(), model.layers.end(),
-                                     [](const auto& layer) { return layer.law->stress_dependent(); });
-    if (!has_law || model.is_hyperelastic() || model.relaxes() ||
-        model.settings.integration != pave::pavement::Integration::incremental) {
+    if (!integrates_load(model)) {
         return false;
     }
     const std::vector<bool> fitted = study::fitted_loads(study);
@@ -171,6 +177,53 @@ study::Study with_enough_load_steps(study::Study study, double relative_noise) {
     study.load_steps = study::LoadSteps::chosen;
     study.model.settings.solver.load_steps = steps;
     return study;
+}
+
+std::string path_warning(const study::Study& study, const pave::pavement::Case& at, const std::vector<double>& values) {
+    const int steps = at.settings.solver.load_steps;
+    const auto is_followed = [&](std::size_t i) {
+        const pave::pavement::Load& load = at.loads[static_cast<std::size_t>(at.sensors[i].load)];
+        return load.is_axisymmetric() && !load.is_pulse();
+    };
+    std::vector<std::size_t> followed;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (is_followed(i)) {
+            followed.push_back(i);
+        }
+    }
+    if (study.has_own_model || followed.empty() || !integrates_load(at)) {
+        return "";
+    }
+    pave::pavement::Case fine = at;
+    fine.settings.solver.load_steps = 2 * steps;
+    const pave::pavement::ForwardModel model(fine);
+    const auto other = model.run(model.nominal(), {}, *model.make_workspace());
+    if (!other) {
+        return "";
+    }
+    std::map<pave::pavement::Quantity, double> largest;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        double& own = largest[at.sensors[i].quantity];
+        own = std::max(own, std::abs(values[i]));
+    }
+    constexpr double small = 0.1;
+    double most = 0.0;
+    std::size_t reading = 0;
+    for (const std::size_t i : followed) {
+        const double scale = std::max(std::abs(values[i]), small * largest[at.sensors[i].quantity]);
+        const double share = scale > 0.0 ? whole_of_difference * std::abs(other->values[i] - values[i]) / scale : 0.0;
+        if (share > most) {
+            most = share;
+            reading = i;
+        }
+    }
+    constexpr double said = 0.01;
+    constexpr double wanted = 0.002;
+    return most < said ? ""
+                       : fmt::format("The {} load steps leave an error of about {:.0f} % in {}: load_steps = {} under "
+                                     "[solver] leaves some {:g} %.",
+                                     steps, 100.0 * most, study.readings[reading].words(),
+                                     analysis::enough(steps, most, wanted), 100.0 * wanted);
 }
 
 std::string path_words(const study::Study& study, const std::optional<PathError>& error) {

@@ -49,7 +49,10 @@ std::vector<Point> places_under(const Load& load, bool few) {
     if (!few) {
         list.insert(list.end(), {f.outer(), (f.centre + f.outer()) / 2.0});
         if (f.centre > 0.0) {
-            list.insert(list.end(), {f.inner() / 2.0, (f.inner() + f.centre) / 2.0});
+            // The largest tension of two wheels lies between a wheel's middle and its inner edge.
+            const double edge = f.inner();
+            list.insert(list.end(), {edge / 2.0, edge + (f.centre - edge) / 4.0, (edge + f.centre) / 2.0,
+                                     f.centre - (f.centre - edge) / 4.0});
         }
     }
     std::sort(list.begin(), list.end());

@@ -1,6 +1,7 @@
 #include "analysis/diagnose/diagnose.h"
 
 #include "analysis/common/groups.h"
+#include "analysis/diagnose/exchanges.h"
 #include "analysis/diagnose/separating.h"
 #include "base/text.h"
 #include "diagnose/evidence.h"
@@ -401,6 +402,12 @@ bool is_exchanged(const data::BowlFault& fault) {
     return fault.kind == data::BowlFault::Kind::exchanged;
 }
 
+// Whether the study's model, with these readings mended, misses them by more than noise.
+bool is_contradicted(const DiagnoseResult& result) {
+    return result.diagnosis.ledger.noise_is_stated() &&
+           (result.failed() || result.diagnosis.baseline.p_value < diagnose::level_contradicted);
+}
+
 // Of the most probable hypothesis: its probability beforehand and what the data say, the logarithm.
 double most_probable(const DiagnoseResult& result) {
     double most = -INFINITY;
@@ -415,10 +422,7 @@ double most_probable(const DiagnoseResult& result) {
 // A wrong reading far from the load makes a bowl rise as two exchanged sensors do. Where the study's model does not fit
 // with them in order, the readings are explained as they stand too: the more probable answer.
 std::optional<DiagnoseResult> weigh_exchange(Session& session, const study::Study& asked, DiagnoseResult in_order) {
-    const Diagnosis& d = in_order.diagnosis;
-    const bool is_doubtful =
-        d.ledger.noise_is_stated() && (in_order.failed() || d.baseline.p_value < diagnose::level_contradicted);
-    if (!is_doubtful || std::none_of(in_order.faults.begin(), in_order.faults.end(), is_exchanged)) {
+    if (!is_contradicted(in_order) || std::none_of(in_order.faults.begin(), in_order.faults.end(), is_exchanged)) {
         return in_order;
     }
     std::vector<data::BowlFault> as_read = in_order.faults;
@@ -438,11 +442,40 @@ std::optional<DiagnoseResult> weigh_exchange(Session& session, const study::Stud
     return in_order;
 }
 
+// Of instruments whose exchange no bowl shows the model may: the more probable of the readings as they stand and with
+// the two in order.
+std::optional<DiagnoseResult> weigh_likely_exchange(Session& session, const study::Study& asked,
+                                                    DiagnoseResult as_read) {
+    if (as_read.failed() || !is_contradicted(as_read) || std::ranges::any_of(as_read.faults, is_exchanged)) {
+        return as_read;
+    }
+    const auto& rows = as_read.layout.rows;
+    auto exchange = likely_exchange(as_read.study, study::make_noise_problem(as_read.study, study::Scope::fitted), rows,
+                                    as_read.diagnosis.baseline.model);
+    if (!exchange) {
+        return as_read;
+    }
+    std::vector<data::BowlFault> faults = as_read.faults;
+    faults.push_back(std::move(*exchange));
+    auto in_order = diagnose_with(session, asked, as_read.options, faults);
+    if (!in_order) {
+        return std::nullopt;
+    }
+    const double log_prior =
+        hypotheses::log_prior(hypotheses::Kind::layout, {}, possible_exchanges(as_read.study, rows), 0);
+    if (!in_order->failed() && log_prior + most_probable(*in_order) > most_probable(as_read)) {
+        return in_order;
+    }
+    session.begin(as_read.study, "diagnose", settings_of(session, as_read.reduced));
+    return as_read;
+}
+
 } // namespace
 
 std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& asked, const DiagnoseOptions& options) {
     auto result = diagnose_with(session, asked, options, data_faults(asked));
-    return result ? weigh_exchange(session, asked, std::move(*result)) : std::nullopt;
+    result = result ? weigh_exchange(session, asked, std::move(*result)) : std::nullopt;
+    return result ? weigh_likely_exchange(session, asked, std::move(*result)) : std::nullopt;
 }
 
 } // namespace explore::analysis

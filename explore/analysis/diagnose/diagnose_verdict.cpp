@@ -1,6 +1,8 @@
 #include "analysis/diagnose/diagnose_verdict.h"
 
+#include "analysis/diagnose/bottom_hint.h"
 #include "base/text.h"
+#include "inference/nuisance.h"
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
@@ -44,7 +46,7 @@ public:
                                        percent(d.decision.of_noise), row_words(d.ledger.rows()[*d.decision.noise])));
         }
         if (d.decision.premise && d.extended) {
-            text.push_back(fmt::format("Before any model: {}. All else is said with that mended.", premise_words()));
+            text.push_back(fmt::format("{}: {}. All else is said with that mended.", seen_by(), premise_words()));
         }
         for (const data::BowlFault& fault : result.faults) {
             if (!fault.is_mendable()) {
@@ -110,20 +112,23 @@ private:
                    : "";
     }
 
-    // The other meaning of a subgrade that stiffens with depth or is soft on top, in a study that has nothing below it.
-    std::string stiff_below_words() const {
-        const auto& members = d.extended->model.members;
-        for (std::size_t m = 0; m < members.size(); ++m) {
-            const std::string_view name = variants[members[m]].applied.effect->name;
-            if (study.model.half_space && (name == "subgrade-depth-gradient" || name == "weak-subgrade-top") &&
-                after->parameters[study.space.axes.size() + m].value > 0.0) {
-                return fmt::format("In this study the last layer goes on for ever; rock or anything stiff below looks "
-                                   "alike: bottom = \"rigid\" under [section], with {}.thickness_mm as a parameter, "
-                                   "tells whether that fits better (give the layer a thickness_mm to begin with).",
-                                   study.model.layers.back().name);
-            }
+    void add_bottom_hint(std::vector<std::string>& text) const {
+        if (std::string words = bottom_hint(result); !words.empty()) {
+            text.push_back(std::move(words));
         }
-        return "";
+    }
+
+    // Where every parameter of the study's model is pressed against an end of its range: "" elsewhere.
+    std::string at_ends_words() const {
+        const auto& unit = d.baseline.model.unit;
+        const std::size_t axes = study.space.axes.size();
+        const bool are_at_ends =
+            axes > 1 && std::all_of(unit.begin(), unit.begin() + static_cast<std::ptrdiff_t>(axes), [](double u) {
+                return u < inference::end_of_range || u > 1.0 - inference::end_of_range;
+            });
+        return are_at_ends ? "Every parameter of the study's model is on its bound: look first for a wrong unit of the "
+                             "readings, a wrong load or a wrong section."
+                           : "";
     }
 
     void verdict(std::vector<std::string>& text) const {
@@ -182,9 +187,7 @@ private:
                     text.push_back(std::move(words));
                 }
             }
-            if (std::string words = stiff_below_words(); !words.empty()) {
-                text.push_back(std::move(words));
-            }
+            add_bottom_hint(text);
             for (const std::size_t c : members) {
                 const std::string mechanism(variants[c].applied.effect->mechanism);
                 if (std::find(text.begin(), text.end(), mechanism) == text.end()) {
@@ -199,23 +202,29 @@ private:
                 sets.push_back(members_words(candidates, e.fit.model.members));
             }
             text.push_back(ambiguous_words(sets));
+            std::vector<std::string> best;
             for (std::size_t m = 0; m < d.extended->model.members.size(); ++m) {
-                text.push_back("Best of them: " + effect_words(m) + ".");
+                best.push_back(effect_words(m));
             }
-            if (std::string words = stiff_below_words(); !words.empty()) {
-                text.push_back(std::move(words));
-            }
+            text.push_back(fmt::format("Best of them: {}.", pave::join(best, "; and ")));
+            add_bottom_hint(text);
             break;
         }
         case Verdict::located: corrections(text); break;
         case Verdict::unexplained:
             unexplained(text);
+            add_bottom_hint(text);
             text.emplace_back(
                 "The values and 95 % ranges below are those of models that do not explain these data: they "
                 "are no answer.");
             leftovers(text);
             break;
         }
+    }
+
+    std::string_view seen_by() const {
+        return std::ranges::any_of(result.faults, &data::BowlFault::is_by_model) ? "By the study's model"
+                                                                                 : "Before any model";
     }
 
     std::string premise_words() const {
@@ -309,6 +318,9 @@ private:
         text.push_back(fmt::format("UNEXPLAINED: the data contradict the model{}. The pattern that remains is shown "
                                    "below.",
                                    why));
+        if (std::string words = at_ends_words(); !words.empty()) {
+            text.push_back(std::move(words));
+        }
         if (study.noise == study::NoiseSource::stated) {
             text.push_back(fmt::format("If the model were right, the noise would have to be {} times what is stated.",
                                        figure(std::sqrt(d.baseline.chi2 / std::max(1, d.baseline.dof)), 2)));

@@ -125,7 +125,7 @@ std::optional<FitResult> fit(Session& session, const study::Study& given, const 
     result.drifts = sensor_drifts(study, best.evaluation);
     result.joint = group_fit(study, predictor, "all", result.problem, best);
     result.local = result.joint->local;
-    result.held = landscape::held_ranges(result.problem, best, result.local);
+    result.held = landscape::held_ranges(result.problem, best, result.local, true);
     if (!result.problem.priors().empty()) {
         const problem::Problem by_noise = result.problem.in_units_of_noise();
         if (const auto acceptance = landscape::acceptance_of(by_noise, best)) {

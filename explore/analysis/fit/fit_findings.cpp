@@ -68,7 +68,7 @@ std::string noise_words(const landscape::LocalAnalysis& local, bool is_student, 
     const std::string dof =
         counted(static_cast<std::size_t>(local.degrees_of_freedom), "degree of freedom", "degrees of freedom");
     return fmt::format(
-        "{}{}: {}, {}.{}", alone ? "Judged by the readings alone, leaving the priors aside: " : "",
+        "{}{}: {}, {}.{}", alone ? "Judged by the readings alone, without priors or constraints: " : "",
         local.p_value < landscape::contradicted
             ? (alone ? "the model does not fit these data within their stated noise"
                      : "The model does not fit these data within their stated noise")
@@ -131,7 +131,7 @@ void parameters_on_bounds(const FitResult& result, std::vector<std::string>& tex
     }
 }
 
-// 95 % ranges that inequalities cut: no standard error tells them.
+// 95 % ranges that inequalities or bounds cut: no standard error tells them.
 std::string held_words(const FitResult& result) {
     if (!result.held.any()) {
         return "";
@@ -139,6 +139,10 @@ std::string held_words(const FitResult& result) {
     std::vector<std::string> limits;
     for (const std::size_t i : result.held.limits) {
         limits.push_back(result.problem.limits[i]->text());
+    }
+    for (const landscape::BoundMet& bound : result.held.bounds) {
+        limits.push_back(fmt::format("the {} bound of {}", bound.upper ? "upper" : "lower",
+                                     result.problem.space.axes[bound.axis].name));
     }
     std::vector<std::string> ranges;
     for (std::size_t k = 0; k < result.problem.space.axes.size(); ++k) {

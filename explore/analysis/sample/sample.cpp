@@ -13,6 +13,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <numeric>
 
 namespace explore::analysis {
 namespace {
@@ -274,23 +275,24 @@ void judge(SampleResult& result) {
     result.status = result.missing.empty() ? SampleStatus::converged : SampleStatus::not_converged;
 }
 
-std::vector<TellingReading> telling_of_parameters(const SampleResult& result) {
-    const auto d = static_cast<Index>(result.problem.space.axes.size());
-    VectorXd mean = VectorXd::Zero(d);
-    double total = 0.0;
-    const auto place = [&](std::size_t i) { return Eigen::Map<const VectorXd>(result.draws[i].unit.data(), d); };
-    for (std::size_t i = 0; i < result.draws.size(); ++i) {
-        mean += result.descent.weight[i] * place(i);
-        total += result.descent.weight[i];
+// At most 256 draws of equal weight: each stands for as much of the sum of the weights.
+MatrixXd equal_draws(const SampleResult& result) {
+    constexpr std::size_t most = 256;
+    const auto& weight = result.descent.weight;
+    const std::size_t n = std::min(most, result.draws.size());
+    const double step = std::accumulate(weight.begin(), weight.end(), 0.0) / static_cast<double>(n);
+    MatrixXd points(static_cast<Index>(n), static_cast<Index>(result.problem.space.axes.size()));
+    double below = 0.0; // the weights of the draws before `draw`
+    std::size_t draw = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const double middle = (static_cast<double>(i) + 0.5) * step;
+        while (draw + 1 < weight.size() && below + weight[draw] < middle) {
+            below += weight[draw++];
+        }
+        points.row(static_cast<Index>(i)) =
+            Eigen::Map<const Eigen::RowVectorXd>(result.draws[draw].unit.data(), points.cols());
     }
-    mean /= total;
-    MatrixXd covariance = MatrixXd::Zero(d, d);
-    for (std::size_t i = 0; i < result.draws.size(); ++i) {
-        const VectorXd off = place(i) - mean;
-        covariance += result.descent.weight[i] / total * off * off.transpose();
-    }
-    const std::vector<double> unit(mean.begin(), mean.end());
-    return telling_readings(result.study, unit, covariance);
+    return points;
 }
 
 // Judges the model by the readings alone where priors or constraints hold the answer: a search from the best draw, and
@@ -457,7 +459,7 @@ std::optional<SampleResult> sample(Session& session, const study::Study& given, 
         relative_to_allowed(session.options().seed, result);
         judge(result);
         if (result.converged() && !options.model.alone() && !full.noise_scale_is_sought()) {
-            result.telling = telling_of_parameters(result);
+            result.telling = telling_readings(result.study, equal_draws(result));
         }
     }
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -68,7 +68,7 @@ struct SampleResult {
     std::optional<landscape::PriorInfluence> priors{}; // there
     std::vector<PredictedReading> predicted{};         // by the draws that were run, with their noise
     std::optional<SampleCorrection> correction{};
-    std::vector<TellingReading> telling{}; // most bits first; none: not converged, or no answer at the mean
+    std::vector<TellingReading> telling{}; // most bits first; none: not converged, or no answer at most draws
     SampleStatus status = SampleStatus::failed;
     std::vector<std::string> missing{}; // why it is not converged
     std::optional<ReducedProblem> reduced{};

@@ -1,0 +1,52 @@
+#include "analysis/diagnose/bottom_hint.h"
+
+#include "pavement/effects/catalog.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace explore::analysis {
+namespace {
+
+// Whether an explanation has an effect of one of these names whose size is more than that.
+bool is_explained_by(const DiagnoseResult& result, std::initializer_list<std::string_view> names, double size) {
+    const std::size_t axes = result.study.space.axes.size();
+    return std::ranges::any_of(result.diagnosis.to_compare(), [&](const auto& explanation) {
+        const auto& model = explanation.fit.model;
+        for (std::size_t m = 0; m < model.members.size(); ++m) {
+            const std::size_t c = model.members[m];
+            const bool is_effect = c < result.variants.size(); // else a coefficient of a correction
+            if (is_effect && std::ranges::find(names, result.variants[c].applied.effect->name) != names.end() &&
+                model.evaluation.parameters[axes + m] > size) {
+                return true;
+            }
+        }
+        return false;
+    });
+}
+
+} // namespace
+
+std::string bottom_hint(const DiagnoseResult& result) {
+    if (result.study.has_own_model) {
+        return "";
+    }
+    const std::string& last = result.study.model.layers.back().name;
+    if (result.study.model.half_space &&
+        is_explained_by(result, {"subgrade-depth-gradient", "weak-subgrade-top"}, 0.0)) {
+        return fmt::format("In this study the last layer goes on for ever; rock or anything stiff below looks alike: "
+                           "bottom = \"rigid\" under [section], with {}.thickness_mm as a parameter, tells whether "
+                           "that fits better (give the layer a thickness_mm to begin with).",
+                           last);
+    }
+    constexpr std::string_view floor = "floor-depth";
+    const double nearly_deepest = 0.9 * pave::pavement::find_effect(floor)->high;
+    if (!result.study.model.half_space && is_explained_by(result, {floor}, nearly_deepest)) {
+        return fmt::format("There may be no floor at all: bottom = \"half-space\" under [section], where {} goes on "
+                           "for ever, tells whether that fits better.",
+                           last);
+    }
+    return "";
+}
+
+} // namespace explore::analysis
