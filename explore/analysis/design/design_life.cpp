@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "pavement/forward.h"
+#include "pavement/layered.h"
 #include "pavement/tie.h"
 #include "study/pavement_function.h"
 
@@ -101,6 +102,8 @@ CriticalPlaces critical_places(study::Study study, const std::vector<study::Crit
     };
     for (const study::Criterion& criterion : criteria) {
         const Load& load = study.model.loads[criterion.load];
+        const bool is_meshed =
+            !study.model.settings.layered || !why_not_layered(study.model, static_cast<int>(criterion.load)).empty();
         std::vector<std::size_t> own;
         switch (criterion.place) {
         case CriticalPlace::plate:
@@ -108,7 +111,7 @@ CriticalPlaces critical_places(study::Study study, const std::vector<study::Crit
                    add(criterion, Quantity::deflection, {1e-3 * criterion.options.back(), 0.0}, 0.0)};
             break;
         case CriticalPlace::asphalt_bottom:
-            for (const Point& at : places_under(load, true)) {
+            for (const Point& at : places_under(load, is_meshed)) {
                 for (const Quantity quantity : {Quantity::strain_xx, Quantity::strain_yy}) {
                     own.push_back(add(criterion, quantity, at, criterion.depth(study.model) - above_bottom));
                 }
