@@ -87,6 +87,7 @@ NoiseStructure average(std::string key, const LinearFit& fit, const std::vector<
     std::vector<double> as_stated;
     std::vector<double> any_size;
     std::vector<double> all;
+    std::vector<std::pair<double, double>> of_size;
     double most = -INFINITY;
     double weights = 0.0;
     for (const auto& [size, weight] : sizes) {
@@ -96,17 +97,14 @@ NoiseStructure average(std::string key, const LinearFit& fit, const std::vector<
         as_stated.push_back(own.evidence.as_stated + log_weight);
         any_size.push_back(own.evidence.any_size + log_weight);
         all.push_back(own.evidence.log + log_weight);
-        if (all.back() > most) {
-            most = all.back();
+        of_size.emplace_back(size, own.evidence.log);
+        if (own.evidence.log > most) { // the size is what the data say of it
+            most = own.evidence.log;
             structure.size = size;
             structure.chi2 = own.chi2;
             structure.evidence = own.evidence;
             structure.covariance = covariance_by(own.jacobian);
         }
-    }
-    std::vector<std::pair<double, double>> of_size;
-    for (std::size_t i = 0; i < sizes.size(); ++i) {
-        of_size.emplace_back(sizes[i].size, all[i]);
     }
     set_range(structure, std::move(of_size));
     structure.evidence.as_stated = log_sum(as_stated) - std::log(weights);

@@ -181,9 +181,9 @@ TEST(LoadSteps, OfAForwardRunSayWhatTheyLeave) {
         at.settings.solver.load_steps = steps;
         return analysis::path_warning(study, at, responses(study, steps));
     };
-    const double left = largest_share(study, 4, 1.0);
+    const double left = largest_share(study, 2, 1.0);
     ASSERT_GT(left, 0.02);
-    const std::string words = said(4);
+    const std::string words = said(2);
     const auto about = words.find("about ");
     ASSERT_NE(about, std::string::npos) << words;
     const double percent = std::stod(words.substr(about + 6));
