@@ -50,25 +50,18 @@ int forward(const ForwardArguments& options) {
     if (!options.vtu.empty()) {
         study::refuse_own_model(study, "--vtu");
     }
-    std::optional<pave::pavement::ForwardModel> model;
-    if (!study.has_own_model) {
-        model.emplace(study.model);
-    }
+    const auto model =
+        study.has_own_model ? nullptr : std::make_unique<const pave::pavement::ForwardModel>(study.model);
     if (options.jacobian && study.parameters.empty()) {
         throw pave::Error({.file = study.file, .key = "parameters"}, "--jacobian needs parameters to differentiate by",
                           {}, "at least one [[parameters]]");
     }
     const std::vector<pave::pavement::Parameter> none;
-    auto outcome = model ? model->run(at, options.jacobian ? study.parameters : none, *model->make_workspace())
-                         : study::own_response(study, at, options.jacobian);
-    if (model && outcome) {
-        if (std::string words = analysis::path_warning(study, at, outcome->values); !words.empty()) {
-            auto response = *outcome;
-            response.warnings.push_back(std::move(words));
-            outcome = std::move(response);
-        }
-    }
-    report::Json json = report::forward_json(study, model ? &*model : nullptr, outcome, values);
+    const auto outcome = analysis::with_path_warning(
+        study, at,
+        model ? model->run(at, options.jacobian ? study.parameters : none, *model->make_workspace())
+              : study::own_response(study, at, options.jacobian));
+    report::Json json = report::forward_json(study, model.get(), outcome, values);
     if (!outcome) {
         return hand_over_failure(options.common, json,
                                  std::string(to_string(outcome.status())) + ": " + outcome.failure().reason);

@@ -117,7 +117,9 @@ private:
     }
 
     bool is_explained_as_stated() const {
-        return none_ && !is_contradicted(row(*none_)) && ledger_.score() >= level_family;
+        constexpr double surely = 0.8; // of errors with something in common, whatever chi2 says
+        const bool is_common = noise_ && !row(*noise_).is_independent && d_.probability_of(*noise_) >= surely;
+        return !is_common && none_ && !is_contradicted(row(*none_)) && ledger_.score() >= level_family;
     }
     bool is_adequate() const {
         constexpr double most = 0.5;
@@ -299,9 +301,10 @@ private:
             conclude_unexplained(Reason::weak_evidence);
             return;
         }
-        // A name that leaves noise stays where together such names are more probable than that nothing is wrong.
-        const bool is_name_more_probable = leaves_noise(first) && of_names_ > d_.of_noise;
-        if (of_size_ - said_of_tails(first) >= doubtful && !is_name_more_probable) {
+        // Names stay that are more probable than noise: together those that leave noise, else the first by three times.
+        const double of_rejected = is_contradicted(first) ? 0.0 : probability_of_leader() / 3.0;
+        const double of_names = leaves_noise(first) ? of_names_ : of_rejected;
+        if (of_size_ - said_of_tails(first) >= doubtful && of_names <= d_.of_noise) {
             conclude_unexplained(Reason::noise);
             return;
         }

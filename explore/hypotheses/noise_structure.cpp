@@ -137,8 +137,8 @@ NoiseStructure common_errors(const LinearFit& fit, const MatrixXd& common, const
     VectorXd lengths = common.rowwise().norm();
     std::sort(lengths.begin(), lengths.end());
     const double median = n > 0 ? lengths[n / 2] : 0.0;
-    for (double* part : {&within.size, &within.low, &within.high}) {
-        *part = median > 0.0 ? std::sqrt(*part) / median : 0.0;
+    for (double* part : {&within.size, &within.low, &within.high}) { // in all as large as the noise is found
+        *part = median > 0.0 ? within.evidence.noise * std::sqrt(*part) / median : 0.0;
     }
     within.ends = false; // a part of what is stated is no more than that
     NoiseStructure both = within.evidence.log > more.evidence.log ? within : more;

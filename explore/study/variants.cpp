@@ -97,8 +97,7 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
     const auto load_name = [&](int load) { return study.model.loads[static_cast<std::size_t>(load)].name; };
     // The fitted readings that an effect of one instrument changes.
     const auto same_instrument = [&](const AppliedEffect& applied) {
-        std::vector<std::size_t> changed;
-        changes_readings_alone(study.model, applied, changed);
+        auto changed = readings_changed_alone(study.model, applied).sensors;
         std::erase_if(changed,
                       [&](std::size_t i) { return std::find(readings.begin(), readings.end(), i) == readings.end(); });
         std::sort(changed.begin(), changed.end());

@@ -179,7 +179,10 @@ TEST(LoadSteps, OfAForwardRunSayWhatTheyLeave) {
     const auto said = [&](int steps) {
         pave::pavement::Case at = study.model;
         at.settings.solver.load_steps = steps;
-        return analysis::path_warning(study, at, responses(study, steps));
+        pave::pavement::Response found;
+        found.values = responses(study, steps);
+        const auto warnings = analysis::with_path_warning(study, at, found)->warnings;
+        return warnings.empty() ? "" : warnings[0];
     };
     const double left = largest_share(study, 2, 1.0);
     ASSERT_GT(left, 0.02);

@@ -73,6 +73,54 @@ std::vector<problem::Evaluation> likely_answers(const study::Study& study, const
     return points;
 }
 
+// "": no more than 1 %, no load path, or no answer in twice the steps.
+std::string path_warning(const study::Study& study, const pave::pavement::Case& at, const std::vector<double>& values) {
+    const int steps = at.settings.solver.load_steps;
+    const auto is_followed = [&](std::size_t i) {
+        const pave::pavement::Load& load = at.loads[static_cast<std::size_t>(at.sensors[i].load)];
+        return load.is_axisymmetric() && !load.is_pulse();
+    };
+    std::vector<std::size_t> followed;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (is_followed(i)) {
+            followed.push_back(i);
+        }
+    }
+    if (followed.empty() || !integrates_load(at)) {
+        return "";
+    }
+    pave::pavement::Case fine = at;
+    fine.settings.solver.load_steps = 2 * steps;
+    const pave::pavement::ForwardModel model(fine);
+    const auto other = model.run(model.nominal(), {}, *model.make_workspace());
+    if (!other) {
+        return "";
+    }
+    std::map<pave::pavement::Quantity, double> largest;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        double& own = largest[at.sensors[i].quantity];
+        own = std::max(own, std::abs(values[i]));
+    }
+    constexpr double small = 0.1;
+    double most = 0.0;
+    std::size_t reading = 0;
+    for (const std::size_t i : followed) {
+        const double scale = std::max(std::abs(values[i]), small * largest[at.sensors[i].quantity]);
+        const double share = scale > 0.0 ? whole_of_difference * std::abs(other->values[i] - values[i]) / scale : 0.0;
+        if (share > most) {
+            most = share;
+            reading = i;
+        }
+    }
+    constexpr double said = 0.01;
+    constexpr double wanted = 0.002;
+    return most < said ? ""
+                       : fmt::format("The {} load steps leave an error of about {:.0f} % in {}: load_steps = {} under "
+                                     "[solver] leaves some {:g} %.",
+                                     steps, 100.0 * most, study.readings[reading].words(),
+                                     analysis::enough(steps, most, wanted), 100.0 * wanted);
+}
+
 } // namespace
 
 bool PathError::shows() const {
@@ -179,51 +227,16 @@ study::Study with_enough_load_steps(study::Study study, double relative_noise) {
     return study;
 }
 
-std::string path_warning(const study::Study& study, const pave::pavement::Case& at, const std::vector<double>& values) {
-    const int steps = at.settings.solver.load_steps;
-    const auto is_followed = [&](std::size_t i) {
-        const pave::pavement::Load& load = at.loads[static_cast<std::size_t>(at.sensors[i].load)];
-        return load.is_axisymmetric() && !load.is_pulse();
-    };
-    std::vector<std::size_t> followed;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        if (is_followed(i)) {
-            followed.push_back(i);
-        }
+pave::Outcome<pave::pavement::Response> with_path_warning(const study::Study& study, const pave::pavement::Case& at,
+                                                          pave::Outcome<pave::pavement::Response> outcome) {
+    if (!outcome || study.has_own_model) {
+        return outcome;
     }
-    if (study.has_own_model || followed.empty() || !integrates_load(at)) {
-        return "";
+    pave::pavement::Response response = *outcome;
+    if (std::string words = path_warning(study, at, response.values); !words.empty()) {
+        response.warnings.push_back(std::move(words));
     }
-    pave::pavement::Case fine = at;
-    fine.settings.solver.load_steps = 2 * steps;
-    const pave::pavement::ForwardModel model(fine);
-    const auto other = model.run(model.nominal(), {}, *model.make_workspace());
-    if (!other) {
-        return "";
-    }
-    std::map<pave::pavement::Quantity, double> largest;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        double& own = largest[at.sensors[i].quantity];
-        own = std::max(own, std::abs(values[i]));
-    }
-    constexpr double small = 0.1;
-    double most = 0.0;
-    std::size_t reading = 0;
-    for (const std::size_t i : followed) {
-        const double scale = std::max(std::abs(values[i]), small * largest[at.sensors[i].quantity]);
-        const double share = scale > 0.0 ? whole_of_difference * std::abs(other->values[i] - values[i]) / scale : 0.0;
-        if (share > most) {
-            most = share;
-            reading = i;
-        }
-    }
-    constexpr double said = 0.01;
-    constexpr double wanted = 0.002;
-    return most < said ? ""
-                       : fmt::format("The {} load steps leave an error of about {:.0f} % in {}: load_steps = {} under "
-                                     "[solver] leaves some {:g} %.",
-                                     steps, 100.0 * most, study.readings[reading].words(),
-                                     analysis::enough(steps, most, wanted), 100.0 * wanted);
+    return response;
 }
 
 std::string path_words(const study::Study& study, const std::optional<PathError>& error) {

@@ -35,10 +35,11 @@ study::Study with_enough_load_steps(study::Study study, const Session& session);
 // The same for data that the study's own values make, with errors of this share of each.
 study::Study with_enough_load_steps(study::Study study, double relative_noise);
 
-// The error that the steps of the load paths leave in a forward run at these values, in a sentence, where it is more
-// than 1 % of a value (of a tenth of the largest of its quantity, where the value is less); "": not so much, no load
-// path, or no answer in twice the steps. Loads that need three dimensions are not tried again.
-std::string path_warning(const study::Study& study, const pave::pavement::Case& at, const std::vector<double>& values);
+// A forward run at these values, with a warning of the error that the steps of its load paths leave, where that is more
+// than 1 % of a value (of a tenth of the largest of its quantity, where the value is less). Loads that need three
+// dimensions are not run again.
+pave::Outcome<pave::pavement::Response> with_path_warning(const study::Study& study, const pave::pavement::Case& at,
+                                                          pave::Outcome<pave::pavement::Response> outcome);
 
 // The error of the load path in a sentence; "": the default is enough at the answer.
 std::string path_words(const study::Study& study, const std::optional<PathError>& error);

@@ -1,6 +1,6 @@
 #include "analysis/diagnose/bottom_hint.h"
 
-#include "pavement/effects/catalog.h"
+#include "pavement/effects/effect.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -25,10 +25,21 @@ bool is_explained_by(const DiagnoseResult& result, std::initializer_list<std::st
     });
 }
 
+// Whether a floor as deep as is tried, alone, takes away most of what the study's model leaves beyond noise.
+bool is_floor_sought_deepest(const DiagnoseResult& result) {
+    const auto& d = result.diagnosis;
+    const double beyond_noise = d.baseline.chi2 - d.baseline.dof;
+    return std::ranges::any_of(d.effects, [&](const auto& found) {
+        const auto& effect = *result.variants[found.candidate].applied.effect;
+        return effect.name == "floor-depth" && found.fit && found.size.value > 0.9 * effect.high &&
+               found.gain > 0.5 * beyond_noise;
+    });
+}
+
 } // namespace
 
 std::string bottom_hint(const DiagnoseResult& result) {
-    if (result.study.has_own_model) {
+    if (result.study.model.layers.empty()) { // another's model
         return "";
     }
     const std::string& last = result.study.model.layers.back().name;
@@ -39,9 +50,7 @@ std::string bottom_hint(const DiagnoseResult& result) {
                            "that fits better (give the layer a thickness_mm to begin with).",
                            last);
     }
-    constexpr std::string_view floor = "floor-depth";
-    const double nearly_deepest = 0.9 * pave::pavement::find_effect(floor)->high;
-    if (!result.study.model.half_space && is_explained_by(result, {floor}, nearly_deepest)) {
+    if (!result.study.model.half_space && is_floor_sought_deepest(result)) {
         return fmt::format("There may be no floor at all: bottom = \"half-space\" under [section], where {} goes on "
                            "for ever, tells whether that fits better.",
                            last);

@@ -96,7 +96,11 @@ std::vector<diagnose::Candidate> candidates_of(const study::Study& study, const 
                                       .high_is_limit = effect.high_is_limit,
                                       .is_layout = !variant.applied.offsets.empty(),
                                       .axis = axis};
-        candidate.is_of_readings = changes_readings_alone(physical, variant.applied, candidate.scaled);
+        auto changed = readings_changed_alone(physical, variant.applied);
+        candidate.is_of_readings = !changed.sensors.empty();
+        if (changed.are_scaled) {
+            candidate.scaled = std::move(changed.sensors);
+        }
         if (effect.is_error_of_reading) {
             candidate.reading =
                 std::find(layout.rows.begin(), layout.rows.end(), static_cast<std::size_t>(*variant.applied.reading)) -

@@ -90,7 +90,7 @@ private:
                                          candidates[other.candidate].words(), figure(other.size.value),
                                          figure(other.size.low), figure(other.size.high), other.behind));
         }
-        return fmt::format("These readings do not tell it from {}: the effect is named, not where it acts.",
+        return fmt::format("These readings do not tell it from {}: they say what acts, not where.",
                            pave::join(others, " or "));
     }
 
@@ -123,7 +123,7 @@ private:
         const auto& unit = d.baseline.model.unit;
         const std::size_t axes = study.space.axes.size();
         const bool are_at_ends =
-            axes > 1 && std::all_of(unit.begin(), unit.begin() + static_cast<std::ptrdiff_t>(axes), [](double u) {
+            axes > 1 && unit.size() >= axes && std::all_of(unit.data(), unit.data() + axes, [](double u) {
                 return u < inference::end_of_range || u > 1.0 - inference::end_of_range;
             });
         return are_at_ends ? "Every parameter of the study's model is on its bound: look first for a wrong unit of the "
@@ -202,12 +202,15 @@ private:
                 sets.push_back(members_words(candidates, e.fit.model.members));
             }
             text.push_back(ambiguous_words(sets));
+            add_bottom_hint(text);
             std::vector<std::string> best;
             for (std::size_t m = 0; m < d.extended->model.members.size(); ++m) {
                 best.push_back(effect_words(m));
             }
             text.push_back(fmt::format("Best of them: {}.", pave::join(best, "; and ")));
-            add_bottom_hint(text);
+            if (std::string words = alike_words(); !words.empty()) {
+                text.push_back(std::move(words));
+            }
             break;
         }
         case Verdict::located: corrections(text); break;

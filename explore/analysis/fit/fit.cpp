@@ -48,7 +48,10 @@ std::optional<problem::NoiseScale> FitResult::noise_scale() const {
 }
 
 bool FitResult::leaves_unknown(std::size_t parameter) const {
-    return !landscape::is_at_bound(best().unit[parameter]) && !local.determines(parameter) && !held.of(parameter);
+    constexpr double wide = 0.5; // of the allowed range, as of a standard error
+    const auto range = held.of(parameter);
+    return !landscape::is_at_bound(best().unit[parameter]) &&
+           (range ? range->high - range->low >= wide : !local.determines(parameter));
 }
 
 std::optional<FitResult> fit(Session& session, const study::Study& given, const FitOptions& asked) {
@@ -125,7 +128,9 @@ std::optional<FitResult> fit(Session& session, const study::Study& given, const 
     result.drifts = sensor_drifts(study, best.evaluation);
     result.joint = group_fit(study, predictor, "all", result.problem, best);
     result.local = result.joint->local;
-    result.held = landscape::held_ranges(result.problem, best, result.local, true);
+    // A bound that the readings contradict is no knowledge.
+    const bool bounds_count = result.local.p_value >= landscape::contradicted;
+    result.held = landscape::held_ranges(result.problem, best, result.local, bounds_count);
     if (!result.problem.priors().empty()) {
         const problem::Problem by_noise = result.problem.in_units_of_noise();
         if (const auto acceptance = landscape::acceptance_of(by_noise, best)) {

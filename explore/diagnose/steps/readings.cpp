@@ -20,6 +20,32 @@ VectorXd beyond(const MatrixXd& base, const VectorXd& change) {
     return change - base * (base.transpose() * change);
 }
 
+// The two changes that together explain most of what is left, if noise explains the rest; none: it does not.
+std::vector<std::size_t> pair_that_explains(const std::vector<VectorXd>& changes, const VectorXd& left, double dof) {
+    constexpr double by_noise = 0.05;
+    if (dof <= 2.0) {
+        return {};
+    }
+    double least = gsl_cdf_chisq_Qinv(by_noise, dof - 2.0);
+    std::vector<std::size_t> pair;
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+        for (std::size_t j = i + 1; j < changes.size(); ++j) {
+            MatrixXd both(left.size(), 2);
+            both << changes[i], changes[j];
+            const Eigen::ColPivHouseholderQR<MatrixXd> qr(both);
+            if (qr.rank() < 2) {
+                continue;
+            }
+            const double rest = (left - both * qr.solve(left)).squaredNorm();
+            if (rest < least) {
+                least = rest;
+                pair = {i, j};
+            }
+        }
+    }
+    return pair;
+}
+
 // To first order at a model: of the readings that are not among its members, the one that stands out farthest while the
 // others scatter as they do, then the next beside it. Their candidates.
 std::vector<std::size_t> wrong_readings_beside(const problem::Problem& problem, const inference::Nuisance& nuisance,
@@ -74,6 +100,15 @@ std::vector<std::size_t> wrong_readings_beside(const problem::Problem& problem, 
         left -= along * along.dot(left);
         dof -= 1.0;
     }
+    // Two may hide each other, and stand out only together.
+    if (members.empty() && found.size() < 2 && most >= 2) {
+        const auto pair = pair_that_explains(changes, nuisance.beyond(residuals),
+                                             static_cast<double>(residuals.size() - nuisance.rank()) -
+                                                 static_cast<double>(problem.censored()));
+        if (!pair.empty()) {
+            found = {open[pair[0]], open[pair[1]]};
+        }
+    }
     return found;
 }
 
@@ -87,7 +122,9 @@ bool Investigation::fit_wrong_readings() {
     for (int round = 0; round < rounds && from.members.size() < most_wrong; ++round) {
         const auto problem = bench_.problem(from.members);
         const VectorXd residuals = from.residuals / std::sqrt(d_.variance);
-        const std::size_t most = std::min(most_wrong, rows() / 6) - std::min(from.members.size(), rows() / 6);
+        // One in six, or two of nine.
+        const std::size_t in_all = std::min(most_wrong, std::max<std::size_t>(rows() / 6, rows() < 9 ? 0 : 2));
+        const std::size_t most = in_all - std::min(from.members.size(), in_all);
         const auto more =
             wrong_readings_beside(*problem, nuisance_of(from), residuals, task_.candidates, from.members, most);
         if (more.empty() || from.members.size() + more.size() < 2) {

@@ -104,40 +104,35 @@ Case seen_by_load(const Case& whole, std::size_t load) {
 
 } // namespace
 
-bool changes_readings_alone(const Case& c, const AppliedEffect& applied, std::vector<std::size_t>& scaled) {
-    scaled.clear();
+ChangedReadings readings_changed_alone(const Case& c, const AppliedEffect& applied) {
     if (!why_impossible(c, applied).empty() || c.loads.empty()) {
-        return false;
+        return {};
     }
     Case with = c;
     with.effects = {applied};
     with.effects[0].size = applied.effect->typical;
     Case without = c;
     without.effects.clear();
-    bool changes = false;
-    bool scales = applied.effect->null == 1.0;
+    ChangedReadings changed{.sensors = {}, .are_scaled = applied.effect->null == 1.0};
     for (std::size_t l = 0; l < c.loads.size(); ++l) {
         const Case here = seen_by_load(with, l);
         const Case before = seen_by_load(without, l);
         if (here.layers != before.layers || here.loads != before.loads ||
             here.sensors.size() != before.sensors.size()) {
-            return false;
+            return {};
         }
         for (std::size_t s = 0; s < here.sensors.size(); ++s) {
             if (static_cast<std::size_t>(here.sensors[s].load) != l || here.sensors[s] == before.sensors[s]) {
                 continue;
             }
-            changes = true;
             Sensor scaled_alone = before.sensors[s];
             scaled_alone.gain *= applied.effect->typical;
-            scales = scales && scaled_alone == here.sensors[s];
-            scaled.push_back(s);
+            changed.are_scaled = changed.are_scaled && scaled_alone == here.sensors[s];
+            changed.sensors.push_back(s);
         }
     }
-    if (!scales) {
-        scaled.clear();
-    }
-    return changes;
+    changed.are_scaled = changed.are_scaled && !changed.sensors.empty();
+    return changed;
 }
 
 std::string layer_stiffened(const Case& c, const AppliedEffect& applied) {

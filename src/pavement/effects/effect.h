@@ -57,9 +57,12 @@ Case with_effects(const Case& c, int load);
 // things.
 std::string layer_stiffened(const Case& c, const AppliedEffect& applied);
 
-// Whether all that an effect changes is what instruments read: sensors, neither layers nor loads. scaled: filled with
-// those that it multiplies by its size, if that is all it does; else left empty.
-bool changes_readings_alone(const Case& c, const AppliedEffect& applied, std::vector<std::size_t>& scaled);
+// The sensors that an effect changes, if it changes neither layers nor loads; else none.
+struct ChangedReadings {
+    std::vector<std::size_t> sensors;
+    bool are_scaled = false; // multiplied by the size, and no more
+};
+ChangedReadings readings_changed_alone(const Case& c, const AppliedEffect& applied);
 
 // Why the case cannot have the effect, or "": what the effect itself says, and options that name nothing.
 std::string why_impossible(const Case& c, const AppliedEffect& applied);
