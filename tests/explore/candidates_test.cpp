@@ -1,10 +1,13 @@
 // What a further reading would tell: of loads whose numbers are sought, too.
 #include "analysis/common/candidate_readings.h"
 #include "analysis/unique/unique.h"
+#include "pavement/effects/effect.h"
 #include "study/candidates.h"
 #include "study/problems.h"
+#include "study/variants.h"
 #include "support/layered_study.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 
 using namespace explore;
@@ -25,6 +28,27 @@ std::size_t candidate(const study::Study& list, const std::string& load, double 
 }
 
 } // namespace
+
+// A sensor that reads under two loads may stand elsewhere, or have a gain of its own; one that reads once may as well
+// be wrong that once.
+TEST(Variants, AreThePlaceAndTheGainOfAnInstrumentThatReadsTwice) {
+    const auto count = [](const study::Study& study, std::string_view effect) {
+        const auto list = study::variants(study, {});
+        return std::count_if(list.begin(), list.end(), [&](const study::Variant& variant) {
+            return variant.applied.effect->name == effect && variant.on == "every deflection at 300 mm";
+        });
+    };
+    std::string under_both = test::layered_bowl() + test::layered_bowl();
+    for (std::size_t at = test::layered_bowl().size(); (at = under_both.find("fwd", at)) != std::string::npos;) {
+        under_both.replace(at, 3, "wheel");
+    }
+    const study::Study once = test::layered_study(test::layered_bowl());
+    const study::Study twice = test::layered_study(under_both);
+    for (const char* effect : {"sensor-gain", "sensor-position"}) {
+        EXPECT_EQ(count(once, effect), 0) << effect;
+        EXPECT_EQ(count(twice, effect), 1) << effect;
+    }
+}
 
 // In a linear section a deflection is proportional to the pressure: under half as much again it is 1.5 times that of
 // the load itself, whatever the load's own pressure is at the time; d(ln deflection)/d(ln pressure) = 1.

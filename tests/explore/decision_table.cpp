@@ -43,6 +43,16 @@ std::vector<Case> table() {
          Verdict::adequate});
     // Names.
     add({"one effect", {bad, far, effect("a", 38, -10)}, Verdict::cause_named, {"a"}});
+    add({"one that leaves a little more, beside noise that is less probable",
+         {bad, noise(1.3, -11.7), effect("a", 58, -10)},
+         Verdict::ambiguous,
+         {"a"},
+         Reason::leaves_more_than_noise});
+    add({"and beside noise that is nearly as probable",
+         {bad, noise(1.3, -10.7), effect("a", 58, -10)},
+         Verdict::unexplained,
+         {},
+         Reason::noise});
     add({"one effect far before another",
          {bad, far, effect("a", 38, -10), effect("b", 52, -16)},
          Verdict::cause_named,

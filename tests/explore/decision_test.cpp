@@ -25,6 +25,19 @@ TEST(Decision, IsWhatTheTableSays) {
     }
 }
 
+// Noise as stated would explain the readings; errors in common explain them so much better that their ranges are right.
+TEST(Decision, TakesErrorsInCommonForTheNoiseWhereTheyAreFarMoreProbable) {
+    for (const double log_weight : {1.0, 3.0}) { // 73 and 95 %
+        Row shared = noise(0.95, log_weight, "shared");
+        shared.is_independent = false;
+        Case c{"shared", {nothing(36, 0), shared}, Verdict::adequate};
+        c.score = 0.4;
+        const auto found = decide(ledger_of(c, c.rows));
+        EXPECT_EQ(found.verdict, Verdict::adequate);
+        EXPECT_EQ(found.as_stated, log_weight < 2.0);
+    }
+}
+
 TEST(Decision, DoesNotDependOnTheOrderOfRows) {
     for (const Case& c : table()) {
         const auto expected = decide(ledger_of(c, c.rows));

@@ -157,3 +157,13 @@ def test_gauges_exchanged_in_depth_are_seen_by_the_model():
     assert "460 mm deep and strain_zz 700 mm deep are exchanged" in found["findings"][0]
     output = found["outputs"][0]
     assert output["low"] <= 631.06 <= output["high"], output
+
+
+def test_two_wrong_readings_of_eleven_that_hide_each_other_are_found():
+    # Layered elasticity by an independent transform solution with noise of 1 %; the strains at 430 and 700 mm are read 0.72 and 1.4 times.
+    data = pathlib.Path(__file__).parent / "data"
+    found = json.loads(run("diagnose", data / "two-wrong-of-eleven.toml", "--threads", 1, "--json", "--out", workspace() / "eleven").stdout)
+    assert found["verdict"] == "cause-named" and found["causes"] == ["outlier"], found["findings"][0]
+    assert sorted(int(e["on"].split()[1].rstrip(":")) for e in found["explanations"][0]["effects"]) == [8, 10]
+    output = next(o for o in found["outputs"] if o["name"] == "top of subgrade")
+    assert output["low"] <= 698.46 <= output["high"], output
