@@ -49,6 +49,19 @@ private:
     bool equality_;
 };
 
+// Of a linear problem, the noise as it is stated: |root d + rest|^2 without what it was taken larger by.
+landscape::LocalAnalysis by_stated_noise(const landscape::Minimum& best, const problem::Problem& problem,
+                                         const MatrixXd& a, const VectorXd& wanted) {
+    landscape::LocalAnalysis local = landscape::analyse(best, problem);
+    local.widened = false;
+    local.noise_is_stated = true;
+    const VectorXd at = VectorXd::Map(best.unit.data(), 2);
+    const Eigen::HouseholderQR<MatrixXd> qr(a / sigma);
+    local.root = qr.matrixQR().topRows(2).triangularView<Eigen::Upper>();
+    local.rest = (qr.householderQ().transpose() * (a * at - wanted) / sigma).head(2);
+    return local;
+}
+
 run::Endpoint end_at(run::Engine& engine, const std::vector<double>& unit, int start, bool converged) {
     run::Endpoint end;
     end.start = start;
@@ -138,14 +151,7 @@ TEST(HeldRanges, EndWhereTheProfileOverWhatIsAllowedDoes) {
         const auto ends =
             engine.search({{0.3, 0.3}}, *optimise::find_method("gauss-newton"), {.step_tolerance = 1e-9}, 0);
         const auto best = landscape::distinct_minima(*ends, problem)[0];
-        landscape::LocalAnalysis local = landscape::analyse(best, problem);
-        local.widened = false; // the noise is taken as it is stated
-        local.noise_is_stated = true;
-        // |root d + rest|^2 without what the noise was taken larger by.
-        const VectorXd at = VectorXd::Map(best.unit.data(), 2);
-        const Eigen::HouseholderQR<MatrixXd> qr(a / sigma);
-        local.root = qr.matrixQR().topRows(2).triangularView<Eigen::Upper>();
-        local.rest = (qr.householderQ().transpose() * (a * at - VectorXd::Map(measured.data(), 3)) / sigma).head(2);
+        const auto local = by_stated_noise(best, problem, a, VectorXd::Map(measured.data(), 3));
         const auto ranges = landscape::held_ranges(problem, best, local);
         ASSERT_TRUE(ranges.any()) << bound;
         const auto of_quantity = landscape::held_range(problem, best, local, slope);
@@ -216,13 +222,7 @@ TEST(HeldRanges, AtABoundEndWhereTheProfileInTheBoxDoes) {
     const auto ends = engine.search({{0.3, 0.3}}, *optimise::find_method("gauss-newton"), {.step_tolerance = 1e-9}, 0);
     const auto best = landscape::distinct_minima(*ends, problem)[0];
     ASSERT_EQ(best.on_bound.size(), 1);
-    landscape::LocalAnalysis local = landscape::analyse(best, problem);
-    local.widened = false; // the noise is taken as it is stated
-    local.noise_is_stated = true;
-    const VectorXd at = VectorXd::Map(best.unit.data(), 2);
-    const Eigen::HouseholderQR<MatrixXd> qr(a / sigma);
-    local.root = qr.matrixQR().topRows(2).triangularView<Eigen::Upper>();
-    local.rest = (qr.householderQ().transpose() * (a * at - wanted) / sigma).head(2);
+    const auto local = by_stated_noise(best, problem, a, wanted);
     EXPECT_FALSE(landscape::held_ranges(problem, best, local).any());
     const auto ranges = landscape::held_ranges(problem, best, local, true);
     ASSERT_TRUE(ranges.any() && ranges.of(0) && ranges.of(1));
