@@ -13,9 +13,9 @@ constexpr double two_effects = 0.05;
 constexpr double bad_readings = 0.1;
 constexpr double corrections = 0.05;
 constexpr double layouts = 0.05;
-constexpr double tails = 0.05;   // as often as one wrong reading
-constexpr double common = 0.025; // errors that the readings of a load share, of the usual size of them
-constexpr double alike = 0.05;   // of what an effect has: of neighbouring readings
+constexpr double tails = 0.05;  // as often as one wrong reading
+constexpr double common = 0.04; // errors that the readings of a load share, of the usual size of them
+constexpr double alike = 0.05;  // of what an effect has: of neighbouring readings
 
 double share(std::size_t count) {
     return 1.0 / static_cast<double>(std::max<std::size_t>(1, count));
