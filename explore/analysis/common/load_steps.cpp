@@ -232,7 +232,7 @@ pave::Outcome<pave::pavement::Response> with_path_warning(const study::Study& st
     if (!outcome || study.has_own_model) {
         return outcome;
     }
-    pave::pavement::Response response = *outcome;
+    pave::pavement::Response response = std::move(outcome).value();
     if (std::string words = path_warning(study, at, response.values); !words.empty()) {
         response.warnings.push_back(std::move(words));
     }

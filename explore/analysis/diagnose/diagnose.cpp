@@ -423,6 +423,16 @@ double most_probable(const DiagnoseResult& result) {
     return most;
 }
 
+// Of readings with two exchanged of so many in order, and as they stand.
+DiagnoseResult more_probable(Session& session, DiagnoseResult in_order, DiagnoseResult as_read, std::size_t exchanges) {
+    const double log_prior = hypotheses::log_prior(hypotheses::Kind::layout, {}, exchanges, 0);
+    const bool is_as_read =
+        !as_read.failed() && (in_order.failed() || most_probable(as_read) > log_prior + most_probable(in_order));
+    DiagnoseResult result = std::move(is_as_read ? as_read : in_order);
+    session.begin(result.study, "diagnose", settings_of(session, result.reduced)); // the run used last
+    return result;
+}
+
 // A wrong reading far from the load makes a bowl rise as two exchanged sensors do. Where the study's model does not fit
 // with them in order, the readings are explained as they stand too: the more probable answer.
 std::optional<DiagnoseResult> weigh_exchange(Session& session, const study::Study& asked, DiagnoseResult in_order) {
@@ -438,12 +448,7 @@ std::optional<DiagnoseResult> weigh_exchange(Session& session, const study::Stud
         return std::nullopt;
     }
     const std::size_t readings = in_order.layout.rows.size();
-    const double log_prior = hypotheses::log_prior(hypotheses::Kind::layout, {}, readings * (readings - 1) / 2, 0);
-    if (!other->failed() && (in_order.failed() || most_probable(*other) > log_prior + most_probable(in_order))) {
-        return other;
-    }
-    session.begin(in_order.study, "diagnose", settings_of(session, in_order.reduced));
-    return in_order;
+    return more_probable(session, std::move(in_order), std::move(*other), readings * (readings - 1) / 2);
 }
 
 // Of instruments whose exchange no bowl shows the model may: the more probable of the readings as they stand and with
@@ -465,13 +470,8 @@ std::optional<DiagnoseResult> weigh_likely_exchange(Session& session, const stud
     if (!in_order) {
         return std::nullopt;
     }
-    const double log_prior =
-        hypotheses::log_prior(hypotheses::Kind::layout, {}, possible_exchanges(as_read.study, rows), 0);
-    if (!in_order->failed() && log_prior + most_probable(*in_order) > most_probable(as_read)) {
-        return in_order;
-    }
-    session.begin(as_read.study, "diagnose", settings_of(session, as_read.reduced));
-    return as_read;
+    const std::size_t exchanges = possible_exchanges(as_read.study, rows);
+    return more_probable(session, std::move(*in_order), std::move(as_read), exchanges);
 }
 
 } // namespace
