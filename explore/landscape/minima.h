@@ -84,9 +84,9 @@ struct LocalAnalysis {
     // and the variances W of the residuals (the least squares estimator's, whatever its weights). Parameters on a bound
     // count as unknown like the others; inequalities tell nothing here (held_ranges.h).
     std::vector<double> standard_error;
-    // Whether the 95 % range covers less than half of what the study allows: one that does not leaves the parameter
-    // about as unknown as it was.
-    bool determines(std::size_t parameter) const { return 2.0 * quantile() * standard_error[parameter] < 0.5; }
+    // A 95 % range of half of what the study allows leaves the parameter about as unknown as it was.
+    static constexpr double undetermined = 0.5;
+    bool determines(std::size_t parameter) const { return 2.0 * quantile() * standard_error[parameter] < undetermined; }
     // |root d + rest|^2 is, but for a constant, how far a move d of the unit coordinates lies from what the readings
     // say, in units of their noise: root' root is the inverse of that covariance. Empty: no noise is known.
     Eigen::MatrixXd root{};

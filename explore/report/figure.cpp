@@ -358,6 +358,10 @@ std::string cell(double value) {
     return std::isfinite(value) ? fmt::format("{}", value) : std::string();
 }
 
+std::string cell(const std::optional<double>& value) {
+    return value ? cell(*value) : std::string();
+}
+
 std::vector<Tick> round_ticks(double low, double high, bool log, int most) {
     const auto named = [](double at) { return Tick{at, fmt::format("{:.6g}", at)}; };
     std::vector<Tick> ticks;

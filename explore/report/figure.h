@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -131,6 +132,7 @@ std::string gnuplot_script(const Figure& figure, FigureFormat format, const std:
 std::string csv_text(const DataTable& table);
 // A number as a cell; not a number: empty.
 std::string cell(double value);
+std::string cell(const std::optional<double>& value); // nothing: empty
 
 // A number and its unit, as they stand beside an axis.
 struct AxisWords {

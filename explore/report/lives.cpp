@@ -20,14 +20,6 @@ const StationLives* lives_of(const StationResult& s) {
     return s.is_fitted() && s.fit->lives ? &*s.fit->lives : nullptr;
 }
 
-std::string number_cell(double value) {
-    return std::isfinite(value) ? fmt::format("{}", value) : "";
-}
-
-std::string number_cell(const std::optional<double>& value) {
-    return value ? fmt::format("{}", *value) : "";
-}
-
 std::string years_with_range(const CriterionLife& c) {
     const std::string best = analysis::years_words(c, c.allowable.best);
     return std::isnan(c.allowable.low) ? best
@@ -112,12 +104,11 @@ std::vector<std::string> life_cells(const SurveyResult& result, const StationRes
         return cells;
     }
     for (const CriterionLife& c : lives->criteria) {
-        cells.insert(cells.end(), {number_cell(c.allowable.best), number_cell(c.years.best), number_cell(c.years.low),
-                                   number_cell(c.years.high)});
+        cells.insert(cells.end(), {cell(c.allowable.best), cell(c.years.best), cell(c.years.low), cell(c.years.high)});
     }
     const analysis::Overlay& overlay = lives->overlay;
-    cells.insert(cells.end(), {lives->first().criterion.name, number_cell(overlay.best), number_cell(overlay.low),
-                               number_cell(overlay.high), number_cell(overlay.reliable)});
+    cells.insert(cells.end(), {lives->first().criterion.name, cell(overlay.best), cell(overlay.low), cell(overlay.high),
+                               cell(overlay.reliable)});
     return cells;
 }
 

@@ -5,6 +5,7 @@
 #include "base/units.h"
 #include "data/csv.h"
 #include "report/condition.h"
+#include "report/figure.h"
 #include "report/lives.h"
 
 #include <algorithm>
@@ -247,10 +248,6 @@ std::set<double> all_offsets(const SurveyResult& result) {
     return offsets;
 }
 
-std::string number(const std::optional<double>& value) {
-    return value ? fmt::format("{}", *value) : "";
-}
-
 std::string in_one_cell(const std::vector<int>& numbers) {
     std::string text;
     for (const int n : numbers) {
@@ -418,30 +415,28 @@ std::string survey_csv(const SurveyResult& result) {
     for (const StationResult& s : result.stations) {
         const auto& f = s.station;
         std::vector<std::string> cells = {
-            f.name, f.profile, f.lane, number(f.chainage_m), std::string(to_string(s.state)), analysis::reason_of(s)};
+            f.name, f.profile, f.lane, cell(f.chainage_m), std::string(to_string(s.state)), analysis::reason_of(s)};
         if (s.has_bowl()) {
             const auto& bowl = s.bowl();
             const auto& indices = *s.indices;
-            cells.insert(cells.end(),
-                         {number(bowl.radius_mm), number(bowl.pressure_kPa), number(bowl.d0_um()),
-                          number(result.d0_at_common(s)), number(bowl.at(data::ratio_offset_mm)),
-                          !s.ratio()                ? ""
-                          : d250_is_interpolated(s) ? "true"
-                                                    : "false",
-                          number(s.ratio()), std::string(analysis::verdict(s)), analysis::why_no_ratio(s),
-                          number(s.normalised_kPa), number(indices.d0_um), number(indices.sci_um),
-                          number(indices.bdi_um), number(indices.bci_um), number(indices.area_mm),
-                          number(indices.curvature_radius_m), number(indices.surface_moduli[0].modulus_MPa)});
+            cells.insert(cells.end(), {cell(bowl.radius_mm), cell(bowl.pressure_kPa), cell(bowl.d0_um()),
+                                       cell(result.d0_at_common(s)), cell(bowl.at(data::ratio_offset_mm)),
+                                       !s.ratio()                ? ""
+                                       : d250_is_interpolated(s) ? "true"
+                                                                 : "false",
+                                       cell(s.ratio()), std::string(analysis::verdict(s)), analysis::why_no_ratio(s),
+                                       cell(s.normalised_kPa), cell(indices.d0_um), cell(indices.sci_um),
+                                       cell(indices.bdi_um), cell(indices.bci_um), cell(indices.area_mm),
+                                       cell(indices.curvature_radius_m), cell(indices.surface_moduli[0].modulus_MPa)});
             for (const double offset : offsets) {
-                cells.push_back(bowl.has_sensor_at(offset) ? number(bowl.at(offset)) : "");
+                cells.push_back(bowl.has_sensor_at(offset) ? cell(bowl.at(offset)) : "");
             }
         } else {
             cells.resize(cells.size() + 17 + offsets.size());
         }
         if (s.is_fitted()) {
             for (const auto& p : s.fit->parameters) {
-                cells.insert(cells.end(),
-                             {number(p.value), number(p.low), number(p.high), p.determined ? "true" : "false"});
+                cells.insert(cells.end(), {cell(p.value), cell(p.low), cell(p.high), p.determined ? "true" : "false"});
             }
         } else {
             cells.resize(cells.size() + 4 * names.size());
@@ -453,8 +448,8 @@ std::string survey_csv(const SurveyResult& result) {
             }
             const auto& p = s.fit->outputs[o];
             cells.insert(cells.end(),
-                         {number(outputs[o].in_unit(p.value)), p.determined ? number(outputs[o].in_unit(p.low)) : "",
-                          p.determined ? number(outputs[o].in_unit(p.high)) : ""});
+                         {cell(outputs[o].in_unit(p.value)), p.determined ? cell(outputs[o].in_unit(p.low)) : "",
+                          p.determined ? cell(outputs[o].in_unit(p.high)) : ""});
         }
         for (std::string& text_of_life : life_cells(result, s)) {
             cells.push_back(std::move(text_of_life));
@@ -462,20 +457,20 @@ std::string survey_csv(const SurveyResult& result) {
         if (result.study && s.fit) {
             const landscape::Minimum& best = s.fit->best;
             cells.insert(cells.end(),
-                         {number(best.evaluation.misfit), number(s.fit->rms_percent), best.converged ? "true" : "false",
+                         {cell(best.evaluation.misfit), cell(s.fit->rms_percent), best.converged ? "true" : "false",
                           pave::join(bound_words(result.study->space, best.on_bound)),
-                          number(s.asphalt_at_reference_MPa)});
+                          cell(s.asphalt_at_reference_MPa)});
         } else if (result.study) {
             cells.resize(cells.size() + 5);
         }
         if (result.reference_C) {
             const auto at = s.at_reference.value_or(data::IndicesAtReference{});
-            cells.insert(cells.end(), {number(at.d0_um), number(at.sci_um), number(at.bdi_um), number(at.bci_um)});
+            cells.insert(cells.end(), {cell(at.d0_um), cell(at.sci_um), cell(at.bdi_um), cell(at.bci_um)});
         }
         cells.insert(cells.end(),
-                     {number(f.air_C), number(f.surface_C), s.asphalt ? number(s.asphalt->celsius) : "",
+                     {cell(f.air_C), cell(f.surface_C), s.asphalt ? cell(s.asphalt->celsius) : "",
                       s.asphalt ? std::string(temperature_sources[static_cast<int>(s.asphalt->source)]) : "",
-                      number(f.latitude), number(f.longitude), f.date, f.time, f.comment, in_one_cell(drops_used(s)),
+                      cell(f.latitude), cell(f.longitude), f.date, f.time, f.comment, in_one_cell(drops_used(s)),
                       in_one_cell(drops_left_out(s)), pave::join(analysis::remarks_of(result, s), "; "), f.file,
                       std::to_string(f.line)});
         add(cells);

@@ -198,6 +198,8 @@ Study with_free_effects(Study study, const std::vector<Variant>& variants) {
 
 namespace {
 
+constexpr std::string_view endless = "half-space"; // bottom of a section without a floor
+
 // A piece of text to be replaced.
 struct Edit {
     std::size_t begin = 0, end = 0; // bytes
@@ -331,6 +333,15 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
     if (extended.load_steps == LoadSteps::chosen && solver != nullptr) {
         editor.insert(*solver, "load_steps", fmt::format("{}", extended.model.settings.solver.load_steps));
     }
+    const toml::table* section = root["section"].as_table();
+    const bool loses_floor = extended.model.half_space && root["section"]["bottom"].value_or(std::string()) != endless;
+    if (loses_floor && section != nullptr) {
+        if (const toml::node* stated = section->get("bottom")) {
+            editor.replace(*stated, quoted(std::string(endless)));
+        } else {
+            editor.insert(*section, "bottom", quoted(std::string(endless)));
+        }
+    }
     const std::size_t known = values.size() - variants.size();
     for (std::size_t k = 0; k < known; ++k) {
         const std::string& path = extended.parameters[k].path;
@@ -361,6 +372,9 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
     std::string result = editor.result();
     if (extended.load_steps == LoadSteps::chosen && solver == nullptr) {
         result += fmt::format("\n[solver]\nload_steps = {}\n", extended.model.settings.solver.load_steps);
+    }
+    if (loses_floor && section == nullptr) {
+        result += fmt::format("\n[section]\nbottom = {}\n", quoted(std::string(endless)));
     }
     for (std::size_t v = 0; v < variants.size(); ++v) {
         const AppliedEffect& applied = variants[v].applied;

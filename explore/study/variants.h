@@ -25,9 +25,9 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
 Study with_free_effects(Study study, const std::vector<Variant>& variants);
 
 // The study file's text with these parameter values in place of its own, with the effects among the parameters as
-// [[effects]] and [[parameters]], with the number of load steps that was chosen, so that it reads the same, and with
-// data files found from `folder`; everything else to the letter. extended: of with_free_effects, values: of all its
-// parameters, file units.
+// [[effects]] and [[parameters]], with the number of load steps that was chosen and the bottom of its section, so that
+// it reads the same, and with data files found from `folder`; everything else to the letter. extended: of
+// with_free_effects, values: of all its parameters, file units.
 std::string extended_text(const Study& extended, const std::vector<Variant>& variants,
                           const std::vector<double>& values, const std::string& folder);
 

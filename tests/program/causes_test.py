@@ -167,3 +167,29 @@ def test_two_wrong_readings_of_eleven_that_hide_each_other_are_found():
     assert sorted(int(e["on"].split()[1].rstrip(":")) for e in found["explanations"][0]["effects"]) == [8, 10]
     output = next(o for o in found["outputs"] if o["name"] == "top of subgrade")
     assert output["low"] <= 698.46 <= output["high"], output
+
+
+def test_a_floor_that_is_not_there_is_the_cause():
+    # Layered elasticity by an independent transform solution with noise of 1 %: 3600, 210 and 66 MPa, the last for ever, where the study has a floor
+    # 3 m down. With the floor, mass and damping do nearly as well.
+    data = pathlib.Path(__file__).parent / "data"
+    found = json.loads(run("diagnose", data / "no-floor.toml", "--threads", 1, "--json", "--out", workspace() / "floor").stdout)
+    assert found["verdict"] == "cause-named" and found["causes"] == ["floor-depth"], found["findings"][0]
+    assert "there is no floor" in found["findings"][0]
+    truths = {"top of subgrade": 843.28, "bottom of asphalt": -358.29}
+    for output in found["outputs"]:
+        assert output["low"] <= truths[output["name"]] <= output["high"], output
+
+
+def test_a_sigma_in_another_unit_is_said_first():
+    data = pathlib.Path(__file__).parent / "data"
+    folder = workspace()
+    text = (data / "no-floor.toml").read_text().replace("thickness_mm = 2630\n", "").replace("[mesh]", '[section]\nbottom = "half-space"\n[mesh]')
+    (folder / "study.toml").write_text(text)
+    lines = (data / "no-floor.csv").read_text().splitlines()
+    cells = lines[3].split(",")  # the value in another unit than its sigma
+    lines[3] = ",".join([*cells[:6], f"{1000 * float(cells[6]):g}", "um", cells[8]])
+    (folder / "no-floor.csv").write_text("\n".join(lines) + "\n")
+    for command in ("fit", "diagnose"):
+        found = json.loads(run(command, folder / "study.toml", "--threads", 1, "--json", "--out", folder / command).stdout)
+        assert any("deflection at 300 mm under p400: sigma = 0.003117 um" in words for words in found["findings"][:2]), found["findings"][:3]

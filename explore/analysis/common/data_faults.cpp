@@ -193,11 +193,34 @@ std::string Rounding::words() const {
                        about.name, pave::figure(step / about.to_si), about.unit);
 }
 
-std::vector<std::string> fault_words(const std::vector<BowlFault>& faults) {
+std::optional<DoubtfulNoise> doubtful_noise(const study::Study& study) {
+    constexpr double finest = 1e-4; // of a reading; geophones and strain gauges repeat to some 5e-3
+    DoubtfulNoise found;
+    for (std::size_t i = 0; i < study.measured().size(); ++i) {
+        const data::Reading& own = study.readings[i];
+        if (own.sigma && *own.sigma < finest * std::abs(own.value)) {
+            found.rows.push_back(i);
+        }
+    }
+    if (found.rows.empty()) {
+        return std::nullopt;
+    }
+    const data::Reading& first = study.readings[found.rows[0]];
+    found.words = fmt::format("{}: sigma = {} {} of {} {}, less than 0.01 % of it, which no instrument reaches; sigma "
+                              "is in the unit of the value{}",
+                              first.words(), pave::figure(*first.sigma), first.unit.name, pave::figure(first.value),
+                              first.unit.name,
+                              found.rows.size() > 1 ? fmt::format(" ({} readings are so)", found.rows.size()) : "");
+    return found;
+}
+
+std::vector<std::string> fault_words(const study::Study& study) {
     std::vector<std::string> words;
-    words.reserve(faults.size());
-    for (const BowlFault& fault : faults) {
+    for (const BowlFault& fault : data_faults(study)) {
         words.push_back(fault.words());
+    }
+    if (auto doubtful = doubtful_noise(study)) {
+        words.push_back(std::move(doubtful->words));
     }
     return words;
 }

@@ -5,6 +5,8 @@
 #include "data/bowl_faults.h"
 #include "study/study.h"
 
+#include <optional>
+
 namespace explore::analysis {
 
 // Faults of deflections under single circles; of a history the largest value of each sensor is checked.
@@ -23,7 +25,14 @@ std::vector<Rounding> roundings(const study::Study& study);
 // The study with the variance of these steps, step^2 / 12, added to that of the readings.
 study::Study with_rounding(study::Study study, const std::vector<Rounding>& roundings);
 
-// One sentence for each fault.
-std::vector<std::string> fault_words(const std::vector<data::BowlFault>& faults);
+// Readings whose files state a standard deviation that no instrument reaches, as one in another unit than the value.
+struct DoubtfulNoise {
+    std::vector<std::size_t> rows;
+    std::string words; // of the first, and how many
+};
+std::optional<DoubtfulNoise> doubtful_noise(const study::Study& study);
+
+// One sentence for each fault of the readings and of their noise.
+std::vector<std::string> fault_words(const study::Study& study);
 
 } // namespace explore::analysis

@@ -14,7 +14,7 @@
 
 namespace explore::analysis {
 
-std::optional<WithoutFloor> fit_without_floor(const study::Study& study, const std::vector<double>& unit) {
+std::optional<study::Study> without_floor(const study::Study& study) {
     const auto is_of_the_floor = [&](const pave::pavement::Parameter& parameter) {
         return parameter.changes_geometry() && !parameter.in_load && !parameter.in_effect && !parameter.in_correction &&
                parameter.owner + 1 == static_cast<int>(study.model.layers.size());
@@ -31,10 +31,18 @@ std::optional<WithoutFloor> fit_without_floor(const study::Study& study, const s
     }
     study::Study endless = study;
     endless.model.half_space = true;
-    endless.model.settings.layered = true;
+    return endless;
+}
+
+std::optional<WithoutFloor> fit_without_floor(const study::Study& study, const std::vector<double>& unit) {
+    std::optional<study::Study> endless = without_floor(study);
+    if (!endless) {
+        return std::nullopt;
+    }
+    endless->model.settings.layered = true;
     WithoutFloor best{.misfit = std::numeric_limits<double>::infinity(), .parameters = {}};
     try {
-        const problem::Problem problem = study::make_problem(endless, study::Scope::fitted);
+        const problem::Problem problem = study::make_problem(*endless, study::Scope::fitted);
         const auto workspace = problem.function->make_workspace();
         optimise::SearchSettings settings;
         settings.max_evaluations = 25;

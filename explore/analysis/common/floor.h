@@ -6,13 +6,16 @@
 
 namespace explore::analysis {
 
+// The study with a last layer that goes on for ever. Nothing: the question does not arise (no floor, its depth is free
+// or an effect's matter, a load in three dimensions).
+std::optional<study::Study> without_floor(const study::Study& study);
+
 struct WithoutFloor {
     double misfit = 0.0;            // of the study's kind
     std::vector<double> parameters; // file units
 };
 
-// From a fitted point in unit coordinates. Nothing: the question does not arise (no floor, its depth is free or an
-// effect's matter, a load in three dimensions), or there is no answer without it.
+// From a fitted point in unit coordinates. Nothing: the question does not arise, or there is no answer without it.
 std::optional<WithoutFloor> fit_without_floor(const study::Study& study, const std::vector<double>& unit);
 
 // Says that the readings want the floor, or by how much parameters would differ without it, where one does by more than

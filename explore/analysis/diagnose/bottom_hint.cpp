@@ -25,7 +25,8 @@ bool is_explained_by(const DiagnoseResult& result, std::initializer_list<std::st
     });
 }
 
-// Whether a floor as deep as is tried, alone, takes away most of what the study's model leaves beyond noise.
+} // namespace
+
 bool is_floor_sought_deepest(const DiagnoseResult& result) {
     const auto& d = result.diagnosis;
     const double beyond_noise = d.baseline.chi2 - d.baseline.dof;
@@ -36,21 +37,19 @@ bool is_floor_sought_deepest(const DiagnoseResult& result) {
     });
 }
 
-} // namespace
-
 std::string bottom_hint(const DiagnoseResult& result) {
     if (result.study.model.layers.empty()) { // another's model
         return "";
     }
     const std::string& last = result.study.model.layers.back().name;
-    if (result.study.model.half_space &&
+    if (result.study.model.half_space && !result.premises.no_floor &&
         is_explained_by(result, {"subgrade-depth-gradient", "weak-subgrade-top"}, 0.0)) {
         return fmt::format("In this study the last layer goes on for ever; rock or anything stiff below looks alike: "
                            "bottom = \"rigid\" under [section], with {}.thickness_mm as a parameter, tells whether "
                            "that fits better (give the layer a thickness_mm to begin with).",
                            last);
     }
-    if (!result.study.model.half_space && is_floor_sought_deepest(result)) {
+    if (!result.study.model.half_space && !result.is_floor_weighed && is_floor_sought_deepest(result)) {
         return fmt::format("There may be no floor at all: bottom = \"half-space\" under [section], where {} goes on "
                            "for ever, tells whether that fits better.",
                            last);

@@ -1,8 +1,9 @@
 #include "analysis/diagnose/diagnose.h"
 
+#include "analysis/common/floor.h"
 #include "analysis/common/groups.h"
-#include "analysis/diagnose/exchanges.h"
 #include "analysis/diagnose/separating.h"
+#include "analysis/diagnose/weigh_premises.h"
 #include "base/text.h"
 #include "diagnose/evidence.h"
 #include "inference/quantiles.h"
@@ -233,13 +234,13 @@ study::Study as_diagnosed(study::Study study) {
 
 namespace {
 
-// The readings mended where these faults show how.
+// The readings mended where the premises show how.
 std::optional<DiagnoseResult> diagnose_with(Session& session, const study::Study& asked, const DiagnoseOptions& options,
-                                            const std::vector<data::BowlFault>& faults) {
+                                            const Premises& premises) {
     const auto begin = std::chrono::steady_clock::now();
     const std::vector<Rounding> steps = roundings(asked);
-    const study::Study study =
-        with_enough_load_steps(with_rounding(mended(as_diagnosed(asked), faults), steps), session);
+    const study::Study bottomed = as_diagnosed(premises.no_floor ? *without_floor(asked) : asked);
+    const study::Study study = with_enough_load_steps(with_rounding(mended(bottomed, premises.faults), steps), session);
     const problem::Problem baseline = study::make_noise_problem(study, study::Scope::fitted);
     if (baseline.noise_is_student()) {
         throw pave::Error({.file = study.file, .line = study.data.noise_line, .key = "[data.noise] loss"},
@@ -250,7 +251,7 @@ std::optional<DiagnoseResult> diagnose_with(Session& session, const study::Study
         study::effect_named(study, name, {.key = "--without"});
     }
     DiagnoseResult result{.study = study,
-                          .faults = faults,
+                          .premises = premises,
                           .roundings = steps,
                           .is_otherwise_layered = is_layered(asked),
                           .options = options,
@@ -321,10 +322,17 @@ std::optional<DiagnoseResult> diagnose_with(Session& session, const study::Study
         task.noise_places.push_back(study::noise_place(study.model.sensors[row]));
         task.limits.push_back(study.readings[row].censored == data::Censored::no ? 0 : 1);
     }
-    for (const data::BowlFault& fault : faults) {
+    for (const data::BowlFault& fault : premises.faults) {
         if (fault.is_mendable()) {
             task.premises.push_back(premise_of(fault));
         }
+    }
+    if (premises.no_floor) {
+        task.premises.push_back(
+            {.kind = hypotheses::Kind::effect,
+             .name = fmt::format("there is no floor, {} goes on for ever (bottom = \"half-space\" under [section])",
+                                 study.model.layers.back().name),
+             .terms = {{"floor-depth", "", ""}}});
     }
     diagnose::Diagnoser diagnoser(task, options.settings);
     if (!diagnoser.find()) {
@@ -396,90 +404,21 @@ std::optional<DiagnoseResult> diagnose_with(Session& session, const study::Study
         const bool is_known = e == 0 || !result.before->held_out_rms; // the first is the extended model
         result.held_out.push_back(is_known ? result.after->held_out_rms : reported(d.explanations[e].fit).held_out_rms);
     }
-    session.begin(study, "diagnose", settings); // the run of the study's own model is the one used last
     result.tally = bench.tally();
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;
 }
 
-bool is_exchanged(const data::BowlFault& fault) {
-    return fault.kind == data::BowlFault::Kind::exchanged;
-}
-
-// Whether the study's model, with these readings mended, misses them by more than noise.
-bool is_contradicted(const DiagnoseResult& result) {
-    return result.diagnosis.ledger.noise_is_stated() &&
-           (result.failed() || result.diagnosis.baseline.p_value < diagnose::level_contradicted);
-}
-
-// Of the most probable hypothesis: its probability beforehand and what the data say, the logarithm.
-double most_probable(const DiagnoseResult& result) {
-    double most = -INFINITY;
-    const Diagnosis& d = result.diagnosis;
-    for (const std::size_t r : diagnose::rows_that_count(d.ledger)) {
-        const diagnose::Row& row = d.ledger.rows()[r];
-        most = std::max(most, row.is_tried() ? row.log_weight() : -INFINITY);
-    }
-    return most;
-}
-
-// Of readings with two exchanged of so many in order, and as they stand.
-DiagnoseResult more_probable(Session& session, DiagnoseResult in_order, DiagnoseResult as_read, std::size_t exchanges) {
-    const double log_prior = hypotheses::log_prior(hypotheses::Kind::layout, {}, exchanges, 0);
-    const bool is_as_read =
-        !as_read.failed() && (in_order.failed() || most_probable(as_read) > log_prior + most_probable(in_order));
-    DiagnoseResult result = std::move(is_as_read ? as_read : in_order);
-    session.begin(result.study, "diagnose", settings_of(session, result.reduced)); // the run used last
-    return result;
-}
-
-// A wrong reading far from the load makes a bowl rise as two exchanged sensors do. Where the study's model does not fit
-// with them in order, the readings are explained as they stand too: the more probable answer.
-std::optional<DiagnoseResult> weigh_exchange(Session& session, const study::Study& asked, DiagnoseResult in_order) {
-    if (!is_contradicted(in_order) || std::none_of(in_order.faults.begin(), in_order.faults.end(), is_exchanged)) {
-        return in_order;
-    }
-    std::vector<data::BowlFault> as_read = in_order.faults;
-    for (data::BowlFault& fault : as_read) {
-        fault.kind = is_exchanged(fault) ? data::BowlFault::Kind::rises : fault.kind;
-    }
-    auto other = diagnose_with(session, asked, in_order.options, as_read);
-    if (!other) {
-        return std::nullopt;
-    }
-    const std::size_t readings = in_order.layout.rows.size();
-    return more_probable(session, std::move(in_order), std::move(*other), readings * (readings - 1) / 2);
-}
-
-// Of instruments whose exchange no bowl shows the model may: the more probable of the readings as they stand and with
-// the two in order.
-std::optional<DiagnoseResult> weigh_likely_exchange(Session& session, const study::Study& asked,
-                                                    DiagnoseResult as_read) {
-    if (as_read.failed() || !is_contradicted(as_read) || std::ranges::any_of(as_read.faults, is_exchanged)) {
-        return as_read;
-    }
-    const auto& rows = as_read.layout.rows;
-    auto exchange = likely_exchange(as_read.study, study::make_noise_problem(as_read.study, study::Scope::fitted), rows,
-                                    as_read.diagnosis.baseline.model);
-    if (!exchange) {
-        return as_read;
-    }
-    std::vector<data::BowlFault> faults = as_read.faults;
-    faults.push_back(std::move(*exchange));
-    auto in_order = diagnose_with(session, asked, as_read.options, faults);
-    if (!in_order) {
-        return std::nullopt;
-    }
-    const std::size_t exchanges = possible_exchanges(as_read.study, rows);
-    return more_probable(session, std::move(*in_order), std::move(as_read), exchanges);
-}
-
 } // namespace
 
 std::optional<DiagnoseResult> diagnose(Session& session, const study::Study& asked, const DiagnoseOptions& options) {
-    auto result = diagnose_with(session, asked, options, data_faults(asked));
-    result = result ? weigh_exchange(session, asked, std::move(*result)) : std::nullopt;
-    return result ? weigh_likely_exchange(session, asked, std::move(*result)) : std::nullopt;
+    const auto by = [&](const Premises& premises) { return diagnose_with(session, asked, options, premises); };
+    auto result = by({.faults = data_faults(asked)});
+    result = result ? weigh_premises(asked, std::move(*result), by) : std::nullopt;
+    if (result) { // the run of the answer's own model is the one used last
+        session.begin(result->study, "diagnose", settings_of(session, result->reduced));
+    }
+    return result;
 }
 
 } // namespace explore::analysis

@@ -40,11 +40,18 @@ struct SeparatingReading {
     std::string words() const { return reading.words() + (again ? ", once more by another instrument" : ""); }
 };
 
+// Taken for granted by an answer, beside the study: faults of its readings, mended, and that it has no floor.
+struct Premises {
+    std::vector<data::BowlFault> faults{};
+    bool no_floor = false;
+};
+
 struct DiagnoseResult {
-    study::Study study;                    // with its readings mended
-    std::vector<data::BowlFault> faults{}; // seen in them
-    std::vector<Rounding> roundings{};     // added to their noise
-    bool is_otherwise_layered = false;     // fit and unique compute it by the layered engine
+    study::Study study; // with its readings mended, and without a floor where it has none by the premises
+    Premises premises{};
+    bool is_floor_weighed = false;     // whether the study without a floor was diagnosed, too
+    std::vector<Rounding> roundings{}; // added to their noise
+    bool is_otherwise_layered = false; // fit and unique compute it by the layered engine
     DiagnoseOptions options;
     std::vector<study::Variant> variants; // of effects, in the order of the candidates
     std::vector<diagnose::Candidate> candidates;

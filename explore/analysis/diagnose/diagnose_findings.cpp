@@ -65,6 +65,9 @@ public:
         if (after) {
             gain(text);
         }
+        if (const auto doubtful = doubtful_noise(study)) {
+            text.insert(text.begin() + 1, fmt::format("Before any model: {}.", doubtful->words));
+        }
         for (const Rounding& rounding : result.roundings) {
             std::string words = rounding.words() + ".";
             words[0] = 'R';

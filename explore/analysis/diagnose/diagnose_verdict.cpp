@@ -48,7 +48,7 @@ public:
         if (d.decision.premise && d.extended) {
             text.push_back(fmt::format("{}: {}. All else is said with that mended.", seen_by(), premise_words()));
         }
-        for (const data::BowlFault& fault : result.faults) {
+        for (const data::BowlFault& fault : result.premises.faults) {
             if (!fault.is_mendable()) {
                 text.push_back(fmt::format("Before any model: {}.", fault.words()));
             }
@@ -226,8 +226,9 @@ private:
     }
 
     std::string_view seen_by() const {
-        return std::ranges::any_of(result.faults, &data::BowlFault::is_by_model) ? "By the study's model"
-                                                                                 : "Before any model";
+        const auto& [faults, no_floor] = result.premises;
+        return no_floor || std::ranges::any_of(faults, &data::BowlFault::is_by_model) ? "By the study's model"
+                                                                                      : "Before any model";
     }
 
     std::string premise_words() const {

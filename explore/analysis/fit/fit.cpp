@@ -48,10 +48,9 @@ std::optional<problem::NoiseScale> FitResult::noise_scale() const {
 }
 
 bool FitResult::leaves_unknown(std::size_t parameter) const {
-    constexpr double wide = 0.5; // of the allowed range, as of a standard error
     const auto range = held.of(parameter);
     return !landscape::is_at_bound(best().unit[parameter]) &&
-           (range ? range->high - range->low >= wide : !local.determines(parameter));
+           (range ? range->high - range->low >= landscape::LocalAnalysis::undetermined : !local.determines(parameter));
 }
 
 std::optional<FitResult> fit(Session& session, const study::Study& given, const FitOptions& asked) {

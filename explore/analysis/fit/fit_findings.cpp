@@ -323,6 +323,9 @@ std::vector<std::string> findings(const FitResult& result) {
     if (std::string words = repeated_rows_words(study); !words.empty()) {
         text.push_back(std::move(words));
     }
+    for (const std::string& words : fault_words(study)) {
+        text.push_back(fmt::format("Before any model: {}.", words));
+    }
     if (result.priors) {
         const auto sentences = prior_findings(problem, *result.priors);
         text.insert(text.end(), sentences.begin(), sentences.end());
@@ -403,9 +406,6 @@ std::vector<std::string> findings(const FitResult& result) {
     }
     if (best.converged && local.noise_is_stated && !contradicts_noise(local) && local.degrees_of_freedom > 0) {
         text.push_back(noise_words(local, problem.noise_is_student(), best.alone.has_value()));
-    }
-    for (const std::string& words : fault_words(data_faults(study))) {
-        text.push_back(fmt::format("Before any model: {}.", words));
     }
     if (const std::string weights = weights_words(study); !weights.empty()) {
         text.push_back(weights);

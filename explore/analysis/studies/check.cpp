@@ -292,6 +292,10 @@ std::vector<std::string> doubtful_readings(const study::Study& study) {
         const data::Reading& first = study.readings[fault.rows[0]];
         words.push_back(fmt::format("{}:{}: {}", first.file, first.line, fault.words()));
     }
+    if (const auto doubtful = doubtful_noise(study)) {
+        const data::Reading& first = study.readings[doubtful->rows[0]];
+        words.push_back(fmt::format("{}:{}: {}", first.file, first.line, doubtful->words));
+    }
     for (const Rounding& rounding : roundings(study)) {
         words.push_back(fmt::format("{}: {}", study.file, rounding.words()));
     }
