@@ -73,7 +73,7 @@ std::vector<Variant> layouts(const Study& study, const Effect& effect) {
 
 } // namespace
 
-std::vector<Variant> variants(const Study& study, const std::vector<std::string>& without) {
+std::vector<Variant> variants(const Study& study, const std::vector<std::string>& without, bool is_one_of_many) {
     // The fitted readings and groups.
     std::vector<std::size_t> readings;
     std::vector<std::pair<int, Quantity>> groups;
@@ -151,7 +151,7 @@ std::vector<Variant> variants(const Study& study, const std::vector<std::string>
                 }
                 // An instrument is tried once, and not where an error of its only reading would be the same.
                 const auto own = same_instrument(applied);
-                if (own.size() > 1 && own.front() == i) {
+                if (own.size() > (is_one_of_many ? 0 : 1) && own.front() == i) {
                     add(std::move(applied), instrument_words(own));
                 }
             }

@@ -17,8 +17,9 @@ problem::Axis size_axis(const pave::pavement::Effect& effect);
 
 // Every effect of the catalogue that the study can have and does not have yet: where it takes a load, a quantity or a
 // reading, on each of those with readings that are fitted; then on what it acts on by itself. Effects named in
-// `without` are left out.
-std::vector<Variant> variants(const Study& study, const std::vector<std::string>& without);
+// `without` are left out. is_one_of_many: the study is a station of a road, where an instrument with one reading has
+// others at other stations; else it is left to that reading's error.
+std::vector<Variant> variants(const Study& study, const std::vector<std::string>& without, bool is_one_of_many = false);
 
 // The study with these effects, the size of each a further parameter ("NAME.size", over its prior range) after the
 // study's own.

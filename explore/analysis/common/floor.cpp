@@ -34,6 +34,13 @@ std::optional<study::Study> without_floor(const study::Study& study) {
     return endless;
 }
 
+std::string rock_words(const study::Study& study) {
+    return fmt::format("In this study the last layer goes on for ever; rock or anything stiff below looks alike: "
+                       "bottom = \"rigid\" under [section], with {}.thickness_mm as a parameter, tells whether that "
+                       "fits better (give the layer a thickness_mm to begin with).",
+                       study.model.layers.back().name);
+}
+
 std::optional<WithoutFloor> fit_without_floor(const study::Study& study, const std::vector<double>& unit) {
     std::optional<study::Study> endless = without_floor(study);
     if (!endless) {

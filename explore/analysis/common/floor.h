@@ -15,6 +15,9 @@ struct WithoutFloor {
     std::vector<double> parameters; // file units
 };
 
+// For an answer that says of a section without a floor that it stiffens with depth: another section that would read so.
+std::string rock_words(const study::Study& study);
+
 // From a fitted point in unit coordinates. Nothing: the question does not arise, or there is no answer without it.
 std::optional<WithoutFloor> fit_without_floor(const study::Study& study, const std::vector<double>& unit);
 

@@ -1,5 +1,6 @@
 #include "analysis/diagnose/bottom_hint.h"
 
+#include "analysis/common/floor.h"
 #include "pavement/effects/effect.h"
 
 #include <algorithm>
@@ -44,10 +45,7 @@ std::string bottom_hint(const DiagnoseResult& result) {
     const std::string& last = result.study.model.layers.back().name;
     if (result.study.model.half_space && !result.premises.no_floor &&
         is_explained_by(result, {"subgrade-depth-gradient", "weak-subgrade-top"}, 0.0)) {
-        return fmt::format("In this study the last layer goes on for ever; rock or anything stiff below looks alike: "
-                           "bottom = \"rigid\" under [section], with {}.thickness_mm as a parameter, tells whether "
-                           "that fits better (give the layer a thickness_mm to begin with).",
-                           last);
+        return rock_words(result.study);
     }
     if (!result.study.model.half_space && !result.is_floor_weighed && is_floor_sought_deepest(result)) {
         return fmt::format("There may be no floor at all: bottom = \"half-space\" under [section], where {} goes on "

@@ -1,5 +1,6 @@
 #include "analysis/road/road_findings.h"
 
+#include "analysis/common/floor.h"
 #include "analysis/survey/weak_stations.h"
 
 #include "base/text.h"
@@ -165,6 +166,16 @@ std::string diagnosis_words(const RoadDiagnosis& d) {
         before, words(d.effects[0]), p_words(d.effects[0].p_familywise));
 }
 
+// Whether an effect that it names, or that comes nearest, is a subgrade that is softer above than below.
+bool says_stiffer_below(const RoadDiagnosis& d) {
+    const auto is_so = [](const RoadEffect& e) {
+        return e.chi2 && e.size > 0.0 && (e.name == "subgrade-depth-gradient" || e.name == "weak-subgrade-top");
+    };
+    const bool is_nearest =
+        d.decision.verdict == diagnose::Verdict::unexplained && !d.effects.empty() && is_so(d.effects[0]);
+    return is_nearest || std::ranges::any_of(d.causes, [&](std::size_t cause) { return is_so(d.effects[cause]); });
+}
+
 } // namespace
 
 std::string common_name(const RoadResult& result, const CommonParameter& p) {
@@ -268,6 +279,9 @@ std::vector<std::string> findings_of(const RoadResult& result) {
     }
     if (result.diagnosis) {
         words.push_back(diagnosis_words(*result.diagnosis));
+        if (says_stiffer_below(*result.diagnosis) && result.survey.study->model.half_space) {
+            words.push_back(rock_words(*result.survey.study));
+        }
     }
     if (result.withheld) {
         words.push_back(withheld_words(*result.withheld));

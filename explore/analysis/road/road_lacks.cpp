@@ -150,10 +150,10 @@ std::optional<std::vector<Lack>> moved_sensors(Session& session, const RoadState
         const VectorXd by_step =
             task.problem.standard_residuals(there->evaluation) - task.problem.standard_residuals(point.evaluation);
         for (const study::Variant& variant : effects_of_road(task.study)) {
-            if (!variant.applied.reading) {
+            const auto& effect = *variant.applied.effect;
+            if (!variant.applied.reading || effect.takes_quantity) { // gains are found without a run
                 continue;
             }
-            const auto& effect = *variant.applied.effect;
             const double offset = x_mm(task.study, *variant.applied.reading);
             Lack& lack = found[m][offset];
             lack.variant = variant;
@@ -220,7 +220,7 @@ std::string key_of(const study::Variant& variant, const study::Study& study) {
 }
 
 std::vector<study::Variant> effects_of_road(const study::Study& study) {
-    auto variants = study::variants(study, without);
+    auto variants = study::variants(study, without, true);
     std::erase_if(variants, [](const study::Variant& variant) {
         const auto& applied = variant.applied;
         return applied.load || applied.quantity || applied.effect->is_error_of_reading;

@@ -298,15 +298,10 @@ void add_sensors(const SurveyResult& result, std::vector<std::string>& words) {
         }
     }
     if (result.section_is_suspect) {
-        const bool no_section_helps = !result.trials.empty() && result.trials[0].misfit_ratio > clearly_better;
         words.push_back(fmt::format(
             "The model is off with one sign along the road at {} of {} sensors (medians: {}), and no single sensor "
             "explains that: {}.",
-            wave.size(), result.residuals.size(), pave::join(wave),
-            result.layout      ? "the places of the sensors, or the section"
-            : no_section_helps ? "the section (a thickness, or another than those tried below), or several sensors"
-                               : "the section is wrong (another layer, a half-space or a floor, a thickness) before a "
-                                 "sensor is"));
+            wave.size(), result.residuals.size(), pave::join(wave), suspected_instead(result)));
     }
     if (result.load_residuals.size() > 1) {
         const LoadResidual& low = result.load_residuals.front();

@@ -90,7 +90,10 @@ std::optional<BetterLayout> better_layout(const SurveyResult& result) {
                                     .misfit_ratio = least};
             }
         }
-        return best;
+        // Another section that misses half as much of what is left is the answer.
+        const bool is_section =
+            best && !result.trials.empty() && result.trials[0].misfit_ratio < 0.5 * best->misfit_ratio;
+        return is_section ? std::nullopt : best;
     } catch (const pave::Error&) { // a sensor that the study has no room for
         return std::nullopt;
     }

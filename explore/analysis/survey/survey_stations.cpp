@@ -440,8 +440,8 @@ void finish_survey(SurveyResult& result) {
     take_moduli_to_reference(result);
     result.sections = road_sections(result);
     judge_sensors(result);
-    result.layout = better_layout(result);
     result.trials = section_trials(result);
+    result.layout = better_layout(result);
     if (result.layout) {
         result.suspect.reset();
     }

@@ -222,6 +222,19 @@ std::vector<SectionTrial> section_trials(const SurveyResult& result) {
     return trials;
 }
 
+std::string suspected_instead(const SurveyResult& result) {
+    constexpr double settled_percent = 1.0; // RMS: what is left is of the size of the sensors' errors
+    if (result.layout) {
+        return "the places of the sensors, or the section";
+    }
+    if (!result.trials.empty() && result.trials[0].misfit_ratio > clearly_better) {
+        return "the section (a thickness, or another than those tried below), or several sensors";
+    }
+    return !result.trials.empty() && result.trials[0].rms_percent < settled_percent
+               ? "the section is wrong (another layer, a half-space or a floor, a thickness) before a sensor is"
+               : "the section (another layer, a half-space or a floor, a thickness), or several sensors";
+}
+
 std::string trial_words(const SurveyResult& result) {
     std::vector<std::string> helps;
     std::vector<std::string> some;

@@ -31,6 +31,9 @@ std::vector<const StationResult*> stations_to_try(const SurveyResult& result, st
 // to.
 std::vector<SectionTrial> section_trials(const SurveyResult& result);
 
+// Where no single sensor explains residuals of one sign along the road: what does.
+std::string suspected_instead(const SurveyResult& result);
+
 // The trial that helps, and by how much; "": nothing was tried.
 std::string trial_words(const SurveyResult& result);
 
