@@ -5,14 +5,15 @@
 #include "problem/parameter_space.h"
 
 #include <functional>
+#include <vector>
 
 namespace explore::external {
 
 struct Differences {
-    double step = 1e-3;  // of the unit cube
-    bool central = true; // else one-sided
-    double noise = 0.0;  // of the responses, by their change over the whole range; 0: could not be estimated
-    int runs = 0;        // that the estimate took
+    std::vector<double> steps; // of each coordinate of the unit cube
+    bool central = true;       // else one-sided
+    double noise = 0.0;        // of the responses, by their change over the whole range; 0: could not be estimated
+    int runs = 0;              // that the estimate took
 
     // "Derivatives are by central differences ..."
     std::string words() const;
@@ -24,7 +25,8 @@ struct Differences {
 std::optional<double> noise_of(std::vector<double> values);
 
 // run: the responses at a point of the unit cube, or nothing. start: the point around which it is estimated, on a line
-// towards the middle of the cube.
+// towards the middle of the cube. The step of a coordinate whose changes of that size the model does not see as such
+// (it reads its input with fewer digits) is widened until it does.
 using RunAt = std::function<std::optional<std::vector<double>>(const std::vector<double>& unit)>;
 Differences estimate_differences(const RunAt& run, const std::vector<double>& start);
 
@@ -34,6 +36,6 @@ struct Stencil {
     std::vector<double> at, weights;
 };
 // The k-th coordinate `at` where it is; all points lie in the cube where it does.
-Stencil stencil_at(double at, const Differences& differences);
+Stencil stencil_at(double at, const Differences& differences, std::size_t k);
 
 } // namespace explore::external

@@ -138,7 +138,7 @@ private:
             }
             const problem::Axis& axis = model_->space().axes[which_[k]];
             const double unit = axis.unit(values[which_[k]]);
-            const Stencil stencil = stencil_at(unit, differences);
+            const Stencil stencil = stencil_at(unit, differences, which_[k]);
             for (std::size_t s = 0; s < stencil.at.size(); ++s) {
                 runs.push_back({k, axis.physical(stencil.at[s]), stencil.weights[s] / axis.d_physical(unit)});
             }
@@ -199,6 +199,8 @@ const Differences& Model::differences() const {
                 return answer ? std::optional(std::move(answer).value()) : std::nullopt;
             },
             {start.begin(), start.begin() + moving});
+        const auto widest = std::max_element(differences_.steps.begin(), differences_.steps.end());
+        differences_.steps.resize(start.size(), widest != differences_.steps.end() ? *widest : 1e-3); // switches
     });
     return differences_;
 }

@@ -7,6 +7,7 @@
 #include "run/files.h"
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <gtest/gtest.h>
 
@@ -201,7 +202,7 @@ TEST(Differences, FollowTheNoise) {
         EXPECT_EQ(d.central, digit > 0.0) << d.words();
         const double exact = 2.0 * std::cos(0.6); // d(second)/d(u0)
         double slope = 0.0;
-        const Stencil stencil = stencil_at(at[0], d);
+        const Stencil stencil = stencil_at(at[0], d, 0);
         const double here = (*f(at))[1];
         for (std::size_t s = 0; s < stencil.at.size(); ++s) {
             slope += stencil.weights[s] * ((*f({stencil.at[s], at[1]}))[1] - here);
@@ -210,11 +211,57 @@ TEST(Differences, FollowTheNoise) {
     }
 }
 
+// A model that reads its inputs with six digits, or three decimals, or writes five of a linear answer: at the middle of
+// a box of round numbers all of these are exact. Slopes by hand.
+TEST(Differences, SeeWhatAModelRoundsAway) {
+    const auto printed = [](const char* format, double value) {
+        char text[32];
+        std::snprintf(text, sizeof text, format, value);
+        return std::strtod(text, nullptr);
+    };
+    const std::pair<double, double> boxes[] = {{0, 1},     {0, 10},   {0, 100},     {0, 1000},     {0.5, 2},
+                                               {0.2, 1.2}, {20, 120}, {1000, 2000}, {1000, 10000}, {-1, 1},
+                                               {0, 3},     {10, 50},  {0.1, 1},     {1000, 5000}};
+    for (const char* const format : {"%12.5e", "%.3f", "%.4f"}) {
+        for (const auto& [low, high] : boxes) {
+            const auto f = [&](const std::vector<double>& unit) -> std::optional<std::vector<double>> {
+                const double u = (printed(format, low + unit[0] * (high - low)) - low) / (high - low);
+                const double v = (printed(format, low + unit[1] * (high - low)) - low) / (high - low);
+                return std::vector<double>{std::exp(-u) + 0.3 * v, std::exp(-2.0 * u) + v * v, 0.3 * u + v};
+            };
+            const std::vector<double> at{0.5, 0.5};
+            const Differences d = estimate_differences(f, at);
+            const double exact[2][3] = {{-std::exp(-0.5), -2.0 * std::exp(-1.0), 0.3}, {0.3, 1.0, 1.0}};
+            const auto here = *f(at);
+            for (std::size_t k = 0; k < 2; ++k) {
+                const Stencil stencil = stencil_at(at[k], d, k);
+                for (std::size_t i = 0; i < 3; ++i) {
+                    double slope = 0.0;
+                    for (std::size_t s = 0; s < stencil.at.size(); ++s) {
+                        std::vector<double> point = at;
+                        point[k] = stencil.at[s];
+                        slope += stencil.weights[s] * ((*f(point))[i] - here[i]);
+                    }
+                    EXPECT_NEAR(slope, exact[k][i], 0.02 * std::abs(exact[k][i]))
+                        << format << " in " << low << " to " << high << ": " << d.words();
+                }
+            }
+        }
+    }
+    // Linear, with five decimals in what it writes.
+    const auto line = [](const std::vector<double>& unit) -> std::optional<std::vector<double>> {
+        return std::vector<double>{1e-5 * std::round(1e5 * (unit[0] + 2.0 * unit[1])),
+                                   1e-5 * std::round(1e5 * unit[1])};
+    };
+    const Differences d = estimate_differences(line, {0.5, 0.5});
+    EXPECT_GT(d.steps[0], 1e-4) << d.words();
+}
+
 TEST(Differences, StayInTheCube) {
     for (const bool central : {false, true}) {
         for (const double at : {0.0, 0.004, 0.5, 0.999, 1.0}) {
-            const Differences d{.step = 0.01, .central = central};
-            const Stencil stencil = stencil_at(at, d);
+            const Differences d{.steps = {0.01}, .central = central};
+            const Stencil stencil = stencil_at(at, d, 0);
             double line = 0.0;
             double parabola = 0.0;
             for (std::size_t s = 0; s < stencil.at.size(); ++s) {
