@@ -3,6 +3,7 @@
 #include "analysis/common/load_steps.h"
 #include "cli/commands.h"
 #include "report/vtu.h"
+#include "run/files.h"
 #include "study/problems.h"
 #include "study/values.h"
 
@@ -68,17 +69,17 @@ int forward(const ForwardArguments& options) {
     }
     const auto fields =
         options.vtu.empty() ? std::vector<std::string>{} : report::write_fields(study, *model, at, options.vtu);
+    if (!fields.empty()) {
+        json["vtu"] = fields;
+    }
+    if (!options.common.out.empty()) {
+        run::write_file(options.common.out, "forward.json", report::json_text(json) + "\n");
+    }
     if (options.common.json) {
-        if (!fields.empty()) {
-            json["vtu"] = fields;
-        }
         fmt::print("{}\n", report::json_text(json));
         return done;
     }
-    std::string page = report::forward_text(study, *outcome, values);
-    for (const std::string& file : fields) {
-        page += fmt::format("  fields for ParaView: {}\n", file);
-    }
+    std::string page = report::forward_text(study, *outcome, values, fields);
     if (options.jacobian) {
         page += report::jacobian_text(study, *outcome);
     }

@@ -53,6 +53,7 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
     branch.limit = here.value;
     const double wall = std::sqrt(acceptance.threshold);
     double rise_a_step = 0.5 * wall; // of sqrt(chi2)
+    double slope = 0.0;              // of chi2 by the quantity at the minimum: where a bound holds that, it pulls back
     for (int step = 0; step < most_steps; ++step) {
         const VectorXd gradient = quantity.gradient(here.unit, here.evaluation);
         const MatrixXd h = information(problem, acceptance, here);
@@ -63,6 +64,9 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
             branch.end = WalkEnd::bound;
             break;
         }
+        if (step == 0 && !bounds_met(here.unit).empty()) {
+            slope = walker.slope(here.evaluation, move) / gradient.dot(move);
+        }
         const double left = wall - root(here.rise);
         const double wanted =
             left < 0.75 * wall ? left + 0.1 * wall : 0.5 * wall; // just beyond the end, where it is near
@@ -71,7 +75,7 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
         double asked = gradient.dot(move);
         std::optional<ProfilePoint> found;
         for (int halved = 0; halved < 5 && !found; ++halved) {
-            found = walker.lowest(clamped(here.unit, move), quantity, {.target = here.value + asked});
+            found = walker.lowest(clamped(here.unit, move), quantity, {.target = here.value + asked, .slope = slope});
             move *= 0.5;
             asked *= found ? 1.0 : 0.5;
         }

@@ -127,7 +127,7 @@ Answer forward_answer(const study::Study& study, const Response& response, const
 }
 
 std::string forward_text(const study::Study& study, const Response& response,
-                         const std::vector<study::NamedValue>& values) {
+                         const std::vector<study::NamedValue>& values, const std::vector<std::string>& fields) {
     const auto& s = response.statistics;
     std::string text = study_summary(study);
     for (const auto& [name, value] : values) {
@@ -145,6 +145,9 @@ std::string forward_text(const study::Study& study, const Response& response,
     text += response_table(study, response.values);
     for (const std::string& warning : response.warnings) {
         text += fmt::format("  warning: {}\n", warning);
+    }
+    for (const std::string& file : fields) {
+        text += fmt::format("  fields for ParaView: {}\n", file);
     }
     return text;
 }

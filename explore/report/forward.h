@@ -16,7 +16,7 @@ Json forward_json(const study::Study& study, const pave::pavement::ForwardModel*
 Answer forward_answer(const study::Study& study, const pave::pavement::Response& response,
                       const std::vector<study::NamedValue>& values, const std::vector<std::string>& fields);
 std::string forward_text(const study::Study& study, const pave::pavement::Response& response,
-                         const std::vector<study::NamedValue>& values);
+                         const std::vector<study::NamedValue>& values, const std::vector<std::string>& fields);
 // A line a point: its values, the readings and outputs there, and how it ended.
 std::string points_csv(const study::Study& study, const analysis::ComputedPoints& computed);
 Json points_json(const study::Study& study, const analysis::ComputedPoints& computed);

@@ -171,6 +171,14 @@ Constraint read_constraint(const Study& study, const std::string& text, const pa
                           .right = side(text.substr(at + 2)),
                           .relation = relation,
                           .line = place.line};
+    for (const auto* const own : {&constraint.left, &constraint.right}) {
+        for (const std::string& name : own->reads()) {
+            if (std::count(names.begin(), names.end(), name) > 1) {
+                throw pave::Error(place, "this name stands for two things, an output among them", "\"" + name + "\"",
+                                  "names of [[outputs]] that nothing else has");
+            }
+        }
+    }
     // How far the sides differ over the box: where outputs are read, by the size of what has a value without them.
     constexpr std::uint64_t points = 200;
     const pave::RandomStream random(0, 0);

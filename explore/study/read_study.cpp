@@ -18,6 +18,7 @@
 #include "study/read_model.h"
 #include "study/read_solver.h"
 #include "study/readings.h"
+#include "study/seasons.h"
 #include "study/table_reader.h"
 
 #include <algorithm>
@@ -432,7 +433,8 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
     }
     study.hash = study.file_hash = hash_of(table, study, own_files);
     study.text = std::move(text);
-    criteria_of(study); // complains
+    criteria_of(study); // complain
+    seasons_of(study);
     return study;
 }
 

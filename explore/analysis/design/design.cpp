@@ -276,10 +276,21 @@ std::optional<DesignResult> design(Session& session, const study::Study& given, 
     if (!result.answer.acceptance) {
         result.no_range = result.answer.missing.empty() ? "the noise is not known" : result.answer.missing.back();
     } else {
+        // Where a law reads the modulus, too, its shortest life is not that of the largest strain.
+        std::vector<Life> ends = lives;
+        std::vector<std::size_t> of_strain(lives.size());
+        for (std::size_t l = 0; l < lives.size(); ++l) {
+            of_strain[l] = l;
+            if (study::Criterion by_strain = criteria[l]; by_strain.reads_modulus() && !by_strain.modulus_MPa) {
+                by_strain.modulus_MPa = lives[l].modulus(at_best);
+                of_strain[l] = ends.size();
+                ends.emplace_back(places, by_strain, places.candidates[l]);
+            }
+        }
         auto walked = walk_lives({.session = session,
                                   .answer = result.answer,
                                   .places = places,
-                                  .lives = lives,
+                                  .lives = ends,
                                   .fitted = reduced ? reduced->problem : fitted,
                                   .everything = everything,
                                   .settings = settings},
@@ -293,8 +304,8 @@ std::optional<DesignResult> design(Session& session, const study::Study& given, 
             CriterionLife& c = result.criteria[l];
             c.allowable.low = std::min(c.allowable.best, std::exp(walks.shortest[l].log_life));
             c.allowable.high = std::max(c.allowable.best, std::exp(walks.longest[l].log_life));
-            c.strain.low = std::min(c.strain.best, walks.longest[l].strain);
-            c.strain.high = std::max(c.strain.best, walks.shortest[l].strain);
+            c.strain.low = std::min(c.strain.best, walks.longest[of_strain[l]].strain);
+            c.strain.high = std::max(c.strain.best, walks.shortest[of_strain[l]].strain);
             c.distribution = distribution_of(walks, l, result.answer.acceptance->threshold);
         }
         widen(result, places, lives, best, session.options().threads);

@@ -53,9 +53,9 @@ public:
                              const problem::Evaluation& e) const;
     // The case at physical values of the parameters.
     pave::pavement::Case at(const std::vector<double>& parameters) const;
+    double modulus(const pave::pavement::Case& at) const; // that its law reads [MPa]
 
 private:
-    double modulus(const pave::pavement::Case& at) const;
     // Its readings at a candidate, in all seasons.
     std::vector<std::size_t> reads(std::size_t candidate) const;
     // Of what is read at `strained`, or of the two deflections; softer: the asphalt's modulus over that of `at`.

@@ -1,5 +1,6 @@
 #include "analysis/survey/survey_findings.h"
 
+#include "analysis/survey/survey_places.h"
 #include "analysis/survey/survey_temperature.h"
 #include "analysis/survey/survey_trials.h"
 #include "analysis/survey/weak_stations.h"
@@ -383,6 +384,9 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
     std::vector<std::string> words;
     if (std::string weak = weak_words(result); !weak.empty()) {
         words.push_back(std::move(weak));
+    }
+    if (std::string doubt = doubtful_places(result); !doubt.empty()) {
+        words.push_back(std::move(doubt));
     }
     add_lives(result, words);
     add_rejected(result, words);

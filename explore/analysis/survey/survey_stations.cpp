@@ -27,18 +27,28 @@ namespace {
 
 constexpr double no_place = std::numeric_limits<double>::infinity(); // a station without chainage goes to the end
 
-// Temperatures that no road has are not there; Fahrenheit under Celsius is the likely slip.
+// Temperatures that no road has are not there. One that is too hot for Celsius, and a road's in Fahrenheit, casts doubt
+// on what else the line states.
 void check_temperatures(data::FwdStation& station) {
     constexpr double coldest = -50.0;
     constexpr double hottest_air = 58.0;
     constexpr double hottest_road = 75.0;
-    for (auto [name, celsius, hottest] :
-         {std::tuple{"air", &station.air_C, hottest_air}, std::tuple{"surface", &station.surface_C, hottest_road},
-          std::tuple{"asphalt", &station.asphalt_C, hottest_road}}) {
-        if (*celsius && !(**celsius >= coldest && **celsius <= hottest)) {
-            station.remarks.push_back(fmt::format("the {} temperature of {:g} C is not used{}", name, **celsius,
-                                                  **celsius > hottest ? ": Fahrenheit in a Celsius column?" : ""));
-            celsius->reset();
+    constexpr double hottest_in_fahrenheit = 170.0;
+    constexpr double freezing_in_fahrenheit = 32.0;
+    const std::tuple<const char*, std::optional<double>&, double> stated[] = {
+        {"air", station.air_C, hottest_air},
+        {"surface", station.surface_C, hottest_road},
+        {"asphalt", station.asphalt_C, hottest_road}};
+    const bool is_fahrenheit = std::ranges::any_of(stated, [&](const auto& t) {
+        return std::get<1>(t) > std::get<2>(t) && std::get<1>(t) <= hottest_in_fahrenheit;
+    });
+    for (const auto& [name, celsius, hottest] : stated) {
+        const bool is_doubtful = is_fahrenheit && celsius >= freezing_in_fahrenheit;
+        if (celsius && (is_doubtful || !(*celsius >= coldest && *celsius <= hottest))) {
+            station.remarks.push_back(
+                fmt::format("the {} temperature of {:g} C is not used{}", name, *celsius,
+                            is_doubtful || *celsius > hottest ? ": Fahrenheit in a Celsius column?" : ""));
+            celsius.reset();
         }
     }
 }
