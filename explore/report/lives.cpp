@@ -2,6 +2,7 @@
 
 #include "analysis/survey/survey_lives.h"
 #include "base/text.h"
+#include "report/figure.h"
 #include "report/text.h"
 
 #include <algorithm>

@@ -61,6 +61,9 @@ public:
         if (std::string words = not_borne_out_words(); !words.empty()) {
             text.push_back(std::move(words));
         }
+        if (std::string words = bounds_words(); !words.empty()) {
+            text.push_back(std::move(words));
+        }
         wrong(text);
         if (after) {
             gain(text);
@@ -106,6 +109,17 @@ public:
     }
 
 private:
+    // Parameters of the study on a bound, in the model that the answer is about; all of them: the verdict says so.
+    std::string bounds_words() const {
+        const auto& unit = (result.is_extended() ? *d.extended : d.baseline).model.unit;
+        const std::size_t axes = study.space.axes.size();
+        const auto met = landscape::bounds_met(std::vector<double>(unit.begin(), unit.begin() + axes));
+        return met.empty() || (met.size() == axes && axes > 1)
+                   ? ""
+                   : fmt::format("{}: the data ask for a value beyond the bound, or are not sensitive to it.",
+                                 pave::join(landscape::bound_words(study.space, met)));
+    }
+
     void wrong(std::vector<std::string>& text) const {
         if (study.noise == study::NoiseSource::stated) {
             text.push_back(

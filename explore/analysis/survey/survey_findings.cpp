@@ -1,6 +1,7 @@
 #include "analysis/survey/survey_findings.h"
 
 #include "analysis/survey/survey_places.h"
+#include "analysis/survey/survey_rejected.h"
 #include "analysis/survey/survey_temperature.h"
 #include "analysis/survey/survey_trials.h"
 #include "analysis/survey/weak_stations.h"
@@ -369,15 +370,6 @@ void add_lives(const SurveyResult& result, std::vector<std::string>& words) {
         c.criterion.name, needing, with, usual_reliability_percent));
 }
 
-void add_rejected(const SurveyResult& result, std::vector<std::string>& words) {
-    const auto rejected = [](const StationResult& s) { return !s.has_bowl(); };
-    if (const auto count = result.count(rejected); count > 0) {
-        const auto& first = *std::find_if(result.stations.begin(), result.stations.end(), rejected);
-        words.push_back(fmt::format("{} {} rejected. {}: {}", count, count == 1 ? "station is" : "stations are",
-                                    first.station.name, first.reason));
-    }
-}
-
 } // namespace
 
 std::vector<std::string> findings_of(const SurveyResult& result) {
@@ -389,7 +381,9 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
         words.push_back(std::move(doubt));
     }
     add_lives(result, words);
-    add_rejected(result, words);
+    if (std::string rejected = rejected_words(result); !rejected.empty()) {
+        words.push_back(std::move(rejected));
+    }
     words.insert(words.end(), result.remarks.begin(), result.remarks.end());
     const auto stations = result.stations.size();
     const auto without_place = result.count([](const StationResult& s) { return !s.station.chainage_m; });
