@@ -262,3 +262,23 @@ def test_strains_outside_a_law_are_said():
     assert "< 2e6" in done.stdout, "a life below the law is no number: " + done.stdout
     said = json.loads((folder / "heavy" / "design.json").read_text())["criteria"][0]
     assert "allowable" in said["beyond_law"] and said["allowable_if_wrong"]["low"] is None, said
+
+
+def test_a_strain_has_its_range_whatever_the_law_reads_beside_it():
+    """A law of strain and modulus: softer asphalt is strained more and lasts longer by it. The strain's range is that of a law of strain alone."""
+    both = written("both", OWN.replace('"own"', '"strain"').replace('"subgrade-top"', '"asphalt-bottom"')
+                   + OWN.replace('"own"', '"modulus"').replace('"subgrade-top"', '"asphalt-bottom"').replace('"(9150 / strain)^7"', '"(9150 / strain)^5 * (3000 / modulus)^7"'))
+    done = run("design", both, "--json", "--out", folder / "both")
+    assert done.returncode == 0, done.stderr
+    alone, with_modulus = json.loads(done.stdout)["criteria"]
+    for key in ("strain_low", "strain_high"):
+        assert math.isclose(with_modulus[key], alone[key], rel_tol=2e-3), (key, alone[key], with_modulus[key])
+    assert with_modulus["strain_low"] < 0.99 * with_modulus["strain_microstrain"] < with_modulus["strain_high"]
+
+
+def test_seasons_are_read_with_the_study():
+    broken = written("season", RUTTING + SEASON.replace("share = 1", "share = -5"))
+    for command in (["check"], ["forward"], ["fit", "--out", folder / "season"]):
+        done = run(command[0], broken, *command[1:])
+        assert done.returncode == 2 and "share" in done.stderr, (command, done.stderr)
+    assert not (folder / "season").exists()

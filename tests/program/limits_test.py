@@ -1,6 +1,7 @@
 """Readings of which a limit is known (`<12`, `>2000`): one stiffness from the bowl of a half-space, whose deflections are c/E. The most
 likely value, its ends and its posterior by root finding and quadrature of the likelihood."""
 import math
+import re
 
 import numpy as np
 from scipy import optimize, stats
@@ -136,3 +137,20 @@ def test_a_wrong_limit_is_named_and_nothing_else():
     end = (limit - SIGMA * stats.norm.ppf(math.exp(-0.5 * 1.959964**2))) * e / FLEXIBILITY[3] - 1
     size = found["extended"]["parameters"]["outlier.size"]
     assert abs(size["high"] - end) < 0.002 and size["low"] <= -0.9 and size["low"] < size["value"] < size["high"], (size, end)
+
+
+@pytest.mark.parametrize("scale", ("log", "linear"))
+@pytest.mark.parametrize("bounds", ((100, 300), (20, 60)))
+def test_a_range_that_begins_on_a_bound_ends_where_chi2_says(scale, bounds):
+    # No limits among these: some 80 MPa, twice as much scatter as stated, and a box that leaves the truth out.
+    values = [float(v) for v in FLEXIBILITY / 80 + 0.02 * ERRORS]
+    path = made(f"bound-{scale}-{bounds[0]}", values)
+    old = re.search(r"min = .*\nmax = .*\nscale = .*\n", path.read_text())[0]
+    path.write_text(path.read_text().replace(old, f'min = {bounds[0]}\nmax = {bounds[1]}\nscale = "{scale}"\n'))
+    u = answer("unique", path)
+    chi2 = lambda e: sum(((c / e - v) / SIGMA) ** 2 for c, v in zip(FLEXIBILITY, values))
+    best, far = (bounds[0], bounds[1]) if bounds[0] > 80 else (bounds[1], bounds[0])
+    allowed = u["acceptance"]["chi2_rise_allowed"] * u["acceptance"]["residual_variance"]
+    expected = optimize.brentq(lambda e: chi2(e) - chi2(best) - allowed, best, far) if chi2(far) - chi2(best) > allowed else far
+    profile = u["profiles"][0]
+    assert profile["high" if far > best else "low"] == pytest.approx(expected, rel=2e-3), profile

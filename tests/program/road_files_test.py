@@ -3,6 +3,7 @@ nothing with the program (tests/blind/drop_generator.cpp); what they are made of
 import json
 import math
 import pathlib
+import random
 import re
 import resource
 import subprocess
@@ -223,3 +224,52 @@ def test_another_study_in_the_place_of_the_one_before_is_said():
     said = [run("survey", road, "--study", s, "--out", folder / "survey").stderr for s in (study, other, other)]
     assert "before" not in said[0] and "before" not in said[2], f"nothing else was there: {said}"
     assert f"was made with {study} before" in said[1] and "--out DIR" in said[1], f"the survey with the first study is replaced: {said[1]}"
+
+
+DATA = pathlib.Path(__file__).parent / "data"  # roads by another transform solution, noise of 0.8 %
+
+
+def test_at_one_level_of_load_a_place_is_told_from_a_gain():
+    folder = workspace()
+    told = answer("road", DATA / "sensor-900-stands-at-750.csv", DATA / "shared-asphalt.toml", folder, "--diagnose")["findings"]
+    named = next(words for words in told if words.startswith("CAUSE NAMED"))
+    assert "sensor-position (the sensor at 900 mm stands" in named, named
+    assert abs(float(re.search(r"stands (\d+) mm nearer", named)[1]) - 150) < 10, named
+
+
+def test_no_layout_is_accused_where_the_section_lacks_a_layer():
+    # 740 mm of fill between base and subgrade that the study does not have; all sensors stand where the file says.
+    folder = workspace()
+    road, study = DATA / "fill-not-in-the-study.csv", DATA / "shared-asphalt.toml"
+    found = answer("survey", road, study, folder)
+    assert found["better_layout"] is None, found["better_layout"]
+    assert found["section_trials"][0]["section"].startswith("a further layer") and found["section_trials"][0]["rms_percent"] < 0.5
+    told = answer("road", road, study, folder, "--diagnose")["findings"]
+    assert any("rock or anything stiff below looks alike" in words for words in told) == any("subgrade-depth-gradient" in words for words in told), told
+
+
+def test_what_all_rejected_stations_show_alike_is_said():
+    folder = workspace()
+    rows, names, study, _ = made(folder, 8, 0, 2)
+    first, second = names.index("D450_um"), names.index("D600_um")
+    for row in rows:
+        row[first], row[second] = row[second], row[first]
+    done = run("survey", written(folder / "exchanged.csv", names, rows), "--study", study, "--out", folder / "exchanged", "--json")
+    found = json.loads(done.stdout)  # no station has an answer
+    assert any("As they all read, the sensors at 450 and 600 mm are exchanged" in words for words in found["findings"]), found["findings"]
+
+
+def test_places_and_temperatures_in_another_unit_are_asked_about():
+    folder = workspace()
+    rows, names, study, _ = made(folder, 10, 0, 2)
+    metres = [f"{12000 + 25 * i}" for i in range(10)]
+    kilometres = [f"{12 + 0.025 * i:.3f}" for i in range(10)]
+    for name, places, asked in (("metres", metres, False), ("kilometres", kilometres, True), ("mixed", kilometres[:5] + metres[5:], True)):
+        road = written(folder / f"{name}.csv", names, [[row[0], place, *row[2:]] for row, place in zip(rows, places)])
+        assert any("kilometres" in words for words in answer("survey", road, study, folder)["findings"]) == asked, name
+    # 61 is no air temperature in Celsius; 68 beside it is no surface either.
+    for air, surface, used in (("16", "20", True), ("61", "68", False), ("999", "20", True)):
+        road = written(folder / f"air{air}.csv", [*names, "air_C", "surface_C"], [[*row, air, surface] for row in rows])
+        stations = answer("survey", road, study, folder)["stations"]
+        said = [remark for s in stations for remark in s["remarks"] if "surface temperature" in remark]
+        assert (not said) == used, (air, said)
