@@ -394,6 +394,10 @@ Study parse(std::string text, const std::string& file, Readings readings, const 
     for (const auto* correction : reader.tables("corrections")) {
         read_correction(*correction, study);
     }
+    for (std::size_t l = 0; l < loads.size() && !study.has_own_model; ++l) {
+        const pave::Place place = TableReader(*loads[l], file, "").place("");
+        check_load(study.model, static_cast<int>(l), {.file = file, .line = place.line});
+    }
     const auto parameters = reader.tables("parameters");
     for (const bool tied : {false, true}) { // what follows others comes after them
         for (const auto* parameter : parameters) {

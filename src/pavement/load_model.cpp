@@ -4,6 +4,7 @@
 #include "base/memory_limit.h"
 #include "base/units.h"
 #include "fe/batch_solver.h"
+#include "pavement/forward.h"
 #include "pavement/layered.h"
 #include "pavement/pulse.h"
 #include "pavement/solid_cost.h"
@@ -824,32 +825,59 @@ std::vector<bool> incompressible_layers(const Case& c) {
     return incompressible;
 }
 
-std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int number, const LoadModels& others) {
-    const Load& load = nominal.loads[number];
-    const std::string why_not = why_not_layered(nominal, number);
-    if (load.type == LoadType::gear && !why_not.empty()) {
-        throw Error({.key = load.name + ".type"}, "a gear stands on linear layers only", why_not,
-                    "law = \"linear\" in every layer, or one of its wheels as a load");
-    }
-    if ((nominal.settings.layered || load.type == LoadType::gear) && why_not.empty()) {
-        return make_layered_model(nominal, number);
-    }
-    return make_finite_element_model(nominal, number, others);
+namespace {
+
+bool takes_layers(const Case& nominal, int number) {
+    return (nominal.settings.layered || nominal.loads[number].type == LoadType::gear) &&
+           why_not_layered(nominal, number).empty();
 }
 
-std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, int number, const LoadModels& others) {
+void check_on_mesh(const Case& nominal, int number, const Place& place) {
     const Load& load = nominal.loads[number];
     const auto footprint = load.footprint();
     const double reach = std::max(footprint.outer(), footprint.half_y);
     if (!(reach < nominal.settings.extent)) {
-        throw Error({.key = "mesh.extent_m"}, "the load \"" + load.name + "\" does not fit into the mesh",
+        throw Error({place.file, place.line, "mesh.extent_m"},
+                    "the load \"" + load.name + "\" does not fit into the mesh",
                     fmt::format("{}", nominal.settings.extent), fmt::format("more than its reach of {:.4g} m", reach));
     }
     if (footprint.centre > 0.0 && footprint.inner() < -1e-9 * footprint.half_x) {
-        throw Error({.key = load.name + ".spacing_mm"}, "the two patches of the dual wheel overlap",
+        throw Error({place.file, place.line, load.name + ".spacing_mm"}, "the two patches of the dual wheel overlap",
                     fmt::format("{:g}", load.spacing / unit::mm),
                     fmt::format("at least the width of a patch, {:.4g} mm", 2.0 * footprint.half_x / unit::mm));
     }
+}
+
+} // namespace
+
+void check_load(const Case& nominal, int number, const Place& place) {
+    const Load& load = nominal.loads[number];
+    const std::string why_not = why_not_layered(nominal, number);
+    if (load.type == LoadType::gear && !why_not.empty()) {
+        throw Error({place.file, place.line, load.name + ".type"}, "a gear stands on linear layers only", why_not,
+                    "law = \"linear\" in every layer, or one of its wheels as a load");
+    }
+    if (!takes_layers(nominal, number)) {
+        check_on_mesh(nominal, number, place);
+    } else if (load.circles_overlap()) {
+        const double wide = 2.0 * load.circles()[0].radius / unit::mm;
+        const bool is_gear = load.type == LoadType::gear;
+        throw Error({place.file, place.line, load.name + (is_gear ? ".wheels" : ".spacing_mm")},
+                    "the patches of the load overlap",
+                    is_gear ? std::string() : fmt::format("{:g}", load.spacing / unit::mm),
+                    fmt::format("wheels at least {:.4g} mm apart, or a higher pressure", wide));
+    }
+}
+
+std::unique_ptr<const LoadModel> make_load_model(const Case& nominal, int number, const LoadModels& others) {
+    check_load(nominal, number, {});
+    return takes_layers(nominal, number) ? make_layered_model(nominal, number)
+                                         : make_finite_element_model(nominal, number, others);
+}
+
+std::unique_ptr<const LoadModel> make_finite_element_model(const Case& nominal, int number, const LoadModels& others) {
+    const Load& load = nominal.loads[number];
+    check_on_mesh(nominal, number, {});
     if (load.is_axisymmetric()) {
         return std::make_unique<LoadModelOf<Axisymmetric>>(nominal, number, others);
     }
