@@ -45,13 +45,14 @@ public:
                 .key = what_.empty() ? std::string(key) : what_ + (key.empty() ? "" : " ") + std::string(key)};
     }
 
-    std::string text(std::string_view key, std::optional<std::string> fallback = {}) {
-        const toml::node* node = find(key, fallback.has_value(), "a text in quotes");
+    std::string text(std::string_view key, std::optional<std::string> fallback = {},
+                     const std::string& allowed = "a text in quotes") {
+        const toml::node* node = find(key, fallback.has_value(), allowed);
         if (node == nullptr) {
             return *fallback;
         }
         if (!node->is_string()) {
-            throw wrong_type(key, *node, "a text in quotes");
+            throw wrong_type(key, *node, allowed);
         }
         return node->as_string()->get();
     }
@@ -59,7 +60,8 @@ public:
     // One of a list of words; returns its index.
     std::size_t choice(std::string_view key, const std::vector<std::string>& words,
                        std::optional<std::size_t> fallback = {}) {
-        const std::string word = text(key, fallback ? std::optional(words[*fallback]) : std::nullopt);
+        const std::string word =
+            text(key, fallback ? std::optional(words[*fallback]) : std::nullopt, pave::join(words) + ", in quotes");
         for (std::size_t i = 0; i < words.size(); ++i) {
             if (words[i] == word) {
                 return i;

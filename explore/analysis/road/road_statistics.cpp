@@ -328,10 +328,13 @@ void conclude(const RoadState& state, const std::vector<RoadStation>& judged, co
         for (std::size_t k = 0; k < axes.size(); ++k) {
             const auto at = static_cast<Index>(k);
             j.alone.push_back(range_about(axes[k], alone[i].unit[k], quantile * std::sqrt(by_itself.back()(at, at))));
-            fit.parameters.push_back(
-                j.is_outlier // what is common is not its own
-                    ? j.alone.back()
-                    : range_about(axes[k], state.points[i].unit[k], quantile * std::sqrt(own(at, at))));
+            fit.parameters.push_back(range_about(axes[k], state.points[i].unit[k], quantile * std::sqrt(own(at, at))));
+            if (j.is_outlier && state.layout.blocks[i].common[k] != optimise::own_unknown) { // common, but not its own
+                fit.parameters.back().determined = false;
+            }
+            if (j.is_outlier && j.alone.back().determined) {
+                fit.parameters.back() = j.alone.back();
+            }
         }
         fit.quantile = quantile / result.noise_factor();
         fit.local.chi2 = j.chi2;

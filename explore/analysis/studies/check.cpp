@@ -10,6 +10,7 @@
 #include "analysis/sample/sensitivity.h"
 #include "analysis/unique/map.h"
 #include "base/text.h"
+#include "base/units.h"
 #include "landscape/uniqueness.h"
 #include "material/catalog.h"
 #include "pavement/effects/effect.h"
@@ -234,6 +235,30 @@ std::vector<Estimate> estimates(const study::Study& study, const RunTimes& timin
     return list;
 }
 
+// Pressures that no load has, and times that none takes.
+std::vector<std::string> doubtful_loads(const study::Study& study) {
+    // Light plates press with some 50 kPa, aircraft with 1,750; a falling weight for some 30 ms.
+    constexpr double lightest = 5e3;
+    constexpr double heaviest = 5e6;
+    constexpr double shortest = 2e-3;
+    constexpr double longest = 10.0;
+    std::vector<std::string> words;
+    for (const auto& load : study.model.loads) {
+        if (load.type != pave::pavement::LoadType::gear && !(load.pressure >= lightest && load.pressure <= heaviest)) {
+            words.push_back(fmt::format("{}: load \"{}\" presses with {:.3g} kPa: no load on a pavement does; a unit?",
+                                        study.file, load.name, load.pressure / pave::unit::kPa));
+        }
+        if (load.is_pulse()) {
+            const double seconds = load.history.back().time - load.history.front().time;
+            if (!(seconds >= shortest && seconds <= longest)) {
+                words.push_back(fmt::format("{}: load \"{}\" acts for {:.3g} ms: milliseconds, or another unit?",
+                                            study.file, load.name, 1e3 * seconds));
+            }
+        }
+    }
+    return words;
+}
+
 } // namespace
 
 pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int threads, Timing by) {
@@ -261,6 +286,7 @@ std::vector<std::string> doubtful_readings(const study::Study& study) {
     if (study.has_own_model) {
         return words;
     }
+    words = doubtful_loads(study);
     for (std::size_t i = 0; i < study.measured().size(); ++i) {
         const data::Reading& reading = study.readings[i];
         const double value = reading.value * reading.unit.to_si;

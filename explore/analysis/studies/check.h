@@ -24,7 +24,7 @@ enum class Timing {
 pave::Outcome<std::vector<Estimate>> check(const study::Study& study, int threads, Timing timing);
 
 // A sentence on readings that no pavement has: a deflection above 20 mm or as far upwards as 2 mm, a strain above 5
-// %, a stress above 10 MPa.
+// %, a stress above 10 MPa; and on loads that none bears: pressures, and how long they act.
 std::vector<std::string> doubtful_readings(const study::Study& study);
 
 } // namespace explore::analysis

@@ -1,5 +1,6 @@
 #include "analysis/survey/survey_findings.h"
 
+#include "analysis/survey/survey_copies.h"
 #include "analysis/survey/survey_places.h"
 #include "analysis/survey/survey_rejected.h"
 #include "analysis/survey/survey_temperature.h"
@@ -377,8 +378,10 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
     if (std::string weak = weak_words(result); !weak.empty()) {
         words.push_back(std::move(weak));
     }
-    if (std::string doubt = doubtful_places(result); !doubt.empty()) {
-        words.push_back(std::move(doubt));
+    for (std::string doubt : {doubtful_places(result), copied_stations(result)}) {
+        if (!doubt.empty()) {
+            words.push_back(std::move(doubt));
+        }
     }
     add_lives(result, words);
     if (std::string rejected = rejected_words(result); !rejected.empty()) {
