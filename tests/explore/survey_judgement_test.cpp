@@ -141,7 +141,16 @@ TEST(JudgeSensors, AWaveOverAllIsTheSections) {
     analysis::judge_sensors(result);
     EXPECT_TRUE(result.section_is_suspect);
     EXPECT_FALSE(result.suspect);
+    EXPECT_TRUE(holds(findings(result), "no single sensor explains that: the section (another layer"));
+    // Another section that leaves what sensors err by settles it; one that leaves more does not.
+    result.trials = {{.words = "a further layer",
+                      .stations = 9,
+                      .rms_percent = 0.4,
+                      .rms_percent_of_study = 4.0,
+                      .misfit_ratio = 0.01}};
     EXPECT_TRUE(holds(findings(result), "no single sensor explains that: the section is wrong"));
+    result.trials[0].rms_percent = 2.0;
+    EXPECT_FALSE(holds(findings(result), "the section is wrong"));
     // Errors alone: nothing.
     auto sound = road([](double) { return 1.0; });
     analysis::judge_sensors(sound);

@@ -60,16 +60,20 @@ TEST(Runs, DatesThatLieOverEachOtherAreProfiles) {
 TEST(Runs, TemperaturesAndClocks) {
     auto hot = station(0);
     hot.air_C = 66.0;
-    hot.surface_C = 59.0; // Fahrenheit too, but roads are as hot
-    hot.time = "noon";
-    const auto result =
-        analysis::begin_survey({{.stations = {hot}, .remarks = {}}}, std::nullopt, {.asphalt_thickness_mm = 100.0});
-    const auto& s = result.stations[0];
-    EXPECT_FALSE(s.station.air_C);
-    EXPECT_EQ(s.station.surface_C, 59.0);
-    const std::string said = pave::join(s.station.remarks, "\n");
-    EXPECT_NE(said.find("air temperature of 66 C is not used: Fahrenheit"), std::string::npos) << said;
-    EXPECT_NE(said.find("\"noon\" is no time of day"), std::string::npos) << said;
+    hot.surface_C = 59.0; // roads are as hot, but this is the same line in Fahrenheit
+    auto warm = station(9);
+    warm.air_C = 999.0; // a mark
+    warm.surface_C = 31.0;
+    warm.time = "noon";
+    const auto result = analysis::begin_survey({{.stations = {hot, warm}, .remarks = {}}}, std::nullopt,
+                                               {.asphalt_thickness_mm = 100.0});
+    const auto remarks = [&](std::size_t s) { return pave::join(result.stations[s].station.remarks, "\n"); };
+    EXPECT_FALSE(result.stations[0].station.air_C || result.stations[0].station.surface_C);
+    EXPECT_NE(remarks(0).find("air temperature of 66 C is not used: Fahrenheit"), std::string::npos) << remarks(0);
+    EXPECT_NE(remarks(0).find("surface temperature of 59 C is not used: Fahrenheit"), std::string::npos) << remarks(0);
+    EXPECT_FALSE(result.stations[1].station.air_C);
+    EXPECT_EQ(result.stations[1].station.surface_C, 31.0);
+    EXPECT_NE(remarks(1).find("\"noon\" is no time of day"), std::string::npos) << remarks(1);
 }
 
 TEST(Runs, WhyThereIsNoRatio) {

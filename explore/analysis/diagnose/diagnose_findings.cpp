@@ -113,7 +113,8 @@ private:
     std::string bounds_words() const {
         const auto& unit = (result.is_extended() ? *d.extended : d.baseline).model.unit;
         const std::size_t axes = study.space.axes.size();
-        const auto met = landscape::bounds_met(std::vector<double>(unit.begin(), unit.begin() + axes));
+        std::vector<double> own(unit.begin(), unit.begin() + static_cast<std::ptrdiff_t>(std::min(axes, unit.size())));
+        const auto met = landscape::bounds_met(own);
         return met.empty() || (met.size() == axes && axes > 1)
                    ? ""
                    : fmt::format("{}: the data ask for a value beyond the bound, or are not sensitive to it.",
