@@ -29,8 +29,8 @@ void check_sensor(const Case& c, const Sensor& sensor, const Place& place);
 // Throws Error at `place` when a layer cannot be followed by the integration of the case.
 void check_integration(const Case& c, const Place& place);
 
-// Throws Error at `place` where the patches of a load overlap, it does not fit into the mesh, or is a gear on layers that
-// are not linear.
+// Throws Error at `place` where the patches of a load overlap, it does not fit into the mesh, or is a gear on layers
+// that are not linear.
 void check_load(const Case& c, int load, const Place& place);
 
 // Construction throws Error for what no parameter value can mend.
