@@ -35,6 +35,7 @@ public:
             decide_on_names();
         }
         add_premise();
+        weigh_elsewhere();
         return std::move(d_);
     }
 
@@ -423,10 +424,14 @@ private:
             auto terms = row(r).hypothesis.terms;
             std::stable_sort(terms.begin(), terms.end(),
                              [&](const auto& a, const auto& b) { return alone(a) < alone(b); });
-            for (const auto& term : terms) {
-                if (std::find(d_.causes.begin(), d_.causes.end(), term.effect) == d_.causes.end()) {
-                    d_.causes.push_back(term.effect);
-                }
+            add_causes(terms);
+        }
+    }
+
+    void add_causes(const std::vector<hypotheses::Term>& terms) {
+        for (const auto& term : terms) {
+            if (std::find(d_.causes.begin(), d_.causes.end(), term.effect) == d_.causes.end()) {
+                d_.causes.push_back(term.effect);
             }
         }
     }
@@ -443,6 +448,19 @@ private:
         }
         if (d_.verdict == Verdict::adequate) {
             d_.verdict = Verdict::cause_named;
+        }
+    }
+
+    // No name stands alone beside another that another premise makes about as probable.
+    void weigh_elsewhere() {
+        const auto& other = ledger_.elsewhere();
+        if (d_.verdict == Verdict::cause_named && other && other->probability > little) {
+            d_.verdict = Verdict::ambiguous;
+            d_.reason = Reason::other_premise;
+            add_causes(other->terms);
+            if (d_.premise) {
+                d_.hypotheses.front().probability = 1.0 - other->probability;
+            }
         }
     }
 
@@ -469,28 +487,6 @@ double Decision::probability_of(std::size_t row) const {
         }
     }
     return 0.0;
-}
-
-std::vector<std::size_t> rows_that_count(const Ledger& ledger) {
-    std::map<std::string, std::size_t> best;
-    for (std::size_t r = 0; r < ledger.rows().size(); ++r) {
-        const Row& own = ledger.rows()[r];
-        const auto [at, is_new] = best.try_emplace(own.hypothesis.key(), r);
-        const Row& known = ledger.rows()[at->second];
-        const auto rank = [](const Row& row) {
-            return std::tuple(!row.not_tried.empty(), row.fit.mesh != Mesh::study, -row.order, row.fit.chi2,
-                              -row.log_evidence);
-        };
-        if (!is_new && rank(own) < rank(known)) {
-            at->second = r;
-        }
-    }
-    std::vector<std::size_t> rows;
-    rows.reserve(best.size());
-    for (const auto& [key, r] : best) {
-        rows.push_back(r);
-    }
-    return rows;
 }
 
 Decision decide(const Ledger& ledger) {

@@ -12,7 +12,8 @@
 //   is more probable and says how places differ, and that says something else.
 // - `located`: no name leaves noise, and a correction does at places that it knows, which is not rejected itself,
 //   predicts what was left out no worse, and is not outdone by a hypothesis with fewer numbers.
-// - `ambiguous`: names that do not stand alone. `unexplained`: the rest; where noise of another size is possible
+// - `ambiguous`: names that do not stand alone, or one beside another premise. `unexplained`: the rest; where noise of
+// another size is possible
 //   (10 %) and no less probable than the names that leave noise, too, with the names as what comes nearest.
 #pragma once
 
@@ -36,7 +37,8 @@ enum class Reason {
     weak_evidence,    // chance makes as much, too often
     nothing_explains, // no hypothesis that was tried
     no_place,         // a correction explains, but knows no place
-    predicts_worse    // a correction explains, but what was left out speaks against it
+    predicts_worse,   // a correction explains, but what was left out speaks against it
+    other_premise     // by which something else is about as probable
 };
 
 struct Decision {
@@ -74,8 +76,5 @@ inline constexpr double level_evidence = 0.01;
 inline constexpr double margin = 6.0;
 
 Decision decide(const Ledger& ledger);
-
-// The row of a hypothesis that counts where it was fitted more than once: on the study's own mesh, the lowest.
-std::vector<std::size_t> rows_that_count(const Ledger& ledger);
 
 } // namespace explore::diagnose

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 namespace explore::diagnose {
 
@@ -55,6 +57,28 @@ double Ledger::beyond(const std::string& key, const std::vector<std::string>& su
         }
     }
     return p;
+}
+
+std::vector<std::size_t> rows_that_count(const Ledger& ledger) {
+    std::map<std::string, std::size_t> best;
+    for (std::size_t r = 0; r < ledger.rows().size(); ++r) {
+        const Row& own = ledger.rows()[r];
+        const auto [at, is_new] = best.try_emplace(own.hypothesis.key(), r);
+        const Row& known = ledger.rows()[at->second];
+        const auto rank = [](const Row& row) {
+            return std::tuple(!row.not_tried.empty(), row.fit.mesh != Mesh::study, -row.order, row.fit.chi2,
+                              -row.log_evidence);
+        };
+        if (!is_new && rank(own) < rank(known)) {
+            at->second = r;
+        }
+    }
+    std::vector<std::size_t> rows;
+    rows.reserve(best.size());
+    for (const auto& [key, r] : best) {
+        rows.push_back(r);
+    }
+    return rows;
 }
 
 } // namespace explore::diagnose

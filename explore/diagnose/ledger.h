@@ -6,6 +6,8 @@
 #include "hypotheses/evidence.h"
 #include "hypotheses/hypothesis.h"
 
+#include <optional>
+
 namespace explore::diagnose {
 
 // The residual of a fit.
@@ -80,6 +82,13 @@ public:
         double p = 1.0;
     };
 
+    // The most probable hypothesis by another premise (a section without a floor), where that was weighed.
+    struct Elsewhere {
+        std::string words;
+        std::vector<hypotheses::Term> terms;
+        double probability = 0.0; // beside the answer by these premises
+    };
+
     Ledger() = default;
     explicit Ledger(bool noise_is_stated) : noise_is_stated_(noise_is_stated) {}
 
@@ -89,12 +98,14 @@ public:
     void add(Chance chance) { chances_.push_back(std::move(chance)); }
     void add(Confounded confounded) { confounded_.push_back(std::move(confounded)); }
     void add(Beyond beyond) { beyond_.push_back(std::move(beyond)); }
+    void add(Elsewhere elsewhere) { elsewhere_ = std::move(elsewhere); }
     // The chance that noise alone makes some effect look as promising as one did at the study's model.
     void add_score(double p_familywise) { score_ = p_familywise; }
 
     const std::vector<Row>& rows() const { return rows_; }
     bool noise_is_stated() const { return noise_is_stated_; }
     double score() const { return score_; }
+    const std::optional<Elsewhere>& elsewhere() const { return elsewhere_; }
     // Of a hypothesis; the defaults where nothing was added.
     double chance(const std::string& key) const;
     Says says(const std::string& key) const;
@@ -114,6 +125,10 @@ private:
     std::vector<Chance> chances_;
     std::vector<Confounded> confounded_;
     std::vector<Beyond> beyond_;
+    std::optional<Elsewhere> elsewhere_;
 };
+
+// The row of a hypothesis that counts where it was fitted more than once: on the study's own mesh, the lowest.
+std::vector<std::size_t> rows_that_count(const Ledger& ledger);
 
 } // namespace explore::diagnose

@@ -38,6 +38,33 @@ TEST(Decision, TakesErrorsInCommonForTheNoiseWhereTheyAreFarMoreProbable) {
     }
 }
 
+// What another premise makes about as probable keeps a name from standing alone, one that was named by its premise too.
+TEST(Decision, LetsNoNameStandAloneBesideAnotherPremise) {
+    Row premise = fitted(Kind::effect, "there is no floor", 0, 0, 0);
+    premise.is_premise = true;
+    premise.hypothesis.terms = {{"floor-depth", "", ""}};
+    const Case named{"named", {nothing(120, -60), noise(1.73, -30), effect("a", 38, -10)}, Verdict::cause_named};
+    Case by_premise{"by premise", {nothing(40, 0), premise}, Verdict::cause_named};
+    by_premise.score = 0.4;
+    for (const double probability : {0.01, 0.35}) {
+        const bool is_near = probability > 0.05;
+        const auto beside = [&](const Case& c, const char* other) {
+            Ledger ledger = ledger_of(c, c.rows);
+            ledger.add(Ledger::Elsewhere{.words = other, .terms = {{other, "", ""}}, .probability = probability});
+            return decide(ledger);
+        };
+        const auto by_name = beside(named, "floor-depth");
+        EXPECT_EQ(by_name.verdict, is_near ? Verdict::ambiguous : Verdict::cause_named);
+        EXPECT_EQ(by_name.causes,
+                  is_near ? (std::vector<std::string>{"a", "floor-depth"}) : std::vector<std::string>{"a"});
+        const auto without = beside(by_premise, "inertia");
+        EXPECT_EQ(without.verdict, is_near ? Verdict::ambiguous : Verdict::cause_named);
+        EXPECT_EQ(without.causes.front(), "floor-depth");
+        EXPECT_EQ(without.causes.size(), is_near ? 2U : 1U);
+        EXPECT_NEAR(without.hypotheses.front().probability, is_near ? 1.0 - probability : 1.0, 1e-12);
+    }
+}
+
 TEST(Decision, DoesNotDependOnTheOrderOfRows) {
     for (const Case& c : table()) {
         const auto expected = decide(ledger_of(c, c.rows));

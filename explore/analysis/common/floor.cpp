@@ -34,6 +34,11 @@ std::optional<study::Study> without_floor(const study::Study& study) {
     return endless;
 }
 
+std::string no_floor_words(const study::Study& study) {
+    return fmt::format("there is no floor, {} goes on for ever (bottom = \"half-space\" under [section])",
+                       study.model.layers.back().name);
+}
+
 std::string rock_words(const study::Study& study) {
     return fmt::format("In this study the last layer goes on for ever; rock or anything stiff below looks alike: "
                        "bottom = \"rigid\" under [section], with {}.thickness_mm as a parameter, tells whether that "

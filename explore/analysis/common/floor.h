@@ -15,6 +15,9 @@ struct WithoutFloor {
     std::vector<double> parameters; // file units
 };
 
+// "there is no floor, subgrade goes on for ever ..."
+std::string no_floor_words(const study::Study& study);
+
 // For an answer that says of a section without a floor that it stiffens with depth: another section that would read so.
 std::string rock_words(const study::Study& study);
 

@@ -329,10 +329,7 @@ std::optional<DiagnoseResult> diagnose_with(Session& session, const study::Study
     }
     if (premises.no_floor) {
         task.premises.push_back(
-            {.kind = hypotheses::Kind::effect,
-             .name = fmt::format("there is no floor, {} goes on for ever (bottom = \"half-space\" under [section])",
-                                 study.model.layers.back().name),
-             .terms = {{"floor-depth", "", ""}}});
+            {.kind = hypotheses::Kind::effect, .name = no_floor_words(study), .terms = {{"floor-depth", "", ""}}});
     }
     diagnose::Diagnoser diagnoser(task, options.settings);
     if (!diagnoser.find()) {

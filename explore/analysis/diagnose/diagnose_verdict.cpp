@@ -40,8 +40,8 @@ public:
     std::vector<std::string> all() const {
         std::vector<std::string> text;
         verdict(text);
-        const bool is_said = d.decision.reason == diagnose::Reason::noise;
-        if (d.verdict() == Verdict::ambiguous && d.decision.is_noise_possible() && !is_said) {
+        if (d.verdict() == Verdict::ambiguous && d.decision.is_noise_possible() &&
+            d.decision.reason != diagnose::Reason::noise) {
             text.push_back(fmt::format("Noise alone is possible too, with probability {}: {}.",
                                        percent(d.decision.of_noise), row_words(d.ledger.rows()[*d.decision.noise])));
         }
@@ -60,6 +60,12 @@ public:
     }
 
 private:
+    static void say(std::vector<std::string>& text, std::string words) {
+        if (!words.empty()) {
+            text.push_back(std::move(words));
+        }
+    }
+
     std::string effect_words(std::size_t member) const {
         const auto& interval = after->parameters[study.space.axes.size() + member];
         const std::size_t c = d.extended->model.members[member];
@@ -73,6 +79,14 @@ private:
                                ? ", which reaches the end of its range"
                                : "",
                            effect.in_words(applied));
+    }
+
+    std::string named_words() const {
+        std::vector<std::string> words;
+        for (std::size_t m = 0; m < d.extended->model.members.size(); ++m) {
+            words.push_back(effect_words(m));
+        }
+        return pave::join(words, "; and ");
     }
 
     // The variants of the named effect that fit these readings as well.
@@ -112,26 +126,27 @@ private:
                    : "";
     }
 
-    void add_bottom_hint(std::vector<std::string>& text) const {
-        if (std::string words = bottom_hint(result); !words.empty()) {
-            text.push_back(std::move(words));
-        }
-    }
-
     // Where every parameter of the study's model is pressed against an end of its range: "" elsewhere.
     std::string at_ends_words() const {
         const auto& unit = d.baseline.model.unit;
         const std::size_t axes = study.space.axes.size();
+        const auto is_at_end = [](double u) { return std::min(u, 1.0 - u) < inference::end_of_range; };
         const bool are_at_ends =
-            axes > 1 && unit.size() >= axes && std::all_of(unit.data(), unit.data() + axes, [](double u) {
-                return u < inference::end_of_range || u > 1.0 - inference::end_of_range;
-            });
+            axes > 1 && unit.size() >= axes && std::all_of(unit.data(), unit.data() + axes, is_at_end);
         return are_at_ends ? "Every parameter of the study's model is on its bound: look first for a wrong unit of the "
                              "readings, a wrong load or a wrong section."
                            : "";
     }
 
     void verdict(std::vector<std::string>& text) const {
+        if (d.decision.reason == diagnose::Reason::other_premise) {
+            text.push_back(
+                fmt::format("AMBIGUOUS: {}; or, with probability {}, {}{}. These readings do not tell "
+                            "which; what lies below, by borings or maps, does.",
+                            d.extended ? named_words() : premise_words(), percent(d.ledger.elsewhere()->probability),
+                            result.premises.no_floor ? "with the floor as stated: " : "", d.ledger.elsewhere()->words));
+            return;
+        }
         switch (d.verdict()) {
         case Verdict::adequate:
             text.push_back(adequate_words());
@@ -179,20 +194,14 @@ private:
                                            "answer in twenty does; nothing else that was tried comes near.",
                                            p_words(std::min(d.extended->p_value, d.extended->pattern.p_value))));
             }
-            if (std::string words = alike_words(); !words.empty()) {
-                text.push_back(std::move(words));
-            }
+            say(text, alike_words());
             for (const std::size_t c : members) {
-                if (std::string words = instrument_words(variants[c].applied); !words.empty()) {
-                    text.push_back(std::move(words));
-                }
+                say(text, instrument_words(variants[c].applied));
             }
-            add_bottom_hint(text);
+            say(text, bottom_hint(result));
             for (const std::size_t c : members) {
                 const std::string mechanism(variants[c].applied.effect->mechanism);
-                if (std::find(text.begin(), text.end(), mechanism) == text.end()) {
-                    text.push_back(mechanism);
-                }
+                say(text, std::find(text.begin(), text.end(), mechanism) == text.end() ? mechanism : "");
             }
             break;
         }
@@ -202,21 +211,15 @@ private:
                 sets.push_back(members_words(candidates, e.fit.model.members));
             }
             text.push_back(ambiguous_words(sets));
-            add_bottom_hint(text);
-            std::vector<std::string> best;
-            for (std::size_t m = 0; m < d.extended->model.members.size(); ++m) {
-                best.push_back(effect_words(m));
-            }
-            text.push_back(fmt::format("Best of them: {}.", pave::join(best, "; and ")));
-            if (std::string words = alike_words(); !words.empty()) {
-                text.push_back(std::move(words));
-            }
+            say(text, bottom_hint(result));
+            text.push_back(fmt::format("Best of them: {}.", named_words()));
+            say(text, alike_words());
             break;
         }
         case Verdict::located: corrections(text); break;
         case Verdict::unexplained:
             unexplained(text);
-            add_bottom_hint(text);
+            say(text, bottom_hint(result));
             text.emplace_back(
                 "The values and 95 % ranges below are those of models that do not explain these data: they "
                 "are no answer.");
@@ -322,9 +325,7 @@ private:
         text.push_back(fmt::format("UNEXPLAINED: the data contradict the model{}. The pattern that remains is shown "
                                    "below.",
                                    why));
-        if (std::string words = at_ends_words(); !words.empty()) {
-            text.push_back(std::move(words));
-        }
+        say(text, at_ends_words());
         if (study.noise == study::NoiseSource::stated) {
             text.push_back(fmt::format("If the model were right, the noise would have to be {} times what is stated.",
                                        figure(std::sqrt(d.baseline.chi2 / std::max(1, d.baseline.dof)), 2)));

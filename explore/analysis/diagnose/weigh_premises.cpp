@@ -21,15 +21,21 @@ bool is_contradicted(const DiagnoseResult& result) {
            (result.failed() || result.diagnosis.baseline.p_value < diagnose::level_contradicted);
 }
 
-// Of the most probable hypothesis: its probability beforehand and what the data say, the logarithm.
-double most_probable(const DiagnoseResult& result) {
-    double most = -INFINITY;
-    const diagnose::Diagnosis& d = result.diagnosis;
-    for (const std::size_t r : diagnose::rows_that_count(d.ledger)) {
-        const diagnose::Row& row = d.ledger.rows()[r];
-        most = std::max(most, row.is_tried() ? row.log_weight() : -INFINITY);
+// The most probable hypothesis; nullptr: none was tried.
+const diagnose::Row* leading(const DiagnoseResult& result) {
+    const diagnose::Row* found = nullptr;
+    const diagnose::Ledger& ledger = result.diagnosis.ledger;
+    for (const std::size_t r : diagnose::rows_that_count(ledger)) {
+        const diagnose::Row& row = ledger.rows()[r];
+        found = row.is_tried() && (found == nullptr || row.log_weight() > found->log_weight()) ? &row : found;
     }
-    return most;
+    return found;
+}
+
+// Its probability beforehand and what the data say, the logarithm.
+double most_probable(const DiagnoseResult& result) {
+    const diagnose::Row* const row = leading(result);
+    return row != nullptr ? row->log_weight() : -INFINITY;
 }
 
 // log_prior: of the further premise, its probability beforehand.
@@ -83,6 +89,18 @@ std::optional<DiagnoseResult> weigh_likely_exchange(DiagnoseResult as_read, cons
     return more_probable(std::move(*in_order), log_prior_of_exchange(exchanges), std::move(as_read));
 }
 
+// Outputs by either premise.
+void hold_both(std::vector<OutputUncertainty>& outputs, const std::vector<OutputUncertainty>& others) {
+    for (OutputUncertainty& own : outputs) {
+        const auto other = std::ranges::find(others, own.reading, &OutputUncertainty::reading);
+        if (other != others.end()) {
+            own.wide_low = std::min(own.wide_low, other->wide_low);
+            own.wide_high = std::max(own.wide_high, other->wide_high);
+            own.take_back(own.best);
+        }
+    }
+}
+
 // A floor cannot be moved away by so many metres that there is none: the study is diagnosed without it where readings
 // want it as deep as it may be.
 std::optional<DiagnoseResult> weigh_floor(const study::Study& study, DiagnoseResult with_floor, const DiagnoseBy& by) {
@@ -98,8 +116,35 @@ std::optional<DiagnoseResult> weigh_floor(const study::Study& study, DiagnoseRes
     }
     const hypotheses::Counts counts{.readings = 0, .effects = with_floor.diagnosis.effects.size(), .channels = 0};
     const double log_prior = hypotheses::log_prior(hypotheses::Kind::effect, counts, 1, 0);
+    const auto elsewhere = [&](const DiagnoseResult& loses, bool has_floor) {
+        const double difference = log_prior + most_probable(*other) - most_probable(with_floor);
+        const diagnose::Row& row = *leading(loses);
+        diagnose::Ledger::Elsewhere words{.words = has_floor ? row.hypothesis.name : no_floor_words(study),
+                                          .terms = row.hypothesis.terms,
+                                          .probability = 1.0 / (1.0 + std::exp(std::abs(difference)))};
+        if (!has_floor) {
+            words.terms.insert(words.terms.begin(), {"floor-depth", "", ""});
+        }
+        return words;
+    };
+    std::optional<diagnose::Ledger::Elsewhere> rival;
+    std::vector<OutputUncertainty> outputs;
+    if (!other->failed()) {
+        const bool has_floor = log_prior + most_probable(*other) > most_probable(with_floor); // what loses
+        const DiagnoseResult& loses = has_floor ? with_floor : *other;
+        rival = elsewhere(loses, has_floor);
+        outputs = loses.outputs;
+    }
     DiagnoseResult result = more_probable(std::move(*other), log_prior, std::move(with_floor));
     result.is_floor_weighed = true;
+    if (rival) {
+        result.diagnosis.ledger.add(std::move(*rival));
+        if (diagnose::Decision now = diagnose::decide(result.diagnosis.ledger);
+            now.reason == diagnose::Reason::other_premise) {
+            result.diagnosis.decision = std::move(now);
+            hold_both(result.outputs, outputs);
+        }
+    }
     return result;
 }
 
