@@ -153,6 +153,17 @@ Json hypotheses_json(const Diagnosis& d) {
         }
         list.push_back(std::move(json));
     }
+    if (const auto& other = d.ledger.elsewhere()) { // beside the most probable one
+        list.push_back({{"kind", "effect"},
+                        {"name", other->words},
+                        {"in_words", other->words},
+                        {"probability", other->probability},
+                        {"elsewhere", true},
+                        {"log_evidence", nullptr},
+                        {"chi2", nullptr},
+                        {"p_value", nullptr},
+                        {"sizes", Json::object()}});
+    }
     return list;
 }
 

@@ -177,6 +177,8 @@ def test_a_floor_that_is_not_there_is_among_the_causes():
     assert found["verdict"] == "ambiguous" and found["causes"] == ["floor-depth", "inertia"], found["findings"][0]
     assert "there is no floor" in found["findings"][0] and "with the floor as stated: inertia" in found["findings"][0]
     assert found["hypotheses"][0]["name"].startswith("there is no floor") and 0.5 < found["hypotheses"][0]["probability"] < 0.95
+    other = next(h for h in found["hypotheses"] if h.get("elsewhere"))
+    assert other["name"] == "with the floor as stated: inertia" and abs(other["probability"] + found["hypotheses"][0]["probability"] - 1) < 1e-9
     truths = {"top of subgrade": 843.28, "bottom of asphalt": -358.29}
     for output in found["outputs"]:
         assert output["low"] <= truths[output["name"]] <= output["high"], output

@@ -141,10 +141,10 @@ private:
     void verdict(std::vector<std::string>& text) const {
         if (d.decision.reason == diagnose::Reason::other_premise) {
             text.push_back(
-                fmt::format("AMBIGUOUS: {}; or, with probability {}, {}{}. These readings do not tell "
-                            "which; what lies below, by borings or maps, does.",
+                fmt::format("AMBIGUOUS: {}; or, with probability {}, {}. These readings do not tell which; what "
+                            "lies below, by borings or maps, does.",
                             d.extended ? named_words() : premise_words(), percent(d.ledger.elsewhere()->probability),
-                            result.premises.no_floor ? "with the floor as stated: " : "", d.ledger.elsewhere()->words));
+                            d.ledger.elsewhere()->words));
             return;
         }
         switch (d.verdict()) {

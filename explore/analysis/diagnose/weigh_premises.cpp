@@ -119,7 +119,8 @@ std::optional<DiagnoseResult> weigh_floor(const study::Study& study, DiagnoseRes
     const auto elsewhere = [&](const DiagnoseResult& loses, bool has_floor) {
         const double difference = log_prior + most_probable(*other) - most_probable(with_floor);
         const diagnose::Row& row = *leading(loses);
-        diagnose::Ledger::Elsewhere words{.words = has_floor ? row.hypothesis.name : no_floor_words(study),
+        diagnose::Ledger::Elsewhere words{.words = has_floor ? "with the floor as stated: " + row.hypothesis.name
+                                                             : no_floor_words(study),
                                           .terms = row.hypothesis.terms,
                                           .probability = 1.0 / (1.0 + std::exp(std::abs(difference)))};
         if (!has_floor) {

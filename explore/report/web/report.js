@@ -361,7 +361,9 @@
                 height: 180 + list.length * (12 + 14 * Object.keys(list[0].total).length), margin: { l: 64, r: 16, t: 24, b: 100 }, legend: { orientation: "h", y: -70 / (56 + list.length * (12 + 14 * Object.keys(list[0].total).length)) } });
     };
     const probabilities = (r) => {
-        const list = [...r.hypotheses].filter((h) => typeof h.probability === "number").sort((a, b) => b.probability - a.probability).slice(0, 6);
+        // Beside a premise only what another makes probable: all else rests on it.
+        const beside = r.hypotheses.some((h) => h.premise) && r.hypotheses.some((h) => h.elsewhere);
+        const list = r.hypotheses.filter((h) => typeof h.probability === "number" && (!beside || h.premise || h.elsewhere)).sort((a, b) => b.probability - a.probability).slice(0, 6);
         const short = (text) => {
             const lines = say(text).split(" ").reduce((all, word) => ((all[all.length - 1] + " " + word).length > 34 && all[all.length - 1] ? [...all, word] : [...all.slice(0, -1), `${all[all.length - 1]} ${word}`.trim()]), [""]);
             return lines.slice(0, 2).join("<br>") + (lines.length > 2 ? " …" : "");
