@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <gsl/gsl_cdf.h>
-#include <map>
-#include <tuple>
 
 namespace explore::diagnose {
 

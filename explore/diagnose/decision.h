@@ -13,8 +13,8 @@
 // - `located`: no name leaves noise, and a correction does at places that it knows, which is not rejected itself,
 //   predicts what was left out no worse, and is not outdone by a hypothesis with fewer numbers.
 // - `ambiguous`: names that do not stand alone, or one beside another premise. `unexplained`: the rest; where noise of
-// another size is possible
-//   (10 %) and no less probable than the names that leave noise, too, with the names as what comes nearest.
+//   another size is possible (10 %) and no less probable than the names that leave noise, too, with the names as what
+//   comes nearest.
 #pragma once
 
 #include "diagnose/ledger.h"

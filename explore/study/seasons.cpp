@@ -54,11 +54,11 @@ Season read_season(const toml::table& table, const Study& study) {
         }
         own.done();
     }
-    if (reader.has(keys::season_asphalt) && study.model.layers.empty()) {
-        throw pave::Error(reader.place(keys::season_asphalt), "this study has no layers", "a model of its own",
-                          "seasons of a section");
-    }
     if (reader.has(keys::season_asphalt)) {
+        if (study.model.layers.empty()) {
+            throw pave::Error(reader.place(keys::season_asphalt), "this study has no layers", "a model of its own",
+                              "seasons of a section");
+        }
         const double warm = reader.number(keys::season_asphalt);
         const double tested = reader.number(keys::season_tested);
         const std::string& top = study.model.layers[0].name;

@@ -292,12 +292,15 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
         editor.replace(file, quoted(path.generic_string()));
         outside = outside || leaves_folder(path);
     };
-    const auto set = [&](const toml::table& table, const std::string& key, double value) {
+    const auto put = [&](const toml::table& table, const std::string& key, const std::string& value) {
         if (const toml::node* node = table.get(key)) {
-            editor.replace(*node, fmt::format("{}", value));
+            editor.replace(*node, value);
         } else {
-            editor.insert(table, key, fmt::format("{}", value));
+            editor.insert(table, key, value);
         }
+    };
+    const auto set = [&](const toml::table& table, const std::string& key, double value) {
+        put(table, key, fmt::format("{}", value));
     };
     if (const toml::array* loads = root["loads"].as_array()) {
         for (const toml::node& load : *loads) {
@@ -311,12 +314,7 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
             replace_path(file);
         }
         if (outside && root["data"]["outside"].value_or(false) == false) {
-            const toml::table& data = *root["data"].as_table();
-            if (const toml::node* stated = data.get("outside")) {
-                editor.replace(*stated, "true");
-            } else {
-                editor.insert(data, "outside", "true");
-            }
+            put(*root["data"].as_table(), "outside", "true");
         }
     }
     if (const toml::table* model = root["model"].as_table()) {
@@ -336,11 +334,7 @@ std::string extended_text(const Study& extended, const std::vector<Variant>& var
     const toml::table* section = root["section"].as_table();
     const bool loses_floor = extended.model.half_space && root["section"]["bottom"].value_or(std::string()) != endless;
     if (loses_floor && section != nullptr) {
-        if (const toml::node* stated = section->get("bottom")) {
-            editor.replace(*stated, quoted(std::string(endless)));
-        } else {
-            editor.insert(*section, "bottom", quoted(std::string(endless)));
-        }
+        put(*section, "bottom", quoted(std::string(endless)));
     }
     const std::size_t known = values.size() - variants.size();
     for (std::size_t k = 0; k < known; ++k) {

@@ -114,39 +114,32 @@ std::optional<DiagnoseResult> weigh_floor(const study::Study& study, DiagnoseRes
     if (!other) {
         return std::nullopt;
     }
+    if (other->failed()) {
+        with_floor.is_floor_weighed = true;
+        return with_floor;
+    }
     const hypotheses::Counts counts{.readings = 0, .effects = with_floor.diagnosis.effects.size(), .channels = 0};
     const double log_prior = hypotheses::log_prior(hypotheses::Kind::effect, counts, 1, 0);
-    const auto elsewhere = [&](const DiagnoseResult& loses, bool has_floor) {
-        const double difference = log_prior + most_probable(*other) - most_probable(with_floor);
-        const diagnose::Row& row = *leading(loses);
-        diagnose::Ledger::Elsewhere words{.words = has_floor ? "with the floor as stated: " + row.hypothesis.name
-                                                             : no_floor_words(study),
-                                          .terms = row.hypothesis.terms,
-                                          .probability = 1.0 / (1.0 + std::exp(std::abs(difference)))};
-        if (!has_floor) {
-            words.terms.insert(words.terms.begin(), {"floor-depth", "", ""});
-        }
-        return words;
-    };
-    std::optional<diagnose::Ledger::Elsewhere> rival;
-    std::vector<OutputUncertainty> outputs;
-    if (!other->failed()) {
-        const bool has_floor = log_prior + most_probable(*other) > most_probable(with_floor); // what loses
-        const DiagnoseResult& loses = has_floor ? with_floor : *other;
-        rival = elsewhere(loses, has_floor);
-        outputs = loses.outputs;
+    const double log_odds = log_prior + most_probable(*other) - most_probable(with_floor); // of no floor
+    const bool is_without = log_odds >= 0.0;
+    DiagnoseResult& result = is_without ? *other : with_floor;
+    const DiagnoseResult& loses = is_without ? with_floor : *other;
+    const hypotheses::Hypothesis& best = leading(loses)->hypothesis;
+    diagnose::Ledger::Elsewhere rival{.words =
+                                          is_without ? "with the floor as stated: " + best.name : no_floor_words(study),
+                                      .terms = best.terms,
+                                      .probability = 1.0 / (1.0 + std::exp(std::abs(log_odds)))};
+    if (!is_without) {
+        rival.terms.insert(rival.terms.begin(), {"floor-depth", "", ""});
     }
-    DiagnoseResult result = more_probable(std::move(*other), log_prior, std::move(with_floor));
     result.is_floor_weighed = true;
-    if (rival) {
-        result.diagnosis.ledger.add(std::move(*rival));
-        if (diagnose::Decision now = diagnose::decide(result.diagnosis.ledger);
-            now.reason == diagnose::Reason::other_premise) {
-            result.diagnosis.decision = std::move(now);
-            hold_both(result.outputs, outputs);
-        }
+    result.diagnosis.ledger.add(std::move(rival));
+    if (diagnose::Decision now = diagnose::decide(result.diagnosis.ledger);
+        now.reason == diagnose::Reason::other_premise) {
+        result.diagnosis.decision = std::move(now);
+        hold_both(result.outputs, loses.outputs);
     }
-    return result;
+    return std::move(result);
 }
 
 } // namespace

@@ -33,12 +33,12 @@ std::string doubtful_places(const SurveyResult& result) {
     if (places.size() < least_places) {
         return "";
     }
-    if (median_spacing(places) < plate_m &&
-        places.back() - places.front() < plate_m * static_cast<double>(places.size())) {
+    if (const double spacing = median_spacing(places);
+        spacing < plate_m && places.back() - places.front() < plate_m * static_cast<double>(places.size())) {
         return fmt::format(
             "Stations lie {:.2g} m apart (median), closer than a loading plate is wide: are their places "
             "in kilometres?",
-            median_spacing(places));
+            spacing);
     }
     for (std::size_t i = 1; i + 1 < places.size(); ++i) { // the first i + 1 are in kilometres
         const std::vector<double> near(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(i) + 1);

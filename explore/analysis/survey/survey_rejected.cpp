@@ -25,7 +25,7 @@ std::string common_fault(const SurveyResult& result) {
         }
         const data::FwdDrop& drop = s.station.drops.back();
         for (const data::FwdReading& reading : drop.readings) {
-            const double value = reading.deflection_um * 1e-6;
+            const double value = reading.deflection_um * pave::unit::um;
             points.push_back({.row = points.size(),
                               .load = bowls,
                               .offset = std::abs(reading.offset_mm) * pave::unit::mm,
