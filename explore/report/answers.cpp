@@ -68,7 +68,7 @@ Answer fit_answer(const Json& json) {
     const Json& best = at(json, "best");
     const Json& noise = at(json, "noise");
     const auto on_bound = list(at(best, "at_bounds"));
-    std::vector<std::string> unknown;
+    const auto unknown = list(at(best, "not_determined"));
     answer.heading = "Best fit (standard errors; the study allows from ... to)";
     answer.header = {"parameter", "value", "std. error", "from", "to", ""};
     for (const Json& axis : at(json, "parameters")) {
@@ -76,9 +76,6 @@ Answer fit_answer(const Json& json) {
         const Json& error = at(at(best, "std_error"), name.c_str());
         const Json& range = at(at(best, "ranges_95"), name.c_str());
         const bool is_on_bound = std::find(on_bound.begin(), on_bound.end(), name) != on_bound.end();
-        if (!is_on_bound && !range.is_array() && error.is_null()) {
-            unknown.push_back(name);
-        }
         answer.rows.push_back({name, number(at(at(best, "parameters"), name.c_str())),
                                is_on_bound        ? "at bound"
                                : range.is_array() ? number(range[0]) + "-" + number(range[1])

@@ -181,8 +181,10 @@ Json fit_json(const FitResult& result, const analysis::RunOptions& run) {
     for (const auto& name : json["at_bounds"]) {
         json["best"]["std_error"][name.get<std::string>()] = nullptr;
     }
+    json["best"]["not_determined"] = Json::array();
     for (std::size_t k = 0; k < space.axes.size(); ++k) {
         if (result.leaves_unknown(k)) {
+            json["best"]["not_determined"].push_back(space.axes[k].name);
             json["best"]["std_error"][space.axes[k].name] = nullptr;
         }
     }

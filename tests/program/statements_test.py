@@ -143,6 +143,18 @@ def test_a_parameter_that_the_box_stops():
     assert u["verdict"] != "unique" or "bound" in u["findings"][0], f"an answer that the box makes says so: {u['findings'][0]}"
 
 
+def test_what_stays_open_beside_a_bound_is_in_the_first_sentence():
+    fit = answer("fit", ROOT / "grids/captif-p1-unique-fwd.toml", "--explore", 64, "--starts", 4)
+    assert fit["at_bounds"], "a case with a parameter on its bound"
+    scales = {p["name"]: (p["min"], p["max"], math.log if p["scale"] == "log" else float) for p in fit["parameters"]}
+    def share(name, low, high):
+        least, most, f = scales[name]
+        return (f(high) - f(low)) / (f(most) - f(least))
+    wide = [n for n, (low, high) in fit["best"]["ranges_95"].items() if share(n, low, high) >= 0.5 and n not in fit["at_bounds"]]
+    assert wide and fit["best"]["not_determined"] == wide, f"{wide}: {fit['best']}"
+    assert f"does not determine {', '.join(wide)} and ends on a bound with" in fit["answer"], fit["answer"]
+
+
 def test_fewer_starts_than_asked_for_are_said():
     said = answer("fit", plain, "--explore", 12, "--starts", 12)
     assert said["starts"] == 12 or any(f"{said['starts']} of the 12 starts" in s for s in said["findings"]), f"fewer starts: {said['starts']}"
