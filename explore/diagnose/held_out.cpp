@@ -1,150 +1,187 @@
 #include "diagnose/held_out.h"
 
-#include "run/parallel.h"
 #include "run/progress.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 namespace explore::diagnose {
 namespace {
 
+using Fits = std::vector<std::optional<Model>>; // of the folds
+
+// All folds at once: what one of them is fitted to is another's business, the model is the same, so that their searches
+// go in step.
 class LeftOut {
 public:
-    LeftOut(const LeftOutTask& asked, const OnCoarse& extended, const Fold& fold)
+    LeftOut(const LeftOutTask& asked, const std::vector<const Fold*>& folds, int number)
         : task_(asked.task),
           d_(asked.d),
           best_(asked.extended.model),
-          pull_(asked.pull),
           explored_(asked.explored),
-          extended_(extended),
-          target_(leaving_out(fold.terms, static_cast<std::size_t>(d_.baseline.model.residuals.size()))) {}
+          extended_(on_coarse(asked.task.bench, best_, number)),
+          number_(number) {
+        for (const Fold* fold : folds) {
+            rest_.push_back(leaving_out(fold->terms, static_cast<std::size_t>(d_.baseline.model.residuals.size())));
+            pulled_.push_back(rest_.back());
+            pulled_.back().penalty = asked.pull.penalty;
+            pulled_.back().centre = asked.pull.centre;
+        }
+    }
 
     // The baseline without these readings, from where it is with them and from the best of what was explored; nothing:
     // no answer.
-    std::optional<Model> before(int number) const {
+    Fits before() {
         const Model& known = d_.baseline.model;
         const OnCoarse& base = d_.screening.base;
-        std::optional<Model> found =
-            fit({}, number, known.unit, target_, for_residuals(&base.evaluation, d_.variance), base.shift);
+        const std::vector<std::vector<double>> there(rest_.size(), known.unit);
+        Fits found = fit(known.members, there, rest_, base, {});
         // Without these readings another minimum may be lower.
-        const auto nearest = std::min_element(explored_.begin(), explored_.end(),
-                                              [&](const Explored& a, const Explored& b) { return sum(a) < sum(b); });
-        if (nearest != explored_.end()) {
-            keep_lower(found, fit({}, number + 1, nearest->unit, target_, below(found), base.shift));
+        std::vector<std::vector<double>> nearest(explored_.empty() ? 0 : rest_.size());
+        for (std::size_t f = 0; f < nearest.size(); ++f) {
+            const auto sum = [&](const Explored& point) { return counted_sum(point.residuals, rest_[f]); };
+            nearest[f] =
+                std::min_element(explored_.begin(), explored_.end(), [&](const Explored& a, const Explored& b) {
+                    return sum(a) < sum(b);
+                })->unit;
         }
-        return confirmed(std::move(found), number, target_, known);
+        keep_lower_of_each(found, fit(known.members, nearest, rest_, base, found));
+        confirm(found, rest_, known);
+        return found;
     }
 
     // The extended model, from where it is with them and from `before` with no effect and no correction.
-    std::optional<Model> after(const Model& before, int number) const {
-        Target target = target_;
-        target.penalty = pull_.penalty;
-        target.centre = pull_.centre;
-        std::optional<Model> found = fit(best_.members, number, best_.unit, target,
-                                         for_residuals(&extended_.evaluation, d_.variance), extended_.shift);
-        std::vector<double> none = before.unit;
-        for (const std::size_t m : best_.members) {
-            none.push_back(m < task_.candidates.size() ? task_.candidates[m].null : no_correction);
+    Fits after(const Fits& before) {
+        std::vector<std::vector<double>> there(rest_.size());
+        std::vector<std::vector<double>> none(rest_.size());
+        for (std::size_t f = 0; f < rest_.size(); ++f) {
+            if (!before[f]) {
+                continue;
+            }
+            there[f] = best_.unit;
+            none[f] = before[f]->unit;
+            for (const std::size_t m : best_.members) {
+                none[f].push_back(m < task_.candidates.size() ? task_.candidates[m].null : no_correction);
+            }
         }
-        keep_lower(found, fit(best_.members, number + 1, none, target, below(found), extended_.shift));
-        return confirmed(std::move(found), number, target, best_);
+        Fits found = fit(best_.members, there, pulled_, extended_, {});
+        keep_lower_of_each(found, fit(best_.members, none, pulled_, extended_, found));
+        confirm(found, pulled_, best_);
+        return found;
     }
 
 private:
-    // A search that is given up where it leads to nothing lower.
-    FitSettings below(const std::optional<Model>& found) const {
-        constexpr double lower = 0.1; // chi2
-        // Derivatives at the start; afterwards only where a step without them fails.
-        return {.secant_below = INFINITY, .worth = found ? found->sum - lower * d_.variance : INFINITY};
+    // Numbers of the next stage.
+    int next() {
+        progress_.add(1, true);
+        return number_ + static_cast<int>(rest_.size()) * stage_++;
     }
+
+    // On the coarse mesh, of the folds that have a start. A search that leads to nothing lower than was found is given
+    // up. Derivatives at the start; afterwards only where a step without them fails.
+    Fits fit(const Members& members, const std::vector<std::vector<double>>& starts, const std::vector<Target>& targets,
+             const OnCoarse& coarse, const Fits& found) {
+        constexpr double lower = 0.1; // chi2
+        const int first = next();
+        std::vector<std::size_t> of;
+        std::vector<Start> all;
+        for (std::size_t f = 0; f < starts.size(); ++f) {
+            if (starts[f].empty()) {
+                continue;
+            }
+            FitSettings settings =
+                found.empty() ? for_residuals(&coarse.evaluation, d_.variance) : FitSettings{.secant_below = INFINITY};
+            if (!found.empty() && found[f]) {
+                settings.worth = found[f]->sum - lower * d_.variance;
+            }
+            settings.on_coarse = &coarse.shift;
+            of.push_back(f);
+            all.push_back({starts[f], &targets[f], settings});
+        }
+        return spread(of, fit_in_step(task_.bench, members, first, all, d_.variance));
+    }
+
     // Results of the coarse mesh, as the study's own has them; where the two part, fitted on from there on that
     // one by the derivatives of what is known with all readings.
-    std::optional<Model> confirmed(std::optional<Model> found, int number, const Target& target,
-                                   const Model& known) const {
-        if (!found) {
-            return found;
-        }
-        problem::Evaluation there;
-        Eigen::VectorXd residuals;
-        task_.bench.chain(found->members, number, [&](const problem::Problem& problem, run::Chain& chain) {
-            there = chain.at(found->unit, false);
-            if (there.converged()) {
-                residuals = problem.setting_apart(target.left_out).residuals(there);
+    void confirm(Fits& found, const std::vector<Target>& targets, const Model& known) {
+        const int first = next();
+        const int further = next();
+        std::vector<std::size_t> of;
+        for (std::size_t f = 0; f < found.size(); ++f) {
+            if (found[f]) {
+                of.push_back(f);
             }
-        });
-        if (!there.converged()) {
-            return std::nullopt;
         }
-        const double apart = counted_sum(residuals, target) - counted_sum(found->residuals, target);
-        constexpr double alike = 1.0; // chi2
-        if (std::abs(apart) > alike * d_.variance) {
-            there.jacobian = known.evaluation.jacobian;
-            return fit_from(task_.bench, found->members, number + 1, found->unit, d_.variance, target,
-                            for_residuals(&there, d_.variance));
+        std::vector<problem::Evaluation> there(found.size());
+        std::vector<Eigen::VectorXd> residuals(found.size());
+        task_.bench.chains(known.members, first, of.size(),
+                           [&](const problem::Problem& problem, std::size_t i, run::Chain& chain) {
+                               const std::size_t f = of[i];
+                               there[f] = chain.at(found[f]->unit, false);
+                               if (there[f].converged()) {
+                                   residuals[f] = problem.setting_apart(targets[f].left_out).residuals(there[f]);
+                               }
+                           });
+        std::vector<std::size_t> apart;
+        std::vector<Start> all;
+        for (const std::size_t f : of) {
+            if (!there[f].converged()) {
+                found[f].reset();
+                continue;
+            }
+            constexpr double alike = 1.0; // chi2
+            const double more = counted_sum(residuals[f], targets[f]) - counted_sum(found[f]->residuals, targets[f]);
+            if (std::abs(more) > alike * d_.variance) {
+                there[f].jacobian = known.evaluation.jacobian;
+                apart.push_back(f);
+                all.push_back({found[f]->unit, &targets[f], for_residuals(&there[f], d_.variance)});
+            } else {
+                found[f]->residuals = std::move(residuals[f]);
+            }
         }
-        found->residuals = std::move(residuals);
-        return found;
+        Fits own = fit_in_step(task_.bench, known.members, further, all, d_.variance);
+        for (std::size_t i = 0; i < apart.size(); ++i) {
+            found[apart[i]] = std::move(own[i]);
+        }
     }
-    double sum(const Explored& point) const { return counted_sum(point.residuals, target_); }
-    std::optional<Model> fit(const Members& members, int number, const std::vector<double>& start, const Target& target,
-                             FitSettings settings, const Shift& shift) const {
-        settings.on_coarse = &shift;
-        return fit_from(task_.bench, members, number, start, d_.variance, target, settings);
+
+    Fits spread(const std::vector<std::size_t>& of, Fits found) const {
+        Fits all(rest_.size());
+        for (std::size_t i = 0; i < of.size(); ++i) {
+            all[of[i]] = std::move(found[i]);
+        }
+        return all;
+    }
+    static void keep_lower_of_each(Fits& best, Fits found) {
+        for (std::size_t f = 0; f < found.size(); ++f) {
+            keep_lower(best[f], std::move(found[f]));
+        }
     }
 
     const DiagnosisTask& task_;
     const Diagnosis& d_;
     const Model& best_;
-    const Target& pull_;
     const std::vector<Explored>& explored_;
-    const OnCoarse& extended_;
-    Target target_;
+    const OnCoarse extended_;
+    const int number_;
+    static constexpr int stages = 8;
+    int stage_ = 0;
+    run::Progress progress_{"held out", stages};
+    std::vector<Target> rest_, pulled_; // of the folds: for the baseline, and with what holds the extended model's
 };
 
-} // namespace
-
-std::optional<HeldOut> predict_left_out(const LeftOutTask& asked, const std::vector<Fold>& folds, int number) {
-    const DiagnosisTask& task = asked.task;
-    const Diagnosis& d = asked.d;
-    std::set<std::size_t> wrong;
-    for (const std::size_t c : asked.extended.model.members) {
-        if (c < task.candidates.size() && task.candidates[c].reading) {
-            wrong.insert(*task.candidates[c].reading);
-        }
-    }
-    struct Squares {
-        double before = 0.0, after = 0.0;
-        std::size_t count = 0;
-    };
-    const OnCoarse extended = on_coarse(task.bench, asked.extended.model, number);
-    std::vector<Squares> squares(folds.size());
-    tbb::task_arena arena(run::concurrency(task.bench.threads()));
-    run::Progress progress("held out", static_cast<std::int64_t>(folds.size()));
-    run::for_each_index(arena, folds.size(), [&](std::size_t f) {
-        const LeftOut left_out(asked, extended, folds[f]);
-        const int own = number + 10 * static_cast<int>(f);
-        const auto before = left_out.before(own);
-        const auto after = before ? left_out.after(*before, own) : std::nullopt;
-        for (const std::size_t i : after ? folds[f].terms : std::vector<std::size_t>()) {
-            if (!wrong.contains(i) && !task.is_limit(i)) {
-                const auto row = static_cast<Eigen::Index>(i);
-                squares[f].before += std::pow(before->residuals[row], 2) / d.variance;
-                squares[f].after += std::pow(after->residuals[row], 2) / d.variance;
-                ++squares[f].count;
-            }
-        }
-        progress.add(1, true);
-    });
+// Root mean squares over the folds; nothing: no reading is left to predict.
+std::optional<HeldOut> held_out(const std::vector<HeldOut::Item>& squares, const std::vector<std::size_t>& counts) {
     HeldOut held;
-    for (std::size_t f = 0; f < folds.size(); ++f) {
-        if (squares[f].count > 0) {
-            const auto n = static_cast<double>(squares[f].count);
-            held.folds.push_back({folds[f].name, std::sqrt(squares[f].before / n), std::sqrt(squares[f].after / n)});
+    for (std::size_t f = 0; f < squares.size(); ++f) {
+        if (counts[f] > 0) {
+            const auto n = static_cast<double>(counts[f]);
+            held.folds.push_back({squares[f].name, std::sqrt(squares[f].before / n), std::sqrt(squares[f].after / n)});
             held.before += squares[f].before;
             held.after += squares[f].after;
-            held.readings += squares[f].count;
+            held.readings += counts[f];
         }
     }
     if (held.readings == 0) {
@@ -153,6 +190,45 @@ std::optional<HeldOut> predict_left_out(const LeftOutTask& asked, const std::vec
     held.before = std::sqrt(held.before / static_cast<double>(held.readings));
     held.after = std::sqrt(held.after / static_cast<double>(held.readings));
     return held;
+}
+
+} // namespace
+
+std::vector<std::optional<HeldOut>> predict_left_out(const LeftOutTask& asked,
+                                                     const std::vector<std::vector<Fold>>& divisions, int number) {
+    const DiagnosisTask& task = asked.task;
+    std::set<std::size_t> wrong;
+    for (const std::size_t c : asked.extended.model.members) {
+        if (c < task.candidates.size() && task.candidates[c].reading) {
+            wrong.insert(*task.candidates[c].reading);
+        }
+    }
+    std::vector<const Fold*> folds;
+    for (const auto& division : divisions) {
+        std::transform(division.begin(), division.end(), std::back_inserter(folds), [](const Fold& f) { return &f; });
+    }
+    LeftOut left_out(asked, folds, number);
+    const Fits before = left_out.before();
+    const Fits after = left_out.after(before);
+    std::vector<std::optional<HeldOut>> all;
+    std::size_t f = 0;
+    for (const auto& division : divisions) {
+        std::vector<HeldOut::Item> squares;
+        std::vector<std::size_t> counts(division.size(), 0);
+        for (std::size_t k = 0; k < division.size(); ++k, ++f) {
+            squares.push_back({division[k].name});
+            for (const std::size_t i : after[f] ? division[k].terms : std::vector<std::size_t>()) {
+                if (!wrong.contains(i) && !task.is_limit(i)) {
+                    const auto row = static_cast<Eigen::Index>(i);
+                    squares[k].before += std::pow(before[f]->residuals[row], 2) / asked.d.variance;
+                    squares[k].after += std::pow(after[f]->residuals[row], 2) / asked.d.variance;
+                    ++counts[k];
+                }
+            }
+        }
+        all.push_back(held_out(squares, counts));
+    }
+    return all;
 }
 
 } // namespace explore::diagnose

@@ -21,7 +21,9 @@ struct LeftOutTask {
 
 // Every fold is left out once and predicted by the baseline and by the extended model, both fitted to the rest from
 // points that know nothing of the fold. A reading that an effect declares wrong is nobody's to predict. number: of the
-// first evaluation that is kept; 10 a fold. Nothing: no reading is left to predict, or interrupted.
-std::optional<HeldOut> predict_left_out(const LeftOutTask& asked, const std::vector<Fold>& folds, int number);
+// first evaluation that is kept; 10 a fold. For each of the divisions into folds; nothing where no reading is left to
+// predict, or interrupted.
+std::vector<std::optional<HeldOut>> predict_left_out(const LeftOutTask& asked,
+                                                     const std::vector<std::vector<Fold>>& divisions, int number);
 
 } // namespace explore::diagnose

@@ -150,6 +150,13 @@ bool Workbench::chain(const Members& members, int start,
     });
 }
 
+bool Workbench::chains(const Members& members, int first, std::size_t count,
+                       const std::function<void(const problem::Problem&, std::size_t, run::Chain&)>& body, Mesh mesh) {
+    return use(members, mesh, [&](const problem::Problem& problem, run::Engine& engine) {
+        return engine.chains("", first, count, [&](std::size_t i, run::Chain& chain) { body(problem, i, chain); });
+    });
+}
+
 Shift shift_between(const problem::Evaluation& own, const problem::Evaluation& coarse) {
     Shift shift(own.responses.size());
     std::transform(own.responses.begin(), own.responses.end(), coarse.responses.begin(), shift.begin(), std::minus<>());
@@ -196,27 +203,53 @@ private:
     const Shift& shift_;
 };
 
+// A fit as exact as a diagnosis needs.
+std::optional<Model> fit_as_needed(run::Chain& chain, const problem::Problem& problem, const Members& members,
+                                   const std::vector<double>& start, double variance, const Target& target,
+                                   FitSettings settings) {
+    settings.enough = std::max(settings.enough, close_enough * variance);
+    if (settings.on_coarse == nullptr) {
+        return fit(chain, problem, members, start, target, settings);
+    }
+    ShiftedChain shifted_chain(problem, chain, *settings.on_coarse);
+    std::optional<Model> found = fit(shifted_chain, problem, members, start, target, settings);
+    if (found) {
+        found->mesh = Mesh::coarse;
+    }
+    return found;
+}
+
+Mesh mesh_of(const FitSettings& settings) {
+    return settings.on_coarse == nullptr ? Mesh::study : Mesh::coarse;
+}
+
 } // namespace
 
 std::optional<Model> fit_from(Workbench& bench, const Members& members, int number, const std::vector<double>& start,
-                              double variance, const Target& target, FitSettings settings) {
+                              double variance, const Target& target, const FitSettings& settings) {
     std::optional<Model> found;
-    settings.enough = std::max(settings.enough, close_enough * variance);
-    const auto search = [&](const problem::Problem& problem, run::Chain& chain) {
-        found = fit(chain, problem, members, start, target, settings);
-    };
-    if (settings.on_coarse == nullptr) {
-        bench.chain(members, number, search);
-    } else {
-        const auto search_shifted = [&](const problem::Problem& problem, run::Chain& chain) {
-            ShiftedChain shifted_chain(problem, chain, *settings.on_coarse);
-            search(problem, shifted_chain);
-        };
-        bench.chain(members, number, search_shifted, Mesh::coarse);
-        if (found) {
-            found->mesh = Mesh::coarse;
-        }
+    bench.chain(
+        members, number,
+        [&](const problem::Problem& problem, run::Chain& chain) {
+            found = fit_as_needed(chain, problem, members, start, variance, target, settings);
+        },
+        mesh_of(settings));
+    return found;
+}
+
+std::vector<std::optional<Model>> fit_in_step(Workbench& bench, const Members& members, int first,
+                                              const std::vector<Start>& starts, double variance) {
+    std::vector<std::optional<Model>> found(starts.size());
+    if (starts.empty()) {
+        return found;
     }
+    bench.chains(
+        members, first, starts.size(),
+        [&](const problem::Problem& problem, std::size_t i, run::Chain& chain) {
+            const Start& own = starts[i];
+            found[i] = fit_as_needed(chain, problem, members, own.unit, variance, *own.target, own.settings);
+        },
+        mesh_of(starts[0].settings));
     return found;
 }
 

@@ -122,6 +122,10 @@ public:
     // One chain of evaluations, kept under this start number. False: interrupted.
     bool chain(const Members& members, int start, const std::function<void(const problem::Problem&, run::Chain&)>& body,
                Mesh mesh = Mesh::study);
+    // The same of several that go in step (run::Engine::chains), kept under start numbers from `first` on.
+    bool chains(const Members& members, int first, std::size_t count,
+                const std::function<void(const problem::Problem&, std::size_t i, run::Chain&)>& body,
+                Mesh mesh = Mesh::study);
 
     // Where the coarse mesh has no answer: the study's own in its place from here on.
     void give_up_coarse() { has_coarse_ = false; }
@@ -164,7 +168,16 @@ OnCoarse on_coarse(Workbench& bench, const Model& model, int number);
 // fit() in a chain of its own, kept under this number, as exact as a diagnosis needs; nothing: interrupted, too.
 // variance: of a residual.
 std::optional<Model> fit_from(Workbench& bench, const Members& members, int number, const std::vector<double>& start,
-                              double variance, const Target& target, FitSettings settings);
+                              double variance, const Target& target, const FitSettings& settings);
+// The same of several fits of one model that go in step, kept under numbers from `first` on; all are on the coarse mesh
+// (settings.on_coarse), or none is.
+struct Start {
+    std::vector<double> unit;
+    const Target* target = nullptr;
+    FitSettings settings{};
+};
+std::vector<std::optional<Model>> fit_in_step(Workbench& bench, const Members& members, int first,
+                                              const std::vector<Start>& starts, double variance);
 // Of a fit of which only the residuals are wanted: derivatives are saved near the minimum, where these of the start are
 // known everywhere. at_start: may be nullptr.
 FitSettings for_residuals(const problem::Evaluation* at_start, double variance);

@@ -27,7 +27,7 @@ def judged(kind, seed):
     return result
 
 
-@pytest.mark.parametrize("seed", (FIRST, FIRST + 1))
+@pytest.mark.parametrize("seed", (FIRST, pytest.param(FIRST + 1, marks=pytest.mark.long)))
 def test_a_hidden_effect_is_found(seed):
     found = judged("one", seed)
     assert found["names"][0] in found["causes"], f"{found['names']} is hidden: {found['verdict']} {found['causes']}"

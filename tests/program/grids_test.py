@@ -10,13 +10,15 @@ import pytest
 from support import *
 
 STUDIES = sorted((ROOT / "grids").glob("*.toml"))
+# Seconds each, of kinds of which there are others.
+SLOW = {"captif-p1-joint", "captif-p1-rlt", "captif-p1-unique-joint", "captif-p3", "captif-p4", "pulse-dual"}
 
 
 def test_there_are_studies():
     assert STUDIES
 
 
-@pytest.mark.parametrize("study", STUDIES, ids=lambda study: study.stem)
+@pytest.mark.parametrize("study", [pytest.param(s, marks=[pytest.mark.long] if s.stem in SLOW else [], id=s.stem) for s in STUDIES])
 def test_a_study_gives_what_it_says(study):
     done = run("forward", study, "--json")
     assert done.returncode == 0, f"{study.name}: {done.stderr}"

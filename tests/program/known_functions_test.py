@@ -60,6 +60,7 @@ print(json.dumps([found.verdict, found.minima[0].parameters]))
     assert verdict == "unique" and np.allclose([best["beta"], best["gamma"]], [0.45, 0.15], rtol=1e-4), (verdict, best)
 
 
+@pytest.mark.long
 def test_an_epidemic_whose_share_of_reports_is_not_known_has_a_valley():
     # With y = share I: (beta S)' = -(beta / share) (beta S) y and y' = (beta S - gamma) y, so that beta S(0), beta / share and gamma alone can be known
     # (Evans and others 2005, Mathematical Biosciences 197, 188): along the valley share grows as beta does, and S(0) falls.

@@ -213,6 +213,7 @@ def test_what_is_drawn_first_is_not_folded_away(browser):
         assert browser.evaluate(f"[null, true].includes(((document.querySelector('[data-chart={chart}]').closest('details')) || {{ open: null }}).open)"), f"{name}: its {chart} stand open"
 
 
+@pytest.mark.long
 def test_studies_are_compared_by_short_names(browser):
     other = folder / "the-same-but-rigid.toml"
     other.write_text(linear.read_text().replace('bottom = "half-space"', 'bottom = "rigid"').replace('name = "subgrade"\n', 'name = "subgrade"\nthickness_mm = 3000\n', 1))

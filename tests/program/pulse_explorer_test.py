@@ -56,6 +56,7 @@ def test_no_point_of_a_map_is_lower_than_the_fit(twin):
     assert lowest["lowest"][0]["misfit"] >= found["best"]["misfit"], "no point of a map is lower than the fit"
 
 
+@pytest.mark.long
 def test_a_linear_base_is_not_taken_for_another(twin):
     _, study, found = twin
     laws = {law["law"]: law for law in results("compare", study, "--layer", "base", "--laws", "linear,k-theta", "--explore", 24, "--verify", 2)["laws"]}

@@ -67,14 +67,18 @@ bool Investigation::hold_out() {
     const std::string key = d_.ledger.rows()[*d_.decision.model].hypothesis.key();
     const Target pull = d_.is_corrected() ? d_.location->pull : Target{};
     const LeftOutTask left_out{task_, d_, *d_.extended, pull, explored_};
-    d_.places = predict_left_out(left_out, task_.places, fold_number);
-    if (d_.places) {
-        d_.ledger.add(Ledger::Predicted{key, d_.places->before, d_.places->after});
-    }
+    std::vector<std::vector<Fold>> divisions{task_.places};
     if (task_.loads.size() > 1) {
-        d_.loads = predict_left_out(left_out, task_.loads, fold_number + 10 * static_cast<int>(task_.places.size()));
-        if (d_.loads) {
-            d_.ledger.add(Ledger::Predicted{key, d_.loads->before, d_.loads->after});
+        divisions.push_back(task_.loads);
+    }
+    auto held = predict_left_out(left_out, divisions, fold_number);
+    d_.places = std::move(held[0]);
+    if (held.size() > 1) {
+        d_.loads = std::move(held[1]);
+    }
+    for (const auto& predicted : {d_.places, d_.loads}) {
+        if (predicted) {
+            d_.ledger.add(Ledger::Predicted{key, predicted->before, predicted->after});
         }
     }
     return !run::interrupted();
