@@ -189,7 +189,8 @@ std::vector<Minimum> distinct_minima(const std::vector<run::Endpoint>& ends, con
 namespace {
 
 // The standard deviation of every residual, with what it says of the fit.
-Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem, LocalAnalysis& a) {
+Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem, double noise_factor,
+                         LocalAnalysis& a) {
     const auto readings = static_cast<Eigen::Index>(problem.readings());
     a.noise_is_stated = problem.noise_is_stated();
     const problem::Problem by_noise = problem.in_units_of_noise();
@@ -207,10 +208,8 @@ Eigen::VectorXd noise_of(const Minimum& minimum, const problem::Problem& problem
     a.expected_chi2 = goodness.expected;
     a.p_value = goodness.p_value;
     a.widened = a.p_value < contradicted;
-    if (a.widened) {
-        a.widening = std::sqrt(a.chi2 / goodness.expected);
-        noise.head(readings) *= a.widening;
-    }
+    a.widening = std::max(noise_factor, a.widened ? std::sqrt(a.chi2 / goodness.expected) : 1.0);
+    noise.head(readings) *= a.widening;
     a.noise = noise.head(readings).norm() / std::sqrt(static_cast<double>(readings));
     return noise;
 }
@@ -225,7 +224,7 @@ double LocalAnalysis::quantile() const {
                : gsl_cdf_tdist_Pinv(level, static_cast<double>(degrees_of_freedom));
 }
 
-LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
+LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem, double noise_factor) {
     LocalAnalysis a;
     Eigen::MatrixXd j = problem.information_jacobian(minimum.evaluation);
     Eigen::VectorXd residuals = problem.residuals(minimum.evaluation);
@@ -237,7 +236,7 @@ LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem) {
     const double infinity = std::numeric_limits<double>::infinity();
     a.standard_error.assign(minimum.unit.size(), infinity);
     a.weakest.assign(minimum.unit.size(), 0.0);
-    const Eigen::VectorXd noise = noise_of(minimum, problem, a);
+    const Eigen::VectorXd noise = noise_of(minimum, problem, noise_factor, a);
     // A parameter on a bound is no more known for that: it takes part like the others.
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(j, Eigen::ComputeThinU | Eigen::ComputeFullV);
     Eigen::VectorXd s = Eigen::VectorXd::Zero(n);

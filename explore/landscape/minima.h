@@ -101,6 +101,7 @@ struct LocalAnalysis {
     Eigen::VectorXd leverage{}; // of each residual: the share of it that parameters off their bounds follow (diagonal
                                 // of the hat matrix)
 };
-LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem);
+// noise_factor: as often larger than stated the noise is at least, by what else is known of it.
+LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem, double noise_factor = 1.0);
 
 } // namespace explore::landscape

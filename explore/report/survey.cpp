@@ -296,6 +296,7 @@ Json survey_json(const SurveyResult& result) {
                  {"temperature_curve",
                   result.reference_C ? Json(std::string(data::words_of(result.curve).name)) : Json(nullptr)},
                  {"repeatability", optional_json(result.repeatability)},
+                 {"noise_factor", result.noise_factor},
                  {"sections", sections_json(result)}};
     for (const StationResult& s : result.stations) {
         json["stations"].push_back(station_json(result, s));

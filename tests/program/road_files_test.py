@@ -72,6 +72,22 @@ def test_what_all_drops_share_does_not_fall_with_their_number():
     assert abs(width(with_shared) / wider - 1) < 0.05, (width(plain), width(with_shared), wider)
 
 
+def test_single_drops_that_scatter_more_than_sensors_are_taken_to_are_judged_together():
+    folder = workspace()
+    count = 60
+    rows, names, study, truths = made(folder, count, 1, 22)
+    own = random.Random(220)
+    first = next(i for i, name in enumerate(names) if name.startswith("D0"))
+    noisy = [[*row[:first], *(f"{float(um) * math.exp(own.gauss(0, 0.02)):.1f}" for um in row[first:])] for row in rows]
+    for readings, widened in ((rows, False), (noisy, True)):
+        found = answer("survey", written(folder / "single.csv", names, readings), study, folder)
+        stations = found["stations"]
+        all_held = sum((held(stations, truths, name) for name in stations[0]["parameters"]), [])
+        assert sum(all_held) / len(all_held) > 0.95 - 3.5 * math.sqrt(0.95 * 0.05 / count), sum(all_held)
+        assert (found["noise_factor"] > 1.3) == widened, found["noise_factor"]
+        assert any("sensors err more than that" in words for words in found["findings"]) == widened, found["findings"]
+
+
 def test_whole_hundredths_of_a_millimetre_are_an_error_of_their_own():
     folder = workspace()
     rows, names, study, truths = made(folder, 24, 0, 5)

@@ -2,6 +2,7 @@
 
 #include "analysis/survey/survey_lives.h"
 #include "analysis/survey/survey_network.h"
+#include "analysis/survey/survey_noise.h"
 #include "analysis/survey/survey_outputs.h"
 #include "analysis/survey/survey_road.h"
 #include "analysis/survey/survey_stations.h"
@@ -25,13 +26,16 @@ constexpr int searches = 4; // at each station: one bowl tells few parameters, a
 // Of chi2 / 2, that a step may still gain: moves no parameter by more than a seventh of its standard error.
 constexpr double enough = 1e-2;
 
-StationFit fit_of(const StationTask& task, const landscape::Minimum& best) {
-    StationFit fit = fit_at(task, best);
-    fit.local = landscape::analyse(best, task.problem);
+// With its ranges by noise that is so many times larger than it is taken, or more where this station's own misfit says
+// so.
+void set_ranges(const StationTask& task, double noise_factor, StationFit& fit) {
+    const landscape::Minimum& best = fit.best;
+    fit.local = landscape::analyse(best, task.problem, noise_factor);
     const landscape::LocalAnalysis& local = fit.local;
     fit.quantile = local.quantile();
     const landscape::HeldRanges held = landscape::held_ranges(task.problem, best, local);
     fit.held_by = held.limits;
+    fit.parameters.clear();
     const auto& axes = task.problem.space.axes;
     for (std::size_t k = 0; k < axes.size(); ++k) {
         fit.parameters.push_back(held.of(k)
@@ -39,7 +43,6 @@ StationFit fit_of(const StationTask& task, const landscape::Minimum& best) {
                                      : range_about(axes[k], best.unit[k], fit.quantile * local.standard_error[k]));
         fit.parameters[k].value = best.evaluation.parameters[k];
     }
-    return fit;
 }
 
 // All searches of a road.
@@ -101,7 +104,16 @@ private:
             const int free = problem.degrees_of_freedom(problem.space.axes.size());
             from_near.misfit_tolerance = 2.0 * enough / std::max(1, free);
         }
-        return fit(near, from_near) && fit(far, settings_.search);
+        if (!fit(near, from_near) || !fit(far, settings_.search)) {
+            return false;
+        }
+        result_.noise_factor = noise_factor(result_);
+        for (const StationTask& task : tasks_) {
+            if (result_.noise_factor > 1.0 && task.station->fit) {
+                set_ranges(task, result_.noise_factor, *task.station->fit);
+            }
+        }
+        return true;
     }
 
     bool fit(const std::vector<std::size_t>& numbers, const optimise::SearchSettings& how) {
@@ -134,7 +146,8 @@ private:
                 s.reason = why_none_[i];
                 return;
             }
-            s.fit = fit_of(tasks_[i], minima[0]);
+            s.fit = fit_at(tasks_[i], minima[0]);
+            set_ranges(tasks_[i], 1.0, *s.fit);
             s.fit->minima = minima.size();
             s.fit->starts = ends.size();
             if (const StationSearch& search = searches_[i]; search.by_network()) {

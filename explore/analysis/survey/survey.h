@@ -211,6 +211,7 @@ struct SurveyResult {
     std::optional<double> reference_C;
     data::TemperatureCurve curve = data::TemperatureCurve::fhwa;
     std::optional<double> repeatability; // of a reading, over the road
+    double noise_factor = 1.0;           // survey_noise.h
     std::vector<RoadSection> sections;
     std::vector<SensorResidual> residuals;    // by offset
     std::vector<LoadResidual> load_residuals; // by rising load; none: stations are fitted to one level

@@ -1,6 +1,7 @@
 #include "analysis/survey/survey_findings.h"
 
 #include "analysis/survey/survey_copies.h"
+#include "analysis/survey/survey_noise.h"
 #include "analysis/survey/survey_places.h"
 #include "analysis/survey/survey_rejected.h"
 #include "analysis/survey/survey_temperature.h"
@@ -89,11 +90,6 @@ bool is_often_met(const SurveyResult& result, const landscape::BoundMet& bound) 
 }
 
 // "the stated noise": of what the study states; else of what is taken.
-std::string_view noise_words(const SurveyResult& result) {
-    return result.study->data.states_noise() ? "the stated noise"
-                                             : "the noise of the readings (their repeats, 1 um and 1 % of a sensor)";
-}
-
 void add_fit(const SurveyResult& result, const StationResult& s, std::vector<std::string>& words) {
     const StationFit& fit = *s.fit;
     for (const landscape::BoundMet& bound : fit.best.on_bound) {
@@ -434,6 +430,9 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
         words.push_back(fmt::format(
             "Repeated drops repeat a reading within {:.1f} % (one standard deviation){}", 100.0 * *result.repeatability,
             *result.repeatability > noisy_share ? ", which is poor: sensors repeat within 1 to 2 %." : "."));
+    }
+    if (std::string noise = noise_factor_words(result); !noise.empty()) {
+        words.push_back(std::move(noise));
     }
     add_light(result, words);
     add_drops(result, words);
