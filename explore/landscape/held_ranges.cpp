@@ -140,8 +140,8 @@ HeldRanges held_ranges(const problem::Problem& problem, const Minimum& minimum, 
 }
 
 std::optional<HeldRange> held_range(const problem::Problem& problem, const Minimum& minimum, const LocalAnalysis& local,
-                                    const VectorXd& gradient) {
-    return Allowed(problem, minimum, local, false).range(gradient);
+                                    const VectorXd& gradient, bool bounds_count) {
+    return Allowed(problem, minimum, local, bounds_count).range(gradient);
 }
 
 } // namespace explore::landscape

@@ -31,8 +31,8 @@ HeldRanges held_ranges(const problem::Problem& problem, const Minimum& minimum, 
                        bool bounds_count = false);
 
 // The same of a quantity: how far it may move from its value at the minimum. gradient: by unit coordinates. Nothing: no
-// inequality changes it, or no noise is known.
+// inequality and no bound that counts changes it, or no noise is known.
 std::optional<HeldRange> held_range(const problem::Problem& problem, const Minimum& minimum, const LocalAnalysis& local,
-                                    const Eigen::VectorXd& gradient);
+                                    const Eigen::VectorXd& gradient, bool bounds_count = false);
 
 } // namespace explore::landscape

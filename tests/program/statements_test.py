@@ -155,6 +155,25 @@ def test_what_stays_open_beside_a_bound_is_in_the_first_sentence():
     assert f"does not determine {', '.join(wide)} and ends on a bound with" in fit["answer"], fit["answer"]
 
 
+def test_beside_a_bound_diagnose_has_the_ranges_of_the_walks():
+    study = folder / "at-bound" / "a.toml"
+    study.parent.mkdir()
+    assert run("new", study, "--linear").returncode == 0
+    u = answer("unique", study, "--explore", 32, "--verify", 4)
+    d = answer("diagnose", study)
+    assert any("base.modulus_MPa at its lower bound" in words for words in d["findings"]), "a case with a parameter on its bound"
+    walked = {p["name"]: (p["low"], p["high"]) for p in u["profiles"]}
+    # Values of the two differ in the third digit (layered theory, finite elements).
+    for name, (low, high) in walked.items():
+        own = d["baseline"]["parameters"][name]
+        assert all(abs(a - b) < 0.1 * (high - low) for a, b in ((own["low"], low), (own["high"], high))), f"{name}: {own}, walked {low} to {high}"
+    outputs = {o["name"]: o for o in d["outputs"]}
+    for o in u["outputs"]:
+        own = outputs[o["name"]]
+        assert all(abs(own[end] - o[end]) < 0.1 * (o["high"] - o["low"]) for end in ("low", "high")), f"{o['name']}: {own}, walked {o}"
+    assert not any("differ from the standard-error ranges" in words for words in u["findings"]), u["findings"]
+
+
 def test_fewer_starts_than_asked_for_are_said():
     said = answer("fit", plain, "--explore", 12, "--starts", 12)
     assert said["starts"] == 12 or any(f"{said['starts']} of the 12 starts" in s for s in said["findings"]), f"fewer starts: {said['starts']}"

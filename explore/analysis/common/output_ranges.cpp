@@ -382,6 +382,7 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
     const auto leads = static_cast<std::size_t>(std::max_element(shares.begin(), shares.end()) - shares.begin());
     const VectorXd of_mesh = mesh_errors(study, plain, *right_slopes, best, outputs, noise);
     const Right if_right = right_at(plain, right, best, others, outputs, noise);
+    const RangeAtBound at_bound(plain, unbounded, best, noise);
     constexpr double tail = 0.025;
     std::vector<OutputUncertainty> ranges;
     for (std::size_t o = 0; o < outputs.size(); ++o) {
@@ -395,7 +396,8 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
             deviations.push_back(std::hypot(std::min(farthest, larger * said.deviation[at]), of_mesh[at]));
         }
         const double value = best.responses[outputs[o]];
-        const auto [low, high] = range_if_right(if_right, at, std::abs(of_mesh[at]), tail);
+        auto [low, high] = range_if_right(if_right, at, std::abs(of_mesh[at]), tail);
+        at_bound.widen(at, value, std::abs(of_mesh[at]), low, high);
         const double below = diagnose::mixture_quantile(weights, means, deviations, tail);
         const double above = diagnose::mixture_quantile(weights, means, deviations, 1.0 - tail);
         OutputUncertainty range{.reading = outputs[o],

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "diagnose/model_average.h"
+#include "landscape/minima.h"
 #include "study/problems.h"
 
 #include <optional>
@@ -29,6 +30,22 @@ struct Right {
 };
 Right right_at(const problem::Problem& plain, const diagnose::Said& here, const problem::Evaluation& best,
                const std::vector<std::vector<double>>& others, const std::vector<std::size_t>& outputs, double noise);
+
+// On a bound the model gives way to one side, which Said leaves out: the range of an output with that, where it is
+// wider. unbounded: slopes at the point without hold_bounds().
+class RangeAtBound {
+public:
+    RangeAtBound(const problem::Problem& plain, const diagnose::Slopes& unbounded, const problem::Evaluation& best,
+                 double noise);
+    // value: of the output; mesh: error of ln|output|.
+    void widen(Eigen::Index output, double value, double mesh, double& low, double& high) const;
+
+private:
+    const problem::Problem& plain_;
+    const diagnose::Slopes& slopes_;
+    landscape::Minimum there_;
+    std::optional<landscape::LocalAnalysis> local_; // nothing: no bound is met
+};
 
 // 95 % of an output over all minima, by how probable each is; mesh: error of ln|output|. Where its sign is another at a
 // minimum, that minimum's own range is added.

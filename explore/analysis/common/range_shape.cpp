@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "landscape/held_ranges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,14 +62,16 @@ std::vector<std::optional<RangeShape>> range_shapes(const problem::Problem& prob
     }
     const landscape::Minimum& best = u.minima[0];
     const auto local = landscape::analyse(best, problem);
+    const auto held = landscape::held_ranges(problem, best, local, local.p_value >= landscape::contradicted);
     for (std::size_t k = 0; k < u.parameters.size(); ++k) {
         const problem::Axis& axis = problem.space.axes[k];
-        const double half = std::sqrt(u.acceptance->threshold) * local.standard_error[k];
+        const double deviation = std::sqrt(u.acceptance->threshold) * local.standard_error[k];
+        const double low = held.of(k) ? held.of(k)->low : std::max(0.0, best.unit[k] - deviation);
+        const double high = held.of(k) ? held.of(k)->high : std::min(1.0, best.unit[k] + deviation);
+        const double half = held.of(k) ? 0.5 * (high - low) : deviation;
         if (!std::isfinite(half) || half <= 0.0) {
             continue;
         }
-        const double low = std::max(0.0, best.unit[k] - half);
-        const double high = std::min(1.0, best.unit[k] + half);
         const double below = best.unit[k] - axis.unit(u.parameters[k].low);
         const double above = axis.unit(u.parameters[k].high) - best.unit[k];
         RangeShape shape{.gaussian_low = axis.physical(low),

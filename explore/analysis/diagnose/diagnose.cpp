@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "diagnose/evidence.h"
 #include "inference/quantiles.h"
+#include "landscape/held_ranges.h"
 #include "pavement/effects/effect.h"
 #include "pavement/layered.h"
 #include "study/candidates.h"
@@ -47,6 +48,19 @@ study::Study extended_by(const DiagnoseResult& result, const Members& members) {
                                         corrections);
 }
 
+// Where bounds or constraints hold the model back, as `fit` has it.
+landscape::HeldRanges held_ranges(const problem::Problem& problem, const diagnose::Model& model, double noise_factor) {
+    if (!problem.noise_is_stated()) {
+        return {};
+    }
+    landscape::Minimum there;
+    there.evaluation = model.evaluation;
+    there.unit = model.unit;
+    there.on_bound = landscape::bounds_met(model.unit);
+    const auto local = landscape::analyse(there, problem, noise_factor);
+    return landscape::held_ranges(problem, there, local, local.p_value >= landscape::contradicted);
+}
+
 DiagnosedModel model_of(const DiagnoseResult& result, diagnose::Workbench& bench, const Judged& judged) {
     DiagnosedModel m{.study = extended_by(result, judged.model.members),
                      .evaluation = judged.model.evaluation,
@@ -56,6 +70,8 @@ DiagnosedModel model_of(const DiagnoseResult& result, diagnose::Workbench& bench
     const Diagnosis& d = result.diagnosis;
     const bool is_corrected = !channels_of(result.channels, judged.model.members).empty();
     const std::size_t of_study = judged.model.unit.size() - judged.model.members.size();
+    const double larger = d.verdict() == diagnose::Verdict::adequate ? d.decision.noise_factor : 1.0;
+    const auto held = is_corrected ? landscape::HeldRanges() : held_ranges(*problem, judged.model, larger);
     for (std::size_t k = 0; k < judged.model.unit.size(); ++k) {
         if (is_corrected) {
             m.parameters.push_back(
@@ -65,8 +81,11 @@ DiagnosedModel model_of(const DiagnoseResult& result, diagnose::Workbench& bench
             m.parameters.push_back(
                 diagnose::interval_within(problem->space.axes[k], judged.model.unit[k],
                                           d.variance * covariance->diagonal()[static_cast<Eigen::Index>(k)]));
+        } else if (const auto range = held.of(k); range && k < of_study) {
+            const problem::Axis& axis = problem->space.axes[k];
+            m.parameters.push_back(
+                {axis.physical(judged.model.unit[k]), axis.physical(range->low), axis.physical(range->high)});
         } else {
-            const double larger = d.verdict() == diagnose::Verdict::adequate ? d.decision.noise_factor : 1.0;
             m.parameters.push_back(k < of_study
                                        ? diagnose::interval_of(*problem, judged.model, k, d.variance * larger * larger)
                                        : judged.sizes[k - of_study]);
