@@ -10,6 +10,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <numeric>
 
 namespace explore::report {
 namespace {
@@ -246,14 +247,21 @@ Answer sensitivity_answer(const SensitivityResult& s, const analysis::RunOptions
         }
         answer.rows.push_back(std::move(row));
     }
-    const auto first = static_cast<std::size_t>(std::max_element(leads.begin(), leads.end()) - leads.begin());
+    std::vector<std::size_t> order(axes.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return leads[a] > leads[b]; });
+    std::string others; // that lead somewhere
+    for (std::size_t i = 1; i < order.size() && leads[order[i]] > 0; ++i) {
+        others += fmt::format(", {} on {}", axes[order[i]].name, leads[order[i]]);
+    }
     const std::string over = is_global ? "within the ranges of the study" : "near the study's own values";
     answer.verdict = varying == 0 ? "No parameter moves any of these responses " + over + "."
                      : axes.size() == 1
                          ? fmt::format("{} moves {} of {} {}.", axes[0].name, varying,
                                        pave::counted(s.responses.size(), "response", "responses"), over)
-                         : fmt::format("{} has the largest influence on {} of {} {}.", axes[first].name, leads[first],
-                                       pave::counted(s.responses.size(), "response", "responses"), over);
+                         : fmt::format("{} has the largest influence on {} of {}{}{} {}.", axes[order[0]].name,
+                                       leads[order[0]], pave::counted(s.responses.size(), "response", "responses"),
+                                       others, others.empty() ? "" : ",", over);
     answer.heading = is_global ? "Share of the variance over these ranges, with interactions"
                                : "% of the response for 1 % of the parameter";
     std::vector<std::string> idle;
